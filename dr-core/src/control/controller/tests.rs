@@ -1,0 +1,258 @@
+extern crate std;
+
+use super::*;
+use crate::model::SelfHeatingConfig;
+use crate::model::mesh;
+use crate::sensor::Platinum;
+use std::vec::Vec;
+
+const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
+
+fn element() -> ElementConfig {
+    ElementConfig {
+        channel: Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), VOLT_PER_CODE, 3e-3, 16e-3).unwrap(),
+        limits: Limits {
+            resistance_min_ohm: 50.0,
+            resistance_max_ohm: 260.0,
+            temperature_max_c: 70.0,
+            code_max: 8_388_000,
+        },
+    }
+}
+
+fn model() -> SelfHeatingConfig {
+    SelfHeatingConfig {
+        mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
+        r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.0, 0.0, 0.0],
+        reference_c: -50.0,
+    }
+}
+
+/// The code of a resistor at a temperature while the given level is on.
+fn code(temperature_c: f32, high: bool) -> Reading {
+    let volt = 175.0 * (1.0 + 0.0031 * f64::from(temperature_c)) * if high { 16e-3 } else { 3e-3 };
+    Reading::Code((volt / f64::from(VOLT_PER_CODE)) as i32)
+}
+
+/// A controller of two elements with these drives, running.
+fn running(drives: [Drive; 2]) -> Controller<2> {
+    let mut controller = Controller::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
+    for (element_index, drive) in drives.into_iter().enumerate() {
+        let element_index = element_index as u8;
+        controller.handle(Command::Element { element: element_index, config: element() }).unwrap();
+        controller.handle(Command::Model { element: element_index, model: model() }).unwrap();
+        controller.handle(Command::Drive { element: element_index, drive }).unwrap();
+    }
+    controller.handle(Command::Start).unwrap();
+    controller
+}
+
+/// A first-order body per element: 600 K/W, 2 s.
+struct Body {
+    temperature_c: [f32; 2],
+    heaters: Heaters,
+}
+
+impl Body {
+    fn readings(&self) -> [Reading; 2] {
+        [0, 1].map(|i| code(self.temperature_c[i], self.heaters.is_high(i)))
+    }
+
+    fn live(&mut self, tick: &Tick<2>) {
+        self.heaters = tick.heaters;
+        for (temperature, power_w) in self.temperature_c.iter_mut().zip(tick.power_w) {
+            *temperature += 0.005 * (-50.0 + 600.0 * power_w - *temperature);
+        }
+    }
+}
+
+#[test]
+fn holds_a_temperature_and_reports_the_power_it_takes() {
+    let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
+    let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+    let (mut energy, mut heat) = (0.0, 0.0);
+    for n in 0..20_000 {
+        let tick = controller.tick(&body.readings());
+        if n >= 10_000 {
+            energy += f64::from(tick.power_w[0]);
+            heat += f64::from(tick.temperature_c[0]);
+        }
+        body.live(&tick);
+    }
+    // one tick at full power moves this light body by 0.12 K; the mean lies well inside
+    assert!((heat / 10_000.0 + 30.0).abs() < 0.06, "{}", heat / 10_000.0);
+    // 20 K over 600 K/W, less what the mean temperature is off
+    assert!((energy / 10_000.0 - 20.0 / 600.0).abs() < 1e-4);
+    assert!((body.temperature_c[1] + 49.1).abs() < 0.1, "the low level warms a passive element by 0.9 K");
+}
+
+#[test]
+fn power_is_that_of_the_level_just_decided() {
+    let mut controller = running([Drive::Level(Level::High), Drive::Passive]);
+    let tick = controller.tick(&[code(0.0, false), code(0.0, false)]);
+    assert_eq!(tick.heaters, Heaters(0b01));
+    // codes are truncated: up to one in 10⁶ of the resistance at the low level
+    assert!((tick.power_w[0] - 0.0448).abs() < 1e-7 && (tick.power_w[1] - 0.001575).abs() < 1e-8);
+}
+
+#[test]
+fn every_fault_trips_within_its_tick_and_stays() {
+    for (bad, cause) in [
+        (Reading::Code(8_388_607), Cause::Open),
+        (Reading::Code(3), Cause::Short),
+        (Reading::Code(-8_388_608), Cause::OutOfRange),
+        (code(80.0, true), Cause::OverTemperature),
+    ] {
+        let mut controller = running([Drive::Level(Level::High), Drive::Level(Level::High)]);
+        assert_eq!(controller.tick(&[code(0.0, false); 2]).heaters, Heaters(0b11));
+        let tick = controller.tick(&[code(0.0, true), bad]);
+        assert_eq!(tick.heaters, Heaters(0), "{cause:?}");
+        assert_eq!(tick.trip, Some(Trip { cause, element: 1 }));
+        let later = controller.tick(&[code(0.0, false); 2]);
+        assert_eq!((later.heaters, later.trip), (Heaters(0), None));
+        assert_eq!(later.state, RunState::Tripped(Trip { cause, element: 1 }));
+        assert_eq!(controller.handle(Command::Start), Err(Refusal::Tripped(Trip { cause, element: 1 })));
+        controller.handle(Command::Acknowledge).unwrap();
+        controller.handle(Command::Start).unwrap();
+        assert_eq!(controller.tick(&[code(0.0, false); 2]).heaters, Heaters(0b11));
+    }
+}
+
+#[test]
+fn a_fault_in_standby_trips_too() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    assert!(matches!(controller.tick(&[Reading::Code(0), code(0.0, false)]).state, RunState::Tripped(_)));
+}
+
+#[test]
+fn a_missing_reading_is_borne_at_the_low_level_only_so_long() {
+    for (absent, cause) in [(Reading::Missing, Cause::Missing), (Reading::Stale, Cause::Stale)] {
+        let mut controller = running([Drive::Level(Level::High), Drive::Level(Level::High)]);
+        let first = controller.tick(&[code(5.0, false); 2]);
+        let gap = controller.tick(&[absent, code(5.0, true)]);
+        assert_eq!((gap.heaters, gap.valid, gap.state), (Heaters(0b10), 0b10, RunState::Running));
+        assert_eq!(gap.temperature_c[0], first.temperature_c[0]);
+        let back = controller.tick(&[code(5.0, false), code(5.0, true)]);
+        assert_eq!(back.heaters, Heaters(0b11));
+        controller.tick(&[absent, code(5.0, true)]);
+        assert_eq!(controller.tick(&[absent, code(5.0, true)]).trip, Some(Trip { cause, element: 0 }));
+    }
+}
+
+#[test]
+fn a_set_point_that_is_never_met_trips_in_the_end() {
+    let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 50 })).unwrap();
+    controller.handle(Command::Start).unwrap();
+    let mut ticks = 0;
+    let trip = loop {
+        let high = ticks > 0;
+        let tick = controller.tick(&[code(-40.0, high), code(-40.0, false)]);
+        ticks += 1;
+        if tick.trip.is_some() {
+            break tick.trip;
+        }
+        assert!(ticks < 100);
+    };
+    assert_eq!(trip, Some(Trip { cause: Cause::Unreachable, element: 0 }));
+    // the first tick changes the level, then 50 are borne
+    assert_eq!(ticks, 52);
+}
+
+#[test]
+fn unreachable_set_points_are_refused_by_the_model() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    for target_c in [-49.9, 20.0] {
+        let refusal =
+            controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c } }).unwrap_err();
+        assert!(matches!(refusal, Refusal::Unreachable { element: 0, .. }), "{refusal}");
+    }
+    controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: -30.0 } }).unwrap();
+}
+
+#[test]
+fn a_model_loaded_after_the_drive_is_asked_at_the_start() {
+    let mut controller = Controller::<1>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
+    controller.handle(Command::Element { element: 0, config: element() }).unwrap();
+    controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: 20.0 } }).unwrap();
+    controller.handle(Command::Model { element: 0, model: model() }).unwrap();
+    assert!(matches!(controller.handle(Command::Start), Err(Refusal::Unreachable { .. })));
+    assert_eq!(controller.state(), RunState::Standby);
+}
+
+#[test]
+fn a_refused_command_changes_nothing() {
+    let controller = running([Drive::Passive, Drive::Passive]);
+    let bad = [
+        Command::Clear,
+        Command::SamplePeriod { sample_period_s: 0.1 },
+        Command::Guard(GuardConfig::default()),
+        Command::Element { element: 0, config: element() },
+        Command::Model { element: 0, model: model() },
+        Command::Drive { element: 2, drive: Drive::Passive },
+        Command::Drive { element: 0, drive: Drive::Power { power_w: 5.0 } },
+        Command::Drive { element: 0, drive: Drive::Temperature { target_c: f32::NAN } },
+        Command::Start,
+        Command::Acknowledge,
+    ];
+    for command in bad {
+        let mut asked = controller;
+        let refusal = asked.handle(command).unwrap_err();
+        assert_eq!(asked, controller, "{command:?}: {refusal}");
+    }
+}
+
+#[test]
+fn names_what_has_to_come_first() {
+    let mut controller = Controller::<1>::new();
+    assert_eq!(controller.handle(Command::Start), Err(Refusal::NoSamplePeriod));
+    assert_eq!(
+        controller.handle(Command::Drive { element: 0, drive: Drive::Passive }),
+        Err(Refusal::NotConfigured { element: 0 })
+    );
+    assert_eq!(controller.handle(Command::Model { element: 0, model: model() }), Err(Refusal::NoSamplePeriod));
+    assert_eq!(
+        controller.handle(Command::Element { element: 1, config: element() }),
+        Err(Refusal::NoSuchElement { element: 1 })
+    );
+}
+
+#[test]
+fn its_model_follows_the_power() {
+    let mut controller = running([Drive::Level(Level::High), Drive::Passive]);
+    for n in 0..200_000 {
+        controller.tick(&[code(-30.0, n > 0), code(-50.0, false)]);
+    }
+    // 2000 s of 40.6 mW into 628 K/W; six slowest time constants leave 0.25 %
+    let expected_k = 628.0 * 0.016 * 0.016 * 175.0 * (1.0 - 0.0031 * 30.0);
+    let rise_k = controller.model_temperature_c(0).unwrap() + 50.0;
+    assert!((rise_k / expected_k - 1.0).abs() < 3e-3, "{rise_k} {expected_k}");
+}
+
+#[test]
+fn two_runs_of_the_same_experiment_are_the_same_run() {
+    let drives = [
+        Drive::Prbs { order: 9, seed: 5, ticks_per_bit: 3 },
+        Drive::Setpoints { low_c: -40.0, high_c: -35.0, dwell_ticks: 7, seed: 11 },
+    ];
+    let mut controller = running(drives);
+    let mut digests = Vec::new();
+    for _ in 0..2 {
+        let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+        let mut digest = Digest::default();
+        for _ in 0..1000 {
+            let tick = controller.tick(&body.readings());
+            controller.fold(&tick, &mut digest);
+            body.live(&tick);
+        }
+        digests.push(digest.value());
+        controller.handle(Command::Stop).unwrap();
+        controller.tick(&body.readings());
+        controller.handle(Command::Start).unwrap();
+    }
+    assert_eq!(digests[0], digests[1]);
+}

@@ -1,0 +1,275 @@
+//! What one element does with its heater, tick by tick.
+//!
+//! | drive | decision at t_n | experiment of the thesis |
+//! |---|---|---|
+//! | `Passive` | low: it only senses | passive dice, reference element |
+//! | `Level` | constant current | CCA, constant-current anemometry |
+//! | `Power` | first-order sigma-delta on the wanted mean power | CPA, constant power |
+//! | `Temperature` | high if T_n < target, else low (thermal sigma-delta) | CTA, constant temperature |
+//! | `Prbs` | next bit of a pseudo-random sequence | open-loop identification |
+//! | `Setpoints` | as `Temperature`, the target drawn anew every dwell | identification of the boom |
+//!
+//! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the power it takes.
+
+use crate::error::{self, ConfigError, Parameter};
+use crate::sensor::{Level, Platinum};
+use crate::signal::{Prbs, SigmaDelta};
+
+/// Length of the register that draws random set-points. 2³¹ − 1 draws do not repeat in an instrument's life.
+const SETPOINT_REGISTER: u8 = 31;
+
+/// Bits drawn for one set-point: a range of 17 °C comes in steps of 0.26 mK, under any reading's noise.
+const SETPOINT_BITS: u32 = 16;
+
+/// An element's drive.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Drive {
+    /// Senses at the low current.
+    #[default]
+    Passive,
+    /// Holds one level.
+    Level(Level),
+    /// Constant mean power by an open-loop sigma-delta between the levels.
+    Power {
+        /// Mean power, W.
+        power_w: f32,
+    },
+    /// Constant temperature by the thermal sigma-delta loop.
+    Temperature {
+        /// Set-point, °C.
+        target_c: f32,
+    },
+    /// Pseudo-random levels.
+    Prbs {
+        /// Register length n, 2 … 32.
+        order: u8,
+        /// Where the register starts; not all ones.
+        seed: u32,
+        /// Ticks that one bit lasts, at least 1.
+        ticks_per_bit: u32,
+    },
+    /// Random set-points of constant temperature.
+    Setpoints {
+        /// Lowest set-point, °C.
+        low_c: f32,
+        /// Highest set-point, °C.
+        high_c: f32,
+        /// Ticks that one set-point lasts, at least 1.
+        dwell_ticks: u32,
+        /// Where the drawing register starts.
+        seed: u32,
+    },
+}
+
+/// What a drive decides by in one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveInput {
+    /// The element's temperature, °C.
+    pub temperature_c: f32,
+    /// What the low level would give off now, W.
+    pub power_low_w: f32,
+    /// What the high level would give off now, W.
+    pub power_high_w: f32,
+}
+
+/// What a drive remembers between ticks. Which fields are in use depends on the drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveState {
+    /// Modulator of `Power`.
+    pub modulator: SigmaDelta,
+    /// Register of `Prbs` and `Setpoints`.
+    pub register: Option<Prbs>,
+    /// Ticks left of the bit or the dwell.
+    pub ticks_left: u32,
+    /// The bit or the set-point in force.
+    pub level: Level,
+    /// The set-point in force, °C.
+    pub target_c: f32,
+}
+
+impl Default for DriveState {
+    fn default() -> Self {
+        Self { modulator: SigmaDelta::default(), register: None, ticks_left: 0, level: Level::Low, target_c: 0.0 }
+    }
+}
+
+impl Drive {
+    /// Checks the drive's numbers against the resistor that it will heat and gives the state it starts from.
+    ///
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn start(&self, platinum: &Platinum) -> Result<DriveState, ConfigError> {
+        let (coldest_c, hottest_c) = platinum.range_c();
+        let state = DriveState::default();
+        Ok(match *self {
+            Self::Passive | Self::Level(_) => state,
+            Self::Power { power_w } => {
+                error::positive(Parameter::PowerW, power_w)?;
+                state
+            }
+            Self::Temperature { target_c } => {
+                DriveState { target_c: error::within(Parameter::TargetC, target_c, coldest_c, hottest_c)?, ..state }
+            }
+            Self::Prbs { order, seed, ticks_per_bit } => {
+                at_least_one(Parameter::TicksPerBit, ticks_per_bit)?;
+                DriveState { register: Some(Prbs::new(order, seed)?), ..state }
+            }
+            Self::Setpoints { low_c, high_c, dwell_ticks, seed } => {
+                error::within(Parameter::LowC, low_c, coldest_c, hottest_c)?;
+                error::within(Parameter::HighC, high_c, coldest_c, hottest_c)?;
+                error::ascending((Parameter::LowC, low_c), (Parameter::HighC, high_c))?;
+                at_least_one(Parameter::DwellTicks, dwell_ticks)?;
+                DriveState { register: Some(Prbs::new(SETPOINT_REGISTER, seed)?), target_c: low_c, ..state }
+            }
+        })
+    }
+
+    /// The level to hold until the next tick.
+    pub fn step(&self, state: &mut DriveState, input: &DriveInput) -> Level {
+        match *self {
+            Self::Passive => Level::Low,
+            Self::Level(level) => level,
+            Self::Power { power_w } => {
+                let share = (power_w - input.power_low_w) / (input.power_high_w - input.power_low_w);
+                // R(T) moves the levels: a power that was in reach may leave it. Then the nearest level is all there is,
+                // and the guard counts how long.
+                if share <= 0.0 {
+                    Level::Low
+                } else if share >= 1.0 {
+                    Level::High
+                } else {
+                    level(state.modulator.step(share))
+                }
+            }
+            Self::Temperature { target_c } => level(input.temperature_c < target_c),
+            Self::Prbs { ticks_per_bit, .. } => {
+                if let (0, Some(register)) = (state.ticks_left, &mut state.register) {
+                    state.level = level(register.step());
+                    state.ticks_left = ticks_per_bit;
+                }
+                state.ticks_left -= u32::from(state.ticks_left > 0);
+                state.level
+            }
+            Self::Setpoints { low_c, high_c, dwell_ticks, .. } => {
+                if let (0, Some(register)) = (state.ticks_left, &mut state.register) {
+                    let word = (0..SETPOINT_BITS).fold(0_u32, |word, _| word << 1 | u32::from(register.step()));
+                    let share = word as f32 / ((1_u32 << SETPOINT_BITS) - 1) as f32;
+                    state.target_c = low_c + share * (high_c - low_c);
+                    state.ticks_left = dwell_ticks;
+                }
+                state.ticks_left -= u32::from(state.ticks_left > 0);
+                level(input.temperature_c < state.target_c)
+            }
+        }
+    }
+
+    /// The highest and lowest set-point that the drive will ask for, °C, if it holds a temperature.
+    pub const fn target_range_c(&self) -> Option<(f32, f32)> {
+        match *self {
+            Self::Temperature { target_c } => Some((target_c, target_c)),
+            Self::Setpoints { low_c, high_c, .. } => Some((low_c, high_c)),
+            _ => None,
+        }
+    }
+
+    /// Whether the drive promises a mean that it may miss: then a level that never changes is news.
+    pub const fn regulates(&self) -> bool {
+        matches!(self, Self::Temperature { .. } | Self::Setpoints { .. } | Self::Power { .. })
+    }
+}
+
+const fn level(high: bool) -> Level {
+    if high { Level::High } else { Level::Low }
+}
+
+fn at_least_one(parameter: Parameter, value: u32) -> Result<(), ConfigError> {
+    if value > 0 { Ok(()) } else { Err(ConfigError { parameter, problem: crate::error::Problem::NotPositive }) }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    fn platinum() -> Platinum {
+        Platinum::linear(175.0, 0.0031).unwrap()
+    }
+
+    fn at(temperature_c: f32) -> DriveInput {
+        DriveInput { temperature_c, power_low_w: 0.0015, power_high_w: 0.0415 }
+    }
+
+    fn levels(drive: Drive, ticks: usize) -> Vec<bool> {
+        let mut state = drive.start(&platinum()).unwrap();
+        (0..ticks).map(|_| drive.step(&mut state, &at(0.0)) == Level::High).collect()
+    }
+
+    #[test]
+    fn power_has_the_wanted_mean() {
+        let bits = levels(Drive::Power { power_w: 0.0115 }, 1000);
+        // a quarter of the way between the levels, within one bit
+        assert!(bits.iter().filter(|&&high| high).count().abs_diff(250) <= 1);
+    }
+
+    #[test]
+    fn power_out_of_reach_keeps_the_nearest_level() {
+        assert!(levels(Drive::Power { power_w: 0.05 }, 100).iter().all(|&high| high));
+        assert!(!levels(Drive::Power { power_w: 0.001 }, 100).iter().any(|&high| high));
+    }
+
+    #[test]
+    fn temperature_heats_only_below_its_target() {
+        let drive = Drive::Temperature { target_c: -20.0 };
+        let mut state = drive.start(&platinum()).unwrap();
+        assert_eq!(drive.step(&mut state, &at(-20.001)), Level::High);
+        // on the target counts as warm enough, thesis section 2.3
+        assert_eq!(drive.step(&mut state, &at(-20.0)), Level::Low);
+    }
+
+    #[test]
+    fn prbs_holds_each_bit_for_its_ticks() {
+        let bits = levels(Drive::Prbs { order: 5, seed: 3, ticks_per_bit: 4 }, 31 * 4 * 2);
+        let mut reference = Prbs::new(5, 3).unwrap();
+        for chunk in bits.chunks(4) {
+            let bit = reference.step();
+            assert!(chunk.iter().all(|&high| high == bit));
+        }
+        assert_eq!(bits[..124], bits[124..]);
+    }
+
+    #[test]
+    fn set_points_dwell_and_fill_their_range() {
+        let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 3, seed: 99 };
+        let mut state = drive.start(&platinum()).unwrap();
+        let targets: Vec<f32> = (0..3000)
+            .map(|_| {
+                drive.step(&mut state, &at(20.0));
+                state.target_c
+            })
+            .collect();
+        assert!(targets.chunks(3).all(|dwell| dwell.iter().all(|target| target == &dwell[0])));
+        let mean = targets.iter().sum::<f32>() / 3000.0;
+        // 1000 uniform draws over 20 K: the mean has a standard error of 0.18 K
+        assert!((mean - 20.0).abs() < 0.7, "{mean}");
+        let (least, most) = targets.iter().fold((f32::MAX, f32::MIN), |(a, b), &t| (a.min(t), b.max(t)));
+        assert!((10.0..10.2).contains(&least) && (29.8..=30.0).contains(&most));
+    }
+
+    #[test]
+    fn refuses_numbers_that_mean_nothing() {
+        let refused = |drive: Drive| drive.start(&platinum()).unwrap_err().parameter;
+        assert_eq!(refused(Drive::Power { power_w: -1.0 }), Parameter::PowerW);
+        assert_eq!(refused(Drive::Power { power_w: f32::NAN }), Parameter::PowerW);
+        assert_eq!(refused(Drive::Temperature { target_c: f32::NAN }), Parameter::TargetC);
+        assert_eq!(refused(Drive::Temperature { target_c: 1e4 }), Parameter::TargetC);
+        assert_eq!(refused(Drive::Prbs { order: 10, seed: 1, ticks_per_bit: 0 }), Parameter::TicksPerBit);
+        assert_eq!(refused(Drive::Prbs { order: 10, seed: 1023, ticks_per_bit: 1 }), Parameter::PrbsSeed);
+        assert_eq!(refused(Drive::Setpoints { low_c: 5.0, high_c: 5.0, dwell_ticks: 1, seed: 0 }), Parameter::HighC);
+        assert_eq!(
+            refused(Drive::Setpoints { low_c: 5.0, high_c: 6.0, dwell_ticks: 0, seed: 0 }),
+            Parameter::DwellTicks
+        );
+    }
+}

@@ -1,0 +1,210 @@
+//! The guard: what a reading must be like for a heater to be allowed on.
+//!
+//! | cause | when | after |
+//! |---|---|---|
+//! | `Open` | code at the ADC's upper end, or resistance above its limit | 1 tick |
+//! | `Short` | resistance below its limit | 1 tick |
+//! | `OutOfRange` | code at the ADC's lower end | 1 tick |
+//! | `OverTemperature` | temperature above its limit | 1 tick |
+//! | `NonFinite` | a number inside is not one | 1 tick |
+//! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
+//! | `Unreachable` | a regulating drive has asked for one level all the time | `unreachable_limit_ticks` |
+//!
+//! A trip is latched by the controller until it is acknowledged.
+
+use crate::error::{self, ConfigError, Parameter};
+use crate::sensor::{Channel, Level, Reading};
+
+/// Why the heaters went off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[allow(missing_docs)] // the table above is the documentation
+pub enum Cause {
+    Open,
+    Short,
+    OutOfRange,
+    OverTemperature,
+    NonFinite,
+    Missing,
+    Stale,
+    Unreachable,
+}
+
+impl Cause {
+    /// The name in recordings and logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Short => "short",
+            Self::OutOfRange => "out-of-range",
+            Self::OverTemperature => "over-temperature",
+            Self::NonFinite => "non-finite",
+            Self::Missing => "missing",
+            Self::Stale => "stale",
+            Self::Unreachable => "unreachable",
+        }
+    }
+}
+
+/// A trip: its cause and the element that showed it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Trip {
+    /// Why.
+    pub cause: Cause,
+    /// Which element, from 0.
+    pub element: u8,
+}
+
+/// What is plausible for one element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limits {
+    /// Below it the resistor counts as shorted, Ω.
+    pub resistance_min_ohm: f32,
+    /// Above it the resistor counts as open, Ω.
+    pub resistance_max_ohm: f32,
+    /// Above it the element is too hot, °C.
+    pub temperature_max_c: f32,
+    /// Codes from here up (or from its negative down) are the ends of the ADC's range, not readings.
+    pub code_max: i32,
+}
+
+impl Limits {
+    /// The limits, if they make sense.
+    ///
+    /// # Errors
+    /// Names the limit that is not finite, not positive, or not above its counterpart.
+    pub fn checked(self) -> Result<Self, ConfigError> {
+        error::positive(Parameter::ResistanceMinOhm, self.resistance_min_ohm)?;
+        error::ascending(
+            (Parameter::ResistanceMinOhm, self.resistance_min_ohm),
+            (Parameter::ResistanceMaxOhm, self.resistance_max_ohm),
+        )?;
+        error::finite(Parameter::TemperatureMaxC, self.temperature_max_c)?;
+        error::within(Parameter::CodeMax, self.code_max as f32, 1.0, 8_388_607.0)?;
+        Ok(self)
+    }
+}
+
+/// How long the controller is patient, in ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GuardConfig {
+    /// Ticks in a row without a fresh reading that are borne; one more trips.
+    pub missing_limit_ticks: u32,
+    /// Ticks in a row that a regulating drive may ask for the same level; one more trips.
+    pub unreachable_limit_ticks: u32,
+}
+
+impl Default for GuardConfig {
+    /// Strict about readings; patient for the better part of an hour at 100 Hz about set-points.
+    fn default() -> Self {
+        Self { missing_limit_ticks: 1, unreachable_limit_ticks: 200_000 }
+    }
+}
+
+/// What became of a reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Judgement {
+    /// It can be acted upon.
+    Good {
+        /// Resistance, Ω.
+        resistance_ohm: f32,
+        /// Temperature, °C.
+        temperature_c: f32,
+    },
+    /// There is none: borne for a while, at the low level.
+    Absent(Cause),
+    /// It must not be acted upon: trip.
+    Bad(Cause),
+}
+
+/// Judges one reading that was taken while `level` was on.
+pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level) -> Judgement {
+    let code = match reading {
+        Reading::Code(code) => code,
+        Reading::Stale => return Judgement::Absent(Cause::Stale),
+        Reading::Missing => return Judgement::Absent(Cause::Missing),
+    };
+    if code >= limits.code_max {
+        return Judgement::Bad(Cause::Open);
+    }
+    if code <= -limits.code_max {
+        return Judgement::Bad(Cause::OutOfRange);
+    }
+    let resistance_ohm = channel.resistance_ohm(code, level);
+    if resistance_ohm > limits.resistance_max_ohm {
+        return Judgement::Bad(Cause::Open);
+    }
+    if resistance_ohm < limits.resistance_min_ohm {
+        return Judgement::Bad(Cause::Short);
+    }
+    let temperature_c = channel.platinum().temperature_c(resistance_ohm);
+    if !temperature_c.is_finite() {
+        Judgement::Bad(Cause::NonFinite)
+    } else if temperature_c > limits.temperature_max_c {
+        Judgement::Bad(Cause::OverTemperature)
+    } else {
+        Judgement::Good { resistance_ohm, temperature_c }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::Platinum;
+
+    const LIMITS: Limits =
+        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+
+    fn verdict(reading: Reading, level: Level) -> Judgement {
+        let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
+        judge(&LIMITS, &channel, reading, level)
+    }
+
+    fn code(resistance_ohm: f64, level: Level) -> Reading {
+        let current_a = if level == Level::High { 16e-3 } else { 3e-3 };
+        Reading::Code((resistance_ohm * current_a / 4.0 * 8_388_608.0) as i32)
+    }
+
+    #[test]
+    fn a_plausible_reading_passes_at_either_level() {
+        for level in [Level::Low, Level::High] {
+            match verdict(code(175.0, level), level) {
+                Judgement::Good { temperature_c, .. } => assert!(temperature_c.abs() < 1e-3),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn every_electrical_fault_has_its_cause() {
+        let low = Level::Low;
+        assert_eq!(verdict(Reading::Code(8_388_607), low), Judgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(300.0, low), low), Judgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(0.1, low), low), Judgement::Bad(Cause::Short));
+        assert_eq!(verdict(Reading::Code(-1000), low), Judgement::Bad(Cause::Short));
+        assert_eq!(verdict(Reading::Code(-8_388_608), low), Judgement::Bad(Cause::OutOfRange));
+        // 215 Ω is 73.7 °C
+        assert_eq!(verdict(code(215.0, low), low), Judgement::Bad(Cause::OverTemperature));
+        assert_eq!(verdict(Reading::Stale, low), Judgement::Absent(Cause::Stale));
+        assert_eq!(verdict(Reading::Missing, low), Judgement::Absent(Cause::Missing));
+    }
+
+    #[test]
+    fn a_reading_at_the_wrong_level_is_no_reading() {
+        // A high current taken for the low one looks five times too resistive: seen as open, not as hot.
+        assert_eq!(verdict(code(162.0, Level::High), Level::Low), Judgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(162.0, Level::Low), Level::High), Judgement::Bad(Cause::Short));
+    }
+
+    #[test]
+    fn refuses_limits_that_exclude_everything() {
+        let refused = |limits: Limits| limits.checked().unwrap_err().parameter;
+        assert_eq!(refused(Limits { resistance_max_ohm: 40.0, ..LIMITS }), Parameter::ResistanceMaxOhm);
+        assert_eq!(refused(Limits { resistance_min_ohm: f32::NAN, ..LIMITS }), Parameter::ResistanceMinOhm);
+        assert_eq!(refused(Limits { temperature_max_c: f32::NAN, ..LIMITS }), Parameter::TemperatureMaxC);
+        assert_eq!(refused(Limits { code_max: 0, ..LIMITS }), Parameter::CodeMax);
+    }
+}

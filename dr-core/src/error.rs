@@ -1,0 +1,143 @@
+//! Why a configuration was refused: which parameter, and what would have been right.
+//!
+//! The error is plain data, so that the board can send it as it stands and the host can word it.
+
+use core::fmt;
+
+/// A parameter of a configuration, by the name that users see.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[allow(missing_docs)] // the names are the documentation
+pub enum Parameter {
+    Resistance0cOhm,
+    CoefficientPerC,
+    VoltPerCode,
+    CurrentLowA,
+    CurrentHighA,
+    ResistanceMinOhm,
+    ResistanceMaxOhm,
+    TemperatureMaxC,
+    CodeMax,
+    RateRadS,
+    SamplePeriodS,
+    ResistanceKPerW,
+    ReferenceC,
+    PrbsOrder,
+    PrbsSeed,
+    TicksPerBit,
+    TargetC,
+    PowerW,
+    LowC,
+    HighC,
+    DwellTicks,
+    DecimatorRatio,
+    MissingLimitTicks,
+    UnreachableLimitTicks,
+}
+
+impl Parameter {
+    /// The name in the files and on the wire, unit included.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Resistance0cOhm => "resistance_0c_ohm",
+            Self::CoefficientPerC => "coefficient_per_c",
+            Self::VoltPerCode => "volt_per_code",
+            Self::CurrentLowA => "current_low_a",
+            Self::CurrentHighA => "current_high_a",
+            Self::ResistanceMinOhm => "resistance_min_ohm",
+            Self::ResistanceMaxOhm => "resistance_max_ohm",
+            Self::TemperatureMaxC => "temperature_max_c",
+            Self::CodeMax => "code_max",
+            Self::RateRadS => "rate_rad_s",
+            Self::SamplePeriodS => "sample_period_s",
+            Self::ResistanceKPerW => "r_k_per_w",
+            Self::ReferenceC => "reference_c",
+            Self::PrbsOrder => "order",
+            Self::PrbsSeed => "seed",
+            Self::TicksPerBit => "ticks_per_bit",
+            Self::TargetC => "temperature_c",
+            Self::PowerW => "power_w",
+            Self::LowC => "low_c",
+            Self::HighC => "high_c",
+            Self::DwellTicks => "dwell_ticks",
+            Self::DecimatorRatio => "ratio",
+            Self::MissingLimitTicks => "missing_limit_ticks",
+            Self::UnreachableLimitTicks => "unreachable_limit_ticks",
+        }
+    }
+}
+
+/// What is wrong with a value, said as what would be right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Problem {
+    /// NaN or infinite.
+    NotFinite,
+    /// Zero or negative where only positive values make sense.
+    NotPositive,
+    /// Outside a closed interval.
+    OutOfRange {
+        /// Least value that is accepted.
+        least: f32,
+        /// Greatest value that is accepted.
+        most: f32,
+    },
+    /// Not greater than the value before it (mesh rates, low and high of a pair).
+    NotAscending,
+    /// The all-ones word is the state from which a register with XNOR feedback never moves.
+    LockUp,
+}
+
+/// A refused configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ConfigError {
+    /// Which parameter.
+    pub parameter: Parameter,
+    /// What is wrong with it.
+    pub problem: Problem,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.parameter.name();
+        match self.problem {
+            Problem::NotFinite => write!(f, "`{name}` must be a finite number"),
+            Problem::NotPositive => write!(f, "`{name}` must be greater than zero"),
+            Problem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
+            Problem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
+            Problem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// The value, if it is finite.
+pub(crate) fn finite(parameter: Parameter, value: f32) -> Result<f32, ConfigError> {
+    if value.is_finite() { Ok(value) } else { Err(ConfigError { parameter, problem: Problem::NotFinite }) }
+}
+
+/// The value, if it is finite and greater than zero.
+pub(crate) fn positive(parameter: Parameter, value: f32) -> Result<f32, ConfigError> {
+    if finite(parameter, value)? > 0.0 {
+        Ok(value)
+    } else {
+        Err(ConfigError { parameter, problem: Problem::NotPositive })
+    }
+}
+
+/// The value, if it is finite and between the bounds, which are included.
+pub(crate) fn within(parameter: Parameter, value: f32, least: f32, most: f32) -> Result<f32, ConfigError> {
+    if (least..=most).contains(&finite(parameter, value)?) {
+        Ok(value)
+    } else {
+        Err(ConfigError { parameter, problem: Problem::OutOfRange { least, most } })
+    }
+}
+
+/// The pair, if both are finite and the second is the greater.
+pub(crate) fn ascending(first: (Parameter, f32), second: (Parameter, f32)) -> Result<(f32, f32), ConfigError> {
+    let (low, high) = (finite(first.0, first.1)?, finite(second.0, second.1)?);
+    if low < high { Ok((low, high)) } else { Err(ConfigError { parameter: second.0, problem: Problem::NotAscending }) }
+}

@@ -1,0 +1,12 @@
+//! Diffusive models: a structure with memory as K relaxations on a geometric mesh of rates (thesis ch. 2).
+
+pub mod mesh;
+pub mod relaxation;
+pub mod self_heating;
+pub mod sliding;
+pub mod symbol;
+
+pub use relaxation::{RelaxationState, Relaxations};
+pub use self_heating::{ORDER, SelfHeating, SelfHeatingConfig};
+pub use sliding::{Reachability, reachability};
+pub use symbol::Symbol;

@@ -1,0 +1,95 @@
+//! One element's own diffusive model: heating power in, temperature out.
+//!
+//! T = T_ref + Σ R_k x_k, with the x_k driven by the element's heating power. The controller steps it beside the element
+//! and judges set-points by it; order 8 at the most, the rest of the weights being zero.
+
+use super::{RelaxationState, Relaxations, Symbol, reachability, sliding::Reachability};
+use crate::error::{self, ConfigError, Parameter};
+
+/// Order of the models that the controller carries.
+pub const ORDER: usize = 8;
+
+/// A model as it travels and is stored: mesh, symbol and the temperature from which it counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SelfHeatingConfig {
+    /// Relaxation rates ξ_k, rad/s, ascending.
+    pub mesh_rad_s: [f32; ORDER],
+    /// Resistances R_k, K/W.
+    pub r_k_per_w: [f32; ORDER],
+    /// Temperature of the element without heating, °C.
+    pub reference_c: f32,
+}
+
+/// A model made ready for one sample period. Immutable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelfHeating {
+    relaxations: Relaxations<ORDER>,
+    symbol: Symbol<ORDER>,
+    reference_c: f32,
+}
+
+impl SelfHeating {
+    /// Checks a model and works out its gains for `sample_period_s`.
+    ///
+    /// # Errors
+    /// Names what is not finite, not positive or not ascending.
+    pub fn new(config: &SelfHeatingConfig, sample_period_s: f32) -> Result<Self, ConfigError> {
+        Ok(Self {
+            relaxations: Relaxations::new(&config.mesh_rad_s, sample_period_s)?,
+            symbol: Symbol::new(config.r_k_per_w)?,
+            reference_c: error::finite(Parameter::ReferenceC, config.reference_c)?,
+        })
+    }
+
+    /// One sample period under `power_w`.
+    #[inline]
+    pub fn step(&self, state: &mut RelaxationState<ORDER>, power_w: f32) {
+        self.relaxations.step(state, power_w);
+    }
+
+    /// The temperature in °C that the states amount to.
+    #[inline]
+    pub fn temperature_c(&self, state: &RelaxationState<ORDER>) -> f32 {
+        self.reference_c + self.symbol.output(state)
+    }
+
+    /// Whether `target_c` can be held between two levels in W.
+    pub fn reachability(&self, target_c: f32, power_low_w: f32, power_high_w: f32) -> Reachability {
+        reachability(self.symbol.steady_gain_k_per_w(), target_c - self.reference_c, power_low_w, power_high_w)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::mesh;
+
+    fn config() -> SelfHeatingConfig {
+        SelfHeatingConfig {
+            mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
+            r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.0, 0.0, 0.0],
+            reference_c: -50.0,
+        }
+    }
+
+    #[test]
+    fn rests_at_its_reference() {
+        let model = SelfHeating::new(&config(), 0.01).unwrap();
+        assert_eq!(model.temperature_c(&RelaxationState::default()), -50.0);
+    }
+
+    #[test]
+    fn judges_set_points_from_its_reference() {
+        let model = SelfHeating::new(&config(), 0.01).unwrap();
+        assert!(matches!(model.reachability(-30.0, 0.0015, 0.04), Reachability::Reachable { .. }));
+        assert!(matches!(model.reachability(-49.5, 0.0015, 0.04), Reachability::LowLevelTooWarm { .. }));
+        assert!(matches!(model.reachability(0.0, 0.0015, 0.04), Reachability::HighLevelTooCold { .. }));
+    }
+
+    #[test]
+    fn refuses_a_reference_that_is_no_temperature() {
+        let bad = SelfHeatingConfig { reference_c: f32::INFINITY, ..config() };
+        assert_eq!(SelfHeating::new(&bad, 0.01).unwrap_err().parameter, Parameter::ReferenceC);
+    }
+}
