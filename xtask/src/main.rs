@@ -1,1 +1,68 @@
-fn main() {}
+//! The one door to every job of the project, for people and for continuous integration alike: `cargo xtask <job>`.
+
+mod artefacts;
+mod ci;
+mod cortex_m4;
+mod cost;
+mod demo;
+mod flash;
+mod install;
+mod links;
+mod lint;
+mod shell;
+mod size;
+mod symbols;
+mod test;
+mod trace;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    about = "Every job of the project, one command each",
+    disable_help_subcommand = true
+)]
+struct Cli {
+    #[command(subcommand)]
+    job: Job,
+}
+
+#[derive(Subcommand)]
+enum Job {
+    /// Fly the simulated sphere through gusts with the real firmware on an emulated board, and plot it
+    Demo,
+    /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole experiments
+    Test,
+    /// Check what can be checked by reading: format, clippy, documentation, links between pages
+    Lint,
+    /// Do what continuous integration does: install what is missing, lint, test
+    Ci,
+    /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
+    Size,
+    /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
+    Cost(cost::Options),
+    /// Program a sensor board through a debug probe and follow its log
+    Flash(flash::Options),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().job {
+        Job::Demo => demo::run(),
+        Job::Test => test::run(),
+        Job::Lint => lint::run(),
+        Job::Ci => ci::run(),
+        Job::Size => size::run(),
+        Job::Cost(options) => cost::run(&options),
+        Job::Flash(options) => flash::run(&options),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

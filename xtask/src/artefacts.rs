@@ -1,0 +1,99 @@
+//! What is built, with which flags, and where cargo put it.
+//!
+//! Paths are read from cargo's own messages, so that any target directory works.
+
+use crate::shell;
+use anyhow::{Context, Result, bail};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Target triple of the boards.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The two boards that the firmware is built for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Board {
+    Sensor,
+    Virtual,
+}
+
+impl Board {
+    pub const ALL: [Board; 2] = [Board::Sensor, Board::Virtual];
+
+    /// The cargo feature that chooses the board, and its name for people.
+    pub fn feature(self) -> &'static str {
+        match self {
+            Board::Sensor => "sensor-board",
+            Board::Virtual => "virtual-board",
+        }
+    }
+}
+
+/// Builds the application's image for a board.
+pub fn firmware(board: Board) -> Result<PathBuf> {
+    image("firmware", board)
+}
+
+/// Builds the image that runs every counted kernel once (see `cost`).
+pub fn cost_image() -> Result<PathBuf> {
+    image("cost", Board::Virtual)
+}
+
+/// Builds the `anemo` command.
+pub fn anemo() -> Result<PathBuf> {
+    executable(shell::cargo().args(["build", "--release", "-p", "host-sim", "--bin", "anemo"]), "anemo")
+}
+
+fn image(bin: &str, board: Board) -> Result<PathBuf> {
+    let mut cargo = shell::cargo();
+    cargo.args(["build", "--profile", "firmware", "--target", TARGET, "-p", "firmware", "--bin", bin]);
+    cargo.args(["--no-default-features", "--features", board.feature()]);
+    let built = executable(&mut cargo, bin)?;
+    // Both boards' images are built under one name, so each is kept apart under its own.
+    let kept = built.with_file_name(format!("{bin}-{}.elf", board.feature()));
+    std::fs::copy(&built, &kept).with_context(|| format!("{} cannot be written", kept.display()))?;
+    Ok(kept)
+}
+
+/// Runs a `cargo build` and returns the executable that it reports for `bin`.
+fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
+    let output = cargo
+        .arg("--message-format=json-render-diagnostics")
+        .stderr(Stdio::inherit())
+        .output()
+        .context("cargo cannot be started")?;
+    if !output.status.success() {
+        bail!("{bin} does not build; the compiler's messages stand above");
+    }
+    let messages = String::from_utf8_lossy(&output.stdout);
+    find_executable(&messages, bin)
+        .with_context(|| format!("cargo reports no executable for {bin}: is there still such a binary?"))
+}
+
+fn find_executable(messages: &str, bin: &str) -> Option<PathBuf> {
+    messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter(|message| message["target"]["name"] == bin)
+        .find_map(|message| message["executable"].as_str().map(PathBuf::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_executable_is_the_one_of_the_asked_binary() {
+        let messages = concat!(
+            r#"{"reason":"compiler-artifact","target":{"name":"firmware"},"executable":null}"#,
+            "\n",
+            r#"{"reason":"compiler-artifact","target":{"name":"other"},"executable":"/t/other"}"#,
+            "\n",
+            r#"{"reason":"compiler-artifact","target":{"name":"firmware"},"executable":"/t/firmware"}"#,
+            "\n",
+            r#"{"reason":"build-finished","success":true}"#,
+        );
+        assert_eq!(find_executable(messages, "firmware"), Some(PathBuf::from("/t/firmware")));
+        assert_eq!(find_executable(messages, "cost"), None);
+    }
+}

@@ -1,0 +1,112 @@
+//! Finds out what is missing on this computer and installs it where that is allowed.
+//!
+//! The thumb target comes by rustup, QEMU by the system's packages. Whatever cannot be installed is named together with the line to type.
+
+use crate::artefacts::TARGET;
+use crate::shell;
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use std::process::Command;
+
+pub const QEMU: &str = "qemu-system-arm";
+
+/// A system's package manager and how it brings QEMU for Arm.
+struct Packages {
+    manager: &'static str,
+    /// Lists of packages are brought up to date first where an install would otherwise not find any.
+    refresh: Option<&'static [&'static str]>,
+    install: &'static [&'static str],
+    /// Whether the manager wants to be run by root.
+    as_root: bool,
+}
+
+const PACKAGES: [Packages; 4] = [
+    Packages {
+        manager: "apt-get",
+        refresh: Some(&["update", "-qq"]),
+        install: &["install", "-y", "-qq", "--no-install-recommends", "qemu-system-arm"],
+        as_root: true,
+    },
+    Packages { manager: "dnf", refresh: None, install: &["install", "-y", "qemu-system-arm-core"], as_root: true },
+    Packages {
+        manager: "pacman",
+        refresh: None,
+        install: &["-Sy", "--noconfirm", "--needed", "qemu-system-arm"],
+        as_root: true,
+    },
+    Packages { manager: "brew", refresh: None, install: &["install", "qemu"], as_root: false },
+];
+
+/// The thumb target's core library, for building firmware.
+pub fn thumb_target() -> Result<()> {
+    let sysroot = shell::output_of("rustc", &["--print", "sysroot"])
+        .context("rustc does not run; install Rust by https://rustup.rs and start again")?;
+    if Path::new(&sysroot).join("lib/rustlib").join(TARGET).join("lib").is_dir() {
+        return Ok(());
+    }
+    shell::announce(&format!("installing the Rust target {TARGET}"));
+    if !shell::answers("rustup", &["--version"]) {
+        bail!(
+            "the Rust target {TARGET} is missing and there is no rustup to install it; install Rust by https://rustup.rs"
+        );
+    }
+    shell::run(shell::program("rustup").args(["target", "add", TARGET]))
+}
+
+/// The tools that `lint` needs beside the compiler.
+pub fn lint_tools() -> Result<()> {
+    for (component, program) in [("rustfmt", "cargo-fmt"), ("clippy", "cargo-clippy")] {
+        if !shell::answers(program, &["--version"]) {
+            shell::announce(&format!("installing {component}"));
+            shell::run(shell::program("rustup").args(["component", "add", component]))
+                .with_context(|| format!("{component} is missing; type: rustup component add {component}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// The emulator.
+pub fn qemu() -> Result<()> {
+    if shell::answers(QEMU, &["--version"]) {
+        return Ok(());
+    }
+    let Some(packages) = PACKAGES.iter().find(|packages| shell::answers(packages.manager, &["--version"])) else {
+        bail!("{QEMU} is missing; install QEMU for Arm (https://www.qemu.org/download) and start again");
+    };
+    let by_hand = format!(
+        "{QEMU} is missing and cannot be installed from here; type: {}{} {}",
+        if packages.as_root { "sudo " } else { "" },
+        packages.manager,
+        packages.install.join(" ")
+    );
+    let sudo = packages.as_root && !is_root();
+    if sudo && !shell::answers("sudo", &["-n", "true"]) {
+        bail!(by_hand);
+    }
+    shell::announce(&format!("installing {QEMU} with {}", packages.manager));
+    if let Some(refresh) = packages.refresh {
+        // A refresh that fails for one of many sources is no reason to give up: the install decides.
+        let _ = shell::run(manager(packages, sudo).args(refresh));
+    }
+    shell::run(manager(packages, sudo).args(packages.install)).with_context(|| by_hand.clone())?;
+    if !shell::answers(QEMU, &["--version"]) {
+        bail!(by_hand);
+    }
+    Ok(())
+}
+
+fn manager(packages: &Packages, sudo: bool) -> Command {
+    let mut command = if sudo {
+        let mut command = shell::program("sudo");
+        command.args(["-n", "env", "DEBIAN_FRONTEND=noninteractive", packages.manager]);
+        command
+    } else {
+        shell::program(packages.manager)
+    };
+    command.env("DEBIAN_FRONTEND", "noninteractive");
+    command
+}
+
+fn is_root() -> bool {
+    shell::output_of("id", &["-u"]).is_some_and(|id| id == "0")
+}

@@ -1,0 +1,25 @@
+//! Everything that is checked by reading: format, clippy on both sides, documentation, links.
+
+use crate::artefacts::{Board, TARGET};
+use crate::{install, links, shell};
+use anyhow::Result;
+
+pub fn run() -> Result<()> {
+    install::thumb_target()?;
+    install::lint_tools()?;
+    shell::announce("links between pages");
+    links::run()?;
+    shell::announce("format");
+    shell::run(shell::cargo().args(["fmt", "--all", "--check"]))?;
+    shell::announce("clippy, host");
+    shell::run(shell::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    for board in Board::ALL {
+        shell::announce(&format!("clippy, {}", board.feature()));
+        let mut cargo = shell::cargo();
+        cargo.args(["clippy", "-p", "firmware", "--lib", "--bins", "--target", TARGET]);
+        cargo.args(["--no-default-features", "--features", board.feature(), "--", "-D", "warnings"]);
+        shell::run(&mut cargo)?;
+    }
+    shell::announce("documentation");
+    shell::run(shell::cargo().args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-Dwarnings"))
+}

@@ -1,0 +1,85 @@
+//! Running other programs: where, with what announced, and what is said when they fail.
+
+use anyhow::{Context, Result, bail};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The workspace's root directory, where every program is started.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// A program that starts in the workspace's root.
+pub fn program(name: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(name);
+    command.current_dir(root());
+    command
+}
+
+/// The cargo that runs this crate.
+///
+/// `RUSTFLAGS` are taken away: they would replace the flags of `.cargo/config.toml`, and with them the firmware's core and linker script.
+pub fn cargo() -> Command {
+    let mut command = program(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    command
+}
+
+/// Says in one line what is done next.
+pub fn announce(what: &str) {
+    eprintln!("── {what}");
+}
+
+/// Runs to the end with this terminal's output; a failure names the command line.
+pub fn run(command: &mut Command) -> Result<()> {
+    let status = command.status().with_context(|| format!("`{}` cannot be started", line(command)))?;
+    if !status.success() {
+        bail!("`{}` failed ({status}); its messages stand above", line(command));
+    }
+    Ok(())
+}
+
+/// Does `program --version` (or the given arguments) run without complaint?
+pub fn answers(name: &str, arguments: &[&str]) -> bool {
+    let status =
+        Command::new(name).args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+/// What a program prints, trimmed, or nothing if it cannot be run or fails.
+pub fn output_of(name: &str, arguments: &[&str]) -> Option<String> {
+    let output = program(name).args(arguments).stdin(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+/// The command as one would type it.
+fn line(command: &Command) -> String {
+    let program = Path::new(command.get_program()).file_stem().unwrap_or(command.get_program());
+    std::iter::once(program).chain(command.get_args()).map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+}
+
+/// Announces a stage, does it and hands back how long it took.
+pub fn timed(what: &str, work: impl FnOnce() -> Result<()>) -> Result<Duration> {
+    announce(what);
+    let start = Instant::now();
+    work()?;
+    Ok(start.elapsed())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failing_program_is_named_with_its_arguments() {
+        let error = run(Command::new("/nonexistent/probe-rs").arg("list")).expect_err("there is no such program");
+        assert!(format!("{error:#}").starts_with("`probe-rs list` cannot be started"), "{error:#}");
+    }
+
+    #[test]
+    fn the_root_is_the_workspace() {
+        assert!(root().join("rust-toolchain.toml").is_file());
+    }
+}

@@ -1,0 +1,185 @@
+//! What the firmware takes of flash and RAM, and what must not be linked into it.
+//!
+//! flash = all that is stored: vector table, code, constants and initial values of `.data`.
+//! RAM = `.data` + `.bss` + `.uninit`; what is left is the stack's. Buffers for telemetry are sized by the wish for speed,
+//! not by need, so they are shown apart and are no part of the budget; they are known by their name.
+
+use crate::artefacts::{self, Board};
+use crate::install;
+use crate::symbols::{Image, Symbol};
+use anyhow::{Result, bail};
+
+const KIB: u64 = 1024;
+/// Budget of the image, of 1024 KiB that the controller has.
+const FLASH_BUDGET: u64 = 64 * KIB;
+/// Budget of static RAM without the telemetry buffers, of 128 KiB.
+const RAM_BUDGET: u64 = 16 * KIB;
+const RAM: u64 = 128 * KIB;
+/// A static whose own name contains this, in any case, is a telemetry buffer.
+const TELEMETRY: &str = "telemetry";
+/// Names that give away what firmware must do without: float formatting (about 10 KiB) and an allocator.
+const FORBIDDEN: [(&str, &str); 7] = [
+    ("core::fmt::float", "formatting of floats"),
+    ("flt2dec", "formatting of floats"),
+    ("grisu", "formatting of floats"),
+    ("dragon", "formatting of floats"),
+    ("__rust_alloc", "allocation"),
+    ("__rg_", "allocation"),
+    ("alloc::", "allocation"),
+];
+/// How many of the largest symbols are shown for each memory.
+const SHOWN: usize = 8;
+
+struct Usage<'a> {
+    flash: u64,
+    ram: u64,
+    telemetry: u64,
+    /// Largest first.
+    flash_symbols: Vec<&'a Symbol>,
+    ram_symbols: Vec<&'a Symbol>,
+}
+
+pub fn run() -> Result<()> {
+    install::thumb_target()?;
+    let mut faults = Vec::new();
+    for board in Board::ALL {
+        let image = Image::read(&artefacts::firmware(board)?)?;
+        let usage = usage(&image);
+        print(board, &image, &usage);
+        faults.extend(judge(&image, &usage).into_iter().map(|fault| format!("{}: {fault}", board.feature())));
+    }
+    if !faults.is_empty() {
+        bail!("{}", faults.join("; "));
+    }
+    Ok(())
+}
+
+fn usage(image: &Image) -> Usage<'_> {
+    let sum = |chosen: &dyn Fn(&crate::symbols::Section) -> bool| {
+        image.sections.iter().filter(|section| chosen(section)).map(|section| section.size).sum()
+    };
+    let symbols = |writable: bool| {
+        let mut symbols: Vec<&Symbol> = image
+            .symbols
+            .iter()
+            .filter(|symbol| {
+                symbol.size > 0 && symbol.section.is_some_and(|index| image.sections[index].writable == writable)
+            })
+            .collect();
+        symbols.sort_by(|a, b| b.size.cmp(&a.size).then_with(|| a.name.cmp(&b.name)));
+        symbols
+    };
+    let ram_symbols = symbols(true);
+    Usage {
+        flash: sum(&|section| section.stored),
+        ram: sum(&|section| section.writable),
+        telemetry: ram_symbols.iter().filter(|symbol| is_telemetry(&symbol.name)).map(|symbol| symbol.size).sum(),
+        flash_symbols: symbols(false),
+        ram_symbols,
+    }
+}
+
+fn is_telemetry(name: &str) -> bool {
+    name.rsplit("::").next().is_some_and(|last| last.to_ascii_lowercase().contains(TELEMETRY))
+}
+
+fn judge(image: &Image, usage: &Usage) -> Vec<String> {
+    let mut faults = Vec::new();
+    if usage.flash > FLASH_BUDGET {
+        faults.push(format!("the image takes {} bytes of flash, {FLASH_BUDGET} are allowed", usage.flash));
+    }
+    let ram = usage.ram - usage.telemetry;
+    if ram > RAM_BUDGET {
+        faults.push(format!("statics take {ram} bytes of RAM without telemetry buffers, {RAM_BUDGET} are allowed"));
+    }
+    for (mark, what) in FORBIDDEN {
+        if let Some(symbol) = image.symbols.iter().find(|symbol| symbol.name.contains(mark)) {
+            faults.push(format!("{what} is linked in: {}", symbol.name));
+        }
+    }
+    faults
+}
+
+fn print(board: Board, image: &Image, usage: &Usage) {
+    println!("\n{}", board.feature());
+    for section in &image.sections {
+        let place = match (section.stored, section.writable) {
+            (true, true) => "flash and RAM",
+            (true, false) => "flash",
+            _ => "RAM",
+        };
+        println!("  {:<16} {:>8}  {place}", section.name, section.size);
+    }
+    let line = |what: &str, bytes: u64, budget: u64| {
+        println!("  {what:<40} {bytes:>8} of {budget} bytes ({:.0} %)", 100.0 * bytes as f64 / budget as f64)
+    };
+    line("flash", usage.flash, FLASH_BUDGET);
+    line("static RAM without telemetry buffers", usage.ram - usage.telemetry, RAM_BUDGET);
+    println!("  {:<40} {:>8}", "telemetry buffers", usage.telemetry);
+    println!("  {:<40} {:>8}", "left for the stack", RAM.saturating_sub(usage.ram));
+    for (memory, symbols) in [("flash", &usage.flash_symbols), ("RAM", &usage.ram_symbols)] {
+        println!("  largest in {memory}");
+        for symbol in symbols.iter().take(SHOWN) {
+            println!(
+                "    {:>8}  {}{}",
+                symbol.size,
+                symbol.name,
+                if memory == "RAM" && is_telemetry(&symbol.name) { "  (telemetry)" } else { "" }
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::symbols::Section;
+
+    fn image() -> Image {
+        let section = |name: &str, size, stored, writable| Section { name: name.into(), size, stored, writable };
+        let symbol = |name: &str, size, section| Symbol {
+            name: name.into(),
+            address: 0,
+            size,
+            is_code: false,
+            section: Some(section),
+        };
+        Image {
+            sections: vec![
+                section(".text", 1000, true, false),
+                section(".data", 20, true, true),
+                section(".bss", 300, false, true),
+            ],
+            symbols: vec![
+                symbol("app::TELEMETRY_QUEUE", 200, 2),
+                symbol("telemetry::COUNTERS", 8, 2),
+                symbol("app::main", 500, 0),
+            ],
+        }
+    }
+
+    #[test]
+    fn initialised_statics_count_in_both_memories_and_telemetry_is_known_by_its_own_name() {
+        let image = image();
+        let usage = usage(&image);
+        assert_eq!((usage.flash, usage.ram, usage.telemetry), (1020, 320, 200));
+        assert!(judge(&image, &usage).is_empty());
+    }
+
+    #[test]
+    fn an_image_with_float_formatting_is_refused_by_name() {
+        let mut image = image();
+        image.symbols[2].name = "core::num::flt2dec::to_shortest_str".into();
+        assert_eq!(
+            judge(&image, &usage(&image)),
+            ["formatting of floats is linked in: core::num::flt2dec::to_shortest_str"]
+        );
+    }
+
+    #[test]
+    fn an_image_beyond_its_budget_is_refused_with_both_numbers() {
+        let mut image = image();
+        image.sections[0].size = 70_000;
+        assert_eq!(judge(&image, &usage(&image)), ["the image takes 70020 bytes of flash, 65536 are allowed"]);
+    }
+}
