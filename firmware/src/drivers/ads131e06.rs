@@ -1,0 +1,362 @@
+//! Texas Instruments ADS131E06: six delta-sigma ADCs that sample together, 24 bit, on SPI mode 1.
+//!
+//!     V = code · V_ref / (G · 2²³),   V_ref = 4 V (internal),   G = 1
+//!
+//! Source: data sheet SBAS561 (ADS131E04/E06/E08), cross-read with the Linux driver `ti-ads131e08` and its device-tree
+//! binding. Times below are for the 2.048 MHz clock of the board, t_CLK = 488 ns.
+//!
+//! Start-up ([`Ads131e06::initialise`]): reset, identity, configuration with all inputs shorted inside the chip, every
+//! register read back, the offset of each channel measured, inputs connected and read back again, continuous conversion.
+//! From then on every falling edge of data-ready asks for one [`Ads131e06::read_frame`].
+//!
+//! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can be refused: 0.35 mV
+//! (typical) would be 0.2 K at the low current and 0.04 K at the high one, a step at every change of level.
+//!
+//! Limits: one chip, no daisy chain; the clock between SCLK bytes is kept by waiting, so any SCLK up to the chip's 20 MHz
+//! is right for commands, and from 0.7 MHz on a frame is out before the next one at 4 kSPS.
+
+use core::fmt;
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::{Operation, SpiDevice};
+
+use super::tick_plan::DataRate;
+pub use error::Error;
+
+mod error;
+
+/// Channels of the chip.
+pub const CHANNELS: usize = 6;
+/// Largest code: the input is at or above +V_ref.
+pub const CODE_MAX: i32 = (1 << 23) - 1;
+/// Smallest code: the input is at or below −V_ref.
+pub const CODE_MIN: i32 = -(1 << 23);
+/// Scale at gain 1 with the internal 4 V reference, V a code.
+pub const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
+
+/// Status word and one code a channel, three bytes each.
+const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
+/// The four bits every status word begins with.
+const STATUS_MARK: u8 = 0b1100;
+/// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six channels.
+const IDENTITY: u8 = 0xD1;
+
+/// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command.
+const DECODE_NS: u32 = 2_000;
+/// Two t_CLK (0.98 µs) that chip select stays high between commands.
+const DESELECTED_US: u32 = 1;
+/// 2¹⁸ t_CLK (128 ms) from power-on to the first reset.
+const POWER_ON_MS: u32 = 130;
+/// Two t_CLK (0.98 µs) is the shortest reset pulse.
+const RESET_LOW_US: u32 = 10;
+/// 18 t_CLK (8.8 µs) from the end of the reset to the first command.
+const RESET_HIGH_US: u32 = 20;
+/// Start-up of the internal reference with its capacitors, 150 ms typical.
+const REFERENCE_MS: u32 = 200;
+/// Conversions the offset is the mean of: takes 7 µV of noise down to 0.6 µV.
+const OFFSET_CONVERSIONS: i32 = 128;
+/// Largest offset of a healthy channel, 2 mV: the data sheet's typical 0.35 mV with much room.
+pub const OFFSET_LIMIT: i32 = 4_194;
+
+mod command {
+    pub const START: u8 = 0x08;
+    pub const STOP: u8 = 0x0A;
+    pub const RDATAC: u8 = 0x10;
+    pub const SDATAC: u8 = 0x11;
+    pub const RDATA: u8 = 0x12;
+    pub const RREG: u8 = 0x20;
+    pub const WREG: u8 = 0x40;
+}
+
+/// The registers that this driver sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Register {
+    /// Identity, read only.
+    Id,
+    /// Data rate.
+    Config1,
+    /// Test signals.
+    Config2,
+    /// Reference and its buffer.
+    Config3,
+    /// Threshold of the comparators that watch the input pins.
+    Fault,
+    /// Gain and input of a channel, from 0.
+    Channel(u8),
+}
+
+impl Register {
+    const fn address(self) -> u8 {
+        match self {
+            Self::Id => 0x00,
+            Self::Config1 => 0x01,
+            Self::Config2 => 0x02,
+            Self::Config3 => 0x03,
+            Self::Fault => 0x04,
+            Self::Channel(channel) => 0x05 + channel,
+        }
+    }
+
+    /// Bits that read back as they were written.
+    const fn mask(self) -> u8 {
+        match self {
+            // Bit 0 "reads back as either 1 or 0".
+            Self::Config3 => 0xFE,
+            _ => 0xFF,
+        }
+    }
+}
+
+impl fmt::Display for Register {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Id => f.write_str("ID"),
+            Self::Config1 => f.write_str("CONFIG1"),
+            Self::Config2 => f.write_str("CONFIG2"),
+            Self::Config3 => f.write_str("CONFIG3"),
+            Self::Fault => f.write_str("FAULT"),
+            // The data sheet counts channels from 1.
+            Self::Channel(channel) => write!(f, "CH{}SET", channel + 1),
+        }
+    }
+}
+
+/// What a channel's converter is connected to, as its register wants it: powered, gain 1.
+#[derive(Clone, Copy)]
+enum Input {
+    Pins = 0x10,
+    Shorted = 0x11,
+}
+
+/// One conversion of all channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Frame {
+    /// Code of each channel, its offset taken off; [`CODE_MAX`] and [`CODE_MIN`] stay what they are.
+    pub codes: [i32; CHANNELS],
+    /// Bit i: the positive pin of channel i is outside 5 … 95 % of the supply.
+    pub positive_pin_faults: u8,
+    /// Bit i: the negative pin of channel i is outside 5 … 95 % of the supply.
+    pub negative_pin_faults: u8,
+}
+
+/// The chip on its SPI device, with its reset pin.
+#[derive(Debug)]
+pub struct Ads131e06<SPI, RST> {
+    spi: SPI,
+    reset: RST,
+    offsets: [i32; CHANNELS],
+}
+
+impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
+    /// The chip as it is, before [`initialise`](Self::initialise). `reset` is active low.
+    pub const fn new(spi: SPI, reset: RST) -> Self {
+        Self { spi, reset, offsets: [0; CHANNELS] }
+    }
+
+    /// Brings the chip from any state to continuous conversion at `rate`. Takes 0.4 s (4 kSPS) or 0.5 s (1 kSPS).
+    ///
+    /// # Errors
+    /// Another chip or none, a register that does not hold what was written, an offset beyond [`OFFSET_LIMIT`], or a bus
+    /// or pin that failed. The chip is then not converting.
+    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.reset(delay)?;
+        // After a reset the chip sends data of its own accord, and would take no register command.
+        self.command(command::SDATAC, delay)?;
+        let identity = self.read_register(Register::Id, delay)?;
+        if identity != IDENTITY {
+            return Err(Error::WrongChip { identity });
+        }
+
+        let common = [
+            (Register::Config1, config1(rate)),
+            (Register::Config2, 0xE0),
+            // Reference buffer on, 4 V; the spare amplifier off.
+            (Register::Config3, 0xE0),
+            (Register::Fault, 0x00),
+        ];
+        for (register, value) in common {
+            self.write_register(register, value, delay)?;
+        }
+        self.connect(Input::Shorted, delay)?;
+        for (register, value) in common {
+            self.verify_register(register, value, delay)?;
+        }
+        self.verify_connected(Input::Shorted, delay)?;
+
+        delay.delay_ms(REFERENCE_MS);
+        self.measure_offsets(rate, delay)?;
+
+        self.connect(Input::Pins, delay)?;
+        self.verify_connected(Input::Pins, delay)?;
+        self.command(command::START, delay)?;
+        self.command(command::RDATAC, delay)
+    }
+
+    /// Reads the conversion that data-ready has announced: 21 bytes, no waiting.
+    ///
+    /// # Errors
+    /// A status word without its mark (the frame is shifted, late, or nobody answers), or a bus that failed.
+    pub fn read_frame(&mut self) -> Result<Frame, Error<SPI::Error>> {
+        // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler is the bus' choice.
+        let mut bytes = [0; FRAME_BYTES];
+        self.spi.transfer_in_place(&mut bytes).map_err(Error::Spi)?;
+        let mut frame = parse(&bytes)?;
+        for (code, offset) in frame.codes.iter_mut().zip(&self.offsets) {
+            if (CODE_MIN + 1..CODE_MAX).contains(code) {
+                *code -= offset;
+            }
+        }
+        Ok(frame)
+    }
+
+    /// Offset of each channel as measured with its inputs shorted; already taken off the codes of every frame.
+    pub const fn offsets(&self) -> &[i32; CHANNELS] {
+        &self.offsets
+    }
+
+    /// Gives the SPI device and the reset pin back.
+    pub fn release(self) -> (SPI, RST) {
+        (self.spi, self.reset)
+    }
+
+    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.reset.set_high().map_err(|_| Error::ResetPin)?;
+        delay.delay_ms(POWER_ON_MS);
+        self.reset.set_low().map_err(|_| Error::ResetPin)?;
+        delay.delay_us(RESET_LOW_US);
+        self.reset.set_high().map_err(|_| Error::ResetPin)?;
+        delay.delay_us(RESET_HIGH_US);
+        Ok(())
+    }
+
+    fn connect(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8, delay))
+    }
+
+    fn verify_connected(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        (0..CHANNELS as u8).try_for_each(|channel| self.verify_register(Register::Channel(channel), input as u8, delay))
+    }
+
+    /// Mean code of every channel with its inputs shorted; converts for the purpose and stops again.
+    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.command(command::START, delay)?;
+        // The first conversion after START is settled, and comes after 4.5 conversion periods.
+        delay.delay_us(5 * rate.conversion_us());
+        let mut sums = [0; CHANNELS];
+        for _ in 0..OFFSET_CONVERSIONS {
+            // Longer than a conversion, so that none is counted twice.
+            delay.delay_us(rate.conversion_us() + rate.conversion_us() / 4);
+            let frame = self.read_on_demand()?;
+            for (sum, code) in sums.iter_mut().zip(frame.codes) {
+                *sum += code;
+            }
+        }
+        self.command(command::STOP, delay)?;
+        for (channel, (offset, sum)) in self.offsets.iter_mut().zip(sums).enumerate() {
+            let mean = sum / OFFSET_CONVERSIONS;
+            if mean.abs() > OFFSET_LIMIT {
+                return Err(Error::Offset { channel: channel as u8, code: mean });
+            }
+            *offset = mean;
+        }
+        Ok(())
+    }
+
+    fn read_on_demand(&mut self) -> Result<Frame, Error<SPI::Error>> {
+        let mut bytes = [0; FRAME_BYTES];
+        self.spi
+            .transaction(&mut [
+                Operation::Write(&[command::RDATA]),
+                Operation::DelayNs(DECODE_NS),
+                Operation::TransferInPlace(&mut bytes),
+                Operation::DelayNs(DECODE_NS),
+            ])
+            .map_err(Error::Spi)?;
+        parse(&bytes)
+    }
+
+    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.spi.transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)]).map_err(Error::Spi)?;
+        delay.delay_us(DESELECTED_US);
+        Ok(())
+    }
+
+    fn write_register(
+        &mut self,
+        register: Register,
+        value: u8,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), Error<SPI::Error>> {
+        self.spi
+            .transaction(&mut [
+                Operation::Write(&[command::WREG | register.address()]),
+                Operation::DelayNs(DECODE_NS),
+                // Number of registers less one.
+                Operation::Write(&[0]),
+                Operation::DelayNs(DECODE_NS),
+                Operation::Write(&[value]),
+                Operation::DelayNs(DECODE_NS),
+            ])
+            .map_err(Error::Spi)?;
+        delay.delay_us(DESELECTED_US);
+        Ok(())
+    }
+
+    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, Error<SPI::Error>> {
+        let mut value = [0];
+        self.spi
+            .transaction(&mut [
+                Operation::Write(&[command::RREG | register.address()]),
+                Operation::DelayNs(DECODE_NS),
+                Operation::Write(&[0]),
+                Operation::DelayNs(DECODE_NS),
+                Operation::TransferInPlace(&mut value),
+                Operation::DelayNs(DECODE_NS),
+            ])
+            .map_err(Error::Spi)?;
+        delay.delay_us(DESELECTED_US);
+        Ok(value[0])
+    }
+
+    fn verify_register(
+        &mut self,
+        register: Register,
+        written: u8,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), Error<SPI::Error>> {
+        let read = self.read_register(register, delay)?;
+        if (read ^ written) & register.mask() != 0 {
+            return Err(Error::NotKept { register, written, read });
+        }
+        Ok(())
+    }
+}
+
+/// Bits 7 and 4 must be 1; no daisy chain, no clock output; data rate below.
+const fn config1(rate: DataRate) -> u8 {
+    0x90 | match rate {
+        DataRate::Sps4000 => 0b100,
+        DataRate::Sps1000 => 0b110,
+    }
+}
+
+/// Status: 1100, eight bits for the positive pins, eight for the negative ones, four GPIO; then the channels, high byte first.
+fn parse<E>(bytes: &[u8; FRAME_BYTES]) -> Result<Frame, Error<E>> {
+    let (status, data) = bytes.split_at(3);
+    let status = u32::from_be_bytes([0, status[0], status[1], status[2]]);
+    if (status >> 20) as u8 != STATUS_MARK {
+        return Err(Error::DamagedFrame { status });
+    }
+    let mut codes = [0; CHANNELS];
+    for (code, bytes) in codes.iter_mut().zip(data.chunks_exact(3)) {
+        // The code in the upper three bytes: shifting it down extends its sign.
+        *code = i32::from_be_bytes([bytes[0], bytes[1], bytes[2], 0]) >> 8;
+    }
+    Ok(Frame { codes, positive_pin_faults: (status >> 12) as u8, negative_pin_faults: (status >> 4) as u8 })
+}
+
+#[cfg(test)]
+mod tests;

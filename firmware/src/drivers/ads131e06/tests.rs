@@ -1,0 +1,328 @@
+use super::*;
+use embedded_hal_mock::eh1::delay::{CheckedDelay, NoopDelay, Transaction as Wait};
+use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
+use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction as Byte};
+
+const SHORTED: u8 = 0x11;
+const NORMAL: u8 = 0x10;
+const COMMON_4K: [(u8, u8); 4] = [(0x01, 0x94), (0x02, 0xE0), (0x03, 0xE0), (0x04, 0x00)];
+
+/// One transaction: chip select low, the bytes with 2 µs after each, chip select high.
+fn selected(operations: impl IntoIterator<Item = Byte<u8>>) -> Vec<Byte<u8>> {
+    let mut all = vec![Byte::transaction_start()];
+    for operation in operations {
+        all.extend([operation, Byte::delay(2_000)]);
+    }
+    all.push(Byte::transaction_end());
+    all
+}
+
+fn command(opcode: u8) -> Vec<Byte<u8>> {
+    selected([Byte::write_vec(vec![opcode])])
+}
+
+fn write(address: u8, value: u8) -> Vec<Byte<u8>> {
+    selected([0x40 + address, 0x00, value].map(|byte| Byte::write_vec(vec![byte])))
+}
+
+fn read(address: u8, value: u8) -> Vec<Byte<u8>> {
+    selected([
+        Byte::write_vec(vec![0x20 + address]),
+        Byte::write_vec(vec![0x00]),
+        Byte::transfer_in_place(vec![0x00], vec![value]),
+    ])
+}
+
+fn channels(access: fn(u8, u8) -> Vec<Byte<u8>>, value: u8) -> Vec<Byte<u8>> {
+    (0x05..=0x0A).flat_map(|address| access(address, value)).collect()
+}
+
+fn frame_bytes(status: [u8; 3], codes: [i32; CHANNELS]) -> Vec<u8> {
+    let mut bytes = status.to_vec();
+    bytes.extend(codes.iter().flat_map(|code| code.to_be_bytes()[1..].to_vec()));
+    bytes
+}
+
+fn on_demand(codes: [i32; CHANNELS]) -> Vec<Byte<u8>> {
+    selected([
+        Byte::write_vec(vec![0x12]),
+        Byte::transfer_in_place(vec![0; FRAME_BYTES], frame_bytes([0xC0, 0, 0], codes)),
+    ])
+}
+
+fn frame(status: [u8; 3], codes: [i32; CHANNELS]) -> Vec<Byte<u8>> {
+    vec![
+        Byte::transaction_start(),
+        Byte::transfer_in_place(vec![0; FRAME_BYTES], frame_bytes(status, codes)),
+        Byte::transaction_end(),
+    ]
+}
+
+fn reset_edges() -> [Edge; 3] {
+    [Edge::set(State::High), Edge::set(State::Low), Edge::set(State::High)]
+}
+
+/// The whole start-up of a healthy chip whose shorted inputs give `offsets`.
+fn start_up(config1: u8, offsets: [i32; CHANNELS]) -> Vec<Byte<u8>> {
+    let mut common = COMMON_4K;
+    common[0].1 = config1;
+    let mut all = [command(0x11), read(0x00, 0xD1)].concat();
+    all.extend(common.iter().flat_map(|&(address, value)| write(address, value)));
+    all.extend(channels(write, SHORTED));
+    all.extend(common.iter().flat_map(|&(address, value)| read(address, value)));
+    all.extend(channels(read, SHORTED));
+    all.extend(command(0x08));
+    (0..OFFSET_CONVERSIONS).for_each(|_| all.extend(on_demand(offsets)));
+    all.extend(command(0x0A));
+    all.extend(channels(write, NORMAL));
+    all.extend(channels(read, NORMAL));
+    all.extend([command(0x08), command(0x10)].concat());
+    all
+}
+
+fn initialise(bytes: &[Byte<u8>], rate: DataRate) -> (Result<(), String>, Ads131e06<Spi<u8>, Pin>) {
+    let mut adc = Ads131e06::new(Spi::new(bytes), Pin::new(&reset_edges()));
+    let result = adc.initialise(rate, &mut NoopDelay::new()).map_err(|error| error.to_string());
+    (result, adc)
+}
+
+fn done(adc: Ads131e06<Spi<u8>, Pin>) {
+    let (mut spi, mut reset) = adc.release();
+    spi.done();
+    reset.done();
+}
+
+/// What follows the checked part of a start-up that is refused: nothing.
+fn refused(bytes: &[Byte<u8>], sentence: &str) {
+    let (result, adc) = initialise(bytes, DataRate::Sps4000);
+    assert_eq!(result.unwrap_err(), sentence);
+    done(adc);
+}
+
+/// An ADC that has been started without going through the start-up.
+fn running(bytes: &[Byte<u8>], offsets: [i32; CHANNELS]) -> Ads131e06<Spi<u8>, Pin> {
+    Ads131e06 { spi: Spi::new(bytes), reset: Pin::new(&[]), offsets }
+}
+
+#[test]
+fn starts_up_byte_by_byte_at_4_ksps() {
+    let (result, adc) = initialise(&start_up(0x94, [0; CHANNELS]), DataRate::Sps4000);
+    assert_eq!(result, Ok(()));
+    done(adc);
+}
+
+#[test]
+fn starts_up_byte_by_byte_at_1_ksps() {
+    let (result, adc) = initialise(&start_up(0x96, [0; CHANNELS]), DataRate::Sps1000);
+    assert_eq!(result, Ok(()));
+    done(adc);
+}
+
+#[test]
+fn waits_as_long_as_the_data_sheet_wants() {
+    let mut adc = Ads131e06::new(Spi::new(&start_up(0x94, [0; CHANNELS])), Pin::new(&reset_edges()));
+    let mut expected = vec![Wait::delay_ms(130), Wait::delay_us(10), Wait::delay_us(20)];
+    // SDATAC, identity, 10 registers written and 10 read, each with chip select high for a while.
+    expected.extend(vec![Wait::delay_us(1); 22]);
+    // Reference, START, five conversion periods, then one and a quarter for each conversion.
+    expected.extend([Wait::delay_ms(200), Wait::delay_us(1), Wait::delay_us(1_250)]);
+    expected.extend(vec![Wait::delay_us(312); OFFSET_CONVERSIONS as usize]);
+    // STOP, six channels written and read, START, RDATAC.
+    expected.extend(vec![Wait::delay_us(1); 1 + 12 + 2]);
+    let mut delay = CheckedDelay::new(&expected);
+    adc.initialise(DataRate::Sps4000, &mut delay).unwrap();
+    delay.done();
+    done(adc);
+}
+
+#[test]
+fn refuses_its_sister_chips_by_name() {
+    for (identity, name) in [
+        (0xD0, "an ADS131E04 (identity 0xd0)"),
+        (0xD2, "an ADS131E08 (identity 0xd2)"),
+        (0x92, "an unknown chip (identity 0x92)"),
+    ] {
+        refused(
+            &[command(0x11), read(0x00, identity)].concat(),
+            &format!("the ADC is {name}; an ADS131E06 (0xd1) is wanted"),
+        );
+    }
+}
+
+#[test]
+fn says_that_nobody_answers_when_the_line_is_stuck() {
+    for (stuck, text) in [(0x00, "0x00"), (0xFF, "0xff")] {
+        refused(
+            &[command(0x11), read(0x00, stuck)].concat(),
+            &format!("no ADC answers (identity {text}): check its supplies, clock, chip select and MISO"),
+        );
+    }
+}
+
+#[test]
+fn refuses_every_register_that_is_not_kept_by_name() {
+    let names = ["CONFIG1", "CONFIG2", "CONFIG3", "FAULT", "CH1SET", "CH2SET", "CH3SET", "CH4SET", "CH5SET", "CH6SET"];
+    let registers: Vec<(u8, u8)> =
+        COMMON_4K.into_iter().chain((0x05..=0x0A).map(|address| (address, SHORTED))).collect();
+    for (bad, name) in names.into_iter().enumerate() {
+        let mut bytes = [command(0x11), read(0x00, 0xD1)].concat();
+        bytes.extend(registers.iter().flat_map(|&(address, value)| write(address, value)));
+        bytes.extend(registers[..bad].iter().flat_map(|&(address, value)| read(address, value)));
+        let (address, value) = registers[bad];
+        bytes.extend(read(address, value ^ 0x40));
+        refused(
+            &bytes,
+            &format!(
+                "ADC register {name} reads {:#04x} after {value:#04x} was written: check SPI mode 1 and the wiring",
+                value ^ 0x40
+            ),
+        );
+    }
+}
+
+#[test]
+fn refuses_an_input_that_stays_shorted() {
+    let healthy = start_up(0x94, [0; CHANNELS]);
+    // The last thing before START and RDATAC is the read-back of CH6SET.
+    let kept = healthy.len() - command(0x08).len() - command(0x10).len() - read(0x0A, NORMAL).len();
+    refused(
+        &[healthy[..kept].to_vec(), read(0x0A, SHORTED)].concat(),
+        "ADC register CH6SET reads 0x11 after 0x10 was written: check SPI mode 1 and the wiring",
+    );
+}
+
+#[test]
+fn takes_either_value_of_the_undefined_bit_of_config3() {
+    let mut bytes = start_up(0x94, [0; CHANNELS]);
+    let healthy = read(0x03, 0xE0);
+    let at = bytes.windows(healthy.len()).position(|window| window == healthy).unwrap();
+    bytes.splice(at..at + healthy.len(), read(0x03, 0xE1));
+    let (result, adc) = initialise(&bytes, DataRate::Sps4000);
+    assert_eq!(result, Ok(()));
+    done(adc);
+}
+
+#[test]
+fn measures_the_offsets_and_takes_them_off_every_code() {
+    let offsets = [700, -700, 0, 1, -1, OFFSET_LIMIT];
+    let bytes = [start_up(0x94, offsets), frame([0xC0, 0, 0], [1_000_000; CHANNELS])].concat();
+    let (result, mut adc) = initialise(&bytes, DataRate::Sps4000);
+    assert_eq!(result, Ok(()));
+    assert_eq!(adc.offsets(), &offsets);
+    assert_eq!(adc.read_frame().unwrap().codes, offsets.map(|offset| 1_000_000 - offset));
+    done(adc);
+}
+
+#[test]
+fn refuses_an_offset_that_no_healthy_channel_has() {
+    for code in [OFFSET_LIMIT + 1, -OFFSET_LIMIT - 1] {
+        let mut codes = [0; CHANNELS];
+        codes[2] = code;
+        let healthy = start_up(0x94, codes);
+        let after_stop =
+            channels(write, NORMAL).len() + channels(read, NORMAL).len() + command(0x08).len() + command(0x10).len();
+        refused(
+            &healthy[..healthy.len() - after_stop],
+            &format!("ADC channel 3 has an offset of {code} codes with its inputs shorted; up to ±4194 is healthy"),
+        );
+    }
+}
+
+#[test]
+fn reads_codes_of_both_signs_and_the_ends_of_the_range() {
+    // Data sheet, ideal output codes: 7FFFFFh at +FS, 000001h, 000000h, FFFFFFh, 800000h at −FS.
+    let codes = [CODE_MAX, 1, 0, -1, CODE_MIN, -1_234_567];
+    let mut adc = running(&frame([0xC0, 0, 0], codes), [0; CHANNELS]);
+    let frame = adc.read_frame().unwrap();
+    assert_eq!(frame, Frame { codes, positive_pin_faults: 0, negative_pin_faults: 0 });
+    done(adc);
+}
+
+#[test]
+fn the_ends_of_the_range_do_not_move_with_the_offset() {
+    let codes = [CODE_MAX, CODE_MIN, CODE_MAX, CODE_MIN, CODE_MAX - 1, CODE_MIN + 1];
+    let mut adc = running(&frame([0xC0, 0, 0], codes), [900, 900, -900, -900, 900, -900]);
+    assert_eq!(
+        adc.read_frame().unwrap().codes,
+        [CODE_MAX, CODE_MIN, CODE_MAX, CODE_MIN, CODE_MAX - 901, CODE_MIN + 901]
+    );
+    done(adc);
+}
+
+#[test]
+fn shows_which_pins_are_out_of_range() {
+    // 1100, positive 0010_0001, negative 0001_0010, GPIO 1111 → C2 11 2F.
+    let mut adc = running(&frame([0xC2, 0x11, 0x2F], [0; CHANNELS]), [0; CHANNELS]);
+    let frame = adc.read_frame().unwrap();
+    assert_eq!((frame.positive_pin_faults, frame.negative_pin_faults), (0b0010_0001, 0b0001_0010));
+    done(adc);
+}
+
+#[test]
+fn refuses_a_frame_without_its_mark() {
+    // All low, all high, and a frame that is shifted by one bit.
+    for (status, text) in
+        [([0x00; 3], "0x000000"), ([0xFF; 3], "0xffffff"), ([0x80, 0, 0], "0x800000"), ([0x60, 0, 0], "0x600000")]
+    {
+        let mut adc = running(&frame(status, [5; CHANNELS]), [0; CHANNELS]);
+        assert_eq!(
+            adc.read_frame().unwrap_err().to_string(),
+            format!("ADC frame begins with {text}, not with the bits 1100: it is shifted, late or not there")
+        );
+        done(adc);
+    }
+}
+
+#[test]
+fn a_damaged_frame_while_measuring_the_offset_is_refused() {
+    let mut bytes = start_up(0x94, [0; CHANNELS]);
+    let first = bytes.windows(2).position(|window| window[1] == Byte::write_vec(vec![0x12])).unwrap();
+    bytes.truncate(first);
+    bytes.extend(selected([
+        Byte::write_vec(vec![0x12]),
+        Byte::transfer_in_place(vec![0; FRAME_BYTES], vec![0; FRAME_BYTES]),
+    ]));
+    refused(&bytes, "ADC frame begins with 0x000000, not with the bits 1100: it is shifted, late or not there");
+}
+
+/// A bus that works for a number of transactions and then fails.
+struct Failing(usize);
+
+impl embedded_hal::spi::ErrorType for Failing {
+    type Error = embedded_hal::spi::ErrorKind;
+}
+
+impl SpiDevice for Failing {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+        let Some(left) = self.0.checked_sub(1) else { return Err(embedded_hal::spi::ErrorKind::ModeFault) };
+        self.0 = left;
+        for operation in operations {
+            if let Operation::TransferInPlace(bytes) = operation {
+                bytes[0] = IDENTITY;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn passes_the_error_of_the_bus_on() {
+    // At SDATAC, at the identity, while writing, and while reading back.
+    for transactions in [0, 1, 2, 12] {
+        let mut adc = Ads131e06::new(Failing(transactions), Pin::new(&reset_edges()));
+        let error = adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
+        assert_eq!(error, Error::Spi(embedded_hal::spi::ErrorKind::ModeFault));
+        assert_eq!(error.to_string(), "the ADC's SPI bus failed: ModeFault");
+        assert_eq!(adc.read_frame(), Err(error));
+        adc.release().1.done();
+    }
+}
+
+#[test]
+fn names_a_reset_pin_that_fails() {
+    let stuck =
+        Edge::set(State::High).with_error(embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::NotConnected));
+    let mut adc = Ads131e06::new(Spi::new(&[]), Pin::new(&[stuck]));
+    assert_eq!(adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()), Err(Error::ResetPin));
+    done(adc);
+}

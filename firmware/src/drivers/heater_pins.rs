@@ -1,0 +1,215 @@
+//! The switches of the two-level current sources, one pin an element: low pin, low current.
+//!
+//! The low level is what the hardware falls back to without any program: every pin has an external pull-down, so a board
+//! in reset, in its bootloader or with a dead processor heats with the sensing current only (about 1.5 mW an element).
+//! This module keeps that direction: a wrong request or a pin that fails ends with everything low that can be put low.
+//!
+//! Limits: a pin is written, not read back. That the current really follows is seen by the guard in the voltage.
+
+use core::fmt;
+
+use dr_core::control::Heaters;
+use embedded_hal::digital::OutputPin;
+
+/// The pins of `N` elements, element 0 first.
+///
+/// One pin type for all: HAL pins are made alike by erasing their number (`pin.erase()`), which costs no `dyn`.
+#[derive(Debug)]
+pub struct HeaterPins<P, const N: usize> {
+    pins: [P; N],
+}
+
+impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
+    /// Takes the pins and puts all of them low.
+    ///
+    /// # Errors
+    /// The first pin that failed; the others are low.
+    pub fn new(pins: [P; N]) -> Result<Self, HeaterError<P::Error>> {
+        let mut heaters = Self { pins };
+        heaters.all_low()?;
+        Ok(heaters)
+    }
+
+    /// Puts bit i of `heaters` on the pin of element i.
+    ///
+    /// Pins that fall are written before pins that rise, so that the supply never carries more than the larger of the two
+    /// patterns.
+    ///
+    /// # Errors
+    /// A bit without an element, or a pin that failed. In both cases all pins that can be are low afterwards.
+    pub fn apply(&mut self, heaters: Heaters) -> Result<(), HeaterError<P::Error>> {
+        let applied = self.try_apply(heaters.0);
+        if applied.is_err() {
+            // The first error is the one to report; a second one would not change what to do.
+            let _ = self.all_low();
+        }
+        applied
+    }
+
+    /// Puts every pin low, whatever fails on the way.
+    ///
+    /// # Errors
+    /// The first pin that failed; the others are low.
+    pub fn all_low(&mut self) -> Result<(), HeaterError<P::Error>> {
+        let mut first = Ok(());
+        for (element, pin) in self.pins.iter_mut().enumerate() {
+            let written = pin.set_low().map_err(|error| HeaterError::Pin { element, error });
+            first = first.and(written);
+        }
+        first
+    }
+
+    fn try_apply(&mut self, bits: u16) -> Result<(), HeaterError<P::Error>> {
+        if u32::from(bits) >> N != 0 {
+            return Err(HeaterError::NoSuchElement { bits, elements: N });
+        }
+        for high in [false, true] {
+            for (element, pin) in self.pins.iter_mut().enumerate() {
+                if (bits >> element) & 1 == u16::from(high) {
+                    pin.set_state(high.into()).map_err(|error| HeaterError::Pin { element, error })?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why the heaters are off instead of as decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum HeaterError<E> {
+    /// A bit is set beyond the last element.
+    NoSuchElement {
+        /// What was asked for.
+        bits: u16,
+        /// Elements that there are.
+        elements: usize,
+    },
+    /// A pin could not be written.
+    Pin {
+        /// The element whose pin it is, from 0.
+        element: usize,
+        /// What its driver says.
+        error: E,
+    },
+}
+
+impl<E: fmt::Debug> fmt::Display for HeaterError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchElement { bits, elements } => {
+                write!(
+                    f,
+                    "heater bits {bits:#06x} name an element beyond the {elements} that are wired; all are set low"
+                )
+            }
+            Self::Pin { element, error } => {
+                write!(f, "the heater pin of element {element} cannot be written ({error:?}); all others are low")
+            }
+        }
+    }
+}
+
+impl<E: fmt::Debug> core::error::Error for HeaterError<E> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embedded_hal_mock::eh1::MockError;
+    use embedded_hal_mock::eh1::digital::{Mock, State, Transaction};
+
+    fn pins(expected: [&[Transaction]; 3]) -> [Mock; 3] {
+        expected.map(Mock::new)
+    }
+
+    fn done(mut heaters: HeaterPins<Mock, 3>) {
+        for pin in &mut heaters.pins {
+            pin.done();
+        }
+    }
+
+    fn low() -> Transaction {
+        Transaction::set(State::Low)
+    }
+
+    fn high() -> Transaction {
+        Transaction::set(State::High)
+    }
+
+    fn broken(transaction: Transaction) -> Transaction {
+        transaction.with_error(MockError::Io(std::io::ErrorKind::NotConnected))
+    }
+
+    #[test]
+    fn starts_low_and_follows_the_bits() {
+        let mut heaters =
+            HeaterPins::new(pins([&[low(), high(), low()], &[low(), low(), high()], &[low(), high(), high()]]))
+                .unwrap();
+        heaters.apply(Heaters(0b101)).unwrap();
+        heaters.apply(Heaters(0b110)).unwrap();
+        done(heaters);
+    }
+
+    #[test]
+    fn falls_before_it_rises() {
+        use std::cell::RefCell;
+        use std::rc::Rc;
+
+        struct Logged(usize, Rc<RefCell<Vec<(usize, bool)>>>);
+        impl embedded_hal::digital::ErrorType for Logged {
+            type Error = core::convert::Infallible;
+        }
+        impl OutputPin for Logged {
+            fn set_low(&mut self) -> Result<(), Self::Error> {
+                self.1.borrow_mut().push((self.0, false));
+                Ok(())
+            }
+            fn set_high(&mut self) -> Result<(), Self::Error> {
+                self.1.borrow_mut().push((self.0, true));
+                Ok(())
+            }
+        }
+
+        let log = Rc::new(RefCell::new(Vec::new()));
+        let mut heaters = HeaterPins::new([0, 1, 2].map(|element| Logged(element, log.clone()))).unwrap();
+        log.borrow_mut().clear();
+        heaters.apply(Heaters(0b011)).unwrap();
+        assert_eq!(*log.borrow(), [(2, false), (0, true), (1, true)]);
+    }
+
+    #[test]
+    fn all_low_reaches_every_pin_past_a_broken_one() {
+        let mut heaters = HeaterPins::new(pins([&[low(), low()], &[low(), broken(low())], &[low(), low()]])).unwrap();
+        assert!(matches!(heaters.all_low(), Err(HeaterError::Pin { element: 1, .. })));
+        done(heaters);
+    }
+
+    #[test]
+    fn a_pin_that_fails_takes_the_others_down() {
+        let mut heaters =
+            HeaterPins::new(pins([&[low(), high(), low()], &[low(), broken(high()), low()], &[low(), low()]])).unwrap();
+        assert!(matches!(heaters.apply(Heaters(0b111)), Err(HeaterError::Pin { element: 1, .. })));
+        done(heaters);
+    }
+
+    #[test]
+    fn a_bit_without_an_element_heats_nothing() {
+        let mut heaters = HeaterPins::new(pins([&[low(), low()], &[low(), low()], &[low(), low()]])).unwrap();
+        let error = heaters.apply(Heaters(0b1001)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "heater bits 0x0009 name an element beyond the 3 that are wired; all are set low"
+        );
+        done(heaters);
+    }
+
+    #[test]
+    fn a_broken_pin_is_named_at_the_start() {
+        let broken_pins = pins([&[low()], &[low()], &[broken(low())]]);
+        let mut handles = broken_pins.clone();
+        assert!(matches!(HeaterPins::new(broken_pins), Err(HeaterError::Pin { element: 2, .. })));
+        for pin in &mut handles {
+            pin.done();
+        }
+    }
+}
