@@ -1,0 +1,149 @@
+//! One frame: `COBS( version, sequence, message, CRC ) 0x00`.
+//!
+//! | field | bytes | meaning |
+//! |---|---|---|
+//! | version | 1 | [`VERSION`](crate::VERSION) |
+//! | sequence | 2, little-endian | one more than that of the last message, sent or dropped |
+//! | message | n | postcard encoding of `ToBoard` or `FromBoard` |
+//! | CRC | 2, little-endian | CRC-16/IBM-SDLC of all of the above |
+//!
+//! COBS takes the zeros out, so that 0x00 ends a frame and nothing else: a receiver that lost its place finds the next
+//! frame at the next zero.
+
+use crate::VERSION;
+use crc::{CRC_16_IBM_SDLC, Crc, Table};
+use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use serde::{Serialize, de::DeserializeOwned};
+
+/// Longest frame, terminator included. The longest message is a model: 17 numbers of 4 bytes.
+pub const MAX_FRAME: usize = 128;
+
+const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
+static CRC: Crc<u16, Table<1>> = CHECK;
+
+const HEADER: usize = 3;
+const CHECKSUM: usize = 2;
+
+/// Why a frame was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameError {
+    /// Not COBS, too short, wrong checksum, or no message although the checksum is right.
+    Damaged,
+    /// In order, but from another version of this protocol.
+    Version(u8),
+}
+
+#[derive(Serialize)]
+struct Frame<'a, T> {
+    version: u8,
+    #[serde(with = "postcard::fixint::le")]
+    sequence: u16,
+    message: &'a T,
+}
+
+/// Writes a frame into `buffer` and gives the part that is to be sent, terminator included.
+///
+/// # Errors
+/// If the buffer is too short; one of [`MAX_FRAME`] never is.
+pub fn encode<'a, T: Serialize>(sequence: u16, message: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], postcard::Error> {
+    let frame = Frame { version: VERSION, sequence, message };
+    let storage = CrcModifier::new(Cobs::try_new(Slice::new(buffer))?, CRC.digest());
+    postcard::serialize_with_flavor(&frame, storage).map(|sent| &*sent)
+}
+
+/// Takes apart a frame without its terminator, in place: sequence number and message.
+///
+/// # Errors
+/// As [`FrameError`] says.
+pub fn decode<T: DeserializeOwned>(frame: &mut [u8]) -> Result<(u16, T), FrameError> {
+    let length = cobs::decode_in_place(frame).map_err(|_| FrameError::Damaged)?;
+    let content = frame.get(..length).ok_or(FrameError::Damaged)?;
+    let (checked, checksum) = content.split_last_chunk::<CHECKSUM>().ok_or(FrameError::Damaged)?;
+    if CRC.checksum(checked) != u16::from_le_bytes(*checksum) {
+        return Err(FrameError::Damaged);
+    }
+    let (&[version, low, high], message) = checked.split_first_chunk::<HEADER>().ok_or(FrameError::Damaged)?;
+    if version != VERSION {
+        return Err(FrameError::Version(version));
+    }
+    let (message, rest) = postcard::take_from_bytes(message).map_err(|_| FrameError::Damaged)?;
+    if rest.is_empty() { Ok((u16::from_le_bytes([low, high]), message)) } else { Err(FrameError::Damaged) }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::{ELEMENTS, FromBoard, Name, Readings, Sample, ToBoard};
+    use dr_core::control::{Command, Drive, Heaters, RunState};
+    use dr_core::model::SelfHeatingConfig;
+    use dr_core::sensor::Reading;
+    use std::vec::Vec;
+
+    fn bytes<T: Serialize>(sequence: u16, message: &T) -> Vec<u8> {
+        encode(sequence, message, &mut [0; MAX_FRAME]).unwrap().to_vec()
+    }
+
+    #[test]
+    fn the_longest_messages_fit() {
+        let model = SelfHeatingConfig { mesh_rad_s: [1.7e38; 8], r_k_per_w: [-1.7e38; 8], reference_c: -1.7e38 };
+        let sample = Sample {
+            tick: u32::MAX,
+            heaters: Heaters(u16::MAX),
+            valid: u16::MAX,
+            state: RunState::Running,
+            temperature_c: [-1.7e38; ELEMENTS],
+            power_w: [1.7e38; ELEMENTS],
+        };
+        std::println!(
+            "frame bytes: model {}, sample {}, readings {}",
+            bytes(u16::MAX, &ToBoard::Command(Command::Model { element: 255, model })).len(),
+            bytes(u16::MAX, &FromBoard::Sample(sample)).len(),
+            bytes(9, &ToBoard::Readings(Readings { tick: 100_000, readings: [Reading::Code(-8_000_000); ELEMENTS] }))
+                .len()
+        );
+        let name = Name::try_from("a firmware name of 32 characters").unwrap();
+        assert_eq!(name.len(), name.capacity());
+    }
+
+    #[test]
+    fn comes_back_as_it_was_sent() {
+        let message = ToBoard::Command(Command::Drive { element: 3, drive: Drive::Power { power_w: 0.0125 } });
+        let mut frame = bytes(0xbeef, &message);
+        assert_eq!(frame.pop(), Some(0));
+        assert!(!frame.contains(&0));
+        assert_eq!(decode::<ToBoard>(&mut frame), Ok((0xbeef, message)));
+    }
+
+    #[test]
+    fn no_flipped_bit_gets_through() {
+        let frame = bytes(7, &ToBoard::Telemetry { every: 300 });
+        let content = &frame[..frame.len() - 1];
+        for bit in 0..content.len() * 8 {
+            let mut damaged = content.to_vec();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(decode::<ToBoard>(&mut damaged), Err(FrameError::Damaged), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn another_version_is_named() {
+        // The version is the first byte behind the first COBS code; the checksum has to be made to fit.
+        let mut content = std::vec![VERSION + 1, 0, 0, 0];
+        content.extend(CRC.checksum(&content).to_le_bytes());
+        let mut frame = std::vec![0; 16];
+        let length = cobs::encode(&content, &mut frame);
+        assert_eq!(decode::<ToBoard>(&mut frame[..length]), Err(FrameError::Version(VERSION + 1)));
+    }
+
+    #[test]
+    fn short_and_trailing_content_is_damage() {
+        assert_eq!(decode::<ToBoard>(&mut []), Err(FrameError::Damaged));
+        assert_eq!(decode::<ToBoard>(&mut [2, 1]), Err(FrameError::Damaged));
+        #[derive(Serialize)]
+        struct Longer(ToBoard, u8);
+        let mut frame = bytes(0, &Longer(ToBoard::Hello, 1));
+        frame.pop();
+        assert_eq!(decode::<ToBoard>(&mut frame), Err(FrameError::Damaged));
+    }
+}

@@ -1,0 +1,175 @@
+//! Every message, on one screen.
+
+use crate::receiver::LinkCounters;
+use dr_core::control::{Command, Heaters, Refusal, Reply, RunState, Tick};
+use dr_core::sensor::Reading;
+use serde::{Deserialize, Serialize};
+
+/// Elements of an instrument; a head with fewer leaves the last ones unconfigured.
+pub const ELEMENTS: usize = 6;
+
+/// A short text.
+pub type Name = heapless::String<32>;
+
+/// Host to board.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum ToBoard {
+    /// Who are you? Answered by `Identity`.
+    Hello,
+    /// Answered by `Reply` with this frame's sequence number.
+    Command(Command),
+    /// Send a `Sample` every so many ticks; 0 sends none. 1 after a reset.
+    Telemetry {
+        /// Ticks a sample.
+        every: u16,
+    },
+    /// What the simulated front end reads. Obeyed by the virtual board only.
+    Readings(Readings),
+    /// The run is over: the virtual board leaves its emulator with this code.
+    Finish {
+        /// Exit code.
+        code: u8,
+    },
+}
+
+/// Board to host.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum FromBoard {
+    /// Answer to `Hello`.
+    Identity(Identity),
+    /// Answer to a `Command`.
+    Reply {
+        /// Sequence number of the frame that brought the command.
+        to: u16,
+        /// Done, or why not.
+        result: Result<Reply, Refusal>,
+    },
+    /// One tick.
+    Sample(Sample),
+    /// Once a second.
+    Status(Status),
+    /// The run state changed.
+    Event(Event),
+    /// Levels for the simulated front end. Sent by the virtual board only.
+    Heaters(HeaterFrame),
+}
+
+/// Who the board is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Name and version of the firmware.
+    pub firmware: Name,
+    /// What it runs on.
+    pub board: BoardKind,
+    /// Elements it can drive.
+    pub elements: u8,
+    /// Order of the models it can carry.
+    pub order: u8,
+    /// Why it last started.
+    pub reset: ResetCause,
+}
+
+/// Kinds of boards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BoardKind {
+    /// The sensor board, with a real front end.
+    Sensor,
+    /// The same application with a front end that is a link.
+    Virtual,
+}
+
+/// Why the processor started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// Supply came up.
+    PowerOn,
+    /// Reset pin.
+    Pin,
+    /// Asked for by software: a panic or a hard fault.
+    Software,
+    /// The watchdog was not fed.
+    Watchdog,
+    /// Supply dipped.
+    BrownOut,
+    /// The processor does not say.
+    Unknown,
+}
+
+/// One reading an element, in lock-step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Readings {
+    /// Number of the exchange, from 0; the answer carries the same.
+    pub tick: u32,
+    /// One an element.
+    pub readings: [Reading; ELEMENTS],
+}
+
+/// What one tick brought: [`Tick`], as it travels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Number of the tick since the start of the run.
+    pub tick: u32,
+    /// Levels held until the next tick.
+    pub heaters: Heaters,
+    /// Bit i is set if element i had a good reading.
+    pub valid: u16,
+    /// State after the tick.
+    pub state: RunState,
+    /// °C.
+    pub temperature_c: [f32; ELEMENTS],
+    /// W, held until the next tick.
+    pub power_w: [f32; ELEMENTS],
+}
+
+impl From<&Tick<ELEMENTS>> for Sample {
+    fn from(tick: &Tick<ELEMENTS>) -> Self {
+        Self {
+            tick: tick.tick,
+            heaters: tick.heaters,
+            valid: tick.valid,
+            state: tick.state,
+            temperature_c: tick.temperature_c,
+            power_w: tick.power_w,
+        }
+    }
+}
+
+/// Health, once a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Status {
+    /// Seconds since the start.
+    pub uptime_s: u32,
+    /// What the instrument is doing.
+    pub state: RunState,
+    /// What arrived on the host link, and what was wrong with it.
+    pub link: LinkCounters,
+    /// Messages that found the queue to the host full. They count in the sequence numbers.
+    pub unsent: u32,
+    /// Ticks that came before the one before was through.
+    pub late_ticks: u32,
+    /// Longest control task so far, processor cycles (0 where there is no cycle counter).
+    pub control_cycles_max: u32,
+    /// Processor cycles in a tick; 0 until the sample period is set.
+    pub tick_cycles: u32,
+}
+
+/// A change of the run state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Event {
+    /// The tick that brought it.
+    pub tick: u32,
+    /// The state now.
+    pub state: RunState,
+}
+
+/// The virtual board's answer to `Readings`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HeaterFrame {
+    /// The exchange that is answered.
+    pub tick: u32,
+    /// Levels to hold until the next one.
+    pub heaters: Heaters,
+    /// Digest of all that the controller knows, over all ticks since the start of the run.
+    #[serde(with = "postcard::fixint::le")]
+    pub digest: u64,
+}
