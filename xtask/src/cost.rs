@@ -10,7 +10,7 @@ use crate::{artefacts, install, shell};
 use anyhow::{Context, Result, bail};
 use std::fmt::Write;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, mpsc};
 use std::time::Duration;
@@ -62,19 +62,22 @@ pub struct Options {
     /// Put the table into the README
     #[arg(long)]
     write: bool,
+    /// Count in this image instead of building one
+    #[arg(long, value_name = "ELF")]
+    image: Option<PathBuf>,
 }
 
 impl Options {
     /// What `test` does.
     pub fn check() -> Options {
-        Options { check: true, write: false }
+        Options { check: true, write: false, image: None }
     }
 }
 
 pub fn run(options: &Options) -> Result<()> {
     install::thumb_target()?;
     install::qemu()?;
-    let elf = artefacts::cost_image()?;
+    let elf = options.image.clone().map_or_else(artefacts::cost_image, Ok)?;
     let image = Image::read(&elf)?;
     let entries = KERNELS
         .iter()
