@@ -1,6 +1,8 @@
 //! Texas Instruments ADS131E06: six delta-sigma ADCs that sample together, 24 bit, on SPI mode 1.
 //!
-//!     V = code · V_ref / (G · 2²³),   V_ref = 4 V (internal),   G = 1
+//! ```text
+//! V = code · V_ref / (G · 2²³),   V_ref = 4 V (internal),   G = 1
+//! ```
 //!
 //! Source: data sheet SBAS561 (ADS131E04/E06/E08), cross-read with the Linux driver `ti-ads131e08` and its device-tree
 //! binding. Times below are for the 2.048 MHz clock of the board, t_CLK = 488 ns.
@@ -12,8 +14,8 @@
 //! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can be refused: 0.35 mV
 //! (typical) would be 0.2 K at the low current and 0.04 K at the high one, a step at every change of level.
 //!
-//! Limits: one chip, no daisy chain; the clock between SCLK bytes is kept by waiting, so any SCLK up to the chip's 20 MHz
-//! is right for commands, and from 0.7 MHz on a frame is out before the next one at 4 kSPS.
+//! Limits: one chip, no daisy chain. The time to decode a byte is kept by waiting, so commands work at any SCLK up to the
+//! chip's 20 MHz; a frame is out before the next one at 4 kSPS from 0.7 MHz on. START pin low, PWDN pin high.
 
 use core::fmt;
 
@@ -42,7 +44,7 @@ const STATUS_MARK: u8 = 0b1100;
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six channels.
 const IDENTITY: u8 = 0xD1;
 
-/// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command.
+/// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command, and between the last byte and chip select.
 const DECODE_NS: u32 = 2_000;
 /// Two t_CLK (0.98 µs) that chip select stays high between commands.
 const DESELECTED_US: u32 = 1;
@@ -195,14 +197,16 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::RDATAC, delay)
     }
 
-    /// Reads the conversion that data-ready has announced: 21 bytes, no waiting.
+    /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select may rise.
     ///
     /// # Errors
     /// A status word without its mark (the frame is shifted, late, or nobody answers), or a bus that failed.
     pub fn read_frame(&mut self) -> Result<Frame, Error<SPI::Error>> {
         // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler is the bus' choice.
         let mut bytes = [0; FRAME_BYTES];
-        self.spi.transfer_in_place(&mut bytes).map_err(Error::Spi)?;
+        self.spi
+            .transaction(&mut [Operation::TransferInPlace(&mut bytes), Operation::DelayNs(DECODE_NS)])
+            .map_err(Error::Spi)?;
         let mut frame = parse(&bytes)?;
         for (code, offset) in frame.codes.iter_mut().zip(&self.offsets) {
             if (CODE_MIN + 1..CODE_MAX).contains(code) {

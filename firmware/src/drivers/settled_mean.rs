@@ -1,6 +1,8 @@
 //! One reading an element and tick: the mean of the conversions that know only the present level.
 //!
-//!     code = round( (1/m) Σ c_j ),   j = 4 … n,   m = n − 3
+//! ```text
+//! code = round( (1/m) Σ c_j ),   j = 4 … n,   m = n − 3
+//! ```
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|

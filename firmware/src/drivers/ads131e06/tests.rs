@@ -51,11 +51,7 @@ fn on_demand(codes: [i32; CHANNELS]) -> Vec<Byte<u8>> {
 }
 
 fn frame(status: [u8; 3], codes: [i32; CHANNELS]) -> Vec<Byte<u8>> {
-    vec![
-        Byte::transaction_start(),
-        Byte::transfer_in_place(vec![0; FRAME_BYTES], frame_bytes(status, codes)),
-        Byte::transaction_end(),
-    ]
+    selected([Byte::transfer_in_place(vec![0; FRAME_BYTES], frame_bytes(status, codes))])
 }
 
 fn reset_edges() -> [Edge; 3] {
