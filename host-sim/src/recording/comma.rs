@@ -1,0 +1,235 @@
+//! Recordings as CSV (RFC 4180) with `# key: value` lines around the table.
+//!
+//! Numbers are written with the fewest digits that give the same f32 back (f64 for the time). A missing number is an empty field.
+//! A line break in a metadata value is written `\n`, a backslash `\\`.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Write as _};
+use std::path::Path;
+
+use super::read::{Column, Values, Words};
+use super::write::{Kind, Row};
+use super::{EVENT, Metadata, RecordingError, STATE};
+
+/// Rows that are handed on at once.
+const CHUNK: usize = 16_384;
+
+pub(super) struct Writer {
+    csv: csv::Writer<BufWriter<File>>,
+    field: String,
+    elements: usize,
+}
+
+impl Writer {
+    pub(super) fn new(file: File, columns: &[(String, Kind)], metadata: &Metadata, path: &Path) -> Result<Self, RecordingError> {
+        let failed = |error: &dyn std::fmt::Display| RecordingError::io(path, "written", error);
+        let mut file = BufWriter::new(file);
+        write_metadata(&mut file, metadata).map_err(|error| failed(&error))?;
+        let mut csv = csv::Writer::from_writer(file);
+        csv.write_record(columns.iter().map(|(name, _)| name)).map_err(|error| failed(&error))?;
+        let elements = columns.iter().filter(|(_, kind)| *kind == Kind::Bit).count();
+        Ok(Self { csv, field: String::new(), elements })
+    }
+
+    pub(super) fn push(&mut self, row: &Row, path: &Path) -> Result<(), RecordingError> {
+        self.write(row).map_err(|error| RecordingError::io(path, "written", &error))
+    }
+
+    fn write(&mut self, row: &Row) -> csv::Result<()> {
+        use std::fmt::Write as _;
+        self.field.clear();
+        // Formatting into a String cannot fail.
+        let _ = write!(self.field, "{}", row.time_s);
+        self.csv.write_field(&self.field)?;
+        let wind = row.wind_m_s.map(|wind| wind.map(|component| component as f32));
+        for &number in row.temperature_c.iter().chain(row.power_w) {
+            self.number(number)?;
+        }
+        for element in 0..self.elements {
+            self.csv.write_field(if row.heaters >> element & 1 == 1 { "1" } else { "0" })?;
+        }
+        self.csv.write_field(row.event)?;
+        self.csv.write_field(row.state)?;
+        for component in wind.into_iter().flatten() {
+            self.number(component)?;
+        }
+        self.csv.write_record(None::<&[u8]>)
+    }
+
+    fn number(&mut self, number: f32) -> csv::Result<()> {
+        use std::fmt::Write as _;
+        self.field.clear();
+        if !number.is_nan() {
+            let _ = write!(self.field, "{number}");
+        }
+        self.csv.write_field(&self.field)
+    }
+
+    pub(super) fn finish(self, metadata: &Metadata, path: &Path) -> Result<(), RecordingError> {
+        let failed = |error: &dyn std::fmt::Display| RecordingError::io(path, "written", error);
+        let mut file = self.csv.into_inner().map_err(|error| failed(error.error()))?;
+        write_metadata(&mut file, metadata).and_then(|()| file.flush()).map_err(|error| failed(&error))
+    }
+}
+
+fn write_metadata(file: &mut impl std::io::Write, metadata: &Metadata) -> std::io::Result<()> {
+    for (key, value) in metadata {
+        writeln!(file, "# {key}: {}", value.replace('\\', "\\\\").replace('\r', "\\r").replace('\n', "\\n"))?;
+    }
+    Ok(())
+}
+
+fn metadata_of(line: &str) -> Option<(String, String)> {
+    let (key, value) = line.strip_prefix('#')?.split_once(':')?;
+    let mut plain = String::with_capacity(value.len());
+    let mut letters = value.trim().chars();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '\\' => match letters.next() {
+                Some('n') => plain.push('\n'),
+                Some('r') => plain.push('\r'),
+                Some(other) => plain.push(other),
+                None => plain.push('\\'),
+            },
+            _ => plain.push(letter),
+        }
+    }
+    Some((key.trim().to_owned(), plain))
+}
+
+/// Takes the `#` lines out of the stream and keeps what they say; everything else passes to the CSV parser.
+struct Uncommented {
+    file: BufReader<File>,
+    line: Vec<u8>,
+    taken: usize,
+    /// A line break inside quotes does not start a line.
+    quoted: bool,
+    metadata: std::rc::Rc<std::cell::RefCell<Metadata>>,
+}
+
+impl std::io::Read for Uncommented {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        while self.taken == self.line.len() {
+            self.line.clear();
+            self.taken = 0;
+            if self.file.read_until(b'\n', &mut self.line)? == 0 {
+                return Ok(0);
+            }
+            if !self.quoted && self.line.starts_with(b"#") {
+                self.metadata.borrow_mut().extend(metadata_of(String::from_utf8_lossy(&self.line).trim_end_matches(['\r', '\n'])));
+                self.line.clear();
+            } else {
+                self.quoted ^= self.line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1;
+            }
+        }
+        let count = into.len().min(self.line.len() - self.taken);
+        into[..count].copy_from_slice(&self.line[self.taken..self.taken + count]);
+        self.taken += count;
+        Ok(count)
+    }
+}
+
+pub(super) struct Reader {
+    csv: csv::Reader<Uncommented>,
+    record: csv::StringRecord,
+    /// Whether a column holds text; known from its first row on.
+    text: Option<Vec<bool>>,
+    names: Vec<String>,
+    rows: usize,
+    metadata: std::rc::Rc<std::cell::RefCell<Metadata>>,
+}
+
+impl Reader {
+    pub(super) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
+        let metadata = std::rc::Rc::default();
+        let file = Uncommented {
+            file: BufReader::with_capacity(1 << 16, file),
+            line: Vec::new(),
+            taken: 0,
+            quoted: false,
+            metadata: std::rc::Rc::clone(&metadata),
+        };
+        let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+        let names: Vec<String> =
+            csv.headers().map_err(|error| RecordingError::damaged(path, &reworded(&error)))?.iter().map(str::to_owned).collect();
+        if names.is_empty() {
+            return Err(RecordingError::content(path, "is empty: a line with the columns' names belongs first"));
+        }
+        if let Some(at) = names.iter().position(String::is_empty) {
+            return Err(RecordingError::content(path, format!("column {} has no name", at + 1)));
+        }
+        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+            return Err(RecordingError::content(path, "begins with numbers: a line with the columns' names belongs first"));
+        }
+        Ok(Self { csv, record: csv::StringRecord::new(), text: None, names, rows: 0, metadata })
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What has been met so far; complete after the last chunk.
+    pub(super) fn metadata(&self) -> Metadata {
+        self.metadata.borrow().clone()
+    }
+
+    pub(super) fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<Column>>, RecordingError> {
+        let mut chunk: Vec<Column> = Vec::new();
+        for _ in 0..CHUNK {
+            let more = self.csv.read_record(&mut self.record).map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
+            if !more {
+                break;
+            }
+            self.rows += 1;
+            let (names, record) = (&self.names, &self.record);
+            let text = self.text.get_or_insert_with(|| {
+                names.iter().zip(record).map(|(name, field)| [EVENT, STATE].contains(&name.as_str()) || number(field).is_none()).collect()
+            });
+            if chunk.is_empty() {
+                chunk = names
+                    .iter()
+                    .zip(text.iter())
+                    .map(|(name, &text)| Column {
+                        name: name.clone(),
+                        values: if text { Values::Words(Words::default()) } else { Values::Numbers(Vec::new()) },
+                    })
+                    .collect();
+            }
+            for (column, field) in chunk.iter_mut().zip(record) {
+                match &mut column.values {
+                    Values::Words(words) => words.push(field),
+                    Values::Numbers(numbers) => numbers.push(number(field).ok_or_else(|| {
+                        let line = record.position().map_or(0, csv::Position::line);
+                        let (row, name) = (self.rows, &column.name);
+                        RecordingError::content(path, format!("row {row}{}, column `{name}`: `{field}` is not a number", at_line(line)))
+                    })?),
+                }
+            }
+        }
+        Ok((!chunk.is_empty()).then_some(chunk))
+    }
+}
+
+/// `#` lines are not counted by the parser, so its line numbers are those of the table only; without such lines they are the file's.
+fn at_line(line: u64) -> String {
+    if line == 0 { String::new() } else { format!(" (line {line} of the table)") }
+}
+
+/// A field's number; an empty field is a missing one.
+fn number(field: &str) -> Option<f64> {
+    if field.is_empty() { Some(f64::NAN) } else { field.parse().ok() }
+}
+
+fn reworded(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            format!("a row has {len} fields where the header names {expected_len} columns{}", at_line(line))
+        }
+        csv::ErrorKind::Utf8 { pos, .. } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            format!("a row is not UTF-8 text{}", at_line(line))
+        }
+        _ => error.to_string(),
+    }
+}
