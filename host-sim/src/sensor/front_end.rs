@@ -1,0 +1,296 @@
+//! The simulated front end: two-level currents into platinum resistors, and the converter that reads their voltage.
+//!
+//! ```text
+//! P    = I² R(T)                                      heat in the resistor, W
+//! code = round((I R(T) + e) / q), held to ±full scale,    e ~ N(0, σ²) V,   q = volt per code
+//! ```
+//!
+//! The true resistors and currents differ from the nominal ones by seeded errors, drawn once: R0, its temperature coefficient and
+//! either current of every element, each normal with the standard deviation asked for. The controller only knows the nominal values.
+//!
+//! Faults: an open element drives its current source to the rail, so the code is positive full scale; a shorted one leaves only the
+//! noise. Neither takes any heat.
+//!
+//! Limits: no settling of the currents, no reference drift, no correlation between channels; ideal 24-bit steps.
+
+use dr_core::sensor::platinum::Platinum;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{ELEMENTS, SensorError};
+
+/// Codes of a 24-bit two's complement converter.
+pub const HIGHEST_CODE: i32 = 0x7F_FFFF;
+pub const LOWEST_CODE: i32 = -0x80_0000;
+
+/// Nominal characteristic of a platinum resistor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlatinumKind {
+    /// R = R0 (1 + αT).
+    Linear { resistance_0c_ohm: f64, coefficient_per_c: f64 },
+    /// IEC 60751; has no coefficient to be in error.
+    Iec60751 { resistance_0c_ohm: f64 },
+}
+
+/// Nominal values of one element and its two currents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementConfig {
+    pub platinum: PlatinumKind,
+    pub current_low_a: f64,
+    pub current_high_a: f64,
+}
+
+/// Imperfections of the front end; all zero by default. Errors are standard deviations in percent of the nominal value.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Imperfections {
+    pub noise_v_rms: f64,
+    pub resistance_error_percent: f64,
+    pub coefficient_error_percent: f64,
+    pub current_error_percent: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    Open,
+    Shorted,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    platinum: Platinum,
+    /// Low and high.
+    current_a: [f64; 2],
+    fault: Option<Fault>,
+}
+
+#[derive(Clone, Debug)]
+pub struct FrontEnd {
+    elements: [Element; ELEMENTS],
+    code_per_volt: f64,
+    noise_v_rms: f64,
+    noise: ChaCha8Rng,
+}
+
+impl FrontEnd {
+    /// `tolerances` draws the errors of the elements, `noise` the noise of every sample.
+    pub fn new(
+        elements: &[ElementConfig; ELEMENTS],
+        volt_per_code: f64,
+        imperfections: &Imperfections,
+        mut tolerances: ChaCha8Rng,
+        noise: ChaCha8Rng,
+    ) -> Result<FrontEnd, SensorError> {
+        if !(volt_per_code.is_finite() && volt_per_code > 0.0) {
+            return Err(SensorError::out_of_range("volt_per_code", volt_per_code, "more than 0"));
+        }
+        imperfections.check()?;
+        let mut made = Vec::with_capacity(ELEMENTS);
+        for (i, element) in elements.iter().enumerate() {
+            // All four are always drawn, so that asking for one error does not change the others.
+            let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut tolerances));
+            made.push(Element::new(element, imperfections, errors, i)?);
+        }
+        Ok(FrontEnd {
+            elements: std::array::from_fn(|i| made[i]),
+            code_per_volt: 1.0 / volt_per_code,
+            noise_v_rms: imperfections.noise_v_rms,
+            noise,
+        })
+    }
+
+    /// Heat in an element at `temperature_c` with its current at the high or low level, W.
+    pub fn power_w(&self, element: usize, temperature_c: f64, high: bool) -> f64 {
+        let element = &self.elements[element];
+        if element.fault.is_some() {
+            return 0.0;
+        }
+        let current_a = element.current_a[usize::from(high)];
+        current_a * current_a * element.resistance_ohm(temperature_c)
+    }
+
+    /// Converts the voltage of every element; bit i of `heaters` is element i at its high level. Draws fresh noise.
+    pub fn sample(&mut self, temperature_c: &[f64; ELEMENTS], heaters: u16) -> [i32; ELEMENTS] {
+        std::array::from_fn(|i| {
+            let element = &self.elements[i];
+            let volt = match element.fault {
+                None => {
+                    element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c[i])
+                }
+                Some(Fault::Open) => f64::INFINITY,
+                Some(Fault::Shorted) => 0.0,
+            };
+            let noise: f64 = StandardNormal.sample(&mut self.noise);
+            let code = ((volt + self.noise_v_rms * noise) * self.code_per_volt).round();
+            code.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i32
+        })
+    }
+
+    pub fn set_fault(&mut self, element: usize, fault: Option<Fault>) {
+        self.elements[element].fault = fault;
+    }
+}
+
+impl Imperfections {
+    fn check(&self) -> Result<(), SensorError> {
+        for (name, value) in [
+            ("front_end.noise_v_rms", self.noise_v_rms),
+            ("front_end.resistance_error_percent", self.resistance_error_percent),
+            ("front_end.coefficient_error_percent", self.coefficient_error_percent),
+            ("front_end.current_error_percent", self.current_error_percent),
+        ] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SensorError::out_of_range(name, value, "zero or more"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Element {
+    fn new(
+        nominal: &ElementConfig,
+        imperfections: &Imperfections,
+        [resistance, coefficient, low, high]: [f64; 4],
+        index: usize,
+    ) -> Result<Element, SensorError> {
+        let (low_a, high_a) = (nominal.current_low_a, nominal.current_high_a);
+        if !(low_a > 0.0 && low_a < high_a && high_a.is_finite()) {
+            return Err(SensorError::Currents { element: index, low_a, high_a });
+        }
+        let off_by = |percent: f64, normal: f64| 1.0 + 0.01 * percent * normal;
+        let resistance = off_by(imperfections.resistance_error_percent, resistance);
+        let platinum = match nominal.platinum {
+            PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c } => Platinum::linear(
+                (resistance_0c_ohm * resistance) as f32,
+                (coefficient_per_c * off_by(imperfections.coefficient_error_percent, coefficient)) as f32,
+            ),
+            PlatinumKind::Iec60751 { resistance_0c_ohm } => Platinum::iec60751((resistance_0c_ohm * resistance) as f32),
+        }
+        .map_err(|source| SensorError::Platinum { element: index, source })?;
+        let current_error = imperfections.current_error_percent;
+        Ok(Element {
+            platinum,
+            current_a: [low_a * off_by(current_error, low), high_a * off_by(current_error, high)],
+            fault: None,
+        })
+    }
+
+    fn resistance_ohm(&self, temperature_c: f64) -> f64 {
+        f64::from(self.platinum.resistance_ohm(temperature_c as f32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::rand_core::SeedableRng;
+
+    const VOLT_PER_CODE: f64 = 4.0 / 8_388_608.0;
+    const NOMINAL: ElementConfig = ElementConfig {
+        platinum: PlatinumKind::Linear { resistance_0c_ohm: 175.0, coefficient_per_c: 0.0031 },
+        current_low_a: 3e-3,
+        current_high_a: 16e-3,
+    };
+    const ALL_HIGH: u16 = 0x3F;
+
+    fn front_end(imperfections: Imperfections, seed: u64) -> FrontEnd {
+        let (tolerances, noise) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(seed + 1000));
+        FrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
+    }
+
+    #[test]
+    fn a_code_is_the_voltage_at_the_current_that_flows() {
+        let mut front_end = front_end(Imperfections::default(), 1);
+        let codes = front_end.sample(&[0.0; ELEMENTS], 0b000001);
+        // 16 mA and 3 mA through 175 Ω.
+        assert_eq!(codes[0], (2.8_f64 / VOLT_PER_CODE).round() as i32);
+        assert_eq!(codes[1], (0.525_f64 / VOLT_PER_CODE).round() as i32);
+        assert!((front_end.power_w(0, 0.0, true) - 0.0448).abs() < 1e-12);
+        assert!((front_end.power_w(0, 0.0, false) - 0.001575).abs() < 1e-12);
+    }
+
+    #[test]
+    fn quantises_in_steps_of_one_code() {
+        let mut front_end = front_end(Imperfections::default(), 1);
+        // One code is 4 V/2²³ = 0.477 µV, at 16 mA and 0.5425 Ω/K that is 54.9 µK.
+        let kelvin_per_code = VOLT_PER_CODE / (16e-3 * 175.0 * 0.0031);
+        let steps: Vec<i32> = (0..2000)
+            .map(|k| front_end.sample(&[-23.0 + 0.1 * k as f64 * kelvin_per_code; ELEMENTS], ALL_HIGH)[0])
+            .collect();
+        // Ten points a code: 200 codes in all, never more than one at a time.
+        assert!(steps.windows(2).all(|w| (0..=1).contains(&(w[1] - w[0]))));
+        assert!((steps[1999] - steps[0] - 200).abs() <= 1);
+    }
+
+    #[test]
+    fn noise_has_the_rms_asked_for() {
+        let mut front_end = front_end(Imperfections { noise_v_rms: 1e-5, ..Imperfections::default() }, 1);
+        let count = 20_000;
+        let mut samples = Vec::new();
+        for _ in 0..count {
+            samples.extend(front_end.sample(&[-23.0; ELEMENTS], ALL_HIGH).map(|code| f64::from(code) * VOLT_PER_CODE));
+        }
+        let n = samples.len() as f64;
+        let mean = samples.iter().sum::<f64>() / n;
+        let rms = (samples.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        // Four standard errors 1/√(2N) of a standard deviation; quantisation adds 1e-4 of it.
+        assert!((rms / 1e-5 - 1.0).abs() < 4.0 / (2.0 * n).sqrt() + 1e-4, "{rms}");
+    }
+
+    #[test]
+    fn saturates_to_full_scale() {
+        let mut front_end = front_end(Imperfections::default(), 1);
+        // 4 V at 16 mA is 250 Ω, that is 138 °C.
+        assert_eq!(front_end.sample(&[150.0; ELEMENTS], ALL_HIGH), [HIGHEST_CODE; ELEMENTS]);
+    }
+
+    #[test]
+    fn an_open_element_reads_full_scale_and_a_shorted_one_nothing() {
+        let mut front_end = front_end(Imperfections { noise_v_rms: 1.5e-6, ..Imperfections::default() }, 1);
+        front_end.set_fault(0, Some(Fault::Open));
+        front_end.set_fault(1, Some(Fault::Shorted));
+        for heaters in [0, ALL_HIGH] {
+            let codes = front_end.sample(&[-23.0; ELEMENTS], heaters);
+            assert_eq!(codes[0], HIGHEST_CODE);
+            // Six sigma of the noise is 19 codes.
+            assert!(codes[1].abs() < 20, "{}", codes[1]);
+            assert!(codes[2] > 900_000);
+        }
+        assert_eq!(front_end.power_w(0, -23.0, true), 0.0);
+        assert_eq!(front_end.power_w(1, -23.0, true), 0.0);
+        front_end.set_fault(0, None);
+        assert!(front_end.sample(&[-23.0; ELEMENTS], ALL_HIGH)[0] < HIGHEST_CODE);
+    }
+
+    #[test]
+    fn errors_of_the_elements_have_the_spread_asked_for_and_follow_the_seed() {
+        let imperfections = Imperfections { resistance_error_percent: 0.5, ..Imperfections::default() };
+        let count = 2000;
+        let mut sum = 0.0;
+        for seed in 0..count {
+            let front_end = front_end(imperfections, seed);
+            let resistance = front_end.power_w(0, 0.0, true) / (16e-3 * 16e-3);
+            sum += (resistance / 175.0 - 1.0).powi(2);
+        }
+        let spread = (sum / count as f64).sqrt();
+        // Four standard errors of a standard deviation.
+        assert!((spread / 0.005 - 1.0).abs() < 4.0 / (2.0 * count as f64).sqrt(), "{spread}");
+        let power = |seed| front_end(imperfections, seed).power_w(3, 10.0, true).to_bits();
+        assert_eq!(power(7), power(7));
+        assert_ne!(power(7), power(8));
+    }
+
+    #[test]
+    fn refuses_impossible_values_by_name() {
+        let new = |element: ElementConfig, imperfections: Imperfections| {
+            let rng = || ChaCha8Rng::seed_from_u64(1);
+            FrontEnd::new(&[element; ELEMENTS], VOLT_PER_CODE, &imperfections, rng(), rng()).unwrap_err().to_string()
+        };
+        let swapped = ElementConfig { current_low_a: 17e-3, ..NOMINAL };
+        assert!(new(swapped, Imperfections::default()).contains("current"));
+        let noise = Imperfections { noise_v_rms: f64::NAN, ..Imperfections::default() };
+        assert!(new(NOMINAL, noise).contains("front_end.noise_v_rms"));
+        let platinum = PlatinumKind::Linear { resistance_0c_ohm: -1.0, coefficient_per_c: 0.0031 };
+        assert!(new(ElementConfig { platinum, ..NOMINAL }, Imperfections::default()).contains("resistance_0c_ohm"));
+    }
+}
