@@ -4,7 +4,7 @@
 
 use crate::artefacts::TARGET;
 use crate::shell;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use std::process::Command;
 
@@ -13,11 +13,13 @@ pub const QEMU: &str = "qemu-system-arm";
 /// A system's package manager and how it brings QEMU for Arm.
 struct Packages {
     manager: &'static str,
-    /// Lists of packages are brought up to date first where an install would otherwise not find any.
+    /// Brings the lists of packages up to date, where an install would otherwise not find any.
     refresh: Option<&'static [&'static str]>,
     install: &'static [&'static str],
     /// Whether the manager wants to be run by root.
     as_root: bool,
+    /// The same for people to type.
+    by_hand: &'static str,
 }
 
 const PACKAGES: [Packages; 4] = [
@@ -26,15 +28,29 @@ const PACKAGES: [Packages; 4] = [
         refresh: Some(&["update", "-qq"]),
         install: &["install", "-y", "-qq", "--no-install-recommends", "qemu-system-arm"],
         as_root: true,
+        by_hand: "sudo apt-get update && sudo apt-get install qemu-system-arm",
     },
-    Packages { manager: "dnf", refresh: None, install: &["install", "-y", "qemu-system-arm-core"], as_root: true },
+    Packages {
+        manager: "dnf",
+        refresh: None,
+        install: &["install", "-y", "qemu-system-arm-core"],
+        as_root: true,
+        by_hand: "sudo dnf install qemu-system-arm-core",
+    },
     Packages {
         manager: "pacman",
         refresh: None,
         install: &["-Sy", "--noconfirm", "--needed", "qemu-system-arm"],
         as_root: true,
+        by_hand: "sudo pacman -Sy qemu-system-arm",
     },
-    Packages { manager: "brew", refresh: None, install: &["install", "qemu"], as_root: false },
+    Packages {
+        manager: "brew",
+        refresh: None,
+        install: &["install", "qemu"],
+        as_root: false,
+        by_hand: "brew install qemu",
+    },
 ];
 
 /// The thumb target's core library, for building firmware.
@@ -73,26 +89,18 @@ pub fn qemu() -> Result<()> {
     let Some(packages) = PACKAGES.iter().find(|packages| shell::answers(packages.manager, &["--version"])) else {
         bail!("{QEMU} is missing; install QEMU for Arm (https://www.qemu.org/download) and start again");
     };
-    let by_hand = format!(
-        "{QEMU} is missing and cannot be installed from here; type: {}{} {}",
-        if packages.as_root { "sudo " } else { "" },
-        packages.manager,
-        packages.install.join(" ")
-    );
+    let refusal = || anyhow!("{QEMU} is missing and cannot be installed from here; type: {}", packages.by_hand);
     let sudo = packages.as_root && !is_root();
     if sudo && !shell::answers("sudo", &["-n", "true"]) {
-        bail!(by_hand);
+        return Err(refusal());
     }
     shell::announce(&format!("installing {QEMU} with {}", packages.manager));
     if let Some(refresh) = packages.refresh {
         // A refresh that fails for one of many sources is no reason to give up: the install decides.
         let _ = shell::run(manager(packages, sudo).args(refresh));
     }
-    shell::run(manager(packages, sudo).args(packages.install)).with_context(|| by_hand.clone())?;
-    if !shell::answers(QEMU, &["--version"]) {
-        bail!(by_hand);
-    }
-    Ok(())
+    shell::run(manager(packages, sudo).args(packages.install)).map_err(|_| refusal())?;
+    if shell::answers(QEMU, &["--version"]) { Ok(()) } else { Err(refusal()) }
 }
 
 fn manager(packages: &Packages, sudo: bool) -> Command {

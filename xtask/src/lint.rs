@@ -2,7 +2,7 @@
 
 use crate::artefacts::{Board, TARGET};
 use crate::{install, links, shell};
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
     install::thumb_target()?;
@@ -10,7 +10,7 @@ pub fn run() -> Result<()> {
     shell::announce("links between pages");
     links::run()?;
     shell::announce("format");
-    shell::run(shell::cargo().args(["fmt", "--all", "--check"]))?;
+    shell::run(shell::cargo().args(["fmt", "--all", "--check"])).context("files are not formatted; type: cargo fmt")?;
     shell::announce("clippy, host");
     shell::run(shell::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     for board in Board::ALL {
