@@ -1,3 +1,9 @@
+//! The parts of the firmware that know no board: drivers on embedded-hal, and the handling of what comes over the links.
+//! They build for the host as well, where they are tested.
 #![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
 
 pub mod drivers;
+pub mod inbox;
+pub mod outbox;

@@ -139,10 +139,10 @@ impl From<&Tick<ELEMENTS>> for Sample {
 pub struct Status {
     /// Seconds since the start.
     pub uptime_s: u32,
-    /// What the instrument is doing.
-    pub state: RunState,
     /// What arrived on the host link, and what was wrong with it.
     pub link: LinkCounters,
+    /// Messages that came when their queue was full, or that this board does not obey.
+    pub refused: u32,
     /// Messages that found the queue to the host full. They count in the sequence numbers.
     pub unsent: u32,
     /// Ticks that came before the one before was through.

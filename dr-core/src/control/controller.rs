@@ -132,6 +132,11 @@ impl<const N: usize> Controller<N> {
         self.state
     }
 
+    /// Number of the next tick.
+    pub const fn ticks(&self) -> u32 {
+        self.tick
+    }
+
     /// Length of a tick in s, once it is set.
     pub const fn sample_period_s(&self) -> Option<f32> {
         self.sample_period_s

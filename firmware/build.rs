@@ -1,0 +1,22 @@
+//! Hands the memory map to the linker, and the name of this build to the firmware.
+
+use std::process::Command;
+use std::{env, fs, path::PathBuf};
+
+fn main() {
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    println!("cargo:rerun-if-changed=../memory.x");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
+        fs::copy("../memory.x", out.join("memory.x")).expect("memory.x stands at the root of the workspace");
+        println!("cargo:rustc-link-search={}", out.display());
+        println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
+    }
+
+    // An archive without history still builds; it then goes by its version alone.
+    let commit = Command::new("git").args(["rev-parse", "--short=8", "HEAD"]).output();
+    let commit = commit.ok().filter(|o| o.status.success()).and_then(|o| String::from_utf8(o.stdout).ok());
+    println!("cargo:rerun-if-changed=../.git/HEAD");
+    let version = env::var("CARGO_PKG_VERSION").expect("cargo sets CARGO_PKG_VERSION");
+    let suffix = commit.map(|c| format!("+{}", c.trim())).unwrap_or_default();
+    println!("cargo:rustc-env=ANEMO_FIRMWARE_NAME=anemo {version}{suffix}");
+}

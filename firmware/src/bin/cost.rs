@@ -1,0 +1,178 @@
+//! What the hot paths cost: an image that calls each of them with inputs that cover its ways, for `cargo xtask cost`.
+//!
+//! A kernel is an uninlined function whose name stands in the table of `xtask/src/cost.rs`; all between call and return is counted.
+//! Inputs go through `black_box`, so that the compiler cannot know them. Nothing here is timed: the emulator counts, and needs no clock.
+
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use cortex_m_rt::{ExceptionFrame, entry, exception};
+use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
+use dr_core::control::{Command, Controller, Drive, ElementConfig, Limits, Tick};
+use dr_core::model::{RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh};
+use dr_core::sensor::{Channel, Level, Platinum, Reading};
+use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
+// For the table of interrupts, of which none is used.
+use stm32f4xx_hal as _;
+
+const ELEMENTS: usize = 6;
+const SAMPLE_PERIOD_S: f32 = 0.01;
+/// Of the ADC: 4 V full scale, 24 bit.
+const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
+const CURRENT_LOW_A: f32 = 3e-3;
+const CURRENT_HIGH_A: f32 = 16e-3;
+/// Long enough for every drive to change its mind, short enough for a log of every instruction.
+const CONTROL_TICKS: u32 = 400;
+
+/// One compensated step of 8 relaxations, and the temperature that they amount to.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn relaxations_8_poles(
+    relaxations: &Relaxations<8>,
+    symbol: &Symbol<8>,
+    state: &mut RelaxationState<8>,
+    input: f32,
+) -> f32 {
+    relaxations.step(state, input);
+    symbol.output(state)
+}
+
+/// All that the control task decides in a tick.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn control_6_elements(controller: &mut Controller<ELEMENTS>, readings: &[Reading; ELEMENTS]) -> Tick<ELEMENTS> {
+    controller.tick(readings)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn platinum_linear(platinum: &Platinum, resistance_ohm: f32) -> f32 {
+    platinum.temperature_c(resistance_ohm)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn platinum_iec60751(platinum: &Platinum, resistance_ohm: f32) -> f32 {
+    // A word of its own keeps the linker from merging it with the function above.
+    black_box(platinum).temperature_c(resistance_ohm)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn prbs_step(register: &mut Prbs) -> bool {
+    register.step()
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn sigma_delta_step(modulator: &mut SigmaDelta, delta: f32) -> bool {
+    modulator.step(delta)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn decimator_push(decimator: &Decimator<2>, state: &mut DecimatorState<2>, power_w: f32) -> Option<f32> {
+    decimator.push(state, power_w)
+}
+
+/// Every kernel, or nothing if a configuration is refused.
+fn measure() -> Option<()> {
+    let relaxations = Relaxations::new(&mesh::geometric(0.003, 30.0).ok()?, SAMPLE_PERIOD_S).ok()?;
+    let symbol = Symbol::new([600.0, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1]).ok()?;
+    let mut state = RelaxationState::default();
+    for n in 0..20 {
+        let input = if n % 3 == 0 { 0.0415 } else { 0.0015 };
+        black_box(relaxations_8_poles(black_box(&relaxations), black_box(&symbol), &mut state, black_box(input)));
+    }
+
+    let linear = Platinum::linear(175.0, 0.0031).ok()?;
+    let iec60751 = Platinum::iec60751(100.0).ok()?;
+    for n in 0..50 {
+        let temperature_c = -100.0 + 4.0 * n as f32;
+        black_box(platinum_linear(black_box(&linear), black_box(linear.resistance_ohm(temperature_c))));
+        black_box(platinum_iec60751(black_box(&iec60751), black_box(iec60751.resistance_ohm(temperature_c))));
+    }
+
+    let mut register = Prbs::new(31, 1).ok()?;
+    let mut modulator = SigmaDelta::default();
+    let decimator = Decimator::<2>::new(16).ok()?;
+    let mut decimated = DecimatorState::default();
+    for _ in 0..64 {
+        black_box(prbs_step(&mut register));
+        let bit = black_box(sigma_delta_step(&mut modulator, black_box(0.3)));
+        black_box(decimator_push(black_box(&decimator), &mut decimated, if bit { 0.0415 } else { 0.0015 }));
+    }
+    control()
+}
+
+/// The six drives, one an element, each with its model, on six simple bodies; readings fail and at last trip the guard.
+fn control() -> Option<()> {
+    let mut controller = Controller::<ELEMENTS>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S }).ok()?;
+    let platinum = Platinum::linear(175.0, 0.0031).ok()?;
+    let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
+    let limits =
+        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    let model = SelfHeatingConfig {
+        mesh_rad_s: mesh::geometric(0.003, 30.0).ok()?,
+        r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1],
+        reference_c: -50.0,
+    };
+    let drives = [
+        Drive::Passive,
+        Drive::Level(Level::High),
+        Drive::Power { power_w: 0.01 },
+        Drive::Temperature { target_c: -30.0 },
+        Drive::Prbs { order: 10, seed: 1, ticks_per_bit: 2 },
+        Drive::Setpoints { low_c: -45.0, high_c: -35.0, dwell_ticks: 50, seed: 1 },
+    ];
+    for (element, drive) in (0_u8..).zip(drives) {
+        controller.handle(Command::Element { element, config: ElementConfig { channel, limits } }).ok()?;
+        controller.handle(Command::Model { element, model }).ok()?;
+        controller.handle(Command::Drive { element, drive }).ok()?;
+    }
+    controller.handle(Command::Start).ok()?;
+
+    let mut temperature_c = [-50.0_f32; ELEMENTS];
+    let mut heaters = 0_u16;
+    for n in 0..CONTROL_TICKS {
+        let readings = core::array::from_fn(|i| match (n % 100, i) {
+            (98, 3) => Reading::Missing,
+            (99, 4) => Reading::Stale,
+            _ if n + 1 == CONTROL_TICKS && i == 5 => Reading::Code(i32::MAX >> 8),
+            _ => {
+                let current_a = if heaters >> i & 1 == 1 { CURRENT_HIGH_A } else { CURRENT_LOW_A };
+                Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
+            }
+        });
+        let tick = control_6_elements(black_box(&mut controller), black_box(&readings));
+        heaters = tick.heaters.0;
+        for (temperature, power_w) in temperature_c.iter_mut().zip(tick.power_w) {
+            *temperature += 0.02 * (-50.0 + 600.0 * power_w - *temperature);
+        }
+    }
+    Some(())
+}
+
+#[entry]
+fn main() -> ! {
+    exit(measure().is_some())
+}
+
+/// Ends the emulator with a status.
+fn exit(good: bool) -> ! {
+    loop {
+        debug::exit(if good { EXIT_SUCCESS } else { EXIT_FAILURE });
+    }
+}
+
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    exit(false)
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    exit(false)
+}

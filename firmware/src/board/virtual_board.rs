@@ -1,0 +1,248 @@
+//! The virtual board: the application under `qemu-system-arm -M netduinoplus2`, its front end a link to the host.
+//!
+//! Two links, chosen by what the host offers:
+//!
+//! - **USART**: USART2 is the host link, as on the sensor board; USART1 brings readings and takes heater levels.
+//! - **FIFO**: if `to-board.fifo` exists in the emulator's folder, everything goes through it and `from-board.fifo` by
+//!   semihosting. Some thirty times faster, for long runs; the bytes are the same.
+//!
+//! What the emulator lacks is left out: no PLL (its RCC does not answer), no DMA, no transmit interrupts (so sending is
+//! polled, which costs nothing there), no watchdog, no cycle counter.
+
+use super::Parts;
+use cortex_m_semihosting::{nr, syscall};
+use dr_core::ConfigError;
+use dr_core::control::{Controller, Digest, Tick};
+use dr_core::sensor::Reading;
+use heapless::spsc::Consumer;
+use stm32f4xx_hal::pac::{self, USART1, USART2};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
+use wire::{BoardKind, ELEMENTS, FromBoard, HeaterFrame, MAX_FRAME, Readings, ResetCause, encode};
+
+use defmt_semihosting as _;
+
+/// For the log.
+pub const NAME: &str = "virtual";
+/// For the host.
+pub const KIND: BoardKind = BoardKind::Virtual;
+/// This board's front end is a link.
+pub const IS_VIRTUAL: bool = true;
+/// The emulator's core clock.
+pub const CLOCK_HZ: u32 = 168_000_000;
+
+const BAUD: u32 = 921_600;
+
+/// Sets up the links.
+pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, readings: Consumer<'static, Readings>) -> Parts {
+    let mut rcc = device.RCC.freeze(Config::hsi());
+    let gpioa = device.GPIOA.split(&mut rcc);
+    let config = SerialConfig::default().baudrate(BAUD.bps());
+    let bench: Serial<USART1> = Serial::new(device.USART1, (gpioa.pa9, gpioa.pa10), config, &mut rcc)
+        .expect("921 600 baud can be made from 16 MHz");
+    let host: Serial<USART2> = Serial::new(device.USART2, (gpioa.pa2, gpioa.pa3), config, &mut rcc)
+        .expect("921 600 baud can be made from 16 MHz");
+    let (bench_tx, mut bench_rx) = bench.split();
+    let (host_tx, mut host_rx) = host.split();
+    bench_rx.listen();
+    host_rx.listen();
+
+    let fifos = Fifos::open();
+    Parts {
+        front_end: FrontEnd {
+            readings,
+            answering: 0,
+            digest: Digest::default(),
+            sequence: 0,
+            link: Link::new(bench_tx, fifos),
+        },
+        host_receiver: HostReceiver(host_rx),
+        host_transmitter: HostTransmitter(Link::new(host_tx, fifos)),
+        watchdog: Watchdog,
+        idler: Idler { fifos, buffer: [0; 256] },
+        // The emulated RCC does not keep the flags.
+        reset: ResetCause::Unknown,
+    }
+}
+
+/// The emulator has no cycle counter.
+pub const fn cycles() -> u32 {
+    0
+}
+
+/// There is no heater that could be left on.
+pub const fn heaters_low() {}
+
+/// Leaves the emulator.
+pub fn restart(code: u8) -> ! {
+    finish(code)
+}
+
+/// Leaves the emulator with an exit code.
+pub fn finish(code: u8) -> ! {
+    /// ADP_Stopped_ApplicationExit, the reason that carries a code.
+    const APPLICATION_EXIT: u32 = 0x2_0026;
+    /// The call that carries it; the crate knows only the one without a code.
+    const SYS_EXIT_EXTENDED: usize = 0x20;
+    let block = [APPLICATION_EXIT, u32::from(code)];
+    // SAFETY: SYS_EXIT_EXTENDED reads the two words of the block and does not come back.
+    unsafe { cortex_m_semihosting::syscall1(SYS_EXIT_EXTENDED, block.as_ptr() as usize) };
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// The two FIFOs of the fast link.
+#[derive(Clone, Copy)]
+struct Fifos {
+    to_board: usize,
+    from_board: usize,
+}
+
+impl Fifos {
+    /// Opens them if the host has made them. The order is the host's as well: each side waits for the other.
+    fn open() -> Option<Self> {
+        let open = |name: &core::ffi::CStr, mode: usize| {
+            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length.
+            let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
+            (handle != usize::MAX).then_some(handle)
+        };
+        Some(Self {
+            to_board: open(c"to-board.fifo", nr::open::R_BINARY)?,
+            from_board: open(c"from-board.fifo", nr::open::W_TRUNC_BINARY)?,
+        })
+    }
+}
+
+/// The way out to the host: a FIFO if there is one, a USART otherwise.
+enum Link<U: stm32f4xx_hal::serial::Instance> {
+    Usart(Tx<U>),
+    Fifo(usize),
+}
+
+impl<U: stm32f4xx_hal::serial::Instance> Link<U> {
+    fn new(usart: Tx<U>, fifos: Option<Fifos>) -> Self {
+        fifos.map_or(Self::Usart(usart), |fifos| Self::Fifo(fifos.from_board))
+    }
+
+    fn send(&mut self, frame: &[u8]) {
+        match self {
+            Self::Usart(usart) => {
+                // The emulated transmitter is always ready.
+                usart.bwrite_all(frame).ok();
+            }
+            Self::Fifo(handle) => {
+                // SAFETY: SYS_WRITE reads `frame.len()` bytes.
+                unsafe { syscall!(WRITE, *handle, frame.as_ptr(), frame.len()) };
+            }
+        }
+    }
+}
+
+/// Readings from a queue that the link fills, heater levels back over the link.
+pub struct FrontEnd {
+    readings: Consumer<'static, Readings>,
+    answering: u32,
+    digest: Digest,
+    sequence: u16,
+    link: Link<USART1>,
+}
+
+impl FrontEnd {
+    /// The readings of the next exchange, if they have come.
+    pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
+        let readings = self.readings.dequeue()?;
+        self.answering = readings.tick;
+        Some(readings.readings)
+    }
+
+    /// Answers the exchange with the levels and a digest of all that led to them.
+    pub fn apply(&mut self, controller: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) {
+        controller.fold(tick, &mut self.digest);
+        let answer = HeaterFrame { tick: self.answering, heaters: tick.heaters, digest: self.digest.value() };
+        let mut buffer = [0; MAX_FRAME];
+        if let Ok(frame) = encode(self.sequence, &FromBoard::Heaters(answer), &mut buffer) {
+            self.link.send(frame);
+        }
+        self.sequence = self.sequence.wrapping_add(1);
+    }
+
+    /// A new run has a new digest.
+    pub fn restart(&mut self) {
+        self.digest = Digest::default();
+    }
+
+    /// Any period will do: the host keeps the time.
+    pub const fn set_sample_period(&mut self, _sample_period_s: f32) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
+    /// The host waits for each answer.
+    pub const fn overran(&self) -> bool {
+        false
+    }
+}
+
+/// A byte of the simulated front end's link.
+pub fn read_bench_byte() -> Option<u8> {
+    // SAFETY: only the task of this USART reads its registers once it is set up.
+    let usart = unsafe { &*USART1::ptr() };
+    usart.sr().read().rxne().bit_is_set().then(|| usart.dr().read().dr().bits() as u8)
+}
+
+/// Bytes from the host.
+pub struct HostReceiver(Rx<USART2>);
+
+impl HostReceiver {
+    /// The next byte that has come.
+    pub fn read(&mut self) -> Option<u8> {
+        self.0.read().ok()
+    }
+}
+
+/// Frames to the host.
+pub struct HostTransmitter(Link<USART2>);
+
+impl HostTransmitter {
+    /// Sending is done when `send` comes back.
+    pub const fn is_free(&self) -> bool {
+        true
+    }
+
+    /// Sends a frame.
+    pub fn send(&mut self, frame: &[u8]) {
+        self.0.send(frame);
+    }
+}
+
+/// The emulator has no watchdog; the host's patience stands in for it.
+pub struct Watchdog;
+
+impl Watchdog {
+    /// Nothing to feed.
+    pub const fn feed(&mut self) {}
+}
+
+/// Waits for the host on the fast link, for an interrupt otherwise.
+pub struct Idler {
+    fifos: Option<Fifos>,
+    buffer: [u8; 256],
+}
+
+impl Idler {
+    /// Waits; gives what the host has said on the fast link.
+    pub fn wait(&mut self) -> &[u8] {
+        let Some(fifos) = self.fifos else {
+            cortex_m::asm::wfi();
+            return &[];
+        };
+        // SAFETY: SYS_READ writes at most `len` bytes into the buffer and gives the number that it did not.
+        let unread = unsafe { syscall!(READ, fifos.to_board, self.buffer.as_mut_ptr(), self.buffer.len()) };
+        match self.buffer.len().checked_sub(unread) {
+            Some(read) if read > 0 => self.buffer.get(..read).unwrap_or(&[]),
+            // The host has closed its end: there is nothing left to run for.
+            _ => finish(0),
+        }
+    }
+}

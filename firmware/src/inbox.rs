@@ -1,0 +1,168 @@
+//! Where messages from a host go: commands and readings to the control task, questions to the transmitter.
+//!
+//! One place for all links, so that a command means the same whichever way it came.
+
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
+use dr_core::control::Command;
+use heapless::spsc::Producer;
+use wire::{Readings, Received, ToBoard};
+
+/// A command and the sequence number by which its reply refers to it.
+pub type Request = (u16, Command);
+
+/// Questions that the transmitter answers by itself.
+pub struct Questions {
+    identity: AtomicBool,
+    telemetry_every: AtomicU16,
+}
+
+impl Questions {
+    /// Nothing asked; a sample every tick.
+    pub const fn new() -> Self {
+        Self { identity: AtomicBool::new(false), telemetry_every: AtomicU16::new(1) }
+    }
+
+    /// Whether somebody wants to know who this is. Answering once is enough however often it was asked.
+    pub fn take_identity(&self) -> bool {
+        // No read-modify-write: a question that falls between the two is answered by the answer under way.
+        let asked = self.identity.load(Relaxed);
+        if asked {
+            self.identity.store(false, Relaxed);
+        }
+        asked
+    }
+
+    /// Whether this tick's sample is wanted.
+    pub fn wants_sample(&self, tick: u32) -> bool {
+        match self.telemetry_every.load(Relaxed) {
+            0 => false,
+            every => tick.is_multiple_of(u32::from(every)),
+        }
+    }
+}
+
+impl Default for Questions {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// What has to be woken after a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wake {
+    /// The control task: there is a command or a reading.
+    Control,
+    /// The transmitter: there is a question.
+    Transmit,
+    /// The host says that the run is over.
+    Finish(u8),
+    /// Nobody.
+    Nobody,
+}
+
+/// The inbox of the instrument.
+pub struct Inbox<'a> {
+    requests: Producer<'a, Request>,
+    readings: Producer<'a, Readings>,
+    questions: &'a Questions,
+    is_virtual: bool,
+    /// Messages that came when their queue was full, or that this board does not obey.
+    pub refused: u32,
+}
+
+impl<'a> Inbox<'a> {
+    /// An inbox that fills these queues. Only a virtual board takes readings from a link.
+    pub const fn new(
+        requests: Producer<'a, Request>,
+        readings: Producer<'a, Readings>,
+        questions: &'a Questions,
+        is_virtual: bool,
+    ) -> Self {
+        Self { requests, readings, questions, is_virtual, refused: 0 }
+    }
+
+    /// Puts a message where it belongs.
+    pub fn accept(&mut self, received: Received<ToBoard>) -> Wake {
+        match received.message {
+            // Asking twice does no harm, and a host asks until it is answered.
+            ToBoard::Hello => {
+                self.questions.identity.store(true, Relaxed);
+                Wake::Transmit
+            }
+            _ if received.repeated => Wake::Nobody,
+            ToBoard::Command(command) if self.requests.enqueue((received.sequence, command)).is_ok() => Wake::Control,
+            ToBoard::Telemetry { every } => {
+                self.questions.telemetry_every.store(every, Relaxed);
+                Wake::Nobody
+            }
+            ToBoard::Readings(readings) if self.is_virtual && self.readings.enqueue(readings).is_ok() => Wake::Control,
+            ToBoard::Finish { code } if self.is_virtual => Wake::Finish(code),
+            ToBoard::Command(_) | ToBoard::Readings(_) | ToBoard::Finish { .. } => {
+                self.refused = self.refused.wrapping_add(1);
+                Wake::Nobody
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heapless::spsc::Queue;
+    use wire::ELEMENTS;
+
+    fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &Questions) -> R) -> R {
+        let (mut requests, mut readings, questions) = (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Questions::new());
+        test(&mut Inbox::new(requests.split().0, readings.split().0, &questions, is_virtual), &questions)
+    }
+
+    fn received(message: ToBoard) -> Received<ToBoard> {
+        Received { sequence: 1, repeated: false, message }
+    }
+
+    #[test]
+    fn a_sensor_board_takes_no_readings_from_a_link() {
+        let readings = Readings { tick: 0, readings: [dr_core::sensor::Reading::Code(1); ELEMENTS] };
+        with_inbox(false, |inbox, _| {
+            assert_eq!(inbox.accept(received(ToBoard::Readings(readings))), Wake::Nobody);
+            assert_eq!(inbox.accept(received(ToBoard::Finish { code: 0 })), Wake::Nobody);
+            assert_eq!(inbox.refused, 2);
+        });
+        with_inbox(true, |inbox, _| {
+            assert_eq!(inbox.accept(received(ToBoard::Readings(readings))), Wake::Control);
+            assert_eq!(inbox.accept(received(ToBoard::Finish { code: 7 })), Wake::Finish(7));
+        });
+    }
+
+    #[test]
+    fn a_repeated_command_is_not_carried_out_again() {
+        with_inbox(false, |inbox, _| {
+            let again = Received { sequence: 1, repeated: true, message: ToBoard::Command(Command::Start) };
+            assert_eq!(inbox.accept(again), Wake::Nobody);
+            assert_eq!(inbox.accept(Received { sequence: 1, repeated: true, message: ToBoard::Hello }), Wake::Transmit);
+        });
+    }
+
+    #[test]
+    fn commands_beyond_the_queue_are_counted() {
+        with_inbox(false, |inbox, _| {
+            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Control);
+            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Control);
+            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Nobody);
+            assert_eq!(inbox.refused, 1);
+        });
+    }
+
+    #[test]
+    fn samples_are_thinned_as_asked() {
+        with_inbox(false, |inbox, questions| {
+            assert!(questions.wants_sample(7));
+            inbox.accept(received(ToBoard::Telemetry { every: 10 }));
+            assert!(questions.wants_sample(20) && !questions.wants_sample(21));
+            inbox.accept(received(ToBoard::Telemetry { every: 0 }));
+            assert!(!questions.wants_sample(0));
+            inbox.accept(received(ToBoard::Hello));
+            assert!(questions.take_identity() && !questions.take_identity());
+        });
+    }
+}

@@ -1,0 +1,260 @@
+//! The instrument's application: four tasks around one controller.
+//!
+//! ```text
+//! front end ──► control ──► outbox ──► transmit ──► host
+//!                  ▲                                 │
+//!                  └───── inbox ◄──── receive ◄──────┘        health: watchdog, status
+//! ```
+//!
+//! The front end drives everything: a reading raises the vector of `control`, on the sensor board by the ADC's data-ready
+//! line, on the virtual board by a frame. What the boards do not share is in [`board`].
+#![no_std]
+#![no_main]
+
+mod board;
+mod halt;
+mod vitals;
+
+use defmt as _;
+
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI3])]
+mod app {
+    use super::board::{self, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::vitals::{self, CheckIns, Health, Member};
+    use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+    use dr_core::control::{Command, Controller, Refusal, RunState};
+    use firmware::inbox::{Inbox, Questions, Request, Wake};
+    use firmware::outbox::{Outbox, Sequence, Unsent};
+    use heapless::spsc::{Consumer, Queue};
+    use stm32f4xx_hal::pac::Interrupt;
+    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Readings, Receiver, Sample, ToBoard, encode};
+
+    /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
+    const CONTROL: Interrupt = Interrupt::EXTI4;
+    /// The vector of `receive`.
+    const RECEIVE: Interrupt = Interrupt::USART2;
+
+    /// Messages to the host that may wait; at 1 kHz and 921 600 baud the link needs 0.7 ms for a sample.
+    const TELEMETRY_SLOTS: usize = 32;
+
+    static QUESTIONS: Questions = Questions::new();
+    static UNSENT: Unsent = Unsent::new();
+    static CHECK_INS: CheckIns = CheckIns::new();
+    static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
+    static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
+    static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
+
+    #[shared]
+    struct Shared {
+        inbox: Inbox<'static>,
+        host_counters: LinkCounters,
+        status: Option<wire::Status>,
+    }
+
+    #[local]
+    struct Local {
+        controller: Controller<ELEMENTS>,
+        front_end: FrontEnd,
+        requests: Consumer<'static, Request>,
+        outbox: Outbox<'static>,
+        last_state: RunState,
+        messages: Consumer<'static, FromBoard>,
+        host_receiver: HostReceiver,
+        host_transmitter: HostTransmitter,
+        health: Health,
+        idler: Idler,
+        identity: wire::Identity,
+    }
+
+    #[init(local = [
+        request_queue: Queue<Request, 8> = Queue::new(),
+        reading_queue: Queue<Readings, 4> = Queue::new(),
+        telemetry_queue: Queue<FromBoard, TELEMETRY_SLOTS> = Queue::new(),
+    ])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let (request_in, requests) = cx.local.request_queue.split();
+        let (reading_in, readings) = cx.local.reading_queue.split();
+        let (message_in, messages) = cx.local.telemetry_queue.split();
+        let mut core = cx.core;
+        let parts = board::init(cx.device, &mut core, readings);
+        vitals::start_ticking(&mut core.SYST);
+        defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, parts.reset_name());
+        let identity = vitals::identity(parts.reset);
+        (
+            Shared {
+                inbox: Inbox::new(request_in, reading_in, &QUESTIONS, board::IS_VIRTUAL),
+                host_counters: LinkCounters::default(),
+                status: None,
+            },
+            Local {
+                controller: Controller::new(),
+                front_end: parts.front_end,
+                requests,
+                outbox: Outbox::new(message_in, &UNSENT),
+                last_state: RunState::Standby,
+                messages,
+                host_receiver: parts.host_receiver,
+                host_transmitter: parts.host_transmitter,
+                health: Health::new(parts.watchdog),
+                idler: parts.idler,
+                identity,
+            },
+        )
+    }
+
+    /// Sleeps until something happens. The virtual board may wait for its host here, and hands over what it said.
+    #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox])]
+    fn idle(mut cx: idle::Context) -> ! {
+        loop {
+            for &byte in cx.local.idler.wait() {
+                if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
+                    wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                }
+            }
+        }
+    }
+
+    /// Owns the controller. Priority 4, the highest: nothing delays a decision.
+    ///
+    /// Deadline: the next reading. Missing it is counted as a late tick; the heaters then stay as the tick before left
+    /// them for one tick more. Never logs, never waits: replies and samples go into a queue, and what does not fit is
+    /// dropped and counted.
+    #[task(binds = EXTI4, priority = 4, local = [controller, front_end, requests, outbox, last_state])]
+    fn control(cx: control::Context) {
+        let control::LocalResources { controller, front_end, requests, outbox, last_state, .. } = cx.local;
+        let started = board::cycles();
+        CHECK_INS.check_in(Member::Control);
+
+        while let Some((sequence, command)) = requests.dequeue() {
+            let result = handle(controller, front_end, command);
+            outbox.put(FromBoard::Reply { to: sequence, result });
+        }
+
+        if let Some(readings) = front_end.poll() {
+            let tick = controller.tick(&readings);
+            front_end.apply(controller, &tick);
+            if QUESTIONS.wants_sample(tick.tick) {
+                outbox.put(FromBoard::Sample(Sample::from(&tick)));
+            }
+            if front_end.overran() {
+                LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
+            }
+            let cycles = board::cycles().wrapping_sub(started);
+            CONTROL_CYCLES_MAX.store(CONTROL_CYCLES_MAX.load(Relaxed).max(cycles), Relaxed);
+        }
+
+        if controller.state() != *last_state {
+            *last_state = controller.state();
+            outbox.put(FromBoard::Event(Event { tick: controller.ticks(), state: *last_state }));
+        }
+        // Fails when it is spawned already: then it will find this tick's messages too.
+        transmit::spawn().ok();
+    }
+
+    /// A command is carried out by the controller; what the front end must know of it, it learns here.
+    fn handle(
+        controller: &mut Controller<ELEMENTS>,
+        front_end: &mut FrontEnd,
+        command: Command,
+    ) -> Result<dr_core::control::Reply, Refusal> {
+        if let (Command::SamplePeriod { sample_period_s }, RunState::Standby) = (command, controller.state()) {
+            front_end.set_sample_period(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })?;
+            TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
+        }
+        if let Command::Start = command {
+            front_end.restart();
+        }
+        controller.handle(command)
+    }
+
+    /// Takes the host's bytes. Priority 2; bytes wait in the receiver's buffer meanwhile (5.5 ms of them on the sensor
+    /// board), and those that come later still are lost, which their frame's checksum shows.
+    #[task(binds = USART2, priority = 2, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
+    fn receive(mut cx: receive::Context) {
+        CHECK_INS.check_in(Member::Receive);
+        while let Some(byte) = cx.local.host_receiver.read() {
+            if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+            }
+        }
+        cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
+    }
+
+    /// Takes the simulated front end's bytes. Priority 3: a reading comes before a command.
+    #[cfg(feature = "virtual-board")]
+    #[task(binds = USART1, priority = 3, local = [bench: Receiver = Receiver::new()], shared = [inbox])]
+    fn bench(mut cx: bench::Context) {
+        while let Some(byte) = board::read_bench_byte() {
+            if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+            }
+        }
+    }
+
+    /// Sends what waits. Priority 1; the queue holds 32 messages meanwhile, and what finds it full is counted.
+    #[task(priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
+    async fn transmit(mut cx: transmit::Context) {
+        let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
+        CHECK_INS.check_in(Member::Transmit);
+        while host_transmitter.is_free() {
+            let message = if QUESTIONS.take_identity() {
+                FromBoard::Identity(identity.clone())
+            } else if let Some(message) = messages.dequeue() {
+                message
+            } else if let Some(status) = cx.shared.status.lock(|status| status.take()) {
+                FromBoard::Status(status)
+            } else {
+                break;
+            };
+            if let FromBoard::Event(event) = &message {
+                vitals::log_event(event);
+            }
+            let mut buffer = [0; MAX_FRAME];
+            if let Ok(frame) = encode(sequence.next(UNSENT.count()), &message, &mut buffer) {
+                host_transmitter.send(frame);
+            }
+        }
+    }
+
+    /// Twenty times a second: feeds the watchdog if every task has checked in, and asks them to do so again.
+    /// Once a second: status. Priority 1; late by more than the watchdog's half second resets the board.
+    #[task(binds = SysTick, priority = 1, local = [health], shared = [status, host_counters, inbox])]
+    fn health(mut cx: health::Context) {
+        if cx.local.health.beat(&CHECK_INS) {
+            let link = cx.shared.host_counters.lock(|counters| *counters);
+            let refused = cx.shared.inbox.lock(|inbox| inbox.refused);
+            let status = wire::Status {
+                uptime_s: cx.local.health.uptime_s(),
+                link,
+                refused,
+                unsent: UNSENT.count(),
+                late_ticks: LATE_TICKS.load(Relaxed),
+                control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
+                tick_cycles: TICK_CYCLES.load(Relaxed),
+            };
+            cx.shared.status.lock(|slot| *slot = Some(status));
+        }
+        rtic::pend(CONTROL);
+        rtic::pend(RECEIVE);
+        transmit::spawn().ok();
+    }
+
+    /// The sensor board's transmitter has sent its frame: there may be more.
+    #[cfg(feature = "sensor-board")]
+    #[task(binds = DMA1_STREAM6, priority = 1)]
+    fn sent(_: sent::Context) {
+        board::acknowledge_sent();
+        transmit::spawn().ok();
+    }
+
+    fn wake(who: Wake) {
+        match who {
+            Wake::Control => rtic::pend(CONTROL),
+            Wake::Transmit => {
+                transmit::spawn().ok();
+            }
+            Wake::Finish(code) => board::finish(code),
+            Wake::Nobody => {}
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Is everybody well? Check-ins for the watchdog, the status of each second, and words for the log.
+
+use crate::board::{self, Watchdog};
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use dr_core::control::RunState;
+use wire::{Identity, Name, ResetCause};
+
+/// Name and version of this firmware.
+pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
+
+/// Beats of the health task a second. SysTick's 24 bits allow no less than 10 at 168 MHz.
+const BEATS_PER_SECOND: u32 = 20;
+
+/// Who has to check in.
+#[derive(Clone, Copy)]
+pub enum Member {
+    /// The control task.
+    Control,
+    /// The receiver.
+    Receive,
+    /// The transmitter.
+    Transmit,
+}
+
+/// Who has checked in since the watchdog was last fed.
+pub struct CheckIns([AtomicBool; 3]);
+
+impl CheckIns {
+    /// Nobody yet.
+    pub const fn new() -> Self {
+        Self([const { AtomicBool::new(false) }; 3])
+    }
+
+    /// Says that a task is alive.
+    pub fn check_in(&self, member: Member) {
+        let Self([control, receive, transmit]) = self;
+        match member {
+            Member::Control => control,
+            Member::Receive => receive,
+            Member::Transmit => transmit,
+        }
+        .store(true, Relaxed);
+    }
+
+    /// Whether all have checked in; if so, they are asked anew.
+    fn all_anew(&self) -> bool {
+        let all = self.0.iter().all(|member| member.load(Relaxed));
+        if all {
+            self.0.iter().for_each(|member| member.store(false, Relaxed));
+        }
+        all
+    }
+}
+
+/// What the health task remembers.
+pub struct Health {
+    watchdog: Watchdog,
+    beats: u32,
+    uptime_s: u32,
+}
+
+impl Health {
+    /// Starts with a watchdog that is already running.
+    pub const fn new(watchdog: Watchdog) -> Self {
+        Self { watchdog, beats: 0, uptime_s: 0 }
+    }
+
+    /// One beat; true once a second.
+    pub fn beat(&mut self, check_ins: &CheckIns) -> bool {
+        if check_ins.all_anew() {
+            self.watchdog.feed();
+        }
+        self.beats += 1;
+        let second = self.beats >= BEATS_PER_SECOND;
+        if second {
+            self.beats = 0;
+            self.uptime_s = self.uptime_s.wrapping_add(1);
+        }
+        second
+    }
+
+    /// Seconds since the start.
+    pub const fn uptime_s(&self) -> u32 {
+        self.uptime_s
+    }
+}
+
+/// Lets SysTick raise the health task.
+pub fn start_ticking(syst: &mut SYST) {
+    syst.set_clock_source(SystClkSource::Core);
+    syst.set_reload(board::CLOCK_HZ / BEATS_PER_SECOND - 1);
+    syst.clear_current();
+    syst.enable_counter();
+    syst.enable_interrupt();
+}
+
+/// Who this is.
+pub fn identity(reset: ResetCause) -> Identity {
+    let mut firmware = Name::new();
+    // A longer name is cut: it is for people.
+    NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);
+    Identity { firmware, board: board::KIND, elements: wire::ELEMENTS as u8, order: dr_core::model::ORDER as u8, reset }
+}
+
+/// A change of state, for people.
+pub fn log_event(event: &wire::Event) {
+    match event.state {
+        RunState::Standby => defmt::info!("standby at tick {=u32}", event.tick),
+        RunState::Running => defmt::info!("running from tick {=u32}", event.tick),
+        RunState::Tripped(trip) => {
+            defmt::warn!("tripped at tick {=u32}: {=str}, element {=u8}", event.tick, trip.cause.name(), trip.element);
+        }
+    }
+}
