@@ -22,6 +22,9 @@ pub const SETTLING_CONVERSIONS: u32 = 3;
 /// Shortest tick that is read at the slow rate, µs.
 const SLOW_TICK_US: u32 = 100_000;
 
+/// Relative distance of neighbouring f32, 2⁻²³: what is nearer than this to a whole number of microseconds was meant so.
+const F32_RESOLUTION: f64 = 1.0 / 8_388_608.0;
+
 /// The data rates in use; both deliver 24 bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -61,9 +64,25 @@ impl TickPlan {
         let rate = if slow { DataRate::Sps1000 } else { DataRate::Sps4000 };
         let conversions = sample_period_us / rate.conversion_us();
         if conversions <= SETTLING_CONVERSIONS || !sample_period_us.is_multiple_of(rate.conversion_us()) {
-            return Err(PeriodRefused { sample_period_us });
+            return Err(PeriodRefused::DoesNotFit { sample_period_us });
         }
         Ok(Self { rate, conversions })
+    }
+
+    /// Plans ticks of `sample_period_s` s, as commands carry it.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), or a period that is no whole number of microseconds within what an f32 can tell.
+    pub fn from_seconds(sample_period_s: f32) -> Result<Self, PeriodRefused> {
+        let exact_us = f64::from(sample_period_s) * 1e6;
+        // The cast saturates, and makes 0 of a NaN: what does not fit comes out far from where it was.
+        let sample_period_us = (exact_us + 0.5) as u32;
+        let difference_us = (exact_us - f64::from(sample_period_us)).abs();
+        if exact_us.is_finite() && difference_us <= exact_us * F32_RESOLUTION {
+            Self::new(sample_period_us)
+        } else {
+            Err(PeriodRefused::NoMicroseconds)
+        }
     }
 
     /// The data rate to give the ADC.
@@ -88,21 +107,27 @@ impl TickPlan {
 /// A sample period that the ADC cannot keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PeriodRefused {
-    /// The period that was asked for, µs.
-    pub sample_period_us: u32,
+pub enum PeriodRefused {
+    /// It is too short, or no multiple of a conversion.
+    DoesNotFit {
+        /// The period that was asked for, µs.
+        sample_period_us: u32,
+    },
+    /// It is no number of microseconds at all: a fraction, negative, beyond 71 minutes, or NaN.
+    NoMicroseconds,
 }
 
 impl fmt::Display for PeriodRefused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DoesNotFit { sample_period_us } => {
+                write!(f, "sample period of {sample_period_us} µs does not fit the ADC")?
+            }
+            Self::NoMicroseconds => f.write_str("sample period is no whole number of microseconds")?,
+        }
         let unit_us = DataRate::Sps4000.conversion_us();
-        write!(
-            f,
-            "sample period of {} µs does not fit the ADC: choose a multiple of {} µs (one conversion at 4 kSPS), at least {} µs",
-            self.sample_period_us,
-            unit_us,
-            (SETTLING_CONVERSIONS + 1) * unit_us
-        )
+        let shortest_us = (SETTLING_CONVERSIONS + 1) * unit_us;
+        write!(f, ": choose a multiple of {unit_us} µs (one conversion at 4 kSPS), at least {shortest_us} µs")
     }
 }
 
@@ -135,14 +160,14 @@ mod tests {
     #[test]
     fn refuses_a_tick_in_which_nothing_settles() {
         for sample_period_us in [0, 250, 750] {
-            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused { sample_period_us }));
+            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused::DoesNotFit { sample_period_us }));
         }
     }
 
     #[test]
     fn refuses_a_period_that_is_no_whole_number_of_conversions() {
         for sample_period_us in [1_001, 1_100, 9_999, 100_100, u32::MAX] {
-            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused { sample_period_us }));
+            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused::DoesNotFit { sample_period_us }));
         }
     }
 
@@ -151,6 +176,32 @@ mod tests {
         assert_eq!(
             TickPlan::new(1_100).unwrap_err().to_string(),
             "sample period of 1100 µs does not fit the ADC: choose a multiple of 250 µs (one conversion at 4 kSPS), at least 1000 µs"
+        );
+    }
+
+    #[test]
+    fn takes_the_seconds_that_commands_carry() {
+        for (sample_period_s, sample_period_us) in
+            [(0.001, 1_000), (0.01, 10_000), (0.0125, 12_500), (0.1, 100_000), (60.0, 60_000_000)]
+        {
+            assert_eq!(TickPlan::from_seconds(sample_period_s), TickPlan::new(sample_period_us));
+            assert!(TickPlan::new(sample_period_us).is_ok());
+        }
+    }
+
+    #[test]
+    fn refuses_seconds_that_are_no_microseconds() {
+        for sample_period_s in [0.001_000_4, -0.01, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6] {
+            assert_eq!(
+                TickPlan::from_seconds(sample_period_s),
+                Err(PeriodRefused::NoMicroseconds),
+                "{sample_period_s}"
+            );
+        }
+        assert_eq!(TickPlan::from_seconds(0.0), Err(PeriodRefused::DoesNotFit { sample_period_us: 0 }));
+        assert_eq!(
+            PeriodRefused::NoMicroseconds.to_string(),
+            "sample period is no whole number of microseconds: choose a multiple of 250 µs (one conversion at 4 kSPS), at least 1000 µs"
         );
     }
 
