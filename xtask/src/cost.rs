@@ -35,7 +35,7 @@ const KERNELS: [Kernel; 7] = [
     },
     Kernel {
         symbol: "control_6_elements",
-        operation: "control tick, 6 elements, all drives",
+        operation: "control tick: 6 elements, all drives, with models",
         poles: None,
         budget: 2000,
     },
