@@ -22,7 +22,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-pub use read::{Column, Reader, Recording, Values, Words};
+pub use read::{Collector, Column, Reader, Recording, Values, Words};
 pub use temporary::Temporary;
 pub use write::{Layout, RecordingWriter, Row};
 

@@ -161,7 +161,7 @@ pub(super) struct Reader {
 impl Reader {
     pub(super) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
         let length = file.metadata().map_err(|error| RecordingError::io(path, "read", &error))?.len() as i64;
-        let file = SerializedFileReader::new(file).map_err(|error| RecordingError::damaged(path, &error))?;
+        let file = without_panic(move || SerializedFileReader::new(file)).map_err(|error| RecordingError::damaged(path, &error))?;
         let schema = file.metadata().file_metadata().schema_descr();
         let mut names = Vec::new();
         for column in schema.columns() {
@@ -200,7 +200,8 @@ impl Reader {
         let rows = usize::try_from(group.metadata().num_rows()).map_err(|error| RecordingError::damaged(path, &error))?;
         let mut columns = Vec::with_capacity(self.names.len());
         for (index, name) in self.names.iter().enumerate() {
-            let values = match group.get_column_reader(index).map_err(damaged)? {
+            let column = || group.get_column_reader(index);
+            let values = match without_panic(column).map_err(damaged)? {
                 ColumnReader::DoubleColumnReader(column) => numbers(column, rows, |value| value),
                 ColumnReader::FloatColumnReader(column) => numbers(column, rows, f64::from),
                 ColumnReader::Int32ColumnReader(column) => numbers(column, rows, f64::from),
@@ -220,6 +221,10 @@ impl Reader {
 
 /// All values of a column of one row group, `None` where it is null.
 fn read_all<T: DataType>(mut column: ColumnReaderImpl<T>, rows: usize) -> Result<Vec<Option<T::T>>, ParquetError> {
+    without_panic(move || read_records(&mut column, rows))
+}
+
+fn read_records<T: DataType>(column: &mut ColumnReaderImpl<T>, rows: usize) -> Result<Vec<Option<T::T>>, ParquetError> {
     // The number of rows is the file's word for it, so it reserves no more than a sane group would need.
     let sane = rows.min(1 << 20);
     let (mut values, mut levels) = (Vec::with_capacity(sane), Vec::with_capacity(sane));
@@ -251,4 +256,25 @@ fn words(column: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Values,
         }
     }
     Ok(Values::Words(words))
+}
+
+thread_local! {
+    static IS_GUARDED: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+/// Makes an error of a panic inside the library, which asserts in places what a damaged file does not keep to.
+fn without_panic<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    static QUIET: std::sync::Once = std::sync::Once::new();
+    QUIET.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if !IS_GUARDED.get() {
+                before(panic);
+            }
+        }));
+    });
+    IS_GUARDED.set(true);
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(read));
+    IS_GUARDED.set(false);
+    outcome.unwrap_or_else(|_| Err(ParquetError::General("its parts contradict each other".to_owned())))
 }

@@ -71,6 +71,29 @@ fn both_formats_give_back_what_was_written() {
 }
 
 #[test]
+fn a_collected_recording_is_the_one_that_would_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let mut writer = RecordingWriter::create(&path, layout(true), &metadata(&[("head", "B")])).unwrap();
+    let mut collector = Collector::new(layout(true), &metadata(&[("head", "B")]));
+    let row = Row {
+        time_s: 0.5,
+        temperature_c: &[1.5, -2.0],
+        power_w: &[0.25, 0.125],
+        heaters: 0b10,
+        event: "gust",
+        state: "running",
+        wind_m_s: Some([1.0, 2.0, -3.5]),
+    };
+    writer.push(&row).unwrap();
+    collector.push(&row).unwrap();
+    writer.finish(&metadata(&[("lost", "0")])).unwrap();
+    let collected = collector.finish(&metadata(&[("lost", "0")]));
+    assert_eq!(collected.columns, Recording::read(&path).unwrap().columns);
+    assert_eq!(collected.metadata("lost"), Some("0"));
+}
+
+#[test]
 fn a_recording_without_wind_has_no_wind_columns() {
     let (_folder, path) = written("a.csv", 3, false);
     assert!(!Recording::read(&path).unwrap().has("wind_x_m_s"));

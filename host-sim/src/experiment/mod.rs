@@ -1,0 +1,337 @@
+//! Experiments: what every element does, for how long, in which gas and wind.
+//!
+//! | table | keys |
+//! |---|---|
+//! | top | `title`, `head` (path from this file), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
+//! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
+//! | `[support]` | `temperature_c`; without it, the gas's |
+//! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
+//! | `[drives]` | one line an element; one without is passive |
+//! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, `turbulence = { intensity, correlation_time_s }` |
+//! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
+//!
+//! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,
+//! `{ prbs = { order, bit_time_s, seed } }` or `{ setpoints = { low_c, high_c, dwell_s, seed } }`.
+//! Times are whole numbers of sample periods; what is not is refused with the nearest that would be.
+//!
+//! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions.
+
+mod table;
+
+use std::path::Path;
+
+use dr_core::control::{Command, Controller, Drive, Refusal, Reply};
+use dr_core::sensor::Level;
+
+use crate::head::Head;
+use crate::sensor::{self, Imperfections, SensorError, Species, Sphere, SphereConfig, TimedFault, WindEntry};
+use crate::toml_file::{FileError, Source, suggest};
+use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
+
+/// Sample periods between 1 kHz and 10 Hz.
+const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
+const HIGHEST_SPEED_M_S: f64 = 100.0;
+/// The most that a mask of 16 elements can hold; dr-core does not mind empty places.
+const PLACES: usize = 16;
+
+/// A checked experiment with its head.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    pub source: Source,
+    pub title: String,
+    pub head: Head,
+    pub sample_period_s: f64,
+    pub ticks: u32,
+    pub seed: u64,
+    pub species: Species,
+    pub pressure_pa: f64,
+    pub gas_temperature_c: f64,
+    pub support_temperature_c: f64,
+    pub imperfections: Imperfections,
+    /// One an element of the head, in its order.
+    pub drives: Vec<Drive>,
+    /// In order of their start, the first at 0.
+    pub wind: Vec<WindEntry>,
+    pub faults: Vec<TimedFault>,
+}
+
+impl Experiment {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        Self::from_source(Source::read(path)?)
+    }
+
+    pub fn from_source(source: Source) -> Result<Self, FileError> {
+        let table: ExperimentTable = source.parse()?;
+        let folder = source.path.parent().unwrap_or(Path::new(""));
+        let head = Head::read(&folder.join(&table.head)).map_err(|error| {
+            // A head that is not there is the experiment's mistake; one that is wrong is its own.
+            if error.line.is_none() { source.refuse("head", format!("cannot be used: {error}")) } else { error }
+        })?;
+
+        let sample_period_s = source.within("sample_period_s", table.sample_period_s, SAMPLE_PERIODS_S, "s")?;
+        let grid = Grid { source: &source, sample_period_s };
+        let ticks = grid.whole_ticks("duration_s", table.duration_s)?;
+        let gas_temperature_c = table.gas.temperature_c;
+        let drives = drives(&grid, &table, &head)?;
+        let experiment = Self {
+            wind: wind(&grid, table.wind, table.duration_s)?,
+            faults: faults(&grid, &table.faults, &head)?,
+            title: table.title,
+            head,
+            sample_period_s,
+            ticks,
+            seed: table.seed,
+            species: table.gas.species.into(),
+            pressure_pa: table.gas.pressure_pa,
+            gas_temperature_c,
+            support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
+            imperfections: table.front_end.into(),
+            drives,
+            source,
+        };
+        experiment.check_conditions()?;
+        experiment.rehearse()?;
+        Ok(experiment)
+    }
+
+    /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.
+    pub fn time_s(&self, tick: u32) -> f64 {
+        let rate_hz = (1.0 / self.sample_period_s).round();
+        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
+            f64::from(tick) / rate_hz
+        } else {
+            f64::from(tick) * self.sample_period_s
+        }
+    }
+
+    pub fn duration_s(&self) -> f64 {
+        self.time_s(self.ticks)
+    }
+
+    /// Label of the wind held over [t_n, t_{n+1}) of tick n.
+    pub fn event(&self, tick: u32) -> &str {
+        // A start within a millionth of a period of a tick belongs to that tick, as for the simulated wind.
+        let now_s = self.time_s(tick) + 1e-6 * self.sample_period_s;
+        self.wind.iter().rev().find(|entry| entry.start_s <= now_s).map_or("", |entry| entry.label.as_str())
+    }
+
+    /// The simulated sensor of this experiment.
+    ///
+    /// # Errors
+    /// If the head is not the one that can be simulated: six elements, four sectors before two cores.
+    pub fn sphere_config(&self) -> Result<SphereConfig, FileError> {
+        let elements: Vec<_> = self.head.elements.iter().map(|element| element.nominal).collect();
+        let sectors_first = self.head.elements.iter().enumerate().all(|(i, element)| {
+            (element.kind == crate::head::Kind::Sector) == (i < sensor::ELEMENTS - sensor::CORES)
+        });
+        let (Ok(elements), true) = (elements.try_into(), sectors_first) else {
+            let sentence = format!("is `{}`, but only a sphere of four sectors and then two cores can be simulated", self.head.name);
+            return Err(self.source.refuse("head", sentence));
+        };
+        Ok(SphereConfig {
+            seed: self.seed,
+            sample_period_s: self.sample_period_s,
+            species: self.species,
+            pressure_pa: self.pressure_pa,
+            gas_temperature_c: self.gas_temperature_c,
+            support_temperature_c: self.support_temperature_c,
+            elements,
+            volt_per_code: self.head.volt_per_code,
+            imperfections: self.imperfections,
+            wind: self.wind.clone(),
+            faults: self.faults.clone(),
+            construction: sensor::Construction::default(),
+        })
+    }
+
+    /// Everything that an instrument is told before the run, in the order that it wants: all but `Start`.
+    pub fn commands(&self) -> Vec<Command> {
+        let mut commands = vec![
+            Command::Clear,
+            Command::SamplePeriod { sample_period_s: self.sample_period_s as f32 },
+            Command::Guard(self.head.guard_config(self.sample_period_s)),
+        ];
+        for (element, of) in (0..).zip(&self.head.elements) {
+            commands.push(Command::Element { element, config: of.config });
+            commands.extend(of.model.map(|model| Command::Model { element, model }));
+        }
+        commands.extend((0..).zip(&self.drives).map(|(element, &drive)| Command::Drive { element, drive }));
+        commands
+    }
+
+    /// Lets a controller judge the set-up before any instrument is touched; gives how many set-points a model could judge.
+    pub fn rehearse(&self) -> Result<Reply, FileError> {
+        let mut controller = Controller::<PLACES>::new();
+        let mut reply = Reply::Done;
+        for command in self.commands().into_iter().chain([Command::Start]) {
+            reply = controller.handle(command).map_err(|refusal| self.refuse(command, &refusal))?;
+        }
+        Ok(reply)
+    }
+
+    fn refuse(&self, command: Command, refusal: &Refusal) -> FileError {
+        let name = |element: u8| self.head.elements.get(usize::from(element)).map_or("", |element| element.name.as_str());
+        match *refusal {
+            Refusal::Unreachable { element, .. } => {
+                let sentence = refusal.to_string().replace(&format!("element {element} "), "");
+                self.source.refuse(&format!("drives.{}", name(element)), sentence)
+            }
+            Refusal::Invalid { element: Some(element), error } => {
+                self.source.refuse(&format!("drives.{}", name(element)), format!("cannot be used: {error}"))
+            }
+            _ => self.source.refuse("sample_period_s", format!("cannot be used ({command:?}): {refusal}")),
+        }
+    }
+
+    /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.
+    fn check_conditions(&self) -> Result<(), FileError> {
+        // A head that cannot be simulated may still be run on a real sensor.
+        let Ok(config) = self.sphere_config() else { return Ok(()) };
+        Sphere::new(&config).map(|_| ()).map_err(|error| match &error {
+            SensorError::OutOfRange { name, value, expected } => {
+                self.source.refuse(name, format!("is {value}: it must be {expected}"))
+            }
+            SensorError::NotAContinuum { .. } => {
+                self.source.refuse("gas.pressure_pa", error.to_string().trim_start_matches("`gas.pressure_pa` "))
+            }
+            _ => self.source.refuse("head", format!("cannot be simulated: {error}")),
+        })
+    }
+}
+
+/// Times in ticks.
+struct Grid<'a> {
+    source: &'a Source,
+    sample_period_s: f64,
+}
+
+impl Grid<'_> {
+    fn whole_ticks(&self, key: &str, time_s: f64) -> Result<u32, FileError> {
+        self.source.positive(key, time_s, "s")?;
+        let period_s = self.sample_period_s;
+        let ticks = time_s / period_s;
+        if ticks > f64::from(u32::MAX) {
+            let most = f64::from(u32::MAX) * period_s;
+            return Err(self.source.refuse(key, format!("is {time_s} s: at sample periods of {period_s} s it can be {most:.0} s at most")));
+        }
+        let whole = ticks.round();
+        if whole < 1.0 {
+            return Err(self.source.refuse(key, format!("is {time_s} s: it must last at least one sample period, {period_s} s")));
+        }
+        if (ticks - whole).abs() > 1e-6 * whole.max(1.0) {
+            let (below, above) = (ticks.floor().max(1.0) * period_s, ticks.ceil() * period_s);
+            let right = if below < time_s { format!("{} s or {} s", tidy(below), tidy(above)) } else { format!("{} s", tidy(above)) };
+            let sentence = format!("is {time_s} s, which is not a whole number of sample periods of {period_s} s: {right} would be");
+            return Err(self.source.refuse(key, sentence));
+        }
+        Ok(whole as u32)
+    }
+}
+
+/// Twelve digits of a product, so that 3 × 0.01 is written 0.03.
+fn tidy(number: f64) -> f64 {
+    format!("{number:.11e}").parse().unwrap_or(number)
+}
+
+fn drives(grid: &Grid, table: &ExperimentTable, head: &Head) -> Result<Vec<Drive>, FileError> {
+    let source = grid.source;
+    let known = head.names();
+    if let Some(unknown) = table.drives.keys().find(|name| !known.contains(&name.as_str())) {
+        let sentence = format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
+        return Err(source.refuse(&format!("drives.{unknown}"), sentence));
+    }
+    let mut drives = Vec::with_capacity(known.len());
+    for element in &head.elements {
+        let key = format!("drives.{}", element.name);
+        let set_point = |key: &str, celsius: f64| {
+            let (coldest, hottest) = (table.gas.temperature_c, f64::from(element.config.limits.temperature_max_c));
+            if celsius.is_nan() || celsius > hottest {
+                let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
+                return Err(source.refuse(key, sentence));
+            }
+            if celsius <= coldest {
+                let sentence = format!("is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above");
+                return Err(source.refuse(key, sentence));
+            }
+            Ok(celsius as f32)
+        };
+        drives.push(match table.drives.get(&element.name) {
+            None | Some(DriveTable::Passive) => Drive::Passive,
+            Some(DriveTable::Level(level)) => Drive::Level((*level).into()),
+            Some(&DriveTable::PowerW(power_w)) => {
+                // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power.
+                let least = element.power_w(table.gas.temperature_c, Level::Low);
+                let most = element.power_w(table.gas.temperature_c, Level::High);
+                if !(least..=most).contains(&power_w) {
+                    let sentence = format!(
+                        "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
+                        element.name, table.gas.temperature_c
+                    );
+                    return Err(source.refuse(&format!("{key}.power_w"), sentence));
+                }
+                Drive::Power { power_w: power_w as f32 }
+            }
+            Some(&DriveTable::TemperatureC(target_c)) => {
+                Drive::Temperature { target_c: set_point(&format!("{key}.temperature_c"), target_c)? }
+            }
+            Some(DriveTable::Prbs(prbs)) => {
+                let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), prbs.bit_time_s)?;
+                // Order and seed are dr-core's to judge; the place is known here.
+                let order = prbs.order;
+                source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
+                dr_core::signal::Prbs::new(order, prbs.seed).map_err(|error| {
+                    let sentence = format!("is {}: {error}", prbs.seed);
+                    source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
+                })?;
+                Drive::Prbs { order, seed: prbs.seed, ticks_per_bit }
+            }
+            Some(DriveTable::Setpoints(set_points)) => {
+                let low_c = set_point(&format!("{key}.setpoints.low_c"), set_points.low_c)?;
+                let high_c = set_point(&format!("{key}.setpoints.high_c"), set_points.high_c)?;
+                if low_c >= high_c {
+                    let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
+                    return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
+                }
+                let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), set_points.dwell_s)?;
+                Drive::Setpoints { low_c, high_c, dwell_ticks, seed: set_points.seed }
+            }
+        });
+    }
+    Ok(drives)
+}
+
+fn wind(grid: &Grid, tables: Vec<WindTable>, duration_s: f64) -> Result<Vec<WindEntry>, FileError> {
+    let source = grid.source;
+    if tables.is_empty() {
+        let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas";
+        return Err(source.refuse("wind", sentence));
+    }
+    let mut entries = Vec::with_capacity(tables.len());
+    for (index, table) in tables.into_iter().enumerate() {
+        let key = format!("wind[{index}]");
+        // Starts, angles and turbulence are the simulated wind's to judge.
+        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
+        if table.start_s >= duration_s {
+            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
+            return Err(source.refuse(&format!("{key}.start_s"), sentence));
+        }
+        entries.push(table.entry(index));
+    }
+    Ok(entries)
+}
+
+fn faults(grid: &Grid, tables: &[FaultTable], head: &Head) -> Result<Vec<TimedFault>, FileError> {
+    let names = head.names();
+    let fault = |(index, table): (usize, &FaultTable)| {
+        let element = names.iter().position(|name| *name == table.element).ok_or_else(|| {
+            let hint = suggest(&table.element, names.iter().copied());
+            let sentence = format!("is `{}`, which is no element of head `{}`; {hint}", table.element, head.name);
+            grid.source.refuse(&format!("faults[{index}].element"), sentence)
+        })?;
+        Ok(TimedFault { element, fault: table.kind.into(), start_s: table.start_s })
+    };
+    tables.iter().enumerate().map(fault).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,179 @@
+//! The experiment file as it is written: every key that there is, before anything is checked.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use dr_core::sensor::Level;
+use serde::Deserialize;
+
+use crate::sensor::{Fault, Imperfections, Species, Turbulence, WindEntry};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExperimentTable {
+    pub title: String,
+    pub head: PathBuf,
+    pub sample_period_s: f64,
+    pub duration_s: f64,
+    #[serde(default)]
+    pub seed: u64,
+    pub gas: GasTable,
+    pub support: Option<SupportTable>,
+    #[serde(default)]
+    pub front_end: FrontEndTable,
+    #[serde(default)]
+    pub drives: BTreeMap<String, DriveTable>,
+    #[serde(default)]
+    pub wind: Vec<WindTable>,
+    #[serde(default)]
+    pub faults: Vec<FaultTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GasTable {
+    pub species: SpeciesName,
+    pub pressure_pa: f64,
+    pub temperature_c: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SpeciesName {
+    Co2,
+    Air,
+}
+
+impl From<SpeciesName> for Species {
+    fn from(name: SpeciesName) -> Self {
+        match name {
+            SpeciesName::Co2 => Self::CarbonDioxide,
+            SpeciesName::Air => Self::Air,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SupportTable {
+    pub temperature_c: f64,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FrontEndTable {
+    noise_v_rms: f64,
+    resistance_error_percent: f64,
+    coefficient_error_percent: f64,
+    current_error_percent: f64,
+}
+
+impl From<FrontEndTable> for Imperfections {
+    fn from(table: FrontEndTable) -> Self {
+        let FrontEndTable { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent } = table;
+        Self { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent }
+    }
+}
+
+/// Written as a word, or as a table of one key.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum DriveTable {
+    Passive,
+    Level(LevelName),
+    PowerW(f64),
+    TemperatureC(f64),
+    Prbs(PrbsTable),
+    Setpoints(SetpointsTable),
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LevelName {
+    Low,
+    High,
+}
+
+impl From<LevelName> for Level {
+    fn from(name: LevelName) -> Self {
+        match name {
+            LevelName::Low => Self::Low,
+            LevelName::High => Self::High,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PrbsTable {
+    pub order: u8,
+    pub bit_time_s: f64,
+    pub seed: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SetpointsTable {
+    pub low_c: f64,
+    pub high_c: f64,
+    pub dwell_s: f64,
+    pub seed: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WindTable {
+    pub start_s: f64,
+    label: Option<String>,
+    pub speed_m_s: f64,
+    #[serde(default)]
+    azimuth_deg: f64,
+    #[serde(default)]
+    elevation_deg: f64,
+    turbulence: Option<TurbulenceTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TurbulenceTable {
+    intensity: f64,
+    correlation_time_s: f64,
+}
+
+impl WindTable {
+    /// An entry without a label is called after its number, so that every event of a recording has a name.
+    pub fn entry(self, index: usize) -> WindEntry {
+        WindEntry {
+            start_s: self.start_s,
+            label: self.label.unwrap_or_else(|| format!("wind {}", index + 1)),
+            speed_m_s: self.speed_m_s,
+            azimuth_deg: self.azimuth_deg,
+            elevation_deg: self.elevation_deg,
+            turbulence: self.turbulence.map(|TurbulenceTable { intensity, correlation_time_s }| Turbulence { intensity, correlation_time_s }),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FaultTable {
+    pub start_s: f64,
+    pub element: String,
+    pub kind: FaultName,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FaultName {
+    Open,
+    Shorted,
+}
+
+impl From<FaultName> for Fault {
+    fn from(name: FaultName) -> Self {
+        match name {
+            FaultName::Open => Self::Open,
+            FaultName::Shorted => Self::Shorted,
+        }
+    }
+}
