@@ -237,8 +237,18 @@ impl Sphere {
             conduction_w: self.flows.conduction_w,
             support_w: self.flows.support_w,
             wind_m_s: self.wind_m_s,
-            wind_extrapolated: self.convection.extrapolated(self.wind_m_s),
+            wind_extrapolated: self.wind_extrapolated(),
         }
+    }
+
+    /// Wind of the last period, m/s.
+    pub fn wind_m_s(&self) -> [f64; 3] {
+        self.wind_m_s
+    }
+
+    /// The wind of the last period was beyond the Nusselt table.
+    pub fn wind_extrapolated(&self) -> bool {
+        self.convection.extrapolated(self.wind_m_s)
     }
 
     /// Label of the wind entry of the last period.

@@ -12,7 +12,7 @@
 //! | part | value | reason |
 //! |---|---|---|
 //! | sphere | 10 mm | thesis, prototype B |
-//! | sector | 0.118 J/K | 0.5 g of silver, 235 J/(kg·K); 0.6 mm thick, so isothermal within 1 % of its film (Bi ≈ 1e-4) |
+//! | sector | 0.118 J/K | 0.5 g of silver, 235 J/(kg·K); at 0.6 mm its own gradient is 1e-3 of that to the gas |
 //! | chip | 4.7 mJ/K | bare silicon, 2.5 × 2.5 × 0.5 mm, 2330 kg/m³, 650 J/(kg·K) at 250 K |
 //! | chip to sector | 2 W/K | soldered: half its thickness 0.2, 25 µm of solder 0.1, spreading in 0.6 mm of silver 0.2 K/W |
 //! | sector to core | 0.6 mW/K | gas gap and wires |
@@ -31,10 +31,9 @@
 use std::f64::consts::PI;
 
 use super::convection::SECTORS;
-use super::gas::Gas;
+use super::gas::{Gas, ZERO_CELSIUS_K};
 use super::network::{BoundaryId, Network, RadiatorId};
 use super::{CORES, ELEMENTS, SensorError};
-use crate::sensor::gas::ZERO_CELSIUS_K;
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
