@@ -20,7 +20,7 @@ mod table;
 
 use std::path::Path;
 
-use dr_core::control::{Command, Controller, Drive, Refusal, Reply};
+use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
 use crate::head::Head;
@@ -31,8 +31,6 @@ use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
 /// Sample periods between 1 kHz and 10 Hz.
 const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
 const HIGHEST_SPEED_M_S: f64 = 100.0;
-/// The most that a mask of 16 elements can hold; dr-core does not mind empty places.
-const PLACES: usize = 16;
 
 /// A checked experiment with its head.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +88,6 @@ impl Experiment {
             source,
         };
         experiment.check_conditions()?;
-        experiment.rehearse()?;
         Ok(experiment)
     }
 
@@ -142,45 +139,6 @@ impl Experiment {
             faults: self.faults.clone(),
             construction: sensor::Construction::default(),
         })
-    }
-
-    /// Everything that an instrument is told before the run, in the order that it wants: all but `Start`.
-    pub fn commands(&self) -> Vec<Command> {
-        let mut commands = vec![
-            Command::Clear,
-            Command::SamplePeriod { sample_period_s: self.sample_period_s as f32 },
-            Command::Guard(self.head.guard_config(self.sample_period_s)),
-        ];
-        for (element, of) in (0..).zip(&self.head.elements) {
-            commands.push(Command::Element { element, config: of.config });
-            commands.extend(of.model.map(|model| Command::Model { element, model }));
-        }
-        commands.extend((0..).zip(&self.drives).map(|(element, &drive)| Command::Drive { element, drive }));
-        commands
-    }
-
-    /// Lets a controller judge the set-up before any instrument is touched; gives how many set-points a model could judge.
-    pub fn rehearse(&self) -> Result<Reply, FileError> {
-        let mut controller = Controller::<PLACES>::new();
-        let mut reply = Reply::Done;
-        for command in self.commands().into_iter().chain([Command::Start]) {
-            reply = controller.handle(command).map_err(|refusal| self.refuse(command, &refusal))?;
-        }
-        Ok(reply)
-    }
-
-    fn refuse(&self, command: Command, refusal: &Refusal) -> FileError {
-        let name = |element: u8| self.head.elements.get(usize::from(element)).map_or("", |element| element.name.as_str());
-        match *refusal {
-            Refusal::Unreachable { element, .. } => {
-                let sentence = refusal.to_string().replace(&format!("element {element} "), "");
-                self.source.refuse(&format!("drives.{}", name(element)), sentence)
-            }
-            Refusal::Invalid { element: Some(element), error } => {
-                self.source.refuse(&format!("drives.{}", name(element)), format!("cannot be used: {error}"))
-            }
-            _ => self.source.refuse("sample_period_s", format!("cannot be used ({command:?}): {refusal}")),
-        }
     }
 
     /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.

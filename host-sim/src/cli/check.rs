@@ -1,0 +1,94 @@
+//! `anemo check`: what an experiment would do, without doing it.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use dr_core::control::{Drive, Reply};
+use dr_core::sensor::Level;
+
+use super::Failure;
+use crate::experiment::Experiment;
+
+/// Read an experiment and its head, and say what would run.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  anemo check experiments/gusts.toml")]
+pub struct Arguments {
+    /// The experiment: a TOML file.
+    experiment: PathBuf,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let (experiment, reply) = super::read_experiment(&arguments.experiment)?;
+    let (judged, unjudged) = match reply {
+        Reply::Started { judged, unjudged } => (judged, unjudged),
+        Reply::Done => (0, 0),
+    };
+    let names = experiment.head.names();
+    if arguments.json {
+        let drives = names.iter().zip(&experiment.drives).map(|(name, drive)| ((*name).to_owned(), describe(drive, &experiment).into()));
+        return super::print_json(&serde_json::json!({
+            "title": experiment.title,
+            "head": experiment.head.name,
+            "ticks": experiment.ticks,
+            "sample_period_s": experiment.sample_period_s,
+            "duration_s": experiment.duration_s(),
+            "drives": drives.collect::<serde_json::Map<_, _>>(),
+            "winds": experiment.wind.len(),
+            "judged": judged,
+            "unjudged": unjudged,
+        }));
+    }
+    let mut text = format!(
+        "{} · head {}\n{} ticks of {} ms, {} s\n\n",
+        experiment.title,
+        experiment.head.name,
+        experiment.ticks,
+        experiment.sample_period_s * 1e3,
+        experiment.duration_s()
+    );
+    // Writing to a String cannot fail.
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    for (name, drive) in names.iter().zip(&experiment.drives) {
+        let _ = writeln!(text, "{name:width$}  {}", describe(drive, &experiment));
+    }
+    text.push('\n');
+    for entry in &experiment.wind {
+        let turbulence = entry.turbulence.map_or(String::new(), |t| format!(", {} % turbulence", t.intensity * 100.0));
+        let _ = writeln!(
+            text,
+            "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{turbulence}  ({})",
+            entry.start_s, entry.speed_m_s, entry.azimuth_deg, entry.elevation_deg, entry.label
+        );
+    }
+    for fault in &experiment.faults {
+        let _ = writeln!(text, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault);
+    }
+    let _ = match (judged, unjudged) {
+        (0, 0) => Ok(()),
+        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, by the models of the head"),
+        (0, unjudged) => writeln!(text, "\n{unjudged} set-points are not judged: the head has no model of these elements"),
+        (judged, unjudged) => writeln!(text, "\n{judged} set-points can be held, by the models of the head; {unjudged} are not judged for want of one"),
+    };
+    super::print(&text);
+    Ok(())
+}
+
+fn describe(drive: &Drive, experiment: &Experiment) -> String {
+    let seconds = |ticks: u32| experiment.time_s(ticks);
+    match *drive {
+        Drive::Passive => "passive: only senses".to_owned(),
+        Drive::Level(Level::Low) => "constant current, low level".to_owned(),
+        Drive::Level(Level::High) => "constant current, high level".to_owned(),
+        Drive::Power { power_w } => format!("constant power, {power_w} W"),
+        Drive::Temperature { target_c } => format!("constant temperature, {target_c} °C"),
+        Drive::Prbs { order, seed, ticks_per_bit } => {
+            format!("pseudo-random bits of {} s, order {order}, seed {seed}", seconds(ticks_per_bit))
+        }
+        Drive::Setpoints { low_c, high_c, dwell_ticks, seed } => {
+            format!("random set-points from {low_c} to {high_c} °C, each for {} s, seed {seed}", seconds(dwell_ticks))
+        }
+    }
+}

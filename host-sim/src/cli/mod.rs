@@ -1,0 +1,157 @@
+//! The command line: one file a subcommand, and what they share.
+//!
+//! | exit code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | what was asked for makes sense, but failed |
+//! | 2 | the command, or a file that it names, is wrong; nothing was started |
+//!
+//! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr, one sentence that begins with `anemo:`.
+
+mod check;
+mod plot;
+mod run;
+
+use std::fmt::Display;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::experiment::Experiment;
+use crate::run::RunError;
+use crate::toml_file::FileError;
+
+/// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, and look at what they recorded.
+#[derive(Parser)]
+#[command(name = "anemo", version, arg_required_else_help = true, after_help = "\
+Examples:
+  anemo check experiments/gusts.toml
+  anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
+  anemo run experiments/gusts.toml --on serial:/dev/ttyUSB0 -o gusts.csv
+  anemo plot gusts.parquet -o gusts.svg")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Check(check::Arguments),
+    Plot(plot::Arguments),
+}
+
+/// Why the command ends, and with which exit code.
+#[derive(Debug)]
+struct Failure {
+    code: u8,
+    sentence: String,
+}
+
+impl Failure {
+    /// The command or a file that it names is wrong.
+    fn usage(error: impl Display) -> Self {
+        Self { code: 2, sentence: error.to_string() }
+    }
+
+    /// The work itself failed.
+    fn work(error: impl Display) -> Self {
+        Self { code: 1, sentence: error.to_string() }
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::usage(error)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Refused(error) => Self::usage(error),
+            RunError::Instrument(_) | RunError::Recording(_) | RunError::Interrupted { .. } => Self::work(error),
+        }
+    }
+}
+
+/// Runs the command of this process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            complain(&one_sentence(&error));
+            return ExitCode::from(2);
+        }
+        Err(error) => {
+            // Help and version. That nobody reads them is no failure.
+            let _ = error.print();
+            return ExitCode::from(u8::from(error.use_stderr()) * 2);
+        }
+    };
+    let outcome = match arguments.command {
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Check(arguments) => check::execute(&arguments),
+        Command::Plot(arguments) => plot::execute(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            complain(&failure.sentence);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+fn complain(sentence: &str) {
+    let _ = writeln!(std::io::stderr(), "anemo: {sentence}");
+}
+
+/// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
+fn print(text: &str) {
+    let mut stdout = std::io::stdout().lock();
+    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+}
+
+fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string(value).map_err(Failure::work)?;
+    print(&format!("{json}\n"));
+    Ok(())
+}
+
+/// Reads an experiment and lets a controller in this process judge it, so that nothing is started that would be refused.
+fn read_experiment(path: &std::path::Path) -> Result<(Experiment, dr_core::control::Reply), Failure> {
+    let experiment = Experiment::read(path)?;
+    let reply = crate::run::rehearse(&experiment)?;
+    Ok((experiment, reply))
+}
+
+/// Clap's message without its usage block, in one line.
+fn one_sentence(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let parts = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
+    let parts: Vec<&str> = parts.map(str::trim).filter(|line| !line.is_empty()).collect();
+    let joined = parts.join("; ").replace(":; ", ": ");
+    format!("{} (see `anemo --help`)", joined.strip_prefix("error: ").unwrap_or(&joined))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_wrong_option_is_one_sentence_with_the_right_one() {
+        let error = Arguments::try_parse_from(["anemo", "run", "a.toml", "--on", "sim", "--plto", "x.svg"]).err().unwrap();
+        let sentence = one_sentence(&error);
+        assert!(sentence.starts_with("unexpected argument '--plto' found; tip: a similar argument exists: '--plot'"), "{sentence}");
+        assert!(!sentence.contains('\n'));
+    }
+}

@@ -1,0 +1,230 @@
+//! `anemo run`: an experiment on an instrument.
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::Failure;
+use crate::experiment::Experiment;
+use crate::instrument::emulated::{self, Emulated};
+use crate::instrument::in_process::InProcess;
+use crate::instrument::serial::Serial;
+use crate::instrument::{Instrument, LockStep};
+use crate::plot;
+use crate::recording::{Collector, Layout, Metadata, RecordingWriter};
+use crate::run::{RunError, run};
+use crate::sensor::Sphere;
+use crate::summary::RunSummary;
+
+/// Rows between two looks at the progress bar.
+const PROGRESS_EVERY: u32 = 256;
+
+/// Run an experiment and record it.
+///
+/// The same experiment runs in this process, on the firmware in an emulated board, or on a sensor board. The first two simulate the
+/// sensor and the wind, as fast as they can; all three understand the same commands, and the first two give the same bits.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
+  anemo run experiments/gusts.toml --on qemu --firmware firmware.elf --json
+  anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv")]
+pub struct Arguments {
+    /// The experiment: a TOML file.
+    experiment: PathBuf,
+    /// What to run it on.
+    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
+    on: On,
+    /// Record every tick to this file; its name ends in .parquet or .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw the run into this file; its name ends in .svg.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+    /// The firmware that the emulated board runs.
+    #[arg(
+        long,
+        value_name = "ELF",
+        env = "ANEMO_FIRMWARE",
+        default_value = "target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"
+    )]
+    firmware: PathBuf,
+    /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
+    #[arg(long, value_name = "fifo|usart", default_value = "fifo")]
+    link: LinkName,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum On {
+    Sim,
+    Qemu,
+    Serial(String),
+}
+
+impl FromStr for On {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "sim" => Ok(Self::Sim),
+            None if text == "qemu" => Ok(Self::Qemu),
+            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.to_owned())),
+            _ if text.starts_with("serial") => Err("a serial port is named too, as in serial:/dev/ttyACM0".to_owned()),
+            _ => Err("it is sim, qemu or serial:DEVICE".to_owned()),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum LinkName {
+    Fifo,
+    Usart,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let (experiment, _) = super::read_experiment(&arguments.experiment)?;
+    let simulated = !matches!(arguments.on, On::Serial(_));
+    let layout = Layout { elements: experiment.head.names().into_iter().map(str::to_owned).collect(), wind: simulated };
+    let known = metadata(&experiment, &arguments.on);
+
+    // All that could be wrong with the outputs shows before anything runs.
+    let mut writer = match &arguments.output {
+        Some(path) => Some(RecordingWriter::create(path, layout.clone(), &known).map_err(Failure::usage)?),
+        None => None,
+    };
+    let canvas = arguments.plot.as_deref().map(plot::Canvas::create).transpose().map_err(Failure::usage)?;
+    let mut collector = canvas.is_some().then(|| Collector::new(layout, &known));
+
+    let interrupted = on_interrupt();
+    let instrument = open(arguments, &experiment)?;
+    let bar = progress_bar(&experiment);
+    let (start, mut rows) = (Instant::now(), 0_u32);
+    let summary = run(&experiment, instrument, &mut |row| {
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(RunError::Interrupted { time_s: row.time_s });
+        }
+        writer.as_mut().map_or(Ok(()), |writer| writer.push(row))?;
+        collector.as_mut().map_or(Ok(()), |collector| collector.push(row))?;
+        rows += 1;
+        if rows.is_multiple_of(PROGRESS_EVERY) {
+            bar.set_position(u64::from(rows));
+        }
+        Ok(())
+    });
+    bar.finish_and_clear();
+    let (summary, wall_s) = (summary?, start.elapsed().as_secs_f64());
+
+    let outcome = outcome(&summary);
+    if let Some(writer) = writer {
+        writer.finish(&outcome).map_err(Failure::work)?;
+    }
+    if let (Some(canvas), Some(collector)) = (canvas, collector) {
+        canvas.draw(&collector.finish(&outcome)).map_err(Failure::work)?;
+    }
+    if arguments.json {
+        return super::print_json(&summary);
+    }
+    let mut text = summary.to_string();
+    if simulated {
+        text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
+    }
+    super::print(&text);
+    Ok(())
+}
+
+fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instrument>, Failure> {
+    let sphere = || {
+        let sphere = Sphere::new(&experiment.sphere_config()?);
+        sphere.map_err(|error| Failure::from(experiment.source.refuse("head", format!("cannot be simulated: {error}"))))
+    };
+    Ok(match &arguments.on {
+        On::Sim => Box::new(LockStep::new(InProcess::new(), sphere()?)),
+        On::Qemu => {
+            let path = match arguments.link {
+                LinkName::Fifo => emulated::Path::Fifo,
+                LinkName::Usart => emulated::Path::Usart,
+            };
+            let sphere = sphere()?;
+            Box::new(LockStep::new(Emulated::start(&arguments.firmware, path).map_err(Failure::work)?, sphere))
+        }
+        On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
+    })
+}
+
+/// What a recording says of itself, as far as it is known before the run.
+fn metadata(experiment: &Experiment, on: &On) -> Metadata {
+    let instrument = match on {
+        On::Sim => "sim".to_owned(),
+        On::Qemu => "qemu".to_owned(),
+        On::Serial(device) => format!("serial:{device}"),
+    };
+    let pairs = [
+        ("title", experiment.title.clone()),
+        ("instrument", instrument),
+        ("sample_period_s", experiment.sample_period_s.to_string()),
+        ("units", "time_s: s; temperature_c: °C; power_w: W; heater: 0 or 1; wind: m/s".to_owned()),
+        ("head_name", experiment.head.name.clone()),
+        ("experiment", experiment.source.text.clone()),
+        ("head", experiment.head.source.text.clone()),
+        ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
+}
+
+/// What the end of the run adds.
+fn outcome(summary: &RunSummary) -> Metadata {
+    let mut pairs = vec![
+        ("firmware".to_owned(), summary.firmware.clone()),
+        ("lost".to_owned(), summary.lost.to_string()),
+        ("trips".to_owned(), summary.trips.len().to_string()),
+    ];
+    pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
+    pairs
+}
+
+/// A bar on a terminal, nothing anywhere else.
+fn progress_bar(experiment: &Experiment) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(u64::from(experiment.ticks)), ProgressDrawTarget::stderr_with_hz(10));
+    let style = ProgressStyle::with_template("{msg}  {bar:40}  {percent:>3} %  {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(experiment.title.clone());
+    bar
+}
+
+/// Set by the first Ctrl-C, so that the run ends tidily; the second one ends the process at once.
+fn on_interrupt() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // Without a handler Ctrl-C still works, only less tidily.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+    interrupted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instruments_are_named_as_in_the_help() {
+        assert_eq!("sim".parse(), Ok(On::Sim));
+        assert_eq!("qemu".parse(), Ok(On::Qemu));
+        assert_eq!("serial:/dev/ttyACM0".parse(), Ok(On::Serial("/dev/ttyACM0".to_owned())));
+        assert_eq!("serial:".parse::<On>().unwrap_err(), "a serial port is named too, as in serial:/dev/ttyACM0");
+        assert_eq!("simulation".parse::<On>().unwrap_err(), "it is sim, qemu or serial:DEVICE");
+    }
+}

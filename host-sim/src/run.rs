@@ -1,0 +1,274 @@
+//! Running an experiment on an instrument: set-up, ticks, rows, summary. The same for every instrument.
+//!
+//! Row n holds what sample n says and the wind of the interval after it. Samples that got lost on the way leave a gap in the rows'
+//! times and are counted.
+
+use dr_core::control::{Reply, RunState};
+
+use crate::experiment::Experiment;
+use crate::instrument::setup::{self, Setup};
+use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
+use crate::instrument::in_process::InProcess;
+use crate::recording::{RecordingError, Row};
+use crate::sensor::{Sphere, SphereConfig};
+use crate::summary::{ElementSummary, RunSummary, TripSummary};
+use crate::toml_file::FileError;
+
+/// Why a run did not come to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// What the file asks for is refused by the instrument.
+    #[error(transparent)]
+    Refused(#[from] FileError),
+    #[error(transparent)]
+    Instrument(#[from] InstrumentError),
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    #[error("interrupted at {time_s} s; nothing was kept")]
+    Interrupted { time_s: f64 },
+}
+
+/// Runs an experiment from start to end and hands every row to `sink`.
+///
+/// If the sink fails, the instrument is stopped and the sink's error returned.
+pub fn run(
+    experiment: &Experiment,
+    mut instrument: Box<dyn Instrument>,
+    sink: &mut dyn FnMut(&Row) -> Result<(), RunError>,
+) -> Result<RunSummary, RunError> {
+    let firmware = instrument.identity().firmware.as_str().to_owned();
+    let mut totals = Totals::new(experiment);
+    let observed = start(experiment, instrument.as_mut()).and_then(|reply| {
+        observe(experiment, instrument.as_mut(), &mut totals, sink)?;
+        Ok(reply)
+    });
+    let hash = instrument.digest();
+    // Stopped whatever happened: a board must not be left heating.
+    let finished = instrument.finish();
+    let (Reply::Started { judged, unjudged }, account) = (observed?, finished?) else {
+        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
+    };
+    let simulated = totals.simulated;
+    Ok(RunSummary {
+        title: experiment.title.clone(),
+        head: experiment.head.name.clone(),
+        firmware,
+        ticks: totals.ticks,
+        duration_s: experiment.duration_s(),
+        lost: totals.lost,
+        damaged: account.link.damaged + account.link.oversized,
+        late: account.status.map_or(0, |status| status.late_ticks),
+        hash: hash.map(|hash| format!("{hash:016x}")),
+        judged,
+        unjudged,
+        extrapolated: simulated.then_some(totals.extrapolated),
+        elements: totals.elements(experiment),
+        trips: totals.trips,
+    })
+}
+
+fn observe(
+    experiment: &Experiment,
+    instrument: &mut dyn Instrument,
+    totals: &mut Totals,
+    sink: &mut dyn FnMut(&Row) -> Result<(), RunError>,
+) -> Result<(), RunError> {
+    let names = experiment.head.names();
+    let mut next = 0;
+    while next < experiment.ticks {
+        let observation = instrument.observe()?;
+        let sample = &observation.sample;
+        if sample.tick < next || sample.tick >= experiment.ticks {
+            // Only a start in between, by somebody else, counts anew.
+            return Err(InstrumentError::Protocol(format!("sample {} came where {next} was due", sample.tick)).into());
+        }
+        totals.lost += sample.tick - next;
+        next = sample.tick + 1;
+        totals.take(sample, experiment, &names);
+        totals.simulated |= observation.wind_m_s.is_some();
+        totals.extrapolated += u32::from(observation.extrapolated);
+        let mut temperature_c = sample.temperature_c;
+        for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
+            if sample.valid >> i & 1 == 0 {
+                *temperature_c = f32::NAN;
+            }
+        }
+        sink(&Row {
+            time_s: experiment.time_s(sample.tick),
+            temperature_c: &temperature_c[..names.len()],
+            power_w: &sample.power_w[..names.len()],
+            heaters: sample.heaters.0,
+            event: experiment.event(sample.tick),
+            state: &totals.state,
+            wind_m_s: observation.wind_m_s,
+        })?;
+    }
+    Ok(())
+}
+
+/// Lets a controller in this process judge the set-up before any instrument is touched.
+pub fn rehearse(experiment: &Experiment) -> Result<Reply, RunError> {
+    // Which sphere is around it does not matter: no time passes.
+    let sphere = Sphere::new(&experiment.sphere_config().unwrap_or_else(|_| SphereConfig::default()));
+    let sphere = sphere.map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
+    start(experiment, &mut LockStep::new(InProcess::new(), sphere))
+}
+
+fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Reply, RunError> {
+    let setup = Setup {
+        sample_period_s: experiment.sample_period_s as f32,
+        guard: experiment.head.guard_config(experiment.sample_period_s),
+        elements: (experiment.head.elements.iter().zip(&experiment.drives))
+            .map(|(element, &drive)| ElementSetup { name: element.name.clone(), config: element.config, model: element.model, drive })
+            .collect(),
+    };
+    setup::start(instrument, &setup).map_err(|error| match &error {
+        InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
+            // Said of the place in the file, where the user can do something about it.
+            Some(name) => experiment.source.refuse(&format!("drives.{name}"), format!("is refused: {refusal}")).into(),
+            None => error.into(),
+        },
+        InstrumentError::TooManyElements { .. } => experiment.source.refuse("head", format!("cannot be used: {error}")).into(),
+        _ => error.into(),
+    })
+}
+
+/// What is added up while a run goes on.
+struct Totals {
+    ticks: u32,
+    lost: u32,
+    extrapolated: u32,
+    simulated: bool,
+    trips: Vec<TripSummary>,
+    state: String,
+    last: Option<RunState>,
+    /// Sums and counts of good temperatures, and sums of powers.
+    temperature_c: Vec<(f64, u32)>,
+    power_w: Vec<f64>,
+}
+
+impl Totals {
+    fn new(experiment: &Experiment) -> Self {
+        let elements = experiment.head.elements.len();
+        Self {
+            ticks: 0,
+            lost: 0,
+            extrapolated: 0,
+            simulated: false,
+            trips: Vec::new(),
+            state: String::new(),
+            last: None,
+            temperature_c: vec![(0.0, 0); elements],
+            power_w: vec![0.0; elements],
+        }
+    }
+
+    fn take(&mut self, sample: &wire::Sample, experiment: &Experiment, names: &[&str]) {
+        self.ticks += 1;
+        for (i, (sum, count)) in self.temperature_c.iter_mut().enumerate() {
+            if sample.valid >> i & 1 == 1 {
+                *sum += f64::from(sample.temperature_c[i]);
+                *count += 1;
+            }
+            self.power_w[i] += f64::from(sample.power_w[i]);
+        }
+        if self.last == Some(sample.state) {
+            return;
+        }
+        self.last = Some(sample.state);
+        let trip = match sample.state {
+            RunState::Standby => return "standby".clone_into(&mut self.state),
+            RunState::Running => return "running".clone_into(&mut self.state),
+            RunState::Tripped(trip) => trip,
+        };
+        let element = names.get(usize::from(trip.element)).copied().unwrap_or("?");
+        let cause = trip.cause.name();
+        self.state = format!("tripped:{cause}:{element}");
+        self.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element: element.to_owned() });
+    }
+
+    fn elements(&self, experiment: &Experiment) -> Vec<ElementSummary> {
+        let names = experiment.head.names().into_iter();
+        let means = self.temperature_c.iter().zip(&self.power_w);
+        names
+            .zip(means)
+            .map(|(name, (&(sum, count), power_w))| ElementSummary {
+                name: name.to_owned(),
+                mean_temperature_c: (count > 0).then(|| sum / f64::from(count)),
+                mean_power_w: power_w / f64::from(self.ticks.max(1)),
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// A shipped experiment, shortened.
+    fn shortened(name: &str, from: &str, to: &str) -> Experiment {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name);
+        let mut source = crate::toml_file::Source::read(&path).unwrap();
+        assert!(source.text.contains(from));
+        source.text = source.text.replace(from, to);
+        Experiment::from_source(source).unwrap()
+    }
+
+    fn in_process(experiment: &Experiment) -> Box<dyn Instrument> {
+        Box::new(LockStep::new(InProcess::new(), Sphere::new(&experiment.sphere_config().unwrap()).unwrap()))
+    }
+
+    #[test]
+    fn every_tick_becomes_a_row_and_the_same_run_twice_is_the_same() {
+        let experiment = shortened("all-drives.toml", "duration_s = 120.0", "duration_s = 70.0");
+        let run_once = || {
+            let mut rows = 0;
+            let summary = run(&experiment, in_process(&experiment), &mut |row| {
+                assert_eq!(row.time_s, f64::from(rows) / 100.0);
+                assert_eq!(row.event, if rows < 6000 { "breeze" } else { "gust" });
+                assert_eq!(row.state, "running");
+                rows += 1;
+                Ok(())
+            });
+            assert_eq!(rows, 7000);
+            summary.unwrap()
+        };
+        let summary = run_once();
+        assert_eq!(summary, run_once());
+        assert_eq!((summary.ticks, summary.lost, summary.trips.len()), (7000, 0, 0));
+        assert!(summary.hash.is_some());
+        // core1 is held at its high level: I²R of 16 mA between −53 and 0 °C.
+        let power_w = summary.elements[4].mean_power_w;
+        assert!((0.0374..0.0449).contains(&power_w), "{power_w}");
+    }
+
+    #[test]
+    fn an_open_resistor_trips_within_a_tick_and_shows_in_the_rows() {
+        let fault = "\n[[faults]]\nstart_s = 1.0\nelement = \"sector3\"\nkind = \"open\"\n\n[[wind]]\nstart_s = 0.0\n";
+        let experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", fault);
+        let mut rows = Vec::new();
+        let summary = run(&experiment, in_process(&experiment), &mut |row| {
+            rows.push((row.state.to_owned(), row.heaters, row.temperature_c[2]));
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(summary.trips, [TripSummary { time_s: 1.01, cause: "open", element: "sector3".to_owned() }]);
+        // The interval from tick 100 on is the first that flows through nothing: read at tick 101.
+        assert!(rows[..101].iter().all(|(state, _, _)| state == "running"));
+        assert!(rows[101..].iter().all(|(state, heaters, t)| state == "tripped:open:sector3" && *heaters == 0 && t.is_nan()));
+    }
+
+    #[test]
+    fn a_failing_sink_ends_the_run_with_its_error() {
+        let experiment = shortened("steady.toml", "duration_s = 300.0", "duration_s = 1.0");
+        let mut rows = 0;
+        let error = run(&experiment, in_process(&experiment), &mut |row| {
+            rows += 1;
+            if rows == 10 { Err(RunError::Interrupted { time_s: row.time_s }) } else { Ok(()) }
+        });
+        assert_eq!(error.unwrap_err().to_string(), "interrupted at 0.09 s; nothing was kept");
+        assert_eq!(rows, 10);
+    }
+}
