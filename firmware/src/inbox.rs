@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_sensor_board_takes_no_readings_from_a_link() {
-        let readings = Readings { tick: 0, readings: [dr_core::sensor::Reading::Code(1); ELEMENTS] };
+        let readings = Readings::new(0, &[dr_core::sensor::Reading::Code(1); ELEMENTS]);
         with_inbox(false, |inbox, _| {
             assert_eq!(inbox.accept(received(ToBoard::Readings(readings))), Wake::Nobody);
             assert_eq!(inbox.accept(received(ToBoard::Finish { code: 0 })), Wake::Nobody);

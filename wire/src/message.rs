@@ -95,13 +95,50 @@ pub enum ResetCause {
     Unknown,
 }
 
-/// One reading an element, in lock-step.
+/// One reading an element, in lock-step. Packed, since the emulated USART takes its time for every byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
     /// Number of the exchange, from 0; the answer carries the same.
     pub tick: u32,
-    /// One an element.
-    pub readings: [Reading; ELEMENTS],
+    /// Bit i is set if element i's reading is missing.
+    missing: u8,
+    /// Bit i is set if element i's reading is stale.
+    stale: u8,
+    /// Codes, 24 bit, little-endian, two's complement; 0 for elements without one.
+    codes: [[u8; 3]; ELEMENTS],
+}
+
+impl Readings {
+    /// Packs readings. Codes have 24 bit: the ADC has no more.
+    pub fn new(tick: u32, readings: &[Reading; ELEMENTS]) -> Self {
+        let mut packed = Self { tick, missing: 0, stale: 0, codes: [[0; 3]; ELEMENTS] };
+        for (i, (reading, packed_code)) in readings.iter().zip(&mut packed.codes).enumerate() {
+            match *reading {
+                Reading::Code(code) => {
+                    let [low, middle, high, _] = code.to_le_bytes();
+                    *packed_code = [low, middle, high];
+                }
+                Reading::Stale => packed.stale |= 1 << i,
+                Reading::Missing => packed.missing |= 1 << i,
+            }
+        }
+        packed
+    }
+
+    /// Unpacks them.
+    pub fn readings(&self) -> [Reading; ELEMENTS] {
+        core::array::from_fn(|i| {
+            if self.missing >> i & 1 == 1 {
+                Reading::Missing
+            } else if self.stale >> i & 1 == 1 {
+                Reading::Stale
+            } else {
+                let [low, middle, high] = self.codes.get(i).copied().unwrap_or_default();
+                // The sign is in the highest byte: shifting down from the top carries it along.
+                Reading::Code(i32::from_le_bytes([0, low, middle, high]) >> 8)
+            }
+        })
+    }
 }
 
 /// What one tick brought: [`Tick`], as it travels.
@@ -172,4 +209,22 @@ pub struct HeaterFrame {
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     #[serde(with = "postcard::fixint::le")]
     pub digest: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_come_out_as_they_went_in() {
+        let readings = [
+            Reading::Code(0),
+            Reading::Code(-1),
+            Reading::Code(8_388_607),
+            Reading::Code(-8_388_608),
+            Reading::Stale,
+            Reading::Missing,
+        ];
+        assert_eq!(Readings::new(5, &readings).readings(), readings);
+    }
 }

@@ -154,7 +154,7 @@ impl FrontEnd {
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         let readings = self.readings.dequeue()?;
         self.answering = readings.tick;
-        Some(readings.readings)
+        Some(readings.readings())
     }
 
     /// Answers the exchange with the levels and a digest of all that led to them.
