@@ -12,7 +12,7 @@ pub struct Options {
     /// Only list the debug probes that are connected
     #[arg(long)]
     list: bool,
-    /// Which probe to use when there are several, as shown by --list (VID:PID[:SERIAL])
+    /// Which probe to use when there are several, as shown by --list
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
 }
