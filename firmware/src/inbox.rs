@@ -10,6 +10,9 @@ use wire::{Readings, Received, ToBoard};
 /// A command and the sequence number by which its reply refers to it.
 pub type Request = (u16, Command);
 
+/// Readings and the sequence number by which their answer refers to them.
+pub type Exchange = (u16, Readings);
+
 /// Questions that the transmitter answers by itself.
 pub struct Questions {
     identity: AtomicBool,
@@ -63,7 +66,7 @@ pub enum Wake {
 /// The inbox of the instrument.
 pub struct Inbox<'a> {
     requests: Producer<'a, Request>,
-    readings: Producer<'a, Readings>,
+    exchanges: Producer<'a, Exchange>,
     questions: &'a Questions,
     is_virtual: bool,
     /// Messages that came when their queue was full, or that this board does not obey.
@@ -74,11 +77,11 @@ impl<'a> Inbox<'a> {
     /// An inbox that fills these queues. Only a virtual board takes readings from a link.
     pub const fn new(
         requests: Producer<'a, Request>,
-        readings: Producer<'a, Readings>,
+        exchanges: Producer<'a, Exchange>,
         questions: &'a Questions,
         is_virtual: bool,
     ) -> Self {
-        Self { requests, readings, questions, is_virtual, refused: 0 }
+        Self { requests, exchanges, questions, is_virtual, refused: 0 }
     }
 
     /// Puts a message where it belongs.
@@ -95,7 +98,11 @@ impl<'a> Inbox<'a> {
                 self.questions.telemetry_every.store(every, Relaxed);
                 Wake::Nobody
             }
-            ToBoard::Readings(readings) if self.is_virtual && self.readings.enqueue(readings).is_ok() => Wake::Control,
+            ToBoard::Readings(readings)
+                if self.is_virtual && self.exchanges.enqueue((received.sequence, readings)).is_ok() =>
+            {
+                Wake::Control
+            }
             ToBoard::Finish { code } if self.is_virtual => Wake::Finish(code),
             ToBoard::Command(_) | ToBoard::Readings(_) | ToBoard::Finish { .. } => {
                 self.refused = self.refused.wrapping_add(1);
@@ -112,8 +119,8 @@ mod tests {
     use wire::ELEMENTS;
 
     fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &Questions) -> R) -> R {
-        let (mut requests, mut readings, questions) = (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Questions::new());
-        test(&mut Inbox::new(requests.split().0, readings.split().0, &questions, is_virtual), &questions)
+        let (mut requests, mut exchanges, questions) = (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Questions::new());
+        test(&mut Inbox::new(requests.split().0, exchanges.split().0, &questions, is_virtual), &questions)
     }
 
     fn received(message: ToBoard) -> Received<ToBoard> {
@@ -122,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_sensor_board_takes_no_readings_from_a_link() {
-        let readings = Readings::new(0, &[dr_core::sensor::Reading::Code(1); ELEMENTS]);
+        let readings = Readings::new(&[dr_core::sensor::Reading::Code(1); ELEMENTS]);
         with_inbox(false, |inbox, _| {
             assert_eq!(inbox.accept(received(ToBoard::Readings(readings))), Wake::Nobody);
             assert_eq!(inbox.accept(received(ToBoard::Finish { code: 0 })), Wake::Nobody);

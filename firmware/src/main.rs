@@ -23,11 +23,11 @@ mod app {
     use super::vitals::{self, CheckIns, Health, Member};
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Command, Controller, Refusal, RunState};
-    use firmware::inbox::{Inbox, Questions, Request, Wake};
+    use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use heapless::spsc::{Consumer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Readings, Receiver, Sample, ToBoard, encode};
+    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, Sample, ToBoard, encode};
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
     const CONTROL: Interrupt = Interrupt::EXTI4;
@@ -68,21 +68,21 @@ mod app {
 
     #[init(local = [
         request_queue: Queue<Request, 8> = Queue::new(),
-        reading_queue: Queue<Readings, 4> = Queue::new(),
+        exchange_queue: Queue<Exchange, 4> = Queue::new(),
         telemetry_queue: Queue<FromBoard, TELEMETRY_SLOTS> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (request_in, requests) = cx.local.request_queue.split();
-        let (reading_in, readings) = cx.local.reading_queue.split();
+        let (exchange_in, exchanges) = cx.local.exchange_queue.split();
         let (message_in, messages) = cx.local.telemetry_queue.split();
         let mut core = cx.core;
-        let parts = board::init(cx.device, &mut core, readings);
+        let parts = board::init(cx.device, &mut core, exchanges);
         vitals::start_ticking(&mut core.SYST);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, parts.reset_name());
         let identity = vitals::identity(parts.reset);
         (
             Shared {
-                inbox: Inbox::new(request_in, reading_in, &QUESTIONS, board::IS_VIRTUAL),
+                inbox: Inbox::new(request_in, exchange_in, &QUESTIONS, board::IS_VIRTUAL),
                 host_counters: LinkCounters::default(),
                 status: None,
             },
@@ -116,13 +116,13 @@ mod app {
 
     /// Owns the controller. Priority 4, the highest: nothing delays a decision.
     ///
-    /// Deadline: the next reading. Missing it is counted as a late tick; the heaters then stay as the tick before left
-    /// them for one tick more. Never logs, never waits: replies and samples go into a queue, and what does not fit is
+    /// Deadline: the next reading, on the sensor board the next conversion. Missing it is counted as a late tick; the heaters
+    /// then stay as the tick before left them until this one is through. Never logs, never waits: replies and samples go into a queue, and what does not fit is
     /// dropped and counted.
     #[task(binds = EXTI4, priority = 4, local = [controller, front_end, requests, outbox, last_state])]
     fn control(cx: control::Context) {
         let control::LocalResources { controller, front_end, requests, outbox, last_state, .. } = cx.local;
-        let started = board::cycles();
+        let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
 
         while let Some((sequence, command)) = requests.dequeue() {
@@ -130,25 +130,32 @@ mod app {
             outbox.put(FromBoard::Reply { to: sequence, result });
         }
 
-        if let Some(readings) = front_end.poll() {
+        // One tick or none, unless the front end makes up for ticks in which it was silent.
+        while let Some(readings) = front_end.poll() {
             let tick = controller.tick(&readings);
-            front_end.apply(controller, &tick);
+            if let Some(answer) = front_end.apply(controller, &tick) {
+                outbox.put(answer);
+            }
             if QUESTIONS.wants_sample(tick.tick) {
                 outbox.put(FromBoard::Sample(Sample::from(&tick)));
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
             }
-            let cycles = board::cycles().wrapping_sub(started);
+            let ended = board::cycles();
+            let cycles = ended.wrapping_sub(started);
             CONTROL_CYCLES_MAX.store(CONTROL_CYCLES_MAX.load(Relaxed).max(cycles), Relaxed);
+            started = ended;
         }
 
         if controller.state() != *last_state {
             *last_state = controller.state();
             outbox.put(FromBoard::Event(Event { tick: controller.ticks(), state: *last_state }));
         }
-        // Fails when it is spawned already: then it will find this tick's messages too.
-        transmit::spawn().ok();
+        if outbox.waits() {
+            // Fails when it is spawned already: then it will find this tick's messages too.
+            transmit::spawn().ok();
+        }
     }
 
     /// A command is carried out by the controller; what the front end must know of it, it learns here.
@@ -239,7 +246,15 @@ mod app {
         transmit::spawn().ok();
     }
 
-    /// The sensor board's transmitter has sent its frame: there may be more.
+    /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority 2, as `receive`.
+    #[cfg(feature = "sensor-board")]
+    #[task(binds = DMA1_STREAM5, priority = 2)]
+    fn filled(_: filled::Context) {
+        board::acknowledge_received();
+        rtic::pend(RECEIVE);
+    }
+
+    /// The sensor board's transmitter has sent its frame: there may be more. Priority 1, as `transmit`.
     #[cfg(feature = "sensor-board")]
     #[task(binds = DMA1_STREAM6, priority = 1)]
     fn sent(_: sent::Context) {

@@ -99,7 +99,7 @@ mod tests {
             "frame bytes: model {}, sample {}, readings {}",
             bytes(u16::MAX, &ToBoard::Command(Command::Model { element: 255, model })).len(),
             bytes(u16::MAX, &FromBoard::Sample(sample)).len(),
-            bytes(9, &ToBoard::Readings(Readings::new(100_000, &[Reading::Code(-8_000_000); ELEMENTS]))).len()
+            bytes(9, &ToBoard::Readings(Readings::new(&[Reading::Code(-8_000_000); ELEMENTS]))).len()
         );
         let name = Name::try_from("a firmware name of 32 characters").unwrap();
         assert_eq!(name.len(), name.capacity());

@@ -98,29 +98,26 @@ pub enum ResetCause {
 /// One reading an element, in lock-step. Packed, since the emulated USART takes its time for every byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
-    /// Number of the exchange, from 0; the answer carries the same.
-    pub tick: u32,
-    /// Bit i is set if element i's reading is missing.
-    missing: u8,
-    /// Bit i is set if element i's reading is stale.
-    stale: u8,
-    /// Codes, 24 bit, little-endian, two's complement; 0 for elements without one.
+    /// Bit i is set if element i has no fresh reading.
+    absent: u8,
+    /// Codes, 24 bit, little-endian, two's complement. Where there is no fresh reading: 0 if it is missing, 1 if stale.
     codes: [[u8; 3]; ELEMENTS],
 }
 
 impl Readings {
     /// Packs readings. Codes have 24 bit: the ADC has no more.
-    pub fn new(tick: u32, readings: &[Reading; ELEMENTS]) -> Self {
-        let mut packed = Self { tick, missing: 0, stale: 0, codes: [[0; 3]; ELEMENTS] };
+    pub fn new(readings: &[Reading; ELEMENTS]) -> Self {
+        let mut packed = Self { absent: 0, codes: [[0; 3]; ELEMENTS] };
         for (i, (reading, packed_code)) in readings.iter().zip(&mut packed.codes).enumerate() {
-            match *reading {
-                Reading::Code(code) => {
-                    let [low, middle, high, _] = code.to_le_bytes();
-                    *packed_code = [low, middle, high];
+            let code = match *reading {
+                Reading::Code(code) => code,
+                Reading::Missing | Reading::Stale => {
+                    packed.absent |= 1 << i;
+                    i32::from(*reading == Reading::Stale)
                 }
-                Reading::Stale => packed.stale |= 1 << i,
-                Reading::Missing => packed.missing |= 1 << i,
-            }
+            };
+            let [low, middle, high, _] = code.to_le_bytes();
+            *packed_code = [low, middle, high];
         }
         packed
     }
@@ -128,14 +125,13 @@ impl Readings {
     /// Unpacks them.
     pub fn readings(&self) -> [Reading; ELEMENTS] {
         core::array::from_fn(|i| {
-            if self.missing >> i & 1 == 1 {
-                Reading::Missing
-            } else if self.stale >> i & 1 == 1 {
-                Reading::Stale
-            } else {
-                let [low, middle, high] = self.codes.get(i).copied().unwrap_or_default();
-                // The sign is in the highest byte: shifting down from the top carries it along.
-                Reading::Code(i32::from_le_bytes([0, low, middle, high]) >> 8)
+            let [low, middle, high] = self.codes.get(i).copied().unwrap_or_default();
+            // The sign is in the highest byte: shifting down from the top carries it along.
+            let code = i32::from_le_bytes([0, low, middle, high]) >> 8;
+            match (self.absent >> i & 1, code) {
+                (0, code) => Reading::Code(code),
+                (_, 0) => Reading::Missing,
+                _ => Reading::Stale,
             }
         })
     }
@@ -202,8 +198,8 @@ pub struct Event {
 /// The virtual board's answer to `Readings`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeaterFrame {
-    /// The exchange that is answered.
-    pub tick: u32,
+    /// Sequence number of the frame that brought the readings.
+    pub to: u16,
     /// Levels to hold until the next one.
     pub heaters: Heaters,
     /// Digest of all that the controller knows, over all ticks since the start of the run.
@@ -225,6 +221,6 @@ mod tests {
             Reading::Stale,
             Reading::Missing,
         ];
-        assert_eq!(Readings::new(5, &readings).readings(), readings);
+        assert_eq!(Readings::new(&readings).readings(), readings);
     }
 }

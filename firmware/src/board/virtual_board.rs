@@ -14,12 +14,14 @@ use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
 use dr_core::control::{Controller, Digest, Tick};
 use dr_core::sensor::Reading;
+use firmware::inbox::Exchange;
+use firmware::outbox::Sequence;
 use heapless::spsc::Consumer;
 use stm32f4xx_hal::pac::{self, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
-use wire::{BoardKind, ELEMENTS, FromBoard, HeaterFrame, MAX_FRAME, Readings, ResetCause, encode};
+use wire::{BoardKind, ELEMENTS, FromBoard, HeaterFrame, MAX_FRAME, ResetCause, encode};
 
 use defmt_semihosting as _;
 
@@ -35,7 +37,7 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 const BAUD: u32 = 921_600;
 
 /// Sets up the links.
-pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, readings: Consumer<'static, Readings>) -> Parts {
+pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: Consumer<'static, Exchange>) -> Parts {
     let mut rcc = device.RCC.freeze(Config::hsi());
     let gpioa = device.GPIOA.split(&mut rcc);
     let config = SerialConfig::default().baudrate(BAUD.bps());
@@ -51,14 +53,14 @@ pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, readings: C
     let fifos = Fifos::open();
     Parts {
         front_end: FrontEnd {
-            readings,
+            exchanges,
             answering: 0,
             digest: Digest::default(),
-            sequence: 0,
-            link: Link::new(bench_tx, fifos),
+            usart: fifos.is_none().then_some((bench_tx, Sequence::new())),
         },
         host_receiver: HostReceiver(host_rx),
-        host_transmitter: HostTransmitter(Link::new(host_tx, fifos)),
+        host_transmitter: fifos
+            .map_or(HostTransmitter::Usart(host_tx), |fifos| HostTransmitter::Fifo(fifos.from_board)),
         watchdog: Watchdog,
         idler: Idler { fifos, buffer: [0; 256] },
         // The emulated RCC does not keep the flags.
@@ -115,57 +117,36 @@ impl Fifos {
     }
 }
 
-/// The way out to the host: a FIFO if there is one, a USART otherwise.
-enum Link<U: stm32f4xx_hal::serial::Instance> {
-    Usart(Tx<U>),
-    Fifo(usize),
-}
-
-impl<U: stm32f4xx_hal::serial::Instance> Link<U> {
-    fn new(usart: Tx<U>, fifos: Option<Fifos>) -> Self {
-        fifos.map_or(Self::Usart(usart), |fifos| Self::Fifo(fifos.from_board))
-    }
-
-    fn send(&mut self, frame: &[u8]) {
-        match self {
-            Self::Usart(usart) => {
-                // The emulated transmitter is always ready.
-                usart.bwrite_all(frame).ok();
-            }
-            Self::Fifo(handle) => {
-                // SAFETY: SYS_WRITE reads `frame.len()` bytes.
-                unsafe { syscall!(WRITE, *handle, frame.as_ptr(), frame.len()) };
-            }
-        }
-    }
-}
-
 /// Readings from a queue that the link fills, heater levels back over the link.
 pub struct FrontEnd {
-    readings: Consumer<'static, Readings>,
-    answering: u32,
+    exchanges: Consumer<'static, Exchange>,
+    answering: u16,
     digest: Digest,
-    sequence: u16,
-    link: Link<USART1>,
+    /// Its own way out. Without it the answers go out with all other messages.
+    usart: Option<(Tx<USART1>, Sequence)>,
 }
 
 impl FrontEnd {
     /// The readings of the next exchange, if they have come.
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        let readings = self.readings.dequeue()?;
-        self.answering = readings.tick;
+        let (sequence, readings) = self.exchanges.dequeue()?;
+        self.answering = sequence;
         Some(readings.readings())
     }
 
-    /// Answers the exchange with the levels and a digest of all that led to them.
-    pub fn apply(&mut self, controller: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) {
+    /// Answers the exchange with the levels and a digest of all that led to them. Gives the answer back if it has to go
+    /// by the host link.
+    pub fn apply(&mut self, controller: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<FromBoard> {
         controller.fold(tick, &mut self.digest);
-        let answer = HeaterFrame { tick: self.answering, heaters: tick.heaters, digest: self.digest.value() };
+        let answer = HeaterFrame { to: self.answering, heaters: tick.heaters, digest: self.digest.value() };
+        let answer = FromBoard::Heaters(answer);
+        let Some((usart, sequence)) = &mut self.usart else { return Some(answer) };
         let mut buffer = [0; MAX_FRAME];
-        if let Ok(frame) = encode(self.sequence, &FromBoard::Heaters(answer), &mut buffer) {
-            self.link.send(frame);
+        if let Ok(frame) = encode(sequence.next(0), &answer, &mut buffer) {
+            // The emulated transmitter is always ready.
+            usart.bwrite_all(frame).ok();
         }
-        self.sequence = self.sequence.wrapping_add(1);
+        None
     }
 
     /// A new run has a new digest.
@@ -202,7 +183,12 @@ impl HostReceiver {
 }
 
 /// Frames to the host.
-pub struct HostTransmitter(Link<USART2>);
+pub enum HostTransmitter {
+    /// By cable.
+    Usart(Tx<USART2>),
+    /// By the fast link; its handle.
+    Fifo(usize),
+}
 
 impl HostTransmitter {
     /// Sending is done when `send` comes back.
@@ -212,7 +198,16 @@ impl HostTransmitter {
 
     /// Sends a frame.
     pub fn send(&mut self, frame: &[u8]) {
-        self.0.send(frame);
+        match self {
+            Self::Usart(usart) => {
+                // The emulated transmitter is always ready.
+                usart.bwrite_all(frame).ok();
+            }
+            Self::Fifo(handle) => {
+                // SAFETY: SYS_WRITE reads `frame.len()` bytes.
+                unsafe { syscall!(WRITE, *handle, frame.as_ptr(), frame.len()) };
+            }
+        }
     }
 }
 

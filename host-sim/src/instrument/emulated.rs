@@ -1,0 +1,172 @@
+//! The firmware on an emulated Cortex-M4F: `qemu-system-arm -M netduinoplus2`, in lock-step.
+//!
+//! Two ways to it ([`Path`]): `Usart`, which is what a cable would carry, and `Fifo`, the same messages through named
+//! pipes, many times faster. Emulator and this thread are kept on one core: each waits for the other all the time, and
+//! waking up on another core costs more than the work.
+
+mod process;
+mod stream;
+
+use super::link::{Link, PATIENCE, Stream};
+use super::{Account, Body, InstrumentError};
+use dr_core::control::{Command, Heaters, Reply};
+use dr_core::sensor::Reading;
+use process::Process;
+use std::path::Path as FilePath;
+pub use stream::Pipe;
+use wire::{ELEMENTS, FromBoard, HeaterFrame, Identity, Readings, Sample, Status, ToBoard};
+
+/// How to talk to the emulated board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Path {
+    /// A pair of named pipes.
+    #[default]
+    Fifo,
+    /// Two emulated USARTs: host link and front end.
+    Usart,
+}
+
+/// The links of the emulated board.
+struct Links {
+    host: Link<Pipe>,
+    /// Its own only where the front end has a USART of its own.
+    bench: Option<Link<Pipe>>,
+}
+
+impl Links {
+    /// Readings and levels go this way.
+    fn bench(&mut self) -> &mut Link<Pipe> {
+        self.bench.as_mut().unwrap_or(&mut self.host)
+    }
+}
+
+/// The firmware, running in an emulator.
+pub struct Emulated {
+    process: Process,
+    links: Links,
+    identity: Identity,
+    digest: u64,
+    answer: Option<HeaterFrame>,
+    sample: Option<Sample>,
+    status: Option<Status>,
+}
+
+impl Emulated {
+    /// Starts the emulator with a firmware and waits until it answers.
+    ///
+    /// # Errors
+    /// If there is no emulator or no firmware, or if it does not answer.
+    pub fn start(firmware: &FilePath, path: Path) -> Result<Self, InstrumentError> {
+        let mut process = Process::prepare(firmware)?;
+        let mut links = match path {
+            Path::Fifo => Links { host: Link::new(process.start_with_fifos()?), bench: None },
+            Path::Usart => {
+                let (host, bench) = process.start_with_usarts()?;
+                Links { host: Link::new(host), bench: Some(Link::new(bench)) }
+            }
+        };
+        let identity = links.host.hello(PATIENCE).map_err(|error| process.explain(error))?;
+        Ok(Self { process, links, identity, digest: 0, answer: None, sample: None, status: None })
+    }
+
+    /// Puts bytes on the host link that no host would: to see what the board makes of them.
+    ///
+    /// # Errors
+    /// If the board is gone.
+    pub fn inject(&mut self, bytes: &[u8]) -> Result<(), InstrumentError> {
+        Ok(self.links.host.stream_mut().write_all(bytes)?)
+    }
+
+    /// The board's last word on its health.
+    pub fn status(&self) -> Option<Status> {
+        self.status
+    }
+
+    /// Asks for no samples: what is left of an exchange is readings, levels and digest. For runs of millions of ticks of
+    /// which only the digest is wanted, by [`exchange_levels`](Self::exchange_levels).
+    ///
+    /// # Errors
+    /// If the board is gone.
+    pub fn without_samples(&mut self) -> Result<(), InstrumentError> {
+        self.links.host.send(&ToBoard::Telemetry { every: 0 }).map(drop)
+    }
+
+    /// One tick, answered by levels and digest alone.
+    ///
+    /// # Errors
+    /// If the board is gone, or answers something else.
+    pub fn exchange_levels(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
+        self.ask(readings).map_err(|error| self.process.explain(error))
+    }
+
+    fn ask(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
+        let asked = self.links.bench().send(&ToBoard::Readings(Readings::new(readings)))?;
+        let answer = loop {
+            let message = self.links.bench().receive(PATIENCE)?;
+            self.hear(message);
+            if let Some(answer) = self.answer.take() {
+                break answer;
+            }
+        };
+        if answer.to != asked {
+            return Err(InstrumentError::Protocol(format!("exchange {asked} was answered as {}", answer.to)));
+        }
+        self.digest = answer.digest;
+        Ok(answer)
+    }
+
+    /// The sample of the exchange just answered: it comes by the host link.
+    fn sample(&mut self, levels: Heaters) -> Result<Sample, InstrumentError> {
+        loop {
+            if let Some(sample) = self.sample.take() {
+                return if sample.heaters == levels {
+                    Ok(sample)
+                } else {
+                    Err(InstrumentError::Protocol(format!("levels {levels:?} came with the sample {sample:?}")))
+                };
+            }
+            let message = self.links.host.receive(PATIENCE)?;
+            self.hear(message);
+        }
+    }
+
+    fn hear(&mut self, message: FromBoard) {
+        match message {
+            FromBoard::Heaters(answer) => self.answer = Some(answer),
+            FromBoard::Sample(sample) => self.sample = Some(sample),
+            FromBoard::Status(status) => self.status = Some(status),
+            // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
+            FromBoard::Event(_) | FromBoard::Identity(_) | FromBoard::Reply { .. } => {}
+        }
+    }
+}
+
+impl Body for Emulated {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        let mut aside = Vec::new();
+        let reply = self.links.host.command(command, &mut |message| aside.push(message));
+        aside.into_iter().for_each(|message| self.hear(message));
+        reply.map_err(|error| self.process.explain(error))
+    }
+
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError> {
+        let answer = self.exchange_levels(readings)?;
+        self.sample(answer.heaters).map_err(|error| self.process.explain(error))
+    }
+
+    fn digest(&self) -> u64 {
+        self.digest
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<Account, InstrumentError> {
+        // The front end's link: the board looks there whatever it is doing.
+        let sent = self.links.bench().send(&ToBoard::Finish { code: 0 });
+        sent.map_err(|error| self.process.explain(error))?;
+        let log = self.process.wait()?;
+        Ok(Account { link: self.links.host.counters(), status: self.status, log })
+    }
+}

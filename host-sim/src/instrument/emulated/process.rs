@@ -1,0 +1,204 @@
+//! The emulator's process: its folder, its links, its log and its end.
+
+use super::super::InstrumentError;
+use super::stream::Pipe;
+use defmt_decoder::{DecodeError, Table};
+use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
+use nix::sys::stat::Mode;
+use nix::unistd::{Pid, mkfifo};
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind};
+use std::os::unix::net::UnixListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// The emulator; another can be named in the environment.
+const EMULATOR: &str = "qemu-system-arm";
+const EMULATOR_VARIABLE: &str = "ANEMO_QEMU";
+
+/// How long the emulator may take to connect, and to leave.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Lines of log that an error quotes.
+const LAST_WORDS: usize = 3;
+
+/// An emulator that is about to run, or runs.
+pub struct Process {
+    firmware: PathBuf,
+    folder: TempDir,
+    child: Option<Child>,
+}
+
+impl Process {
+    /// Makes a folder for an emulator of this firmware.
+    pub fn prepare(firmware: &Path) -> Result<Self, InstrumentError> {
+        // The emulator runs in its own folder, so that the path must not depend on ours.
+        let firmware = firmware.canonicalize().map_err(|_| InstrumentError::NoFirmware(firmware.to_owned()))?;
+        let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
+        Ok(Self { firmware, folder, child: None })
+    }
+
+    /// Starts it with two named pipes.
+    pub fn start_with_fifos(&mut self) -> Result<Pipe, InstrumentError> {
+        // Opened for both directions, so that opening waits for nobody. The emulated board still sees the end of the
+        // pipe when this process closes it.
+        let open = |name| -> io::Result<File> {
+            let path = self.folder.path().join(name);
+            mkfifo(&path, Mode::S_IRUSR | Mode::S_IWUSR)?;
+            OpenOptions::new().read(true).write(true).open(path)
+        };
+        let fifos = Pipe { to_board: open("to-board.fifo")?, from_board: open("from-board.fifo")? };
+        self.spawn(&[])?;
+        Ok(fifos)
+    }
+
+    /// Starts it with two USARTs: host link and front end.
+    pub fn start_with_usarts(&mut self) -> Result<(Pipe, Pipe), InstrumentError> {
+        let listen = |name| UnixListener::bind(self.folder.path().join(name));
+        let (host, bench) = (listen("host.socket")?, listen("bench.socket")?);
+        self.spawn(&[
+            "-chardev",
+            "socket,id=bench,path=bench.socket",
+            "-serial",
+            "chardev:bench",
+            "-chardev",
+            "socket,id=host,path=host.socket",
+            "-serial",
+            "chardev:host",
+        ])?;
+        let bench = self.accept(&bench)?;
+        Ok((self.accept(&host)?, bench))
+    }
+
+    fn spawn(&mut self, links: &[&str]) -> Result<(), InstrumentError> {
+        stay_on_one_core();
+        let emulator = std::env::var(EMULATOR_VARIABLE).unwrap_or_else(|_| EMULATOR.to_owned());
+        let child = Command::new(&emulator)
+            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-nodefaults"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(links)
+            .arg("-kernel")
+            .arg(&self.firmware)
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null())
+            .stdout(File::create(self.folder.path().join("log.defmt"))?)
+            .stderr(File::create(self.folder.path().join("errors.txt"))?)
+            .spawn()
+            .map_err(|error| match error.kind() {
+                ErrorKind::NotFound => InstrumentError::NoEmulator(emulator),
+                _ => InstrumentError::Link(error),
+            })?;
+        self.child = Some(child);
+        Ok(())
+    }
+
+    fn accept(&mut self, listener: &UnixListener) -> Result<Pipe, InstrumentError> {
+        listener.set_nonblocking(true)?;
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            match listener.accept() {
+                Ok((stream, _)) => {
+                    stream.set_nonblocking(false)?;
+                    return Ok(Pipe::from_socket(stream)?);
+                }
+                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error.into()),
+                Err(_) if Instant::now() > deadline => return Err(self.explain(InstrumentError::Silent(PATIENCE))),
+                Err(_) => {
+                    self.has_stopped()?;
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+            }
+        }
+    }
+
+    /// An error if the emulator has ended.
+    fn has_stopped(&mut self) -> Result<(), InstrumentError> {
+        let Some(child) = &mut self.child else { return Ok(()) };
+        match child.try_wait()? {
+            None => Ok(()),
+            Some(status) => Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() }),
+        }
+    }
+
+    /// What is behind an error on a link: an emulator that has ended, if it has.
+    pub fn explain(&mut self, error: InstrumentError) -> InstrumentError {
+        match error {
+            InstrumentError::Silent(_) | InstrumentError::Link(_) => {
+                // A broken link shows before the process can be waited for.
+                std::thread::sleep(Duration::from_millis(50));
+                self.has_stopped().err().unwrap_or(error)
+            }
+            other => other,
+        }
+    }
+
+    /// Waits for the emulator to leave by itself; gives its log.
+    pub fn wait(&mut self) -> Result<Vec<String>, InstrumentError> {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            match &mut self.child {
+                None => return Ok(self.log()),
+                Some(child) => match child.try_wait()? {
+                    Some(status) if status.success() => return Ok(self.log()),
+                    Some(_) => self.has_stopped()?,
+                    None if Instant::now() > deadline => return Err(InstrumentError::Silent(PATIENCE)),
+                    None => std::thread::sleep(Duration::from_millis(2)),
+                },
+            }
+        }
+    }
+
+    fn last_words(&self) -> String {
+        let mut lines = self.log();
+        let errors = std::fs::read_to_string(self.folder.path().join("errors.txt")).unwrap_or_default();
+        lines.extend(errors.lines().map(str::to_owned));
+        let last = lines.split_off(lines.len().saturating_sub(LAST_WORDS));
+        if last.is_empty() { "none".to_owned() } else { last.join(" | ") }
+    }
+
+    /// What the board has logged. A log that cannot be decoded is no reason for a run to fail: it is then one line.
+    fn log(&self) -> Vec<String> {
+        decode(&self.firmware, &self.folder.path().join("log.defmt"))
+            .unwrap_or_else(|reason| vec![format!("(the board's log cannot be read: {reason})")])
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.child {
+            // It may have ended by itself; either way none is left behind.
+            child.kill().ok();
+            child.wait().ok();
+        }
+    }
+}
+
+fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, String> {
+    let elf = std::fs::read(firmware).map_err(|error| error.to_string())?;
+    let table = Table::parse(&elf).map_err(|error| error.to_string())?.ok_or("the firmware has no defmt section")?;
+    let bytes = std::fs::read(log).map_err(|error| error.to_string())?;
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(&bytes);
+    let mut lines = Vec::new();
+    loop {
+        match decoder.decode() {
+            Ok(frame) => lines.push(frame.display(false).to_string()),
+            Err(DecodeError::UnexpectedEof) => return Ok(lines),
+            Err(DecodeError::Malformed) if !table.encoding().can_recover() => return Err("it is damaged".to_owned()),
+            Err(DecodeError::Malformed) => {}
+        }
+    }
+}
+
+/// Keeps this thread, and the emulator it is about to start, on one core: on the last one that it may use.
+/// Where that is not to be had the run is slower, and the same.
+fn stay_on_one_core() {
+    let Ok(allowed) = sched_getaffinity(Pid::from_raw(0)) else { return };
+    let Some(core) = (0..CpuSet::count()).rfind(|&core| allowed.is_set(core).unwrap_or(false)) else { return };
+    let mut only = CpuSet::new();
+    if only.set(core).is_ok() {
+        sched_setaffinity(Pid::from_raw(0), &only).ok();
+    }
+}

@@ -1,0 +1,39 @@
+//! The stream to an emulated board: two file handles, whether they are pipes or the two directions of a socket.
+
+use super::super::link::Stream;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use std::fs::File;
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::net::UnixStream;
+use std::time::Duration;
+
+/// One link of an emulated board.
+pub struct Pipe {
+    pub(super) from_board: File,
+    pub(super) to_board: File,
+}
+
+impl Pipe {
+    pub(super) fn from_socket(socket: UnixStream) -> io::Result<Self> {
+        let from_board = File::from(OwnedFd::from(socket.try_clone()?));
+        Ok(Self { from_board, to_board: File::from(OwnedFd::from(socket)) })
+    }
+}
+
+impl Stream for Pipe {
+    fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+        let timeout = PollTimeout::try_from(patience).unwrap_or(PollTimeout::MAX);
+        if poll(&mut [PollFd::new(self.from_board.as_fd(), PollFlags::POLLIN)], timeout)? == 0 {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        match self.from_board.read(buffer)? {
+            0 => Err(ErrorKind::UnexpectedEof.into()),
+            read => Ok(read),
+        }
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.to_board.write_all(bytes)
+    }
+}

@@ -1,0 +1,70 @@
+//! The controller in this process: the fastest body, and the one that the others are held against.
+
+use super::{Account, Body, InstrumentError};
+use dr_core::control::{Command, Controller, Digest, Reply};
+use dr_core::sensor::Reading;
+use wire::{BoardKind, ELEMENTS, Identity, Name, ResetCause, Sample};
+
+/// dr-core's controller, called directly.
+pub struct InProcess {
+    identity: Identity,
+    controller: Controller<ELEMENTS>,
+    digest: Digest,
+}
+
+impl Default for InProcess {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl InProcess {
+    /// A controller in standby.
+    pub fn new() -> Self {
+        let firmware = Name::try_from(concat!("anemo ", env!("CARGO_PKG_VERSION"), " in process")).unwrap_or_default();
+        let order = dr_core::model::ORDER as u8;
+        Self {
+            identity: Identity {
+                firmware,
+                board: BoardKind::Virtual,
+                elements: ELEMENTS as u8,
+                order,
+                reset: ResetCause::PowerOn,
+            },
+            controller: Controller::new(),
+            digest: Digest::default(),
+        }
+    }
+
+    /// What an element's model says its temperature is, °C.
+    pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
+        self.controller.model_temperature_c(element)
+    }
+}
+
+impl Body for InProcess {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        if command == Command::Start {
+            self.digest = Digest::default();
+        }
+        self.controller.handle(command).map_err(InstrumentError::Refused)
+    }
+
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError> {
+        let tick = self.controller.tick(readings);
+        self.controller.fold(&tick, &mut self.digest);
+        Ok(Sample::from(&tick))
+    }
+
+    fn digest(&self) -> u64 {
+        self.digest.value()
+    }
+
+    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
+        Ok(Account::default())
+    }
+}

@@ -1,0 +1,137 @@
+//! A conversation with a board: messages out, messages in, and patience.
+
+use super::InstrumentError;
+use dr_core::control::{Command, Reply};
+use std::io::{self, ErrorKind};
+use std::time::{Duration, Instant};
+use wire::{FromBoard, Identity, LinkCounters, MAX_FRAME, Receiver, ToBoard, VERSION};
+
+/// How long a board may take to answer. Half a minute of emulation on a busy machine is still not an error.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+
+/// How long to wait for an answer to a hello before asking again: a board drops what comes while it starts.
+const HELLO_EVERY: Duration = Duration::from_millis(50);
+
+/// A way to a board.
+pub trait Stream {
+    /// Reads what has come, waiting for it at most so long.
+    ///
+    /// # Errors
+    /// [`ErrorKind::TimedOut`] if nothing has come, [`ErrorKind::UnexpectedEof`] if the other end is gone.
+    fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize>;
+
+    /// Writes all of it.
+    ///
+    /// # Errors
+    /// If the other end is gone.
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// A conversation over a stream.
+pub struct Link<S> {
+    stream: S,
+    sequence: u16,
+    receiver: Receiver,
+    buffer: Box<[u8; 4096]>,
+    read: usize,
+    taken: usize,
+}
+
+impl<S: Stream> Link<S> {
+    /// A conversation in which nothing has been said.
+    pub fn new(stream: S) -> Self {
+        Self { stream, sequence: 0, receiver: Receiver::new(), buffer: Box::new([0; 4096]), read: 0, taken: 0 }
+    }
+
+    /// What has come so far.
+    pub fn counters(&self) -> LinkCounters {
+        self.receiver.counters()
+    }
+
+    /// The stream itself, for tests that put something else on it.
+    pub fn stream_mut(&mut self) -> &mut S {
+        &mut self.stream
+    }
+
+    /// Sends a message; gives its sequence number.
+    ///
+    /// # Errors
+    /// If the other end is gone.
+    pub fn send(&mut self, message: &ToBoard) -> Result<u16, InstrumentError> {
+        let mut buffer = [0; MAX_FRAME];
+        let sequence = self.sequence;
+        let frame = wire::encode(sequence, message, &mut buffer)
+            .map_err(|error| InstrumentError::Protocol(format!("a message does not fit a frame: {error}")))?;
+        self.stream.write_all(frame)?;
+        self.sequence = sequence.wrapping_add(1);
+        Ok(sequence)
+    }
+
+    /// The next message, waiting for it at most so long.
+    ///
+    /// # Errors
+    /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Version`] if the board speaks another version.
+    pub fn receive(&mut self, patience: Duration) -> Result<FromBoard, InstrumentError> {
+        let deadline = Instant::now() + patience;
+        loop {
+            while self.taken < self.read {
+                let byte = self.buffer[self.taken];
+                self.taken += 1;
+                if let Some(received) = self.receiver.push::<FromBoard>(byte)
+                    && !received.repeated
+                {
+                    return Ok(received.message);
+                }
+            }
+            if let Some(theirs) = self.receiver.foreign_version() {
+                return Err(InstrumentError::Version { theirs, ours: VERSION });
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            self.taken = 0;
+            self.read = 0;
+            self.read = match self.stream.read_within(&mut self.buffer[..], left) {
+                Err(error) if error.kind() == ErrorKind::TimedOut => return Err(InstrumentError::Silent(patience)),
+                other => other?,
+            };
+        }
+    }
+
+    /// Says hello until the board answers.
+    ///
+    /// # Errors
+    /// As [`receive`](Self::receive).
+    pub fn hello(&mut self, patience: Duration) -> Result<Identity, InstrumentError> {
+        let deadline = Instant::now() + patience;
+        loop {
+            self.send(&ToBoard::Hello)?;
+            let next = Instant::now() + HELLO_EVERY;
+            loop {
+                match self.receive(next.saturating_duration_since(Instant::now())) {
+                    Ok(FromBoard::Identity(identity)) => return Ok(identity),
+                    // A board that is running talks all the time.
+                    Ok(_) if Instant::now() < next => {}
+                    Ok(_) | Err(InstrumentError::Silent(_)) => break,
+                    Err(error) => return Err(error),
+                }
+            }
+            if Instant::now() >= deadline {
+                return Err(InstrumentError::Silent(patience));
+            }
+        }
+    }
+
+    /// Sends a command and waits for its reply; what else comes meanwhile goes to `aside`.
+    ///
+    /// # Errors
+    /// If the command is refused, or the board does not answer.
+    pub fn command(&mut self, command: Command, aside: &mut dyn FnMut(FromBoard)) -> Result<Reply, InstrumentError> {
+        let sequence = self.send(&ToBoard::Command(command))?;
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            match self.receive(deadline.saturating_duration_since(Instant::now()))? {
+                FromBoard::Reply { to, result } if to == sequence => return result.map_err(InstrumentError::Refused),
+                other => aside(other),
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! A controller and the simulated sphere, tick by tick: whatever the speed of either, the run is the same.
+//!
+//! ```text
+//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sphere advances to t_{n+1}
+//! ```
+
+use super::{Account, Instrument, InstrumentError, Observation};
+use crate::sensor::{Sphere, Truth};
+use dr_core::control::{Command, Reply};
+use dr_core::sensor::Reading;
+use wire::{ELEMENTS, Identity, Sample};
+
+/// A controller that is given readings and answers with levels.
+pub trait Body {
+    /// Who it is.
+    fn identity(&self) -> &Identity;
+
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// If it is refused, or the body cannot be reached.
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError>;
+
+    /// One tick.
+    ///
+    /// # Errors
+    /// If the body cannot be reached.
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError>;
+
+    /// Digest of all that the controller knows, over all ticks since the start of the run.
+    fn digest(&self) -> u64;
+
+    /// Ends the conversation.
+    ///
+    /// # Errors
+    /// If the body does not end well.
+    fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
+}
+
+/// A body with a simulated sphere around it.
+pub struct LockStep<B> {
+    body: Box<B>,
+    sphere: Sphere,
+}
+
+impl<B: Body> LockStep<B> {
+    /// Puts the two together.
+    pub fn new(body: B, sphere: Sphere) -> Self {
+        Self { body: Box::new(body), sphere }
+    }
+
+    /// What is really so at the end of the last tick.
+    pub fn truth(&self) -> Truth {
+        self.sphere.truth()
+    }
+}
+
+impl<B: Body> Instrument for LockStep<B> {
+    fn identity(&self) -> &Identity {
+        self.body.identity()
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        self.body.command(command)
+    }
+
+    fn observe(&mut self) -> Result<Observation, InstrumentError> {
+        let sample = self.body.exchange(&self.sphere.codes().map(Reading::Code))?;
+        self.sphere.advance(sample.heaters.0);
+        Ok(Observation {
+            sample,
+            wind_m_s: Some(self.sphere.wind_m_s()),
+            extrapolated: self.sphere.wind_extrapolated(),
+        })
+    }
+
+    fn digest(&self) -> Option<u64> {
+        Some(self.body.digest())
+    }
+
+    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
+        self.body.finish()
+    }
+}

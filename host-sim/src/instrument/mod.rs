@@ -1,0 +1,131 @@
+//! Instruments: what runs an experiment. All three understand the same commands and give the same samples.
+//!
+//! | instrument | controller | sensor |
+//! |---|---|---|
+//! | [`in_process`] | dr-core in this process | simulated |
+//! | [`emulated`] | the firmware on an emulated Cortex-M4F | simulated |
+//! | [`serial`] | the firmware on the sensor board | real |
+//!
+//! The first two are a [`Body`] in lock-step with the simulated [`Sphere`](crate::sensor::Sphere), see [`lock_step`].
+
+pub mod emulated;
+pub mod in_process;
+pub mod link;
+pub mod lock_step;
+pub mod serial;
+pub mod setup;
+
+pub use lock_step::{Body, LockStep};
+pub use setup::{ElementSetup, Setup};
+
+use dr_core::control::{Command, Refusal, Reply};
+use std::io;
+use std::path::PathBuf;
+use std::time::Duration;
+use wire::{Identity, LinkCounters, Sample, Status};
+
+/// What one tick of an instrument brought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// What the board says.
+    pub sample: Sample,
+    /// Wind over the tick that follows the sample, m/s, where it is known.
+    pub wind_m_s: Option<[f64; 3]>,
+    /// The wind is beyond what the simulation has been computed for.
+    pub extrapolated: bool,
+}
+
+/// What got lost, and how the board was.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Account {
+    /// What came from the board.
+    pub link: LinkCounters,
+    /// The board's last word on its own health.
+    pub status: Option<Status>,
+    /// What the board logged, line by line.
+    pub log: Vec<String>,
+}
+
+/// Anything that an experiment can be run on.
+pub trait Instrument {
+    /// Who it is.
+    fn identity(&self) -> &Identity;
+
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// [`InstrumentError::Refused`] if the instrument says no, others if it cannot be reached.
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError>;
+
+    /// Waits for the next tick.
+    ///
+    /// # Errors
+    /// If the instrument cannot be reached.
+    fn observe(&mut self) -> Result<Observation, InstrumentError>;
+
+    /// Digest of all states, temperatures and bits since the start of the run, where the whole state can be seen.
+    fn digest(&self) -> Option<u64>;
+
+    /// Ends the conversation and draws up the account.
+    ///
+    /// # Errors
+    /// If the instrument does not end well.
+    fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
+}
+
+/// Why an instrument cannot go on. Each says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum InstrumentError {
+    /// The instrument said no.
+    #[error("the instrument refuses: {0}")]
+    Refused(Refusal),
+    /// The emulator is not installed.
+    #[error("`{0}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may")]
+    NoEmulator(String),
+    /// There is no firmware to emulate.
+    #[error("there is no firmware at {0}; build it with `cargo xtask demo`, or name another with --firmware")]
+    NoFirmware(PathBuf),
+    /// The emulator ended by itself.
+    #[error("the emulated board stopped with {status}; its last words: {words}")]
+    EmulatorStopped {
+        /// How it ended.
+        status: String,
+        /// What it logged last.
+        words: String,
+    },
+    /// The port cannot be opened.
+    #[error("the port {device} cannot be opened: {reason}; {ports}")]
+    Port {
+        /// Which.
+        device: String,
+        /// Why.
+        reason: String,
+        /// Those that there are.
+        ports: String,
+    },
+    /// Nobody answers.
+    #[error("the board has not answered for {:.1} s; is its firmware running, and is this its port?", .0.as_secs_f64())]
+    Silent(Duration),
+    /// Other versions do not understand each other.
+    #[error("the firmware speaks version {theirs} of the wire protocol, this program version {ours}; flash the firmware of this release (`cargo xtask flash`) or use the matching program")]
+    Version {
+        /// The board's.
+        theirs: u8,
+        /// Ours.
+        ours: u8,
+    },
+    /// It answers, but not what was asked.
+    #[error("the board broke the protocol: {0}")]
+    Protocol(String),
+    /// The head has more elements than the board.
+    #[error("the head has {head} elements, the board can drive {board}")]
+    TooManyElements {
+        /// Of the head.
+        head: usize,
+        /// Of the board.
+        board: usize,
+    },
+    /// The link broke.
+    #[error("the link to the board broke: {0}")]
+    Link(#[from] io::Error),
+}
