@@ -86,6 +86,11 @@ pub enum Problem {
     NotAscending,
     /// The all-ones word is the state from which a register with XNOR feedback never moves.
     LockUp,
+    /// The hardware counts in steps of `of`.
+    NotAMultiple {
+        /// The step.
+        of: f32,
+    },
 }
 
 /// A refused configuration.
@@ -107,6 +112,7 @@ impl fmt::Display for ConfigError {
             Problem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
             Problem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
             Problem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
+            Problem::NotAMultiple { of } => write!(f, "`{name}` must be a whole multiple of {of}"),
         }
     }
 }

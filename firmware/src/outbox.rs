@@ -47,6 +47,11 @@ impl<'a> Outbox<'a> {
             self.unsent.0.store(self.unsent.count().wrapping_add(1), Relaxed);
         }
     }
+
+    /// Whether anything waits to be sent.
+    pub fn waits(&self) -> bool {
+        !self.queue.is_empty()
+    }
 }
 
 /// Sequence numbers of one link.

@@ -197,6 +197,20 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::RDATAC, delay)
     }
 
+    /// Changes the data rate of a chip that converts already; the offsets stay, they do not depend on it. Takes 0.1 ms.
+    ///
+    /// # Errors
+    /// A register that does not hold what was written, or a bus that failed. The chip is then not converting, or not at
+    /// this rate; another call may find it better.
+    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.command(command::SDATAC, delay)?;
+        self.command(command::STOP, delay)?;
+        self.write_register(Register::Config1, config1(rate), delay)?;
+        self.verify_register(Register::Config1, config1(rate), delay)?;
+        self.command(command::START, delay)?;
+        self.command(command::RDATAC, delay)
+    }
+
     /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select may rise.
     ///
     /// # Errors

@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn the_longest_tick_does_not_overflow() {
-        // The largest sum a plan allows: u32::MAX/1000 conversions of nearly full scale.
+        // Far beyond the 40 000 conversions of a plan, all of nearly full scale.
         let count = u32::MAX / 1000;
         assert_eq!(rounded_mean(i64::from(CODE_MIN + 1) * i64::from(count), count), CODE_MIN + 1);
     }

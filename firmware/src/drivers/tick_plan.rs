@@ -14,13 +14,20 @@
 //! 1 kSPS throws away 3 % of the tick at most and asks the processor for a quarter of the transfers. The period is an
 //! integer number of microseconds, so that no rounding decides whether it fits.
 
-use core::fmt;
+use dr_core::{ConfigError, Parameter, Problem};
 
 /// Conversions that the filter needs to forget the level before: the order of its sinc.
 pub const SETTLING_CONVERSIONS: u32 = 3;
 
 /// Shortest tick that is read at the slow rate, µs.
 const SLOW_TICK_US: u32 = 100_000;
+
+/// Every tick is a multiple of one conversion at the fast rate, µs.
+const UNIT_US: u32 = DataRate::Sps4000.conversion_us();
+/// Shortest tick, µs: one settled conversion.
+const SHORTEST_TICK_US: u32 = (SETTLING_CONVERSIONS + 1) * UNIT_US;
+/// Longest tick, µs: the controller takes none above 10 s.
+const LONGEST_TICK_US: u32 = 10_000_000;
 
 /// Relative distance of neighbouring f32, 2⁻²³: what is nearer than this to a whole number of microseconds was meant so.
 const F32_RESOLUTION: f64 = 1.0 / 8_388_608.0;
@@ -57,32 +64,37 @@ impl TickPlan {
     /// Plans ticks of `sample_period_us` µs.
     ///
     /// # Errors
-    /// A period that is shorter than four conversions at 4 kSPS, or no multiple of one conversion.
-    pub const fn new(sample_period_us: u32) -> Result<Self, PeriodRefused> {
+    /// A period under four conversions at 4 kSPS or above 10 s, or no multiple of one conversion.
+    pub const fn new(sample_period_us: u32) -> Result<Self, ConfigError> {
+        if sample_period_us < SHORTEST_TICK_US || sample_period_us > LONGEST_TICK_US {
+            return Err(refused(OUT_OF_RANGE));
+        }
+        if !sample_period_us.is_multiple_of(UNIT_US) {
+            return Err(refused(NOT_A_MULTIPLE));
+        }
         let slow =
             sample_period_us >= SLOW_TICK_US && sample_period_us.is_multiple_of(DataRate::Sps1000.conversion_us());
         let rate = if slow { DataRate::Sps1000 } else { DataRate::Sps4000 };
-        let conversions = sample_period_us / rate.conversion_us();
-        if conversions <= SETTLING_CONVERSIONS || !sample_period_us.is_multiple_of(rate.conversion_us()) {
-            return Err(PeriodRefused::DoesNotFit { sample_period_us });
-        }
-        Ok(Self { rate, conversions })
+        Ok(Self { rate, conversions: sample_period_us / rate.conversion_us() })
     }
 
     /// Plans ticks of `sample_period_s` s, as commands carry it.
     ///
     /// # Errors
-    /// As [`new`](Self::new), or a period that is no whole number of microseconds within what an f32 can tell.
-    pub fn from_seconds(sample_period_s: f32) -> Result<Self, PeriodRefused> {
-        let exact_us = f64::from(sample_period_s) * 1e6;
-        // The cast saturates, and makes 0 of a NaN: what does not fit comes out far from where it was.
-        let sample_period_us = (exact_us + 0.5) as u32;
-        let difference_us = (exact_us - f64::from(sample_period_us)).abs();
-        if exact_us.is_finite() && difference_us <= exact_us * F32_RESOLUTION {
-            Self::new(sample_period_us)
-        } else {
-            Err(PeriodRefused::NoMicroseconds)
+    /// As [`new`](Self::new); what is no whole number of microseconds within what an f32 can tell is no multiple either.
+    pub fn from_seconds(sample_period_s: f32) -> Result<Self, ConfigError> {
+        if !sample_period_s.is_finite() {
+            return Err(refused(Problem::NotFinite));
         }
+        let exact_us = f64::from(sample_period_s) * 1e6;
+        // The cast saturates: what is out of range stays so.
+        let sample_period_us = (exact_us + 0.5) as u32;
+        let plan = Self::new(sample_period_us)?;
+        let difference_us = (exact_us - f64::from(sample_period_us)).abs();
+        if difference_us > exact_us * F32_RESOLUTION {
+            return Err(refused(NOT_A_MULTIPLE));
+        }
+        Ok(plan)
     }
 
     /// The data rate to give the ADC.
@@ -104,34 +116,13 @@ impl TickPlan {
     }
 }
 
-/// A sample period that the ADC cannot keep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum PeriodRefused {
-    /// It is too short, or no multiple of a conversion.
-    DoesNotFit {
-        /// The period that was asked for, µs.
-        sample_period_us: u32,
-    },
-    /// It is no number of microseconds at all: a fraction, negative, beyond 71 minutes, or NaN.
-    NoMicroseconds,
-}
+const OUT_OF_RANGE: Problem =
+    Problem::OutOfRange { least: SHORTEST_TICK_US as f32 * 1e-6, most: LONGEST_TICK_US as f32 * 1e-6 };
+const NOT_A_MULTIPLE: Problem = Problem::NotAMultiple { of: UNIT_US as f32 * 1e-6 };
 
-impl fmt::Display for PeriodRefused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DoesNotFit { sample_period_us } => {
-                write!(f, "sample period of {sample_period_us} µs does not fit the ADC")?
-            }
-            Self::NoMicroseconds => f.write_str("sample period is no whole number of microseconds")?,
-        }
-        let unit_us = DataRate::Sps4000.conversion_us();
-        let shortest_us = (SETTLING_CONVERSIONS + 1) * unit_us;
-        write!(f, ": choose a multiple of {unit_us} µs (one conversion at 4 kSPS), at least {shortest_us} µs")
-    }
+const fn refused(problem: Problem) -> ConfigError {
+    ConfigError { parameter: Parameter::SamplePeriodS, problem }
 }
-
-impl core::error::Error for PeriodRefused {}
 
 #[cfg(test)]
 mod tests {
@@ -158,31 +149,30 @@ mod tests {
     }
 
     #[test]
-    fn refuses_a_tick_in_which_nothing_settles() {
-        for sample_period_us in [0, 250, 750] {
-            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused::DoesNotFit { sample_period_us }));
+    fn refuses_a_tick_in_which_nothing_settles_or_that_the_controller_would_not_take() {
+        for sample_period_us in [0, 250, 750, 999, 10_000_250, u32::MAX] {
+            assert_eq!(TickPlan::new(sample_period_us), Err(refused(OUT_OF_RANGE)), "{sample_period_us}");
         }
     }
 
     #[test]
     fn refuses_a_period_that_is_no_whole_number_of_conversions() {
-        for sample_period_us in [1_001, 1_100, 9_999, 100_100, u32::MAX] {
-            assert_eq!(TickPlan::new(sample_period_us), Err(PeriodRefused::DoesNotFit { sample_period_us }));
+        for sample_period_us in [1_001, 1_100, 9_999, 100_100] {
+            assert_eq!(TickPlan::new(sample_period_us), Err(refused(NOT_A_MULTIPLE)), "{sample_period_us}");
         }
     }
 
     #[test]
     fn the_refusal_says_what_would_be_right() {
-        assert_eq!(
-            TickPlan::new(1_100).unwrap_err().to_string(),
-            "sample period of 1100 µs does not fit the ADC: choose a multiple of 250 µs (one conversion at 4 kSPS), at least 1000 µs"
-        );
+        let says = |sample_period_us| TickPlan::new(sample_period_us).unwrap_err().to_string();
+        assert_eq!(says(1_100), "`sample_period_s` must be a whole multiple of 0.00025");
+        assert_eq!(says(750), "`sample_period_s` must lie between 0.001 and 10");
     }
 
     #[test]
     fn takes_the_seconds_that_commands_carry() {
         for (sample_period_s, sample_period_us) in
-            [(0.001, 1_000), (0.01, 10_000), (0.0125, 12_500), (0.1, 100_000), (60.0, 60_000_000)]
+            [(0.001, 1_000), (0.01, 10_000), (0.0125, 12_500), (0.1, 100_000), (10.0, 10_000_000)]
         {
             assert_eq!(TickPlan::from_seconds(sample_period_s), TickPlan::new(sample_period_us));
             assert!(TickPlan::new(sample_period_us).is_ok());
@@ -190,19 +180,17 @@ mod tests {
     }
 
     #[test]
-    fn refuses_seconds_that_are_no_microseconds() {
-        for sample_period_s in [0.001_000_4, -0.01, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6] {
-            assert_eq!(
-                TickPlan::from_seconds(sample_period_s),
-                Err(PeriodRefused::NoMicroseconds),
-                "{sample_period_s}"
-            );
+    fn refuses_seconds_that_are_no_plan() {
+        for (sample_period_s, problem) in [
+            (0.001_000_4, NOT_A_MULTIPLE),
+            (0.0, OUT_OF_RANGE),
+            (-0.01, OUT_OF_RANGE),
+            (1e6, OUT_OF_RANGE),
+            (f32::NAN, Problem::NotFinite),
+            (f32::INFINITY, Problem::NotFinite),
+        ] {
+            assert_eq!(TickPlan::from_seconds(sample_period_s), Err(refused(problem)), "{sample_period_s}");
         }
-        assert_eq!(TickPlan::from_seconds(0.0), Err(PeriodRefused::DoesNotFit { sample_period_us: 0 }));
-        assert_eq!(
-            PeriodRefused::NoMicroseconds.to_string(),
-            "sample period is no whole number of microseconds: choose a multiple of 250 µs (one conversion at 4 kSPS), at least 1000 µs"
-        );
     }
 
     #[test]

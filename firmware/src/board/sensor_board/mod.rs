@@ -1,1 +1,113 @@
+//! The sensor board: STM32F405, six heated elements, an ADS131E06, the host on USART2. Its circuit is in `docs/hardware.md`.
+//!
+//! | file | what |
+//! |---|---|
+//! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
+//! | `front_end.rs` | ADC and heater pins: readings in, levels out |
+//! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
+//! | `watchdog.rs` | reset unless everybody is well |
+//!
+//! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog) is argued beside the
+//! code from the reference manual RM0090.
 
+mod clocks;
+mod front_end;
+mod host_link;
+mod watchdog;
+
+pub use clocks::{CLOCK_HZ, cycles};
+pub use front_end::FrontEnd;
+pub use host_link::{HostReceiver, HostTransmitter, acknowledge_received, acknowledge_sent};
+pub use watchdog::Watchdog;
+
+use super::Parts;
+use cortex_m::peripheral::SCB;
+use defmt_rtt as _;
+use firmware::drivers::heater_pins::HeaterPins;
+use firmware::drivers::reset_flags;
+use front_end::{AdcPins, HEATER_MASK};
+use heapless::spsc::Consumer;
+use stm32f4xx_hal::gpio::PinState;
+use stm32f4xx_hal::pac::{self, GPIOC};
+use stm32f4xx_hal::prelude::*;
+use wire::BoardKind;
+
+/// For the log.
+pub const NAME: &str = "sensor";
+/// For the host.
+pub const KIND: BoardKind = BoardKind::Sensor;
+/// This board reads for itself.
+pub const IS_VIRTUAL: bool = false;
+
+/// Heaters low, clocks, link, ADC; 0.5 s, most of it the ADC's reference and offsets.
+///
+/// Called with interrupts disabled. An ADC that does not answer is no reason to stop: the board then reports every reading
+/// as missing, and the guard keeps the heaters low.
+pub fn init(
+    device: pac::Peripherals,
+    core: &mut cortex_m::Peripherals,
+    _: Consumer<'static, firmware::inbox::Exchange>,
+) -> Parts {
+    let mut rcc = device.RCC.constrain();
+    let gpioc = device.GPIOC.split(&mut rcc);
+    let heaters = HeaterPins::new([
+        gpioc.pc0.into_push_pull_output().erase_number(),
+        gpioc.pc1.into_push_pull_output().erase_number(),
+        gpioc.pc2.into_push_pull_output().erase_number(),
+        gpioc.pc3.into_push_pull_output().erase_number(),
+        gpioc.pc4.into_push_pull_output().erase_number(),
+        gpioc.pc5.into_push_pull_output().erase_number(),
+    ])
+    .expect("writing a pin of this processor cannot fail");
+
+    let reset = reset_flags::cause(rcc.csr().read().bits());
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    let mut rcc = clocks::start(rcc, core);
+
+    let gpioa = device.GPIOA.split(&mut rcc);
+    let gpiob = device.GPIOB.split(&mut rcc);
+    let mut watchdog = Watchdog::new(device.IWDG, &device.DBGMCU, gpiob.pb1.into_push_pull_output());
+    let (host_transmitter, host_receiver) =
+        host_link::start(device.USART2, device.DMA1, gpioa.pa2, gpioa.pa3, &mut rcc);
+    let pins = AdcPins {
+        select: gpioa.pa4.into_push_pull_output_in_state(PinState::High),
+        clock: gpioa.pa5,
+        data_in: gpioa.pa6,
+        data_out: gpioa.pa7,
+        // The pull-up that the pin had as JTAG reset stays, in case the ADC is not there to drive it.
+        data_ready: gpiob.pb4.into_pull_up_input(),
+        reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
+    };
+    let front_end = FrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, &mut rcc);
+    watchdog.expect_check_ins();
+    Parts { front_end, host_receiver, host_transmitter, watchdog, idler: Idler, reset }
+}
+
+/// Puts all heaters at the low level at once, whatever state the rest is in.
+pub fn heaters_low() {
+    // SAFETY: BSRR is written only, and one store changes these six pins and nothing else: no other context can be
+    // disturbed half-way. Before the port has its clock the store does nothing, and the pins float, pulled down.
+    unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(HEATER_MASK << 16)) };
+}
+
+/// A new start. The log has said why; the next start tells the host that software asked for it.
+pub fn restart(_: u8) -> ! {
+    heaters_low();
+    SCB::sys_reset()
+}
+
+/// Only a virtual board can be asked to leave; a start anew is the nearest thing.
+pub fn finish(code: u8) -> ! {
+    restart(code)
+}
+
+/// Sleeps.
+pub struct Idler;
+
+impl Idler {
+    /// Sleeps until an interrupt. There are no bytes that come without one.
+    pub fn wait(&mut self) -> &[u8] {
+        cortex_m::asm::wfi();
+        &[]
+    }
+}

@@ -40,6 +40,20 @@ pub enum Error<E> {
     },
 }
 
+impl<E> Error<E> {
+    /// The same without the words of the bus, for a log that does not know its errors.
+    pub fn without_bus(self) -> Error<()> {
+        match self {
+            Self::Spi(_) => Error::Spi(()),
+            Self::ResetPin => Error::ResetPin,
+            Self::WrongChip { identity } => Error::WrongChip { identity },
+            Self::NotKept { register, written, read } => Error::NotKept { register, written, read },
+            Self::Offset { channel, code } => Error::Offset { channel, code },
+            Self::DamagedFrame { status } => Error::DamagedFrame { status },
+        }
+    }
+}
+
 impl<E: fmt::Debug> fmt::Display for Error<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -225,6 +225,33 @@ fn refuses_an_offset_that_no_healthy_channel_has() {
 }
 
 #[test]
+fn changes_its_rate_byte_by_byte_and_keeps_the_offsets() {
+    let change = [
+        command(0x11),
+        command(0x0A),
+        write(0x01, 0x96),
+        read(0x01, 0x96),
+        command(0x08),
+        command(0x10),
+        frame([0xC0, 0, 0], [10; CHANNELS]),
+    ];
+    let mut adc = running(&change.concat(), [3; CHANNELS]);
+    adc.set_rate(DataRate::Sps1000, &mut NoopDelay::new()).unwrap();
+    assert_eq!(adc.read_frame().unwrap().codes, [7; CHANNELS]);
+    done(adc);
+}
+
+#[test]
+fn a_rate_that_is_not_kept_is_refused_and_nothing_converts() {
+    let change = [command(0x11), command(0x0A), write(0x01, 0x94), read(0x01, 0x96)];
+    let mut adc = running(&change.concat(), [0; CHANNELS]);
+    let error = adc.set_rate(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
+    assert_eq!(error, Error::NotKept { register: Register::Config1, written: 0x94, read: 0x96 });
+    assert_eq!(error.without_bus().to_string(), error.to_string());
+    done(adc);
+}
+
+#[test]
 fn reads_codes_of_both_signs_and_the_ends_of_the_range() {
     // Data sheet, ideal output codes: 7FFFFFh at +FS, 000001h, 000000h, FFFFFFh, 800000h at −FS.
     let codes = [CODE_MAX, 1, 0, -1, CODE_MIN, -1_234_567];

@@ -1,0 +1,185 @@
+//! Readings in, levels out: the ADS131E06 on SPI1 with its data-ready on EXTI line 4, and the six heater pins.
+//!
+//! **Who calls.** The control task is bound to EXTI4. The line raises it for each conversion (4 000 or 1 000 times a
+//! second); software raises it for commands, and 20 times a second for the health task. Only the line's pending bit says
+//! that there is a conversion to be read. The bit is cleared before the frame is read, so that an edge that comes
+//! meanwhile raises the task again; the bit holds the interrupt until it is cleared, so it is cleared even while the ADC
+//! is out of use.
+//!
+//! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue, count as conversions
+//! without codes: the tick keeps its length. If the ADC falls silent, ticks go on in the same way with readings that are
+//! missing, and the guard trips after its limit. Without edges the task runs 20 times a second, so such a tick comes up
+//! to 50 ms after its time, several at once if they are short: with the guard's default limit the heaters are low at
+//! most three ticks and 50 ms after the last edge.
+//!
+//! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21 bytes: in every
+//! conversion period of 250 µs, and 200 µs is what the decision may take (`docs/hardware.md`, "One tick").
+
+use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
+use dr_core::ConfigError;
+use dr_core::control::{Controller, Tick};
+use dr_core::sensor::Reading;
+use embedded_hal::spi::MODE_1;
+use embedded_hal_bus::spi::ExclusiveDevice;
+use firmware::drivers::ads131e06::Ads131e06;
+use firmware::drivers::data_ready::{DataReady, Due};
+use firmware::drivers::heater_pins::HeaterPins;
+use firmware::drivers::settled_mean::SettledMean;
+use firmware::drivers::tick_plan::{DataRate, TickPlan};
+use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PA5, PA6, PA7, PB0, PB4, PartiallyErasedPin, Speed};
+use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::spi::Spi;
+use wire::ELEMENTS;
+
+/// The heater pins in their port: PC0 … PC5.
+pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
+/// Until the host sets one.
+const FIRST_PERIOD_US: u32 = 10_000;
+
+/// Six pins of port C.
+pub type Heaters = HeaterPins<PartiallyErasedPin<'C', Output>, ELEMENTS>;
+type Adc = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
+
+/// Where the ADC is connected.
+pub struct AdcPins {
+    /// Chip select, high.
+    pub select: PA4<Output>,
+    /// SCK.
+    pub clock: PA5,
+    /// MISO.
+    pub data_in: PA6,
+    /// MOSI.
+    pub data_out: PA7,
+    /// Falls when a conversion is ready.
+    pub data_ready: PB4<Input>,
+    /// Low resets; high.
+    pub reset: PB0<Output>,
+}
+
+/// Readings of a tick, and levels for the next.
+pub struct FrontEnd {
+    adc: Adc,
+    line: PB4<Input>,
+    heaters: Heaters,
+    /// The ADC has been brought up: its reference is on and its offsets are known.
+    usable: bool,
+    /// The rate it converts at; `None` while it must not be believed.
+    rate: Option<DataRate>,
+    data_ready: DataReady,
+    mean: SettledMean<ELEMENTS>,
+    /// A conversion was overwritten before it was read.
+    overran: bool,
+}
+
+impl FrontEnd {
+    /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
+    pub fn start(spi: SPI1, pins: AdcPins, mut exti: EXTI, syscfg: SYSCFG, heaters: Heaters, rcc: &mut Rcc) -> Self {
+        let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
+        let clock = pins.clock.into_alternate().speed(Speed::Medium);
+        let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
+        let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
+        let device =
+            ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
+        let mut adc = Ads131e06::new(device, pins.reset);
+        let usable = match adc.initialise(plan.rate(), &mut CycleDelay) {
+            Ok(()) => true,
+            Err(error) => {
+                defmt::error!("all readings are missing, the ADC did not start: {}", error.without_bus());
+                false
+            }
+        };
+
+        let mut line = pins.data_ready;
+        line.make_interrupt_source(&mut syscfg.constrain(rcc));
+        line.trigger_on_edge(&mut exti, Edge::Falling);
+        // Edges of the ADC's start.
+        line.clear_interrupt_pending_bit();
+        line.enable_interrupt(&mut exti);
+        Self {
+            adc,
+            line,
+            heaters,
+            usable,
+            rate: usable.then_some(plan.rate()),
+            data_ready: expectation(plan),
+            mean: SettledMean::new(plan),
+            overran: false,
+        }
+    }
+
+    /// The readings of the next tick that is complete. Ask until there is none: a silence can bring several at once.
+    pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
+        loop {
+            // The time before the line: an edge that is not seen was not there at that time.
+            let now = cycles();
+            let edge = self.has_edge();
+            let codes = match self.data_ready.next(now, edge) {
+                Due::Wait => return None,
+                Due::Lost => {
+                    self.overran |= edge;
+                    None
+                }
+                Due::Read => {
+                    self.line.clear_interrupt_pending_bit();
+                    self.adc.read_frame().ok().map(|frame| frame.codes)
+                }
+            };
+            let readings = self.mean.conversion(codes.as_ref());
+            if readings.is_some() {
+                return readings;
+            }
+        }
+    }
+
+    /// Whether a conversion waits. Edges of an ADC that must not be believed are taken away.
+    fn has_edge(&mut self) -> bool {
+        let edge = self.line.check_interrupt();
+        if edge && self.rate.is_none() {
+            self.line.clear_interrupt_pending_bit();
+        }
+        edge && self.rate.is_some()
+    }
+
+    /// Puts the levels on the pins.
+    pub fn apply(&mut self, _: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<wire::FromBoard> {
+        // Writing these pins cannot fail, and for a level beyond the last element all are low already.
+        self.heaters.apply(tick.heaters).ok();
+        None
+    }
+
+    /// A new run begins with a whole tick.
+    pub fn restart(&mut self) {
+        self.mean.restart();
+        self.overran = false;
+    }
+
+    /// Plans ticks of another length; an ADC that has to change its rate does so in 0.1 ms.
+    ///
+    /// # Errors
+    /// A period that is no whole number of conversions, or under four of them. An ADC that does not take its new rate is
+    /// no error here: its readings are missing from now on, which the guard sees.
+    pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
+        let plan = TickPlan::from_seconds(sample_period_s)?;
+        if self.usable && self.rate != Some(plan.rate()) {
+            self.rate = self.adc.set_rate(plan.rate(), &mut CycleDelay).ok().map(|()| plan.rate());
+            // An edge of the old rate.
+            self.line.clear_interrupt_pending_bit();
+        }
+        self.data_ready = expectation(plan);
+        self.mean = SettledMean::new(plan);
+        self.overran = false;
+        Ok(())
+    }
+
+    /// Whether a conversion came before the tick was through, or was lost since the last time of asking.
+    pub fn overran(&mut self) -> bool {
+        core::mem::take(&mut self.overran) || self.line.check_interrupt()
+    }
+}
+
+/// Conversions of this plan from an ADC that starts now.
+fn expectation(plan: TickPlan) -> DataReady {
+    DataReady::new(plan.rate().conversion_us() * CYCLES_PER_US, cycles())
+}

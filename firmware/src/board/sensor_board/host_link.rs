@@ -1,0 +1,179 @@
+//! The host on USART2, 921 600 baud, both ways by DMA.
+//!
+//! ```text
+//! frame ─► TELEMETRY_FRAME ─► DMA1 stream 6 ─► PA2          PA3 ─► DMA1 stream 5 ─► TELEMETRY_RECEIVED ─► receive
+//! ```
+//!
+//! Streams, channel and direction are checked by the compiler against the HAL's table of the request map (`DMASet`).
+//!
+//! **Baud rate.** 42 MHz / 46 = 913 043, 0.93 % slow. A receiver that samples the middle of a bit bears ±5 % over ten
+//! bits, ours is specified to bear 3.75 % (RM0090, "USART receiver's tolerance to clock deviation").
+//!
+//! **Sending.** One frame at a time. The stream clears its own enable bit when its count is through (RM0090, "DMA stream
+//! x configuration register", EN), so that bit says whether the transmitter is free, and the interrupt says when to look.
+//!
+//! **Receiving.** The stream runs in a circle and is never stopped, so there is no moment in which a byte finds nobody.
+//! Three things call `receive`: the line falls idle after a frame (USART2), half or all of the buffer is written (DMA1
+//! stream 5), and the health task, 20 times a second. An overrun, a framing or a noise error stops nothing here, but
+//! their flags hold the interrupt until they are cleared by reading SR and then DR (RM0090, USART_SR). That reading of DR
+//! can take away a byte that has just come before the stream fetches it, a window of some tens of ns in 10.9 µs, only
+//! if the host goes on sending just as its line was found idle: that frame's checksum then fails, and the host repeats.
+
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed, Ordering::SeqCst, fence};
+use firmware::drivers::circle::Circle;
+use stm32f4xx_hal::dma::config::Priority;
+use stm32f4xx_hal::dma::traits::{DMASet, PeriAddress};
+use stm32f4xx_hal::dma::{
+    DmaChannel, DmaDirection, DmaEvent, MemoryToPeripheral, PeripheralToMemory, Stream5, Stream6, StreamsTuple,
+};
+use stm32f4xx_hal::gpio::{PA2, PA3};
+use stm32f4xx_hal::pac::{DMA1, USART2};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::serial::config::DmaConfig;
+use stm32f4xx_hal::serial::{Config, Rx, Serial, Tx};
+use stm32f4xx_hal::{ClearFlags, Listen};
+use wire::MAX_FRAME;
+
+const BAUD: u32 = 921_600;
+/// Bytes from the host that may wait: 5.5 ms of them.
+const RECEIVED: usize = 512;
+
+// Atomics, because somebody else reads and writes them: the DMA. They cost what plain bytes do.
+static TELEMETRY_FRAME: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
+static TELEMETRY_RECEIVED: [AtomicU8; RECEIVED] = [const { AtomicU8::new(0) }; RECEIVED];
+
+/// Sets up both directions; receiving begins.
+pub fn start(usart: USART2, dma: DMA1, tx: PA2, rx: PA3, rcc: &mut Rcc) -> (HostTransmitter, HostReceiver)
+where
+    Tx<USART2>: DMASet<Stream6<DMA1>, 4, MemoryToPeripheral>,
+    Rx<USART2>: DMASet<Stream5<DMA1>, 4, PeripheralToMemory>,
+{
+    let config = Config::default().baudrate(BAUD.bps()).dma(DmaConfig::TxRx);
+    let rx = rx.into_alternate().internal_resistor(stm32f4xx_hal::gpio::Pull::Up);
+    let serial = Serial::<USART2>::new(usart, (tx, rx), config, rcc).expect("921 600 baud can be made of 42 MHz");
+    let (tx, mut rx) = serial.split();
+    let streams = StreamsTuple::new(dma, rcc);
+
+    let mut transmitter = HostTransmitter { stream: streams.6 };
+    configure(&mut transmitter.stream, DmaDirection::MemoryToPeripheral, tx.address(), &TELEMETRY_FRAME);
+    transmitter.stream.set_priority(Priority::Medium);
+    transmitter.stream.listen(DmaEvent::TransferComplete | DmaEvent::TransferError);
+
+    rx.listen_idle();
+    // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors raise the interrupt too.
+    unsafe { (*USART2::ptr()).cr3().modify(|_, w| w.eie().set_bit()) };
+    let mut receiver = HostReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
+    configure(&mut receiver.stream, DmaDirection::PeripheralToMemory, rx.address(), &TELEMETRY_RECEIVED);
+    // Before all else on this controller: a byte that waits too long is lost, a frame that waits is late.
+    receiver.stream.set_priority(Priority::VeryHigh);
+    receiver.stream.set_circular_mode(true);
+    receiver.stream.listen(DmaEvent::HalfTransfer | DmaEvent::TransferComplete | DmaEvent::TransferError);
+    receiver.begin();
+    (transmitter, receiver)
+}
+
+/// What both streams have in common: channel 4, bytes, direct mode (each byte goes through at once), the stream counts.
+fn configure(
+    stream: &mut impl stm32f4xx_hal::dma::traits::Stream,
+    direction: DmaDirection,
+    peripheral: u32,
+    memory: &'static [AtomicU8],
+) {
+    stream.set_channel(DmaChannel::Channel4);
+    stream.set_direction(direction);
+    stream.set_peripheral_address(peripheral);
+    stream.set_memory_address(memory.as_ptr() as u32);
+    stream.set_memory_increment(true);
+    stream.set_fifo_enable(false);
+}
+
+/// Frames to the host.
+pub struct HostTransmitter {
+    stream: Stream6<DMA1>,
+}
+
+impl HostTransmitter {
+    /// Whether the last frame has left the buffer.
+    pub fn is_free(&self) -> bool {
+        !self.stream.is_enabled()
+    }
+
+    /// Sends a frame. Call it only when the transmitter is free; what is longer than a frame can be is cut.
+    pub fn send(&mut self, frame: &[u8]) {
+        let length = frame.len().min(MAX_FRAME);
+        for (to, &byte) in TELEMETRY_FRAME.iter().zip(frame) {
+            to.store(byte, Relaxed);
+        }
+        // The stream takes no new count while flags of the last one stand (RM0090, "DMA stream configuration procedure").
+        self.stream.clear_all_flags();
+        self.stream.set_number_of_transfers(length as u16);
+        // The bytes must be in memory before the stream may look.
+        fence(SeqCst);
+        // SAFETY: the stream reads `length` bytes of a static that is at least that long, and that nobody writes until
+        // the stream is free again.
+        unsafe { self.stream.enable() };
+    }
+}
+
+/// Clears the transmitter's interrupt.
+pub fn acknowledge_sent() {
+    // SAFETY: a flag is cleared by writing a one; zeros leave those of other streams alone.
+    unsafe { (*DMA1::ptr()).hifcr().write(|w| w.bits(0x3D << 16)) };
+}
+
+/// Clears the interrupt of the receiver's stream.
+pub fn acknowledge_received() {
+    // SAFETY: as above.
+    unsafe { (*DMA1::ptr()).hifcr().write(|w| w.bits(0x3D << 6)) };
+}
+
+/// Bytes from the host.
+pub struct HostReceiver {
+    stream: Stream5<DMA1>,
+    circle: Circle,
+}
+
+impl HostReceiver {
+    /// The next byte that has come.
+    pub fn read(&mut self) -> Option<u8> {
+        let index = match self.circle.next() {
+            Some(index) => index,
+            None => {
+                self.look();
+                self.circle.next()?
+            }
+        };
+        TELEMETRY_RECEIVED.get(index).map(|byte| byte.load(Relaxed))
+    }
+
+    /// Quietens the USART, then asks the stream how far it has come: what comes after that raises the interrupt anew.
+    fn look(&mut self) {
+        // SAFETY: only this task reads these two registers once the link is set up.
+        let usart = unsafe { &*USART2::ptr() };
+        let status = usart.sr().read();
+        if status.idle().bit_is_set()
+            || status.ore().bit_is_set()
+            || status.nf().bit_is_set()
+            || status.fe().bit_is_set()
+        {
+            usart.dr().read();
+        }
+        // Only an error on the memory bus stops a circular stream, which a fixed address in RAM cannot cause.
+        if !self.stream.is_enabled() {
+            self.begin();
+        }
+        self.circle.look(self.stream.number_of_transfers());
+        // In direct mode the count goes down as the byte is fetched and its store follows at once; no byte is read here
+        // before the count that tells of it.
+        fence(SeqCst);
+    }
+
+    fn begin(&mut self) {
+        self.stream.clear_all_flags();
+        self.stream.set_number_of_transfers(RECEIVED as u16);
+        self.circle = Circle::new(RECEIVED as u16);
+        // SAFETY: the stream writes into a static of this length, whose bytes are atomics.
+        unsafe { self.stream.enable() };
+    }
+}

@@ -1,0 +1,166 @@
+//! Which conversion a data-ready edge belongs to, told by the processor's clock.
+//!
+//! A tick is a number of conversions ([`TickPlan`](super::tick_plan::TickPlan)), and an edge that nobody saw would make it
+//! longer without a trace. So each conversion has a time at which it is due, one period after the one before:
+//!
+//! ```text
+//! d_(k+1) = d_k + P + (t_k − d_k)/8    if t_k ≥ d_k        conversion k is lost if it has not been seen by d_k + P
+//! d_(k+1) = t_k + P                    if t_k < d_k
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | P | conversion period of the ADC, nominal | processor cycles |
+//! | d_k | when conversion k is due | processor cycles |
+//! | t_k | when its edge was served | processor cycles |
+//!
+//! An edge is never served before it has come, so an early one is taken for the truth at once, while a late one may only
+//! have waited and moves the due time by an eighth of its lateness. The ADC's clock and the processor's may thus differ
+//! by some percent without anything being taken for lost; the tick keeps following the ADC's.
+//!
+//! Lost conversions still count in their tick, as [`SettledMean::conversion`](super::settled_mean::SettledMean::conversion)
+//! of `None`. That covers both ways of losing them: an edge that was overwritten by the next because it was not served in
+//! time, and an ADC that has fallen silent, for which time then goes on in ticks whose readings are missing.
+//!
+//! Limits: the cycle counter wraps every 25 s at 168 MHz, so it must be asked at least once in 12 s. An edge that is not
+//! one of the ADC's (a disturbance on the line) counts as a conversion.
+
+/// Cycles until the first conversion after a start, in periods: the ADC's filter has to fill, 4.5 periods.
+const FIRST: u32 = 5;
+
+/// The expected course of data-ready edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DataReady {
+    period_cycles: u32,
+    due: u32,
+}
+
+/// What to do about a conversion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Due {
+    /// Nothing: the next one is not due, or not overdue.
+    Wait,
+    /// Count it as lost, and ask again.
+    Lost,
+    /// Its edge has come: read it.
+    Read,
+}
+
+impl DataReady {
+    /// Conversions of `period_cycles` from an ADC that was started at `now`.
+    pub const fn new(period_cycles: u32, now: u32) -> Self {
+        Self { period_cycles, due: now.wrapping_add(FIRST * period_cycles) }
+    }
+
+    /// What is due at `now`, if an edge waits to be served or not.
+    pub const fn next(&mut self, now: u32, edge: bool) -> Due {
+        let late = now.wrapping_sub(self.due).cast_signed();
+        if late >= self.period_cycles.cast_signed() {
+            self.due = self.due.wrapping_add(self.period_cycles);
+            return Due::Lost;
+        }
+        if !edge {
+            return Due::Wait;
+        }
+        let correction = if late < 0 { late } else { late / 8 };
+        self.due = self.due.wrapping_add_signed(correction).wrapping_add(self.period_cycles);
+        Due::Read
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 kSPS at 168 MHz.
+    const PERIOD: u32 = 42_000;
+
+    /// Serves the edges at these times (in periods) and gives the number of conversions read and lost.
+    fn served(data_ready: &mut DataReady, times: impl IntoIterator<Item = f64>, start: u32) -> (u32, u32) {
+        let (mut read, mut lost) = (0, 0);
+        for time in times {
+            let now = start.wrapping_add((time * f64::from(PERIOD)) as u32);
+            loop {
+                match data_ready.next(now, true) {
+                    Due::Lost => lost += 1,
+                    Due::Read => break,
+                    Due::Wait => panic!("an edge that waits must be served"),
+                }
+            }
+            read += 1;
+        }
+        (read, lost)
+    }
+
+    #[test]
+    fn edges_in_time_are_all_read_also_over_a_wrap_of_the_counter() {
+        let start = u32::MAX - 20 * PERIOD;
+        let mut data_ready = DataReady::new(PERIOD, start);
+        assert_eq!(served(&mut data_ready, (0..100).map(|k| 4.5 + f64::from(k)), start), (100, 0));
+    }
+
+    #[test]
+    fn clocks_may_differ_by_some_percent() {
+        // The steady lateness is 8 times the difference of the periods: 0.4 of one, and less than one is not lost.
+        for ratio in [0.95, 0.999_9, 1.000_1, 1.05] {
+            let mut data_ready = DataReady::new(PERIOD, 0);
+            assert_eq!(served(&mut data_ready, (0..5_000).map(|k| 4.5 + f64::from(k) * ratio), 0), (5_000, 0));
+        }
+    }
+
+    #[test]
+    fn a_late_service_loses_nothing_if_the_next_edge_has_not_come() {
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        let times = (0..300).map(|k| 4.5 + f64::from(k) + if k % 3 == 1 { 0.8 } else { 0.0 });
+        assert_eq!(served(&mut data_ready, times, 0), (300, 0));
+    }
+
+    #[test]
+    fn an_edge_that_was_overwritten_is_counted_once() {
+        // Every tenth edge is served so late that the next has come as well: one service for two conversions.
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        let times = (0..300).filter(|k| k % 10 != 5).map(|k| 4.5 + f64::from(k) + if k % 10 == 6 { 0.3 } else { 0.0 });
+        assert_eq!(served(&mut data_ready, times, 0), (270, 30));
+    }
+
+    #[test]
+    fn a_silent_adc_loses_its_conversions_at_their_rate() {
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        served(&mut data_ready, (0..10).map(|k| 4.5 + f64::from(k)), 0);
+        // The last edge came at 13.5 periods. Asked as the health task does, every 200 periods (50 ms).
+        let mut lost = 0;
+        for beat in 1..=20 {
+            let now = 200 * beat * PERIOD;
+            while data_ready.next(now, false) == Due::Lost {
+                lost += 1;
+            }
+            // Those due at 14.5, 15.5, … are lost when they are a whole period overdue.
+            assert_eq!(lost, 200 * beat - 15);
+        }
+    }
+
+    #[test]
+    fn an_adc_that_never_starts_is_silent_from_its_first_conversion_on() {
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        assert_eq!(data_ready.next(6 * PERIOD - 1, false), Due::Wait);
+        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Lost);
+        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Wait);
+    }
+
+    #[test]
+    fn an_adc_that_comes_back_is_read_again() {
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        served(&mut data_ready, [4.5, 5.5], 0);
+        // Silence until 100.2: those due at 6.5 … 98.5 have been overdue for a period or more, 99.5 is read late.
+        assert_eq!(served(&mut data_ready, (0..50).map(|k| 100.2 + f64::from(k)), 0), (50, 93));
+    }
+
+    #[test]
+    fn asking_between_edges_changes_nothing() {
+        let mut data_ready = DataReady::new(PERIOD, 0);
+        served(&mut data_ready, [4.5], 0);
+        let before = data_ready;
+        assert_eq!(data_ready.next(5 * PERIOD, false), Due::Wait);
+        assert_eq!(data_ready, before);
+    }
+}
