@@ -116,9 +116,9 @@ mod app {
 
     /// Owns the controller. Priority 4, the highest: nothing delays a decision.
     ///
-    /// Deadline: the next reading, on the sensor board the next conversion. Missing it is counted as a late tick; the heaters
-    /// then stay as the tick before left them until this one is through. Never logs, never waits: replies and samples go into a queue, and what does not fit is
-    /// dropped and counted.
+    /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise still see the old levels.
+    /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through.
+    /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
     #[task(binds = EXTI4, priority = 4, local = [controller, front_end, requests, outbox, last_state])]
     fn control(cx: control::Context) {
         let control::LocalResources { controller, front_end, requests, outbox, last_state, .. } = cx.local;
