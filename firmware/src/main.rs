@@ -168,10 +168,12 @@ mod app {
             front_end.set_sample_period(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })?;
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
+        let reply = controller.handle(command)?;
+        // Not before: a start that is refused must not disturb the run.
         if let Command::Start = command {
             front_end.restart();
         }
-        controller.handle(command)
+        Ok(reply)
     }
 
     /// Takes the host's bytes. Priority 2; bytes wait in the receiver's buffer meanwhile (5.5 ms of them on the sensor

@@ -8,9 +8,10 @@
 //!
 //! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue, count as conversions
 //! without codes: the tick keeps its length. If the ADC falls silent, ticks go on in the same way with readings that are
-//! missing, and the guard trips after its limit. Without edges the task runs 20 times a second, so such a tick comes up
-//! to 50 ms after its time, several at once if they are short: with the guard's default limit the heaters are low at
-//! most three ticks and 50 ms after the last edge.
+//! missing. Without edges the task runs 20 times a second, so such a tick comes up to 50 ms after its time, several at
+//! once if they are short. The tick in which the ADC fell silent may still have a reading, the next has none and puts
+//! the heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms of the last edge,
+//! tripped within three and 50 ms.
 //!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21 bytes: in every
 //! conversion period of 250 µs, and 200 µs is what the decision may take (`docs/hardware.md`, "One tick").
