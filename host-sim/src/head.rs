@@ -109,7 +109,8 @@ impl Head {
 
     /// The guard's patience in ticks of a sample period.
     pub fn guard_config(&self, sample_period_s: f64) -> GuardConfig {
-        let unreachable_limit_ticks = (self.unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+        let unreachable_limit_ticks =
+            (self.unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
         GuardConfig { missing_limit_ticks: self.missing_limit_ticks, unreachable_limit_ticks }
     }
 }
@@ -149,12 +150,17 @@ impl<'a> Keys<'a> {
 
     fn number(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<f64>) -> Result<f64, FileError> {
         let (&number, key) = self.get(name, of)?;
-        if number.is_finite() { Ok(number) } else { Err(self.source.refuse(&key, format!("is {number}: it must be finite"))) }
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(self.source.refuse(&key, format!("is {number}: it must be finite")))
+        }
     }
 
     /// The error of dr-core for one of this element's numbers.
     fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
-        self.source.refuse(key, format!("of {} cannot be used: {error}", self.own.name.as_deref().unwrap_or("an element")))
+        self.source
+            .refuse(key, format!("of {} cannot be used: {error}", self.own.name.as_deref().unwrap_or("an element")))
     }
 
     fn refuse_named(&self, error: &ConfigError) -> FileError {
@@ -170,10 +176,18 @@ impl<'a> Keys<'a> {
     }
 }
 
-fn element(source: &Source, key: String, own: &ElementTable, kinds: &KindsTable, adc: &Adc) -> Result<Element, FileError> {
+fn element(
+    source: &Source,
+    key: String,
+    own: &ElementTable,
+    kinds: &KindsTable,
+    adc: &Adc,
+) -> Result<Element, FileError> {
     let name = own.name.clone().ok_or_else(|| source.refuse(&key, "has no `name`"))?;
     if name.is_empty() || name.contains([':', ',', '"']) || name.contains(char::is_whitespace) {
-        let sentence = format!("is {name:?}: it becomes part of column names, so a word without `:`, `,` and quotation marks belongs here");
+        let sentence = format!(
+            "is {name:?}: it becomes part of column names, so a word without `:`, `,` and quotation marks belongs here"
+        );
         return Err(source.refuse(&format!("{key}.name"), sentence));
     }
     let kind = own.kind.ok_or_else(|| source.refuse(&key, "has no `kind`: \"sector\" or \"core\""))?;
@@ -220,7 +234,9 @@ fn element(source: &Source, key: String, own: &ElementTable, kinds: &KindsTable,
 
 fn characteristic(kind: PlatinumKind) -> Result<Platinum, ConfigError> {
     match kind {
-        PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c } => Platinum::linear(resistance_0c_ohm as f32, coefficient_per_c as f32),
+        PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c } => {
+            Platinum::linear(resistance_0c_ohm as f32, coefficient_per_c as f32)
+        }
         PlatinumKind::Iec60751 { resistance_0c_ohm } => Platinum::iec60751(resistance_0c_ohm as f32),
     }
 }
@@ -316,10 +332,14 @@ impl PlatinumTable {
     fn kind(&self) -> Result<PlatinumKind, &'static str> {
         let resistance_0c_ohm = self.resistance_0c_ohm;
         match (self.characteristic, self.coefficient_per_c) {
-            (Characteristic::Linear, Some(coefficient_per_c)) => Ok(PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c }),
+            (Characteristic::Linear, Some(coefficient_per_c)) => {
+                Ok(PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c })
+            }
             (Characteristic::Linear, None) => Err("is linear and so takes a `coefficient_per_c`"),
             (Characteristic::Iec60751, None) => Ok(PlatinumKind::Iec60751 { resistance_0c_ohm }),
-            (Characteristic::Iec60751, Some(_)) => Err("has a `coefficient_per_c`, but IEC 60751 fixes the coefficients"),
+            (Characteristic::Iec60751, Some(_)) => {
+                Err("has a `coefficient_per_c`, but IEC 60751 fixes the coefficients")
+            }
         }
     }
 }
@@ -387,13 +407,22 @@ mod tests {
     #[test]
     fn a_head_that_cannot_be_is_refused_with_key_and_line() {
         let sentence = refused("current_low_a = 0.003", "current_low_a = 0.030");
-        assert!(sentence.starts_with("b.toml, line ") && sentence.contains("`kinds.sector.current_high_a` of sector1"), "{sentence}");
+        assert!(
+            sentence.starts_with("b.toml, line ") && sentence.contains("`kinds.sector.current_high_a` of sector1"),
+            "{sentence}"
+        );
         assert!(refused("bits = 24", "bits = 32").contains("`adc.bits` is 32 bit: it must lie between 8 and 24 bit"));
-        assert!(refused("current_low_a = 0.003 ", "#").contains("has no `current_low_a`: give it there or in [kinds.sector]"));
+        assert!(
+            refused("current_low_a = 0.003 ", "#")
+                .contains("has no `current_low_a`: give it there or in [kinds.sector]")
+        );
         assert!(refused("full_scale_v = 4.0", "full_scale_v = nan").contains("`adc.full_scale_v` is NaN V"));
         assert!(refused("name = \"sector2\"", "name = \"sector1\"").contains("another element has that name"));
         assert!(refused("name = \"sector2\"", "name = \"a:b\"").contains("becomes part of column names"));
         assert!(refused("kind = \"core\"", "kind = \"kore\"").contains("did you mean `core`?"));
-        assert!(refused("temperature_max_c = 70.0", "temperature_maxc = 70.0").contains("did you mean `temperature_max_c`?"));
+        assert!(
+            refused("temperature_max_c = 70.0", "temperature_maxc = 70.0")
+                .contains("did you mean `temperature_max_c`?")
+        );
     }
 }

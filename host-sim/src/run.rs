@@ -6,9 +6,9 @@
 use dr_core::control::{Reply, RunState};
 
 use crate::experiment::Experiment;
+use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
 use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
-use crate::instrument::in_process::InProcess;
 use crate::recording::{RecordingError, Row};
 use crate::sensor::{Sphere, SphereConfig};
 use crate::summary::{ElementSummary, RunSummary, TripSummary};
@@ -114,21 +114,40 @@ pub fn rehearse(experiment: &Experiment) -> Result<Reply, RunError> {
     start(experiment, &mut LockStep::new(InProcess::new(), sphere))
 }
 
-fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Reply, RunError> {
+/// Sets an instrument up for an experiment and starts it.
+///
+/// A refusal is said of the place in the file where the user can do something about it.
+pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Reply, RunError> {
     let setup = Setup {
         sample_period_s: experiment.sample_period_s as f32,
         guard: experiment.head.guard_config(experiment.sample_period_s),
         elements: (experiment.head.elements.iter().zip(&experiment.drives))
-            .map(|(element, &drive)| ElementSetup { name: element.name.clone(), config: element.config, model: element.model, drive })
+            .map(|(element, &drive)| ElementSetup {
+                name: element.name.clone(),
+                config: element.config,
+                model: element.model,
+                drive,
+            })
             .collect(),
     };
     setup::start(instrument, &setup).map_err(|error| match &error {
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
             // Said of the place in the file, where the user can do something about it.
-            Some(name) => experiment.source.refuse(&format!("drives.{name}"), format!("is refused: {refusal}")).into(),
+            Some(name) => {
+                // The instrument knows elements by number; the key has the name.
+                let words = refusal.to_string();
+                let reason = match words.strip_prefix("element ").and_then(|rest| rest.split_once(' ')) {
+                    Some((number, rest)) if number.ends_with(':') => rest.to_owned(),
+                    Some((_, rest)) => format!("it {rest}"),
+                    None => words,
+                };
+                experiment.source.refuse(&format!("drives.{name}"), format!("is refused: {reason}")).into()
+            }
             None => error.into(),
         },
-        InstrumentError::TooManyElements { .. } => experiment.source.refuse("head", format!("cannot be used: {error}")).into(),
+        InstrumentError::TooManyElements { .. } => {
+            experiment.source.refuse("head", format!("cannot be used: {error}")).into()
+        }
         _ => error.into(),
     })
 }
@@ -257,7 +276,11 @@ mod tests {
         assert_eq!(summary.trips, [TripSummary { time_s: 1.01, cause: "open", element: "sector3".to_owned() }]);
         // The interval from tick 100 on is the first that flows through nothing: read at tick 101.
         assert!(rows[..101].iter().all(|(state, _, _)| state == "running"));
-        assert!(rows[101..].iter().all(|(state, heaters, t)| state == "tripped:open:sector3" && *heaters == 0 && t.is_nan()));
+        assert!(
+            rows[101..]
+                .iter()
+                .all(|(state, heaters, t)| state == "tripped:open:sector3" && *heaters == 0 && t.is_nan())
+        );
     }
 
     #[test]

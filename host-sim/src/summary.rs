@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::ser::{SerializeMap, Serializer};
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunSummary {
@@ -74,7 +74,11 @@ impl fmt::Display for RunSummary {
         }
         if self.unjudged > 0 {
             let (what, has) = if self.unjudged == 1 { ("set-point", "was") } else { ("set-points", "were") };
-            writeln!(f, "{} {what} {has} not judged beforehand: the head has no model of these elements", self.unjudged)?;
+            writeln!(
+                f,
+                "{} {what} {has} not judged beforehand: the head has no model of these elements",
+                self.unjudged
+            )?;
         }
         for TripSummary { time_s, cause, element } in &self.trips {
             writeln!(f, "tripped at {time_s} s: {cause}, {element}; heaters low from then on")?;
@@ -83,7 +87,8 @@ impl fmt::Display for RunSummary {
         let width = self.elements.iter().map(|element| element.name.chars().count()).max().unwrap_or(0).max(7);
         writeln!(f, "{:width$}  mean temperature  mean power", "element")?;
         for element in &self.elements {
-            let temperature = element.mean_temperature_c.map_or("no reading".to_owned(), |celsius| format!("{celsius:.3} °C"));
+            let temperature =
+                element.mean_temperature_c.map_or("no reading".to_owned(), |celsius| format!("{celsius:.3} °C"));
             writeln!(f, "{:width$}  {temperature:>16}  {:>7.3} mW", element.name, element.mean_power_w * 1e3)?;
         }
         Ok(())
@@ -95,7 +100,11 @@ mod tests {
     use super::*;
 
     fn summary() -> RunSummary {
-        let element = |name: &str, mean_temperature_c| ElementSummary { name: name.to_owned(), mean_temperature_c, mean_power_w: 0.0125 };
+        let element = |name: &str, mean_temperature_c| ElementSummary {
+            name: name.to_owned(),
+            mean_temperature_c,
+            mean_power_w: 0.0125,
+        };
         RunSummary {
             title: "Test".to_owned(),
             head: "sphere-b".to_owned(),

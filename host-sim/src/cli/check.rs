@@ -28,7 +28,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let names = experiment.head.names();
     if arguments.json {
-        let drives = names.iter().zip(&experiment.drives).map(|(name, drive)| ((*name).to_owned(), describe(drive, &experiment).into()));
+        let drives = names
+            .iter()
+            .zip(&experiment.drives)
+            .map(|(name, drive)| ((*name).to_owned(), describe(drive, &experiment).into()));
         return super::print_json(&serde_json::json!({
             "title": experiment.title,
             "head": experiment.head.name,
@@ -69,8 +72,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let _ = match (judged, unjudged) {
         (0, 0) => Ok(()),
         (judged, 0) => writeln!(text, "\n{judged} set-points can be held, by the models of the head"),
-        (0, unjudged) => writeln!(text, "\n{unjudged} set-points are not judged: the head has no model of these elements"),
-        (judged, unjudged) => writeln!(text, "\n{judged} set-points can be held, by the models of the head; {unjudged} are not judged for want of one"),
+        (0, unjudged) => {
+            writeln!(text, "\n{unjudged} set-points are not judged: the head has no model of these elements")
+        }
+        (judged, unjudged) => writeln!(
+            text,
+            "\n{judged} set-points can be held, by the models of the head; {unjudged} are not judged for want of one"
+        ),
     };
     super::print(&text);
     Ok(())

@@ -24,12 +24,17 @@ use crate::toml_file::FileError;
 
 /// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, and look at what they recorded.
 #[derive(Parser)]
-#[command(name = "anemo", version, arg_required_else_help = true, after_help = "\
+#[command(
+    name = "anemo",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
 Examples:
   anemo check experiments/gusts.toml
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
   anemo run experiments/gusts.toml --on serial:/dev/ttyUSB0 -o gusts.csv
-  anemo plot gusts.parquet -o gusts.svg")]
+  anemo plot gusts.parquet -o gusts.svg"
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -80,7 +85,10 @@ impl From<RunError> for Failure {
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) if error.use_stderr() && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+        Err(error)
+            if error.use_stderr()
+                && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        {
             complain(&one_sentence(&error));
             return ExitCode::from(2);
         }
@@ -130,7 +138,8 @@ fn read_experiment(path: &std::path::Path) -> Result<(Experiment, dr_core::contr
 /// Clap's message without its usage block, in one line.
 fn one_sentence(error: &clap::Error) -> String {
     let text = error.to_string();
-    let parts = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
+    let parts =
+        text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let parts: Vec<&str> = parts.map(str::trim).filter(|line| !line.is_empty()).collect();
     let joined = parts.join("; ").replace(":; ", ": ");
     format!("{} (see `anemo --help`)", joined.strip_prefix("error: ").unwrap_or(&joined))
@@ -149,9 +158,13 @@ mod tests {
 
     #[test]
     fn a_wrong_option_is_one_sentence_with_the_right_one() {
-        let error = Arguments::try_parse_from(["anemo", "run", "a.toml", "--on", "sim", "--plto", "x.svg"]).err().unwrap();
+        let error =
+            Arguments::try_parse_from(["anemo", "run", "a.toml", "--on", "sim", "--plto", "x.svg"]).err().unwrap();
         let sentence = one_sentence(&error);
-        assert!(sentence.starts_with("unexpected argument '--plto' found; tip: a similar argument exists: '--plot'"), "{sentence}");
+        assert!(
+            sentence.starts_with("unexpected argument '--plto' found; tip: a similar argument exists: '--plot'"),
+            "{sentence}"
+        );
         assert!(!sentence.contains('\n'));
     }
 }

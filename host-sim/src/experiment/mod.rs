@@ -18,6 +18,7 @@
 
 mod table;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use dr_core::control::Drive;
@@ -70,8 +71,8 @@ impl Experiment {
         let grid = Grid { source: &source, sample_period_s };
         let ticks = grid.whole_ticks("duration_s", table.duration_s)?;
         let gas_temperature_c = table.gas.temperature_c;
-        let drives = drives(&grid, &table, &head)?;
-        let experiment = Self {
+        let drive_tables = table.drives;
+        let mut experiment = Self {
             wind: wind(&grid, table.wind, table.duration_s)?,
             faults: faults(&grid, &table.faults, &head)?,
             title: table.title,
@@ -84,10 +85,12 @@ impl Experiment {
             gas_temperature_c,
             support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
             imperfections: table.front_end.into(),
-            drives,
-            source,
+            drives: Vec::new(),
+            source: source.clone(),
         };
+        // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
+        experiment.drives = drives(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
         Ok(experiment)
     }
 
@@ -118,11 +121,15 @@ impl Experiment {
     /// If the head is not the one that can be simulated: six elements, four sectors before two cores.
     pub fn sphere_config(&self) -> Result<SphereConfig, FileError> {
         let elements: Vec<_> = self.head.elements.iter().map(|element| element.nominal).collect();
-        let sectors_first = self.head.elements.iter().enumerate().all(|(i, element)| {
-            (element.kind == crate::head::Kind::Sector) == (i < sensor::ELEMENTS - sensor::CORES)
-        });
+        let sectors_first =
+            self.head.elements.iter().enumerate().all(|(i, element)| {
+                (element.kind == crate::head::Kind::Sector) == (i < sensor::ELEMENTS - sensor::CORES)
+            });
         let (Ok(elements), true) = (elements.try_into(), sectors_first) else {
-            let sentence = format!("is `{}`, but only a sphere of four sectors and then two cores can be simulated", self.head.name);
+            let sentence = format!(
+                "is `{}`, but only a sphere of four sectors and then two cores can be simulated",
+                self.head.name
+            );
             return Err(self.source.refuse("head", sentence));
         };
         Ok(SphereConfig {
@@ -170,16 +177,27 @@ impl Grid<'_> {
         let ticks = time_s / period_s;
         if ticks > f64::from(u32::MAX) {
             let most = f64::from(u32::MAX) * period_s;
-            return Err(self.source.refuse(key, format!("is {time_s} s: at sample periods of {period_s} s it can be {most:.0} s at most")));
+            return Err(self.source.refuse(
+                key,
+                format!("is {time_s} s: at sample periods of {period_s} s it can be {most:.0} s at most"),
+            ));
         }
         let whole = ticks.round();
         if whole < 1.0 {
-            return Err(self.source.refuse(key, format!("is {time_s} s: it must last at least one sample period, {period_s} s")));
+            return Err(self
+                .source
+                .refuse(key, format!("is {time_s} s: it must last at least one sample period, {period_s} s")));
         }
         if (ticks - whole).abs() > 1e-6 * whole.max(1.0) {
             let (below, above) = (ticks.floor().max(1.0) * period_s, ticks.ceil() * period_s);
-            let right = if below < time_s { format!("{} s or {} s", tidy(below), tidy(above)) } else { format!("{} s", tidy(above)) };
-            let sentence = format!("is {time_s} s, which is not a whole number of sample periods of {period_s} s: {right} would be");
+            let right = if below < time_s {
+                format!("{} s or {} s", tidy(below), tidy(above))
+            } else {
+                format!("{} s", tidy(above))
+            };
+            let sentence = format!(
+                "is {time_s} s, which is not a whole number of sample periods of {period_s} s: {right} would be"
+            );
             return Err(self.source.refuse(key, sentence));
         }
         Ok(whole as u32)
@@ -191,10 +209,15 @@ fn tidy(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }
 
-fn drives(grid: &Grid, table: &ExperimentTable, head: &Head) -> Result<Vec<Drive>, FileError> {
+fn drives(
+    grid: &Grid,
+    tables: &BTreeMap<String, DriveTable>,
+    head: &Head,
+    gas_c: f64,
+) -> Result<Vec<Drive>, FileError> {
     let source = grid.source;
     let known = head.names();
-    if let Some(unknown) = table.drives.keys().find(|name| !known.contains(&name.as_str())) {
+    if let Some(unknown) = tables.keys().find(|name| !known.contains(&name.as_str())) {
         let sentence = format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
         return Err(source.refuse(&format!("drives.{unknown}"), sentence));
     }
@@ -202,28 +225,30 @@ fn drives(grid: &Grid, table: &ExperimentTable, head: &Head) -> Result<Vec<Drive
     for element in &head.elements {
         let key = format!("drives.{}", element.name);
         let set_point = |key: &str, celsius: f64| {
-            let (coldest, hottest) = (table.gas.temperature_c, f64::from(element.config.limits.temperature_max_c));
+            let (coldest, hottest) = (gas_c, f64::from(element.config.limits.temperature_max_c));
             if celsius.is_nan() || celsius > hottest {
                 let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
                 return Err(source.refuse(key, sentence));
             }
             if celsius <= coldest {
-                let sentence = format!("is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above");
+                let sentence = format!(
+                    "is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above"
+                );
                 return Err(source.refuse(key, sentence));
             }
             Ok(celsius as f32)
         };
-        drives.push(match table.drives.get(&element.name) {
+        drives.push(match tables.get(&element.name) {
             None | Some(DriveTable::Passive) => Drive::Passive,
             Some(DriveTable::Level(level)) => Drive::Level((*level).into()),
             Some(&DriveTable::PowerW(power_w)) => {
                 // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power.
-                let least = element.power_w(table.gas.temperature_c, Level::Low);
-                let most = element.power_w(table.gas.temperature_c, Level::High);
+                let least = element.power_w(gas_c, Level::Low);
+                let most = element.power_w(gas_c, Level::High);
                 if !(least..=most).contains(&power_w) {
                     let sentence = format!(
                         "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
-                        element.name, table.gas.temperature_c
+                        element.name, gas_c
                     );
                     return Err(source.refuse(&format!("{key}.power_w"), sentence));
                 }

@@ -70,7 +70,8 @@ pub(super) struct FrontEndTable {
 
 impl From<FrontEndTable> for Imperfections {
     fn from(table: FrontEndTable) -> Self {
-        let FrontEndTable { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent } = table;
+        let FrontEndTable { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent } =
+            table;
         Self { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent }
     }
 }
@@ -149,7 +150,9 @@ impl WindTable {
             speed_m_s: self.speed_m_s,
             azimuth_deg: self.azimuth_deg,
             elevation_deg: self.elevation_deg,
-            turbulence: self.turbulence.map(|TurbulenceTable { intensity, correlation_time_s }| Turbulence { intensity, correlation_time_s }),
+            turbulence: self
+                .turbulence
+                .map(|TurbulenceTable { intensity, correlation_time_s }| Turbulence { intensity, correlation_time_s }),
         }
     }
 }

@@ -97,7 +97,10 @@ fn the_experiments_that_come_with_the_project_are_right() {
 
 #[test]
 fn unknown_keys_and_names_are_answered_with_the_nearest() {
-    assert_eq!(refused("speed_m_s = 2.0", "speed_ms = 2.0"), "test.toml, line 22: unknown key `speed_ms`; did you mean `speed_m_s`?");
+    assert_eq!(
+        refused("speed_m_s = 2.0", "speed_ms = 2.0"),
+        "test.toml, line 22: unknown key `speed_ms`; did you mean `speed_m_s`?"
+    );
     assert_eq!(
         refused("temperature_c = -23.15", "temprature_c = -23.15"),
         "test.toml, line 13: unknown choice `temprature_c` for `sector1`; did you mean `temperature_c`?"
@@ -130,7 +133,11 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("duration_s = 10.0", "duration_s = inf", "`duration_s` is inf s"),
         ("duration_s = 10.0", "duration_s = 0.001", "at least one sample period"),
         ("duration_s = 10.0", "duration_s = 1e12", "it can be 42949673 s at most"),
-        ("sample_period_s = 0.01", "sample_period_s = 1.0", "`sample_period_s` is 1 s: it must lie between 0.001 and 0.1 s"),
+        (
+            "sample_period_s = 0.01",
+            "sample_period_s = 1.0",
+            "`sample_period_s` is 1 s: it must lie between 0.001 and 0.1 s",
+        ),
         ("sample_period_s = 0.01", "sample_period_s = nan", "`sample_period_s` is NaN s"),
         ("order = 10", "order = 40", "`drives.sector2.prbs.order` is 40: it must lie between 2 and 32"),
         ("order = 10", "order = 1", "`drives.sector2.prbs.order` is 1"),
@@ -138,7 +145,11 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("start_s = 0.0", "start_s = 1.0", "`wind[0].start_s` is 1: it must be 0 for the first entry"),
         ("start_s = 5.0", "start_s = 0.0", "`wind[1].start_s` is 0: it must be later"),
         ("start_s = 5.0", "start_s = 12.0", "but the experiment is over at 10 s"),
-        ("speed_m_s = 2.0", "speed_m_s = -2.0", "line 22: `wind[0].speed_m_s` is -2 m/s: it must lie between 0 and 100 m/s"),
+        (
+            "speed_m_s = 2.0",
+            "speed_m_s = -2.0",
+            "line 22: `wind[0].speed_m_s` is -2 m/s: it must lie between 0 and 100 m/s",
+        ),
         ("speed_m_s = 2.0", "speed_m_s = 101.0", "`wind[0].speed_m_s` is 101 m/s"),
         ("speed_m_s = 2.0", "speed_m_s = nan", "`wind[0].speed_m_s` is NaN m/s"),
         ("azimuth_deg = 90.0", "azimuth_deg = inf", "`wind[1].azimuth_deg` is inf: it must be a finite angle"),
@@ -147,10 +158,18 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("pressure_pa = 1000.0", "pressure_pa = 2.0", "line 9: `gas.pressure_pa` is 2: the gas is no continuum"),
         ("pressure_pa = 1000.0", "pressure_pa = nan", "`gas.pressure_pa` is NaN"),
         ("temperature_c = -53.15", "temperature_c = -300.0", "`gas.temperature_c` is -300"),
-        ("temperature_c = -23.15", "temperature_c = 90.0", "`drives.sector1.temperature_c` is 90 °C: the head's limit is 70 °C"),
+        (
+            "temperature_c = -23.15",
+            "temperature_c = 90.0",
+            "`drives.sector1.temperature_c` is 90 °C: the head's limit is 70 °C",
+        ),
         ("temperature_c = -23.15", "temperature_c = nan", "`drives.sector1.temperature_c` is NaN °C"),
         ("temperature_c = -23.15", "temperature_c = -60.0", "but the gas has -53.15 °C and a heater cannot cool"),
-        ("power_w = 0.01", "power_w = 0.1", "`drives.core1.power_w` is 0.1 W: the levels of core1 reach from 0.00132 to 0.03742 W"),
+        (
+            "power_w = 0.01",
+            "power_w = 0.1",
+            "`drives.core1.power_w` is 0.1 W: the levels of core1 reach from 0.00132 to 0.03742 W",
+        ),
         ("power_w = 0.01", "power_w = nan", "`drives.core1.power_w` is NaN W"),
         ("high_c = -20.0", "high_c = -30.0", "`drives.sector3.setpoints.high_c` is -30 °C: it must lie above `low_c`"),
         ("dwell_s = 1.5", "dwell_s = 1.505", "1.5 s or 1.51 s would be"),
@@ -168,12 +187,22 @@ fn an_experiment_without_wind_is_told_how_to_ask_for_still_gas() {
     let source = with("", "").unwrap().source;
     let text = source.text[..source.text.find("[[wind]]").unwrap()].to_owned();
     let sentence = Experiment::from_source(Source { text, ..source }).unwrap_err().to_string();
-    assert!(sentence.contains("`wind` is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas"), "{sentence}");
+    assert!(
+        sentence
+            .contains("`wind` is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas"),
+        "{sentence}"
+    );
 }
 
 #[test]
 fn faults_name_their_element() {
-    let fault = |element: &str| with("[[wind]]", &format!("[[faults]]\nstart_s = 1.0\nelement = \"{element}\"\nkind = \"open\"\n\n[[wind]]"));
+    let fault = |element: &str| {
+        with("[[wind]]", &format!("[[faults]]\nstart_s = 1.0\nelement = \"{element}\"\nkind = \"open\"\n\n[[wind]]"))
+    };
     assert_eq!(fault("core1").unwrap().faults[0].element, 4);
-    assert!(fault("core9").unwrap_err().contains("`faults[0].element` is `core9`, which is no element of head `sphere-b`; did you mean `core"));
+    assert!(
+        fault("core9")
+            .unwrap_err()
+            .contains("`faults[0].element` is `core9`, which is no element of head `sphere-b`; did you mean `core")
+    );
 }

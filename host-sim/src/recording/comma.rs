@@ -21,7 +21,12 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    pub(super) fn new(file: File, columns: &[(String, Kind)], metadata: &Metadata, path: &Path) -> Result<Self, RecordingError> {
+    pub(super) fn new(
+        file: File,
+        columns: &[(String, Kind)],
+        metadata: &Metadata,
+        path: &Path,
+    ) -> Result<Self, RecordingError> {
         let failed = |error: &dyn std::fmt::Display| RecordingError::io(path, "written", error);
         let mut file = BufWriter::new(file);
         write_metadata(&mut file, metadata).map_err(|error| failed(&error))?;
@@ -116,7 +121,9 @@ impl std::io::Read for Uncommented {
                 return Ok(0);
             }
             if !self.quoted && self.line.starts_with(b"#") {
-                self.metadata.borrow_mut().extend(metadata_of(String::from_utf8_lossy(&self.line).trim_end_matches(['\r', '\n'])));
+                self.metadata
+                    .borrow_mut()
+                    .extend(metadata_of(String::from_utf8_lossy(&self.line).trim_end_matches(['\r', '\n'])));
                 self.line.clear();
             } else {
                 self.quoted ^= self.line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1;
@@ -150,8 +157,12 @@ impl Reader {
             metadata: std::rc::Rc::clone(&metadata),
         };
         let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
-        let names: Vec<String> =
-            csv.headers().map_err(|error| RecordingError::damaged(path, &reworded(&error)))?.iter().map(str::to_owned).collect();
+        let names: Vec<String> = csv
+            .headers()
+            .map_err(|error| RecordingError::damaged(path, &reworded(&error)))?
+            .iter()
+            .map(str::to_owned)
+            .collect();
         if names.is_empty() {
             return Err(RecordingError::content(path, "is empty: a line with the columns' names belongs first"));
         }
@@ -159,7 +170,10 @@ impl Reader {
             return Err(RecordingError::content(path, format!("column {} has no name", at + 1)));
         }
         if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(RecordingError::content(path, "begins with numbers: a line with the columns' names belongs first"));
+            return Err(RecordingError::content(
+                path,
+                "begins with numbers: a line with the columns' names belongs first",
+            ));
         }
         Ok(Self { csv, record: csv::StringRecord::new(), text: None, names, rows: 0, metadata })
     }
@@ -176,14 +190,21 @@ impl Reader {
     pub(super) fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<Column>>, RecordingError> {
         let mut chunk: Vec<Column> = Vec::new();
         for _ in 0..CHUNK {
-            let more = self.csv.read_record(&mut self.record).map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
+            let more = self
+                .csv
+                .read_record(&mut self.record)
+                .map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
             if !more {
                 break;
             }
             self.rows += 1;
             let (names, record) = (&self.names, &self.record);
             let text = self.text.get_or_insert_with(|| {
-                names.iter().zip(record).map(|(name, field)| [EVENT, STATE].contains(&name.as_str()) || number(field).is_none()).collect()
+                names
+                    .iter()
+                    .zip(record)
+                    .map(|(name, field)| [EVENT, STATE].contains(&name.as_str()) || number(field).is_none())
+                    .collect()
             });
             if chunk.is_empty() {
                 chunk = names
@@ -201,7 +222,10 @@ impl Reader {
                     Values::Numbers(numbers) => numbers.push(number(field).ok_or_else(|| {
                         let line = record.position().map_or(0, csv::Position::line);
                         let (row, name) = (self.rows, &column.name);
-                        RecordingError::content(path, format!("row {row}{}, column `{name}`: `{field}` is not a number", at_line(line)))
+                        RecordingError::content(
+                            path,
+                            format!("row {row}{}, column `{name}`: `{field}` is not a number", at_line(line)),
+                        )
                     })?),
                 }
             }

@@ -40,19 +40,30 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    pub(super) fn new(file: File, columns: &[(String, Kind)], metadata: &Metadata, path: &Path) -> Result<Self, RecordingError> {
+    pub(super) fn new(
+        file: File,
+        columns: &[(String, Kind)],
+        metadata: &Metadata,
+        path: &Path,
+    ) -> Result<Self, RecordingError> {
         let failed = |error: ParquetError| RecordingError::io(path, "written", &error);
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
             .set_created_by(format!("anemo {}", env!("CARGO_PKG_VERSION")))
-            .set_key_value_metadata(Some(metadata.iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect()));
+            .set_key_value_metadata(Some(
+                metadata.iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect(),
+            ));
         for (name, kind) in columns {
             if matches!(kind, Kind::Text | Kind::Bit) {
                 properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![name.clone()]), true);
             }
         }
-        let schema = columns.iter().map(|(name, kind)| field(name, *kind).map(Arc::new)).collect::<Result<_, _>>().map_err(failed)?;
+        let schema = columns
+            .iter()
+            .map(|(name, kind)| field(name, *kind).map(Arc::new))
+            .collect::<Result<_, _>>()
+            .map_err(failed)?;
         let schema = Type::group_type_builder("recording").with_fields(schema).build().map_err(failed)?;
         let file = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build())).map_err(failed)?;
         let buffers = columns
@@ -149,7 +160,10 @@ fn field(name: &str, kind: Kind) -> Result<Type, ParquetError> {
         Kind::Bit => (Physical::INT32, Some(LogicalType::integer(8, false))),
         Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
     };
-    Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED).with_logical_type(logical).build()
+    Type::primitive_type_builder(name, physical)
+        .with_repetition(Repetition::REQUIRED)
+        .with_logical_type(logical)
+        .build()
 }
 
 pub(super) struct Reader {
@@ -161,19 +175,24 @@ pub(super) struct Reader {
 impl Reader {
     pub(super) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
         let length = file.metadata().map_err(|error| RecordingError::io(path, "read", &error))?.len() as i64;
-        let file = without_panic(move || SerializedFileReader::new(file)).map_err(|error| RecordingError::damaged(path, &error))?;
+        let file = without_panic(move || SerializedFileReader::new(file))
+            .map_err(|error| RecordingError::damaged(path, &error))?;
         let schema = file.metadata().file_metadata().schema_descr();
         let mut names = Vec::new();
         for column in schema.columns() {
             let name = column.path().string();
             if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
-                return Err(RecordingError::content(path, format!("column `{name}` is nested: a recording is a flat table")));
+                return Err(RecordingError::content(
+                    path,
+                    format!("column `{name}` is nested: a recording is a flat table"),
+                ));
             }
             names.push(column.name().to_owned());
         }
         // The library asserts this where it reads, which would be a panic.
         for column in file.metadata().row_groups().iter().flat_map(|group| group.columns()) {
-            let offsets = [Some(column.data_page_offset()), column.dictionary_page_offset(), Some(column.compressed_size())];
+            let offsets =
+                [Some(column.data_page_offset()), column.dictionary_page_offset(), Some(column.compressed_size())];
             if column.num_values() < 0 || offsets.into_iter().flatten().any(|bytes| !(0..=length).contains(&bytes)) {
                 return Err(RecordingError::damaged(path, &"its table of contents points outside of the file"));
             }
@@ -197,7 +216,8 @@ impl Reader {
         let damaged = |error: ParquetError| RecordingError::damaged(path, &error);
         let group = self.file.get_row_group(self.group).map_err(damaged)?;
         self.group += 1;
-        let rows = usize::try_from(group.metadata().num_rows()).map_err(|error| RecordingError::damaged(path, &error))?;
+        let rows =
+            usize::try_from(group.metadata().num_rows()).map_err(|error| RecordingError::damaged(path, &error))?;
         let mut columns = Vec::with_capacity(self.names.len());
         for (index, name) in self.names.iter().enumerate() {
             let column = || group.get_column_reader(index);
@@ -243,7 +263,11 @@ fn read_records<T: DataType>(column: &mut ColumnReaderImpl<T>, rows: usize) -> R
     Ok(levels.iter().map(|&level| if level > 0 { values.next() } else { None }).collect())
 }
 
-fn numbers<T: DataType>(column: ColumnReaderImpl<T>, rows: usize, convert: fn(T::T) -> f64) -> Result<Values, ParquetError> {
+fn numbers<T: DataType>(
+    column: ColumnReaderImpl<T>,
+    rows: usize,
+    convert: fn(T::T) -> f64,
+) -> Result<Values, ParquetError> {
     Ok(Values::Numbers(read_all(column, rows)?.into_iter().map(|value| value.map_or(f64::NAN, convert)).collect()))
 }
 

@@ -5,7 +5,9 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::write::Kind;
-use super::{EVENT, Format, HEATER, Layout, Metadata, POWER, RecordingError, Row, TEMPERATURE, TIME, comma, duplicate, parquet};
+use super::{
+    EVENT, Format, HEATER, Layout, Metadata, POWER, RecordingError, Row, TEMPERATURE, TIME, comma, duplicate, parquet,
+};
 use crate::toml_file::suggest;
 
 /// A column of a chunk or of a whole recording.
@@ -211,7 +213,9 @@ impl Recording {
     pub fn numbers(&self, name: &str) -> Result<&[f64], RecordingError> {
         match &self.column(name)?.values {
             Values::Numbers(numbers) => Ok(numbers),
-            Values::Words(_) => Err(RecordingError::content(&self.path, format!("column `{name}` holds text where numbers belong"))),
+            Values::Words(_) => {
+                Err(RecordingError::content(&self.path, format!("column `{name}` holds text where numbers belong")))
+            }
         }
     }
 
@@ -222,7 +226,9 @@ impl Recording {
             None => Ok(numbers),
             Some(at) => {
                 let (row, value) = (at + 1, numbers[at]);
-                let sentence = format!("row {row}, column `{name}`: {value} is no value to work with; cut the record there or fill the gap");
+                let sentence = format!(
+                    "row {row}, column `{name}`: {value} is no value to work with; cut the record there or fill the gap"
+                );
                 Err(RecordingError::content(&self.path, sentence))
             }
         }
@@ -232,7 +238,9 @@ impl Recording {
     pub fn words(&self, name: &str) -> Result<&Words, RecordingError> {
         match &self.column(name)?.values {
             Values::Words(words) => Ok(words),
-            Values::Numbers(_) => Err(RecordingError::content(&self.path, format!("column `{name}` holds numbers where text belongs"))),
+            Values::Numbers(_) => {
+                Err(RecordingError::content(&self.path, format!("column `{name}` holds numbers where text belongs")))
+            }
         }
     }
 
@@ -322,7 +330,8 @@ impl Collector {
         let heaters = (0..self.layout.elements.len()).map(|i| f64::from(row.heaters >> i & 1));
         let readings = row.temperature_c.iter().chain(row.power_w).map(|&number| f64::from(number));
         // The columns stand in the order of the layout, in which each kind keeps the order of the row.
-        let mut numbers = std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.wind_m_s.into_iter().flatten());
+        let mut numbers =
+            std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.wind_m_s.into_iter().flatten());
         let mut words = [row.event, row.state].into_iter();
         for column in &mut self.recording.columns {
             match &mut column.values {

@@ -16,7 +16,8 @@ pub struct Temporary {
 
 impl Temporary {
     pub fn create(destination: &Path) -> io::Result<(Self, File)> {
-        let mut name = destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?.to_owned();
+        let mut name =
+            destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?.to_owned();
         name.push(format!(".tmp-{}", std::process::id()));
         let folder = destination.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {

@@ -27,7 +27,8 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
 fn written(name: &str, rows: usize, wind: bool) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    let mut writer = RecordingWriter::create(&path, layout(wind), &metadata(&[("head", "name = \"B\"\nx = 'a\\b'")])).unwrap();
+    let mut writer =
+        RecordingWriter::create(&path, layout(wind), &metadata(&[("head", "name = \"B\"\nx = 'a\\b'")])).unwrap();
     for n in 0..rows {
         push(&mut writer, n, wind).unwrap();
     }
@@ -63,7 +64,8 @@ fn both_formats_give_back_what_was_written() {
         assert!(core.iter().enumerate().all(|(n, x)| if n == 1 { x.is_nan() } else { *x == -(n as f64) }));
         assert_eq!(bits(&core[..1]), bits(&[-0.0]));
 
-        let words: Vec<&str> = (0..rows).map(|n| ["", "ruhig, 2 m/s", "\"böig\" ≥ 5 m/s\nzweite Zeile"][n / 3 % 3]).collect();
+        let words: Vec<&str> =
+            (0..rows).map(|n| ["", "ruhig, 2 m/s", "\"böig\" ≥ 5 m/s\nzweite Zeile"][n / 3 % 3]).collect();
         assert_eq!(recording.events().unwrap().iter().collect::<Vec<_>>(), words, "{name}");
         let states = recording.words("state").unwrap();
         assert_eq!(states.stretches().last().unwrap().1, rows);
@@ -117,7 +119,9 @@ fn nothing_is_left_of_a_recording_that_was_not_finished() {
 
 #[test]
 fn names_that_cannot_be_written_are_refused_at_once() {
-    let create = |path: &Path, layout: Layout| RecordingWriter::create(path, layout, &Metadata::new()).err().unwrap().to_string();
+    let create = |path: &Path, layout: Layout| {
+        RecordingWriter::create(path, layout, &Metadata::new()).err().unwrap().to_string()
+    };
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(create(Path::new("out.xlsx"), layout(false)), "out.xlsx: a recording's name ends in .parquet or .csv");
     assert!(create(Path::new("no/such/folder/out.csv"), layout(false)).contains("there is no folder `no/such/folder`"));
@@ -130,7 +134,15 @@ fn names_that_cannot_be_written_are_refused_at_once() {
 fn a_row_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = RecordingWriter::create(&folder.path().join("a.csv"), layout(false), &Metadata::new()).unwrap();
-    let row = Row { time_s: 0.5, temperature_c: &[1.0], power_w: &[1.0, 2.0], heaters: 0, event: "", state: "", wind_m_s: None };
+    let row = Row {
+        time_s: 0.5,
+        temperature_c: &[1.0],
+        power_w: &[1.0, 2.0],
+        heaters: 0,
+        event: "",
+        state: "",
+        wind_m_s: None,
+    };
     let error = writer.push(&row).unwrap_err().to_string();
     assert_eq!(error, "the row for 0.5 s does not fit the recording: 1 temperatures for 2 elements");
     let row = Row { temperature_c: &[1.0, 2.0], wind_m_s: Some([0.0; 3]), ..row };
@@ -161,11 +173,17 @@ fn numbers_in_the_event_column_are_labels() {
 
 #[test]
 fn what_is_wrong_with_a_table_is_said_by_row_and_column() {
-    assert_eq!(csv("t,y\n0,1\n1,x\n").unwrap_err(), "r.csv: row 2 (line 3 of the table), column `y`: `x` is not a number");
+    assert_eq!(
+        csv("t,y\n0,1\n1,x\n").unwrap_err(),
+        "r.csv: row 2 (line 3 of the table), column `y`: `x` is not a number"
+    );
     assert_eq!(csv("t,y,y\n0,1,1\n").unwrap_err(), "r.csv: two columns are named `y`: rename one of them");
     assert_eq!(csv("t,y\n").unwrap_err(), "r.csv: has columns but no rows");
     assert_eq!(csv("").unwrap_err(), "r.csv: is empty: a line with the columns' names belongs first");
-    assert_eq!(csv("0,1\n1,2\n").unwrap_err(), "r.csv: begins with numbers: a line with the columns' names belongs first");
+    assert_eq!(
+        csv("0,1\n1,2\n").unwrap_err(),
+        "r.csv: begins with numbers: a line with the columns' names belongs first"
+    );
     assert!(csv("t,y\n0,1\n1\n").unwrap_err().contains("a row has 1 fields where the header names 2 columns"));
 
     let sentence = |error: RecordingError| error.to_string().rsplit("r.csv: ").next().unwrap().to_owned();
@@ -179,17 +197,25 @@ fn what_is_wrong_with_a_table_is_said_by_row_and_column() {
 
 #[test]
 fn time_must_ascend_and_be_uniform_to_have_a_period() {
-    let period = |times: &str| csv(&format!("time_s\n{times}")).unwrap().sample_period_s().map_err(|error| error.to_string());
+    let period =
+        |times: &str| csv(&format!("time_s\n{times}")).unwrap().sample_period_s().map_err(|error| error.to_string());
     // 60 Hz written in milliseconds is off by up to 6 % from the median and still uniform.
     assert!((period("0\n0.017\n0.033\n0.05\n").unwrap() - 1.0 / 60.0).abs() < 1e-12);
-    assert!(period("0\n1\n2\n4\n5\n6\n").unwrap_err().ends_with("row 4: `time_s` moves on by 2 s, by 1 s elsewhere; resample the record or cut it there"));
+    assert!(
+        period("0\n1\n2\n4\n5\n6\n")
+            .unwrap_err()
+            .ends_with("row 4: `time_s` moves on by 2 s, by 1 s elsewhere; resample the record or cut it there")
+    );
     assert!(period("0\n1\n1\n").unwrap_err().ends_with("row 3: `time_s` goes from 1 s to 1 s, but time must ascend"));
     assert!(period("0\n").unwrap_err().ends_with("has one row: a sample period takes at least two"));
 }
 
 #[test]
 fn missing_and_damaged_files_are_told_apart() {
-    assert_eq!(Recording::read(Path::new("no/such.parquet")).unwrap_err().to_string(), "no/such.parquet: there is no such file");
+    assert_eq!(
+        Recording::read(Path::new("no/such.parquet")).unwrap_err().to_string(),
+        "no/such.parquet: there is no such file"
+    );
     let (folder, path) = written("whole.parquet", 20_000, true);
     let whole = std::fs::read(&path).unwrap();
     let cut = folder.path().join("cut.parquet");

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    EVENT, Format, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE, TIME, Temporary, WIND, comma, duplicate, parquet,
+    EVENT, Format, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE, TIME, Temporary, WIND, comma,
+    duplicate, parquet,
 };
 
 /// What a recording's rows consist of.
@@ -41,7 +42,8 @@ pub(super) enum Kind {
 impl Layout {
     /// Names and kinds of the columns, in the order in which they are written.
     pub(super) fn columns(&self) -> Vec<(String, Kind)> {
-        let of_elements = |prefix: &'static str, kind| self.elements.iter().map(move |element| (format!("{prefix}{element}"), kind));
+        let of_elements =
+            |prefix: &'static str, kind| self.elements.iter().map(move |element| (format!("{prefix}{element}"), kind));
         let mut columns = vec![(TIME.to_owned(), Kind::Time)];
         columns.extend(of_elements(TEMPERATURE, Kind::Number));
         columns.extend(of_elements(POWER, Kind::Number));
@@ -91,10 +93,16 @@ impl RecordingWriter {
         let format = Format::of(path)?;
         let columns = layout.columns();
         if let Some(name) = duplicate(columns.iter().map(|(name, _)| name.as_str())) {
-            return Err(RecordingError::content(path, format!("two columns would be named `{name}`: every element needs its own name")));
+            return Err(RecordingError::content(
+                path,
+                format!("two columns would be named `{name}`: every element needs its own name"),
+            ));
         }
         if layout.elements.len() > 16 {
-            return Err(RecordingError::content(path, format!("{} elements do not fit: 16 do at most", layout.elements.len())));
+            return Err(RecordingError::content(
+                path,
+                format!("{} elements do not fit: 16 do at most", layout.elements.len()),
+            ));
         }
         let (temporary, file) = Temporary::create(path).map_err(|error| RecordingError::io(path, "written", &error))?;
         let sink = match format {

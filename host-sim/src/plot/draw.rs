@@ -1,0 +1,238 @@
+//! Drawing primitives over plotters' SVG backend: a figure in pixels, and panels that map time and value into it.
+//!
+//! plotters draws in whole units, so a pixel is made of [`FINE`] of them and the SVG is scaled back by its view box: lines stay smooth.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::Axis;
+use super::reduce::Bin;
+
+/// Units a pixel.
+const FINE: f64 = 4.0;
+
+/// Width of a curve, pixels.
+pub const CURVE: f64 = 1.4;
+
+pub const INK: RGBColor = RGBColor(0x22, 0x2b, 0x33);
+pub const QUIET: RGBColor = RGBColor(0x6b, 0x75, 0x7d);
+const GRID: RGBColor = RGBColor(0xe3, 0xe7, 0xea);
+pub const ALARM: RGBColor = RGBColor(0xb0, 0x00, 0x20);
+
+/// Okabe and Ito's palette, which colour-blind readers can tell apart; sectors first, then two greys for cores.
+pub const PALETTE: [RGBColor; 4] =
+    [RGBColor(0x00, 0x72, 0xb2), RGBColor(0xe6, 0x9f, 0x00), RGBColor(0x00, 0x9e, 0x73), RGBColor(0xcc, 0x79, 0xa7)];
+pub const GREYS: [RGBColor; 2] = [RGBColor(0x3a, 0x3f, 0x44), RGBColor(0x9a, 0xa2, 0xa8)];
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+/// What plotters says when it cannot draw.
+pub type DrawError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
+type Drawn<'a> = Result<(), DrawError<'a>>;
+
+/// A place in pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct Rect {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Middle,
+    Right,
+}
+
+pub struct Figure<'a> {
+    area: Area<'a>,
+}
+
+impl<'a> Figure<'a> {
+    pub fn new(svg: &'a mut String, width: f64, height: f64) -> Result<Self, DrawError<'a>> {
+        let area = SVGBackend::with_string(svg, (units(width) as u32, units(height) as u32)).into_drawing_area();
+        area.fill(&WHITE)?;
+        Ok(Self { area })
+    }
+
+    pub fn finish(&self) -> Drawn<'a> {
+        self.area.present()
+    }
+
+    pub fn text(&self, text: &str, at: (f64, f64), size: f64, colour: RGBColor, align: Align, bold: bool) -> Drawn<'a> {
+        let horizontal = match align {
+            Align::Left => HPos::Left,
+            Align::Middle => HPos::Center,
+            Align::Right => HPos::Right,
+        };
+        let style = if bold { FontStyle::Bold } else { FontStyle::Normal };
+        let style = TextStyle::from(("Helvetica, Arial, sans-serif", units(size), style).into_font())
+            .color(&colour)
+            .pos(Pos::new(horizontal, VPos::Center));
+        self.area.draw_text(text, &style, point(at))
+    }
+
+    pub fn line(&self, points: &[(f64, f64)], colour: RGBAColor, width: f64) -> Drawn<'a> {
+        let style = ShapeStyle { color: colour, filled: false, stroke_width: units(width) as u32 };
+        self.area.draw(&PathElement::new(points.iter().copied().map(point).collect::<Vec<_>>(), style))
+    }
+
+    pub fn polygon(&self, points: &[(f64, f64)], colour: RGBAColor) -> Drawn<'a> {
+        self.area.draw(&Polygon::new(points.iter().copied().map(point).collect::<Vec<_>>(), colour.filled()))
+    }
+
+    pub fn rectangle(&self, rect: Rect, colour: RGBAColor, filled: bool) -> Drawn<'a> {
+        let style = ShapeStyle { color: colour, filled, stroke_width: units(1.0) as u32 };
+        self.area.draw(&Rectangle::new([point((rect.left, rect.top)), point((rect.right, rect.bottom))], style))
+    }
+}
+
+/// About how wide a text will be: fonts are the viewer's.
+pub fn text_width(text: &str, size: f64) -> f64 {
+    text.chars().map(|letter| if "iljtf.,:; |'".contains(letter) { 0.3 } else { 0.57 }).sum::<f64>() * size
+}
+
+/// A stretch of a figure with a time axis and a value axis.
+pub struct Panel<'f, 'a> {
+    pub figure: &'f Figure<'a>,
+    pub rect: Rect,
+    pub time: Axis,
+    pub value: Axis,
+}
+
+impl<'a> Panel<'_, 'a> {
+    pub fn x(&self, time_s: f64) -> f64 {
+        self.rect.left + (self.rect.right - self.rect.left) * self.time.share(time_s)
+    }
+
+    pub fn y(&self, value: f64) -> f64 {
+        self.rect.bottom - (self.rect.bottom - self.rect.top) * self.value.share(value)
+    }
+
+    /// Grid lines with the values' labels on the left; the frame is the grid itself.
+    pub fn grid(&self) -> Drawn<'a> {
+        let Rect { left, right, top, bottom } = self.rect;
+        for (time_s, _) in self.time.ticks() {
+            let x = self.x(time_s);
+            self.figure.line(&[(x, top), (x, bottom)], GRID.to_rgba(), 1.0)?;
+        }
+        for (value, label) in self.value.ticks() {
+            let y = self.y(value);
+            self.figure.line(&[(left, y), (right, y)], GRID.to_rgba(), 1.0)?;
+            self.figure.text(&label, (left - 8.0, y), 12.0, QUIET, Align::Right, false)?;
+        }
+        Ok(())
+    }
+
+    /// Labels of the time axis under the panel, the last one with the unit.
+    pub fn time_labels(&self) -> Drawn<'a> {
+        let bottom = self.rect.bottom;
+        let mut ticks = self.time.ticks();
+        if let Some((_, last)) = ticks.last_mut() {
+            last.push_str(" s");
+        }
+        for (time_s, label) in ticks {
+            let x = self.x(time_s);
+            self.figure.line(&[(x, bottom), (x, bottom + 4.0)], QUIET.to_rgba(), 1.0)?;
+            self.figure.text(&label, (x, bottom + 14.0), 12.0, QUIET, Align::Middle, false)?;
+        }
+        Ok(())
+    }
+
+    /// Caption and legend in the line above the panel, where no data are.
+    pub fn caption(&self, caption: &str, unit: &str, legend: &[(String, RGBColor)]) -> Drawn<'a> {
+        let y = self.rect.top - 13.0;
+        let left = self.rect.left;
+        self.figure.text(caption, (left, y), 14.0, INK, Align::Left, true)?;
+        let after = left + text_width(caption, 14.0) * 1.08 + 8.0;
+        self.figure.text(unit, (after, y), 12.0, QUIET, Align::Left, false)?;
+        let mut x = self.rect.right;
+        for (label, colour) in legend.iter().rev() {
+            x -= text_width(label, 12.0);
+            self.figure.text(label, (x, y), 12.0, INK, Align::Left, false)?;
+            x -= 6.0;
+            self.figure.line(&[(x - 16.0, y), (x, y)], colour.to_rgba(), 3.0)?;
+            x -= 16.0 + 16.0;
+        }
+        Ok(())
+    }
+
+    /// A line through points in time and value; broken where a value is missing or outside of the panel.
+    pub fn curve(&self, points: impl IntoIterator<Item = (f64, f64)>, colour: RGBColor, width: f64) -> Drawn<'a> {
+        let mut stretch = Vec::new();
+        for (time_s, value) in points {
+            if self.value.contains(value) {
+                stretch.push((self.x(time_s), self.y(value)));
+            } else {
+                self.stretch(&mut stretch, colour, width)?;
+            }
+        }
+        self.stretch(&mut stretch, colour, width)
+    }
+
+    fn stretch(&self, points: &mut Vec<(f64, f64)>, colour: RGBColor, width: f64) -> Drawn<'a> {
+        match points.as_slice() {
+            [] => {}
+            // A lone value would be a line of no length.
+            [(x, y)] => self.figure.line(&[(x - 1.0, *y), (x + 1.0, *y)], colour.to_rgba(), width)?,
+            points => self.figure.line(points, colour.to_rgba(), width)?,
+        }
+        points.clear();
+        Ok(())
+    }
+
+    /// What the bins reach over, as a band, where it is wider than the curve through it.
+    pub fn band(&self, bins: &[Bin], colour: RGBAColor) -> Drawn<'a> {
+        let held = |value: f64| self.y(value.clamp(self.value.low, self.value.high));
+        let wide = |bin: &Bin| bin.mean.is_finite() && held(bin.least) - held(bin.most) > CURVE;
+        for stretch in bins.chunk_by(|a, b| wide(a) == wide(b)).filter(|stretch| wide(&stretch[0])) {
+            // A lone odd bin gets the width of a hair, or it would not be seen.
+            if let [bin] = stretch {
+                let x = self.x(bin.middle_s());
+                self.figure.line(&[(x, held(bin.least)), (x, held(bin.most))], colour, CURVE)?;
+                continue;
+            }
+            let upper = stretch.iter().map(|bin| (self.x(bin.middle_s()), held(bin.most)));
+            let lower = stretch.iter().rev().map(|bin| (self.x(bin.middle_s()), held(bin.least)));
+            self.figure.polygon(&upper.chain(lower).collect::<Vec<_>>(), colour)?;
+        }
+        Ok(())
+    }
+
+    /// Bars from the bottom of the panel, one a bin, as one shape: the share of ticks that had their bit set.
+    pub fn bars(&self, bins: &[Bin], colour: RGBColor) -> Drawn<'a> {
+        let (Some(first), Some(last)) = (bins.first(), bins.last()) else { return Ok(()) };
+        let bottom = self.rect.bottom;
+        let mut points = vec![(self.x(first.from_s), bottom)];
+        for bin in bins {
+            let y = if bin.mean.is_finite() { self.y(bin.mean) } else { bottom };
+            for corner in [(self.x(bin.from_s), y), (self.x(bin.to_s), y)] {
+                // Neighbours of one height share their corners.
+                let same = points.len() > 1
+                    && points[points.len() - 1].1 == corner.1
+                    && points[points.len() - 2].1 == corner.1;
+                if same {
+                    points.pop();
+                }
+                points.push(corner);
+            }
+        }
+        points.push((self.x(last.to_s), bottom));
+        self.figure.polygon(&points, colour.to_rgba())
+    }
+}
+
+fn units(pixels: f64) -> f64 {
+    pixels * FINE
+}
+
+fn point((x, y): (f64, f64)) -> (i32, i32) {
+    (units(x).round() as i32, units(y).round() as i32)
+}
+
+/// Scales a finished SVG from units back to pixels, by its own head.
+pub fn in_pixels(svg: &str, width: f64, height: f64) -> String {
+    let (wide, high) = (units(width) as u32, units(height) as u32);
+    svg.replacen(&format!("width=\"{wide}\" height=\"{high}\""), &format!("width=\"{width}\" height=\"{height}\""), 1)
+}

@@ -1,0 +1,438 @@
+//! The picture of a run: which panels there are, and what is in them.
+
+use plotters::style::{Color as _, RGBColor};
+
+use super::PlotError;
+use super::axis::Axis;
+use super::draw::{
+    ALARM, Align, CURVE, DrawError, Figure, GREYS, INK, PALETTE, Panel, QUIET, Rect, in_pixels, text_width,
+};
+use super::reduce::{Bin, bins, mean_power, reach};
+use crate::recording::{HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
+
+const WIDTH: f64 = 1200.0;
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 32.0;
+/// Room above a panel for its caption.
+const CAPTION: f64 = 34.0;
+/// Bins over the width of a panel, some more than a pixel each.
+const BINS: usize = 730;
+/// Values of a decimated power.
+const POWERS: usize = 730;
+/// Ticks of the close-up of the heater bits.
+const CLOSE_UP: usize = 200;
+const BAND_COLOURS: [RGBColor; 2] = [RGBColor(0xdd, 0xe8, 0xf0), RGBColor(0xf3, 0xea, 0xd8)];
+
+/// A curve of a panel.
+struct Curve {
+    label: String,
+    colour: RGBColor,
+    bins: Vec<Bin>,
+}
+
+/// What there is to draw, reduced.
+struct Content<'r> {
+    recording: &'r Recording,
+    time_s: &'r [f64],
+    /// Name, colour.
+    elements: Vec<(&'r str, RGBColor)>,
+    wind: Vec<Curve>,
+    temperatures: Vec<Curve>,
+    /// Element, set-point in °C, from the experiment.
+    set_points: Vec<(String, f64)>,
+    deviations: Vec<Curve>,
+    powers: Vec<(String, RGBColor, Vec<(f64, f64)>)>,
+    power_window_s: f64,
+    heaters: Vec<(&'r str, RGBColor, &'r [f64])>,
+    /// Label, from, to.
+    events: Vec<(String, f64, f64)>,
+    /// Words, when.
+    trips: Vec<(String, f64)>,
+}
+
+/// Draws a recording.
+pub fn svg(recording: &Recording) -> Result<String, PlotError> {
+    let content = Content::of(recording)?;
+    if content.temperatures.is_empty()
+        && content.powers.is_empty()
+        && content.heaters.is_empty()
+        && content.wind.is_empty()
+    {
+        return Err(PlotError::Nothing(recording.path.clone()));
+    }
+    let layout = Layout::of(&content);
+    let mut svg = String::new();
+    compose(&content, &layout, &mut svg).map_err(|error| PlotError::Drawing(error.to_string()))?;
+    Ok(in_pixels(&svg, WIDTH, layout.height))
+}
+
+impl<'r> Content<'r> {
+    fn of(recording: &'r Recording) -> Result<Self, PlotError> {
+        let time_s = recording.time_s()?;
+        let column = |prefix: &str, element: &str| recording.numbers(&format!("{prefix}{element}")).ok();
+        let mut cores = 0;
+        let elements: Vec<_> = (recording.elements().into_iter().enumerate())
+            .map(|(i, name)| {
+                let colour = if name.starts_with("core") {
+                    cores += 1;
+                    GREYS[(cores - 1) % GREYS.len()]
+                } else {
+                    PALETTE[i % PALETTE.len()]
+                };
+                (name, colour)
+            })
+            .collect();
+        let curve = |label: &str, colour, values: &dyn Fn(usize) -> f64| Curve {
+            label: label.to_owned(),
+            colour,
+            bins: bins(time_s, values, BINS),
+        };
+
+        let components: Vec<_> = WIND.iter().filter_map(|name| recording.numbers(name).ok()).collect();
+        let mut wind = Vec::new();
+        if let &[x, y, z] = components.as_slice() {
+            for (label, colour, component) in [("x", PALETTE[0], x), ("y", PALETTE[1], y), ("z", PALETTE[2], z)] {
+                wind.push(curve(label, colour, &|row| component[row]));
+            }
+            wind.push(curve("speed", INK, &|row| (x[row] * x[row] + y[row] * y[row] + z[row] * z[row]).sqrt()));
+        }
+
+        let set_points = set_points(recording);
+        let (mut temperatures, mut deviations, mut powers, mut heaters) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut power_window_s = 0.0;
+        for &(name, colour) in &elements {
+            if let Some(temperature_c) = column(TEMPERATURE, name) {
+                temperatures.push(curve(name, colour, &|row| temperature_c[row]));
+                if let Some((_, set_point_c)) = set_points.iter().find(|(element, _)| element == name) {
+                    // Warming up is another story: from the first arrival on.
+                    let arrival = temperature_c.iter().position(|celsius| celsius >= set_point_c).unwrap_or(usize::MAX);
+                    let deviation =
+                        |row: usize| if row < arrival { f64::NAN } else { (temperature_c[row] - set_point_c) * 1e3 };
+                    deviations.push(curve(name, colour, &deviation));
+                }
+            }
+            if let Some(mean) = column(POWER, name).and_then(|power_w| mean_power(time_s, power_w, POWERS)) {
+                let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len().max(2) - 1) as f64;
+                power_window_s = f64::from(mean.ratio) * step_s;
+                powers.push((name.to_owned(), colour, mean.time_s.into_iter().zip(mean.power_w).collect()));
+            }
+            heaters.extend(column(HEATER, name).map(|bits| (name, colour, bits)));
+        }
+
+        let start = |row: usize| time_s.get(row).copied().unwrap_or(time_s[time_s.len() - 1]);
+        let events = recording
+            .events()
+            .map(|words| words.stretches().map(|(from, to, word)| (word.to_owned(), start(from), start(to))));
+        let states = recording.words(STATE).ok().into_iter().flat_map(|words| words.stretches().collect::<Vec<_>>());
+        let trips = states
+            .filter_map(|(from, _, state)| Some((state.strip_prefix("tripped:")?.replacen(':', ", ", 1), start(from))))
+            .collect();
+        Ok(Self {
+            recording,
+            time_s,
+            elements,
+            wind,
+            temperatures,
+            set_points,
+            deviations,
+            powers,
+            power_window_s,
+            heaters,
+            events: events.into_iter().flatten().collect(),
+            trips,
+        })
+    }
+
+    /// Rows of the close-up: from the middle of the run's second half, where it has settled.
+    fn close_up(&self) -> std::ops::Range<usize> {
+        let rows = self.time_s.len();
+        let length = CLOSE_UP.min(rows);
+        let from = (rows * 3 / 4).min(rows - length);
+        from..from + length
+    }
+}
+
+/// Constant set-points, read from the experiment that the recording carries.
+fn set_points(recording: &Recording) -> Vec<(String, f64)> {
+    let table = recording.metadata("experiment").and_then(|text| text.parse::<toml::Table>().ok());
+    let drives = table.as_ref().and_then(|table| table.get("drives")?.as_table());
+    let set_point =
+        |(element, drive): (&String, &toml::Value)| Some((element.clone(), drive.get("temperature_c")?.as_float()?));
+    drives.into_iter().flatten().filter_map(set_point).collect()
+}
+
+/// Where the panels are, from top to bottom; `None` for those that are left out.
+struct Layout {
+    height: f64,
+    events: Option<Rect>,
+    wind: Option<Rect>,
+    temperatures: Option<Rect>,
+    deviations: Option<Rect>,
+    powers: Option<Rect>,
+    heaters: Option<Rect>,
+    close_up: Option<Rect>,
+}
+
+impl Layout {
+    fn of(content: &Content) -> Self {
+        let mut y = 62.0;
+        let mut place = |wanted: bool, above: f64, height: f64| {
+            wanted.then(|| {
+                let rect = Rect { left: LEFT, right: WIDTH - RIGHT, top: y + above, bottom: y + above + height };
+                y = rect.bottom;
+                rect
+            })
+        };
+        let rows = content.heaters.len() as f64;
+        let named = content.events.iter().any(|(label, _, _)| !label.is_empty());
+        let layout = Self {
+            height: 0.0,
+            events: place(named, 4.0, 22.0),
+            wind: place(!content.wind.is_empty(), CAPTION, 130.0),
+            temperatures: place(!content.temperatures.is_empty(), CAPTION, 130.0),
+            deviations: place(!content.deviations.is_empty(), CAPTION, 100.0),
+            powers: place(!content.powers.is_empty(), CAPTION, 190.0),
+            heaters: place(rows > 0.0, CAPTION, 22.0 * rows),
+            close_up: place(rows > 0.0, 66.0, 16.0 * rows),
+        };
+        Self { height: y + 38.0, ..layout }
+    }
+
+    /// The panels over the whole time, in order.
+    fn whole(&self) -> impl Iterator<Item = Rect> {
+        [self.wind, self.temperatures, self.deviations, self.powers, self.heaters].into_iter().flatten()
+    }
+}
+
+fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Result<(), DrawError<'a>> {
+    let figure = Figure::new(svg, WIDTH, layout.height)?;
+    let bins = content.temperatures.first().or(content.wind.first()).map(|curve| &curve.bins);
+    let end_s = bins.and_then(|bins| bins.last()).map_or(content.time_s[content.time_s.len() - 1], |bin| bin.to_s);
+    let start_s = content.time_s[0];
+    let end_s = if end_s > start_s { end_s } else { start_s + 1.0 };
+    let time = Axis::exactly(start_s, end_s, 10);
+    let panel = |rect: Rect, value: Axis| Panel { figure: &figure, rect, time: time.clone(), value };
+
+    headline(&figure, content)?;
+    event_bands(&figure, content, layout, &time)?;
+    if let Some(rect) = layout.wind {
+        let values = content.wind.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
+        let panel = panel(rect, Axis::around(values.chain([0.0]), 5));
+        panel.grid()?;
+        panel.caption("Wind", "m/s, into which it blows", &legend(&content.wind))?;
+        for curve in &content.wind {
+            panel.band(&curve.bins, curve.colour.mix(0.18))?;
+        }
+        for curve in &content.wind {
+            let width = if curve.label == "speed" { 1.6 } else { 1.1 };
+            panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, width)?;
+        }
+    }
+    if let Some(rect) = layout.temperatures {
+        temperatures(&panel, rect, content)?;
+    }
+    if let Some(rect) = layout.deviations {
+        deviations(&panel, rect, content)?;
+    }
+    if let Some(rect) = layout.powers {
+        let greatest =
+            content.powers.iter().flat_map(|(_, _, points)| points).map(|(_, power_w)| *power_w).fold(0.0, f64::max);
+        let (factor, unit) = if greatest < 0.5 { (1e3, "mW") } else { (1.0, "W") };
+        let panel = panel(rect, Axis::around([0.0, greatest * factor], 5));
+        panel.grid()?;
+        let unit = format!("{unit}, decimated to one value in {} s", brief(content.power_window_s));
+        let legend: Vec<_> = content.powers.iter().map(|(label, colour, _)| (label.clone(), *colour)).collect();
+        panel.caption("Heating power", &unit, &legend)?;
+        for (_, colour, points) in content.powers.iter().rev() {
+            panel.curve(points.iter().map(|(time_s, power_w)| (*time_s, power_w * factor)), *colour, CURVE)?;
+        }
+    }
+    if let (Some(rect), Some(close_up)) = (layout.heaters, layout.close_up) {
+        heaters(&figure, content, &time, rect, close_up)?;
+    } else if let Some(rect) = layout.whole().last() {
+        panel(rect, Axis::exactly(0.0, 1.0, 2)).time_labels()?;
+    }
+    trips(&figure, content, layout, &time)?;
+    figure.finish()
+}
+
+fn headline<'a>(figure: &Figure<'a>, content: &Content) -> Result<(), DrawError<'a>> {
+    let of = |key| content.recording.metadata(key);
+    let title = of("title").map_or_else(|| content.recording.path.display().to_string(), str::to_owned);
+    figure.text(&title, (LEFT, 26.0), 22.0, INK, Align::Left, true)?;
+    let (rows, elements) = (content.time_s.len(), content.elements.len());
+    let mut parts = vec![of("head_name").map_or_else(|| format!("{elements} elements"), |head| format!("head {head}"))];
+    parts.extend(of("firmware").map(str::to_owned));
+    parts.push(format!("{rows} ticks"));
+    parts.extend(of("lost").filter(|lost| *lost != "0").map(|lost| format!("{lost} lost")));
+    parts.extend(of("hash").map(|hash| format!("hash {hash}")));
+    figure.text(&parts.join("  ·  "), (LEFT, 49.0), 12.5, QUIET, Align::Left, false)
+}
+
+/// Bands of alternating colour with the labels of the conditions; they go on, paler, through the panels.
+fn event_bands<'a>(figure: &Figure<'a>, content: &Content, layout: &Layout, time: &Axis) -> Result<(), DrawError<'a>> {
+    let Some(strip) = layout.events else { return Ok(()) };
+    let x = |time_s: f64| strip.left + (strip.right - strip.left) * time.share(time_s).clamp(0.0, 1.0);
+    let last = content.events.len() - 1;
+    for (i, (label, from_s, to_s)) in content.events.iter().enumerate() {
+        // The last one holds to the end of the last tick.
+        let (left, right) = (x(*from_s), if i == last { strip.right } else { x(*to_s) });
+        let colour = BAND_COLOURS[i % 2];
+        figure.rectangle(Rect { left, right, ..strip }, colour.to_rgba(), true)?;
+        for rect in layout.whole() {
+            figure.rectangle(Rect { left, right, ..rect }, colour.mix(0.3), true)?;
+        }
+        let room = right - left - 8.0;
+        let mut shown = label.clone();
+        while text_width(&shown, 12.0) > room && !shown.is_empty() {
+            shown.pop();
+        }
+        if shown.len() < label.len() {
+            shown.pop();
+            shown = if shown.chars().count() < 3 { String::new() } else { shown.trim_end().to_owned() + "…" };
+        }
+        let middle = ((left + right) / 2.0, (strip.top + strip.bottom) / 2.0);
+        figure.text(&shown, middle, 12.0, INK, Align::Middle, false)?;
+    }
+    Ok(())
+}
+
+fn temperatures<'f, 'a>(
+    panel: &impl Fn(Rect, Axis) -> Panel<'f, 'a>,
+    rect: Rect,
+    content: &Content,
+) -> Result<(), DrawError<'a>>
+where
+    'a: 'f,
+{
+    let values = content.temperatures.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
+    let targets = content.set_points.iter().map(|(_, celsius)| *celsius);
+    let panel = panel(rect, Axis::around(values.chain(targets.clone()), 4));
+    panel.grid()?;
+    let mut distinct: Vec<f64> = Vec::new();
+    for target in targets {
+        if !distinct.contains(&target) {
+            distinct.push(target);
+        }
+    }
+    let unit = match distinct.as_slice() {
+        [] => "°C".to_owned(),
+        [one] => format!("°C, set-point {}", one.to_string().replace('-', "−")),
+        _ => "°C, set-points dashed".to_owned(),
+    };
+    panel.caption("Temperature", &unit, &legend(&content.temperatures))?;
+    for target in distinct.iter().take(6) {
+        let y = panel.y(*target);
+        let mut x = rect.left;
+        while x < rect.right {
+            panel.figure.line(&[(x, y), ((x + 7.0).min(rect.right), y)], QUIET.to_rgba(), 1.0)?;
+            x += 12.0;
+        }
+    }
+    for curve in content.temperatures.iter().rev() {
+        panel.band(&curve.bins, curve.colour.mix(0.3))?;
+        panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, CURVE)?;
+    }
+    Ok(())
+}
+
+/// How well the loops hold: from when an element first arrived at its set-point, with a range that the rare extremes may leave.
+fn deviations<'f, 'a>(
+    panel: &impl Fn(Rect, Axis) -> Panel<'f, 'a>,
+    rect: Rect,
+    content: &Content,
+) -> Result<(), DrawError<'a>>
+where
+    'a: 'f,
+{
+    let bins = || content.deviations.iter().flat_map(|curve| &curve.bins).filter(|bin| bin.mean.is_finite());
+    let mut distances: Vec<f64> = bins().flat_map(|bin| [bin.least.abs(), bin.most.abs()]).collect();
+    distances.sort_by(f64::total_cmp);
+    let most = distances.get(distances.len().saturating_sub(1) * 98 / 100).copied().unwrap_or(1.0).max(1e-3);
+    let panel = panel(rect, Axis::around([-most, most], 4));
+    panel.grid()?;
+    panel.caption("Off the set-point", "mK; means, and what all of them reach over", &[])?;
+    panel.band(&reach(content.deviations.iter().map(|curve| curve.bins.as_slice())), QUIET.mix(0.15))?;
+    for curve in content.deviations.iter().rev() {
+        panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, 1.2)?;
+    }
+    Ok(())
+}
+
+/// One row an element: the share of ticks at the high level over the whole run, and every single bit of a short stretch.
+fn heaters<'a>(
+    figure: &Figure<'a>,
+    content: &Content,
+    time: &Axis,
+    rect: Rect,
+    close_up: Rect,
+) -> Result<(), DrawError<'a>> {
+    let rows = content.close_up();
+    let row_bins = bins(content.time_s, |_| 0.0, content.time_s.len());
+    let (from_s, to_s) = (row_bins[rows.start].from_s, row_bins[rows.end - 1].to_s);
+    let near = Axis::exactly(from_s, to_s, 8);
+    let count = content.heaters.len() as f64;
+    let row_of = |rect: Rect, i: usize| {
+        let height = (rect.bottom - rect.top) / count;
+        let top = rect.top + height * i as f64;
+        Rect { top: top + 2.0, bottom: top + height - 2.0, ..rect }
+    };
+    let share = Axis::exactly(0.0, 1.0, 1);
+    let whole = Panel { figure, rect, time: time.clone(), value: Axis::exactly(0.0, 1.0, 1) };
+    whole.caption("Heater bits", "share of ticks at the high level", &[])?;
+    let detail = Panel { figure, rect: close_up, time: near.clone(), value: share.clone() };
+    let words = format!("every bit of {} ticks", rows.len());
+    let middle = whole.x(f64::midpoint(from_s, to_s)).clamp(rect.left + 150.0, rect.right - 150.0);
+    figure.text(&words, (middle, close_up.top - 13.0), 12.0, QUIET, Align::Middle, false)?;
+    for (i, (name, colour, bits)) in content.heaters.iter().enumerate() {
+        for (rect, time, bins) in [
+            (row_of(rect, i), time, bins(content.time_s, |row| bits[row], BINS)),
+            (row_of(close_up, i), &near, bins(&content.time_s[rows.clone()], |row| bits[rows.start + row], rows.len())),
+        ] {
+            let middle = (rect.top + rect.bottom) / 2.0;
+            figure.text(name, (rect.left - 8.0, middle), 12.0, QUIET, Align::Right, false)?;
+            figure.rectangle(rect, colour.mix(0.1), true)?;
+            Panel { figure, rect, time: time.clone(), value: share.clone() }.bars(&bins, *colour)?;
+        }
+    }
+    whole.time_labels()?;
+    detail.time_labels()?;
+    // Where the close-up comes from.
+    let (left, right) = (whole.x(from_s), whole.x(to_s).max(whole.x(from_s) + 1.5));
+    figure.rectangle(Rect { left, right, top: rect.top - 2.0, bottom: rect.bottom + 2.0 }, INK.to_rgba(), false)?;
+    for (top, bottom) in [(left, close_up.left), (right, close_up.right)] {
+        figure.line(
+            &[(top, rect.bottom + 2.0), (top, rect.bottom + 24.0), (bottom, close_up.top - 4.0)],
+            QUIET.mix(0.6),
+            1.0,
+        )?;
+    }
+    Ok(())
+}
+
+fn trips<'a>(figure: &Figure<'a>, content: &Content, layout: &Layout, time: &Axis) -> Result<(), DrawError<'a>> {
+    let panels: Vec<Rect> = layout.whole().collect();
+    let (Some(first), Some(last)) = (panels.first(), panels.last()) else { return Ok(()) };
+    for (i, (words, time_s)) in content.trips.iter().enumerate() {
+        let x = first.left + (first.right - first.left) * time.share(*time_s);
+        figure.line(&[(x, first.top), (x, last.bottom)], ALARM.to_rgba(), 1.5)?;
+        let words = format!("tripped: {words}");
+        let y = first.top + 11.0 + 15.0 * (i % 4) as f64;
+        let fits = x + 6.0 + text_width(&words, 12.5) < first.right;
+        let (x, align) = if fits { (x + 6.0, Align::Left) } else { (x - 6.0, Align::Right) };
+        figure.text(&words, (x, y), 12.5, ALARM, align, true)?;
+    }
+    Ok(())
+}
+
+fn legend(curves: &[Curve]) -> Vec<(String, RGBColor)> {
+    curves.iter().map(|curve| (curve.label.clone(), curve.colour)).collect()
+}
+
+/// Three digits, for a caption.
+fn brief(number: f64) -> String {
+    let digits = (2 - number.abs().max(1e-9).log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{number:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
