@@ -200,7 +200,7 @@ mod app {
         }
     }
 
-    /// Sends what waits. Priority 1; the queue holds 32 messages meanwhile, and what finds it full is counted.
+    /// Sends what waits. Priority 1; 31 messages may wait meanwhile, and what finds it full is counted.
     #[task(priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
     async fn transmit(mut cx: transmit::Context) {
         let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;

@@ -197,7 +197,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::RDATAC, delay)
     }
 
-    /// Changes the data rate of a chip that converts already; the offsets stay, they do not depend on it. Takes 0.1 ms.
+    /// Changes the data rate of a chip that converts already. Takes 0.1 ms; the offsets are those of the modulators, and stay.
     ///
     /// # Errors
     /// A register that does not hold what was written, or a bus that failed. The chip is then not converting, or not at

@@ -163,4 +163,25 @@ mod tests {
         assert_eq!(data_ready.next(5 * PERIOD, false), Due::Wait);
         assert_eq!(data_ready, before);
     }
+
+    #[test]
+    fn a_silent_adc_is_missing_within_two_ticks_and_the_health_task_s_beat() {
+        use crate::drivers::settled_mean::SettledMean;
+        use crate::drivers::tick_plan::TickPlan;
+        use dr_core::sensor::Reading;
+
+        // 10 ms ticks of 40 conversions; the ADC stops k conversions into its third tick.
+        for k in 0..40 {
+            let mut data_ready = DataReady::new(PERIOD, 0);
+            let mut mean = SettledMean::<1>::new(TickPlan::new(10_000).unwrap());
+            served(&mut data_ready, (0..80 + k).map(|n| 4.5 + f64::from(n)), 0);
+            let mut ticks: Vec<_> = (0..80 + k).filter_map(|_| mean.conversion(Some(&[7]))).collect();
+            // Two ticks and a period of patience after the last edge, at 83.5 + k. The beat that finds it comes within 50 ms.
+            let now = ((83.5 + f64::from(k) + 81.0) * f64::from(PERIOD)) as u32;
+            while data_ready.next(now, false) == Due::Lost {
+                ticks.extend(mean.conversion(None));
+            }
+            assert!(ticks[2..].contains(&[Reading::Missing]), "{k}: {ticks:?}");
+        }
+    }
 }
