@@ -49,6 +49,16 @@ impl<B: Body> LockStep<B> {
         Self { body: Box::new(body), sphere }
     }
 
+    /// The body, for what only this kind of body can say.
+    pub fn body(&self) -> &B {
+        &self.body
+    }
+
+    /// The body, for what only this kind of body can do.
+    pub fn body_mut(&mut self) -> &mut B {
+        &mut self.body
+    }
+
     /// What is really so at the end of the last tick.
     pub fn truth(&self) -> Truth {
         self.sphere.truth()

@@ -1,0 +1,40 @@
+//! How fast runs go: in process, and exchanges with the emulated board over both links.
+//!
+//! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a second are ticks a second.
+//! Machines differ and are shared: compare figures of one run.
+
+use anemo_tests::{experiment, firmware, in_process, sphere, start, started};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use dr_core::sensor::Reading;
+use host_sim::instrument::Instrument;
+use host_sim::instrument::emulated::{Emulated, Path as Way};
+
+fn lock_step(criterion: &mut Criterion) {
+    let experiment = experiment("gusts.toml");
+    let mut group = criterion.benchmark_group("ticks");
+    group.throughput(Throughput::Elements(1));
+
+    let mut host = in_process(&experiment);
+    start(&experiment, &mut *host);
+    group.bench_function("in process: controller and simulated sphere", |b| b.iter(|| host.observe()));
+
+    for (name, way) in [("fast link", Way::Fifo), ("USART", Way::Usart)] {
+        let mut board = started(&experiment, Emulated::start(&firmware(), way).expect("the emulated board starts"));
+        group.bench_function(format!("{name}: exchange with sample"), |b| b.iter(|| board.observe()));
+    }
+    for (name, way) in [("fast link", Way::Fifo), ("USART", Way::Usart)] {
+        let mut board = Emulated::start(&firmware(), way).expect("the emulated board starts");
+        let mut sphere = sphere(&experiment);
+        board.without_samples().expect("the board listens");
+        group.bench_function(format!("{name}: exchange of readings, levels and digest"), |b| {
+            b.iter(|| {
+                let answer = board.exchange_levels(&sphere.codes().map(Reading::Code)).expect("the board answers");
+                sphere.advance(answer.heaters.0);
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, lock_step);
+criterion_main!(benches);

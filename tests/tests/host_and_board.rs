@@ -1,0 +1,54 @@
+//! The same run on host and emulated board: bit by bit the same.
+
+use anemo_tests::{changed, emulated, experiment, in_process, start, summary};
+use host_sim::instrument::Instrument;
+use host_sim::instrument::emulated::Path as Way;
+
+/// Runs both bodies side by side, each around its own simulated sphere, and stops at the first difference.
+fn side_by_side(name: &str, ticks: u32, way: Way) -> u64 {
+    let experiment = experiment(name);
+    let mut host = in_process(&experiment);
+    let mut board = emulated(&experiment, way);
+    start(&experiment, &mut *host);
+    start(&experiment, &mut *board);
+    for tick in 0..ticks {
+        let (expected, seen) = (host.observe().unwrap(), board.observe().unwrap());
+        assert_eq!(expected, seen, "{name}: samples differ at tick {tick}");
+        assert_eq!(host.digest(), board.digest(), "{name}: states differ at tick {tick}");
+    }
+    let account = Instrument::finish(board).unwrap();
+    assert_eq!((account.link.lost, account.link.damaged, account.link.repeated), (0, 0, 0));
+    host.digest().unwrap()
+}
+
+#[test]
+fn one_hundred_thousand_ticks_of_gusts_are_the_same_to_the_bit() {
+    let experiment = experiment("gusts.toml");
+    assert_eq!(experiment.ticks, 100_000);
+    let host = summary(&experiment, in_process(&experiment));
+    let board = summary(&experiment, emulated(&experiment, Way::Fifo));
+    println!("gusts, 100 000 ticks: host {} board {}", host.hash.as_ref().unwrap(), board.hash.as_ref().unwrap());
+    assert_eq!(host.hash, board.hash);
+    assert_eq!(host.elements, board.elements);
+    assert_eq!((board.ticks, board.lost, board.trips.len()), (100_000, 0, 0));
+    // A digest of something: neither nothing nor another wind's.
+    let other = changed("gusts.toml", &[("speed_m_s = 1.0", "speed_m_s = 1.001")]);
+    assert_ne!(summary(&other, in_process(&other)).hash, host.hash);
+}
+
+#[test]
+fn every_drive_is_the_same_to_the_bit() {
+    let digest = side_by_side("all-drives.toml", 12_000, Way::Fifo);
+    println!("all drives, 12 000 ticks: {digest:016x}");
+}
+
+#[test]
+fn the_usart_carries_the_same_run_as_the_fast_link() {
+    let usart = side_by_side("gusts.toml", 1_000, Way::Usart);
+    assert_eq!(usart, side_by_side("gusts.toml", 1_000, Way::Fifo));
+}
+
+#[test]
+fn a_millisecond_tick_is_the_same_to_the_bit() {
+    side_by_side("still-gas.toml", 5_000, Way::Fifo);
+}
