@@ -1,54 +1,20 @@
 //! The picture of a run: which panels there are, and what is in them.
 
-use plotters::style::{Color as _, RGBColor};
+use plotters::style::{Color as _, RGBColor, WHITE};
 
 use super::PlotError;
 use super::axis::Axis;
-use super::draw::{
-    ALARM, Align, CURVE, DrawError, Figure, GREYS, INK, PALETTE, Panel, QUIET, Rect, in_pixels, text_width,
-};
-use super::reduce::{Bin, bins, mean_power, reach};
-use crate::recording::{HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
+use super::content::{BINS, Content, Curve};
+use super::draw::{ALARM, Align, CURVE, DrawError, Figure, INK, Panel, QUIET, Rect, in_pixels, text_width};
+use super::reduce::{bins, reach};
+use crate::recording::Recording;
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 32.0;
 /// Room above a panel for its caption.
 const CAPTION: f64 = 34.0;
-/// Bins over the width of a panel, some more than a pixel each.
-const BINS: usize = 730;
-/// Values of a decimated power.
-const POWERS: usize = 730;
-/// Ticks of the close-up of the heater bits.
-const CLOSE_UP: usize = 200;
 const BAND_COLOURS: [RGBColor; 2] = [RGBColor(0xdd, 0xe8, 0xf0), RGBColor(0xf3, 0xea, 0xd8)];
-
-/// A curve of a panel.
-struct Curve {
-    label: String,
-    colour: RGBColor,
-    bins: Vec<Bin>,
-}
-
-/// What there is to draw, reduced.
-struct Content<'r> {
-    recording: &'r Recording,
-    time_s: &'r [f64],
-    /// Name, colour.
-    elements: Vec<(&'r str, RGBColor)>,
-    wind: Vec<Curve>,
-    temperatures: Vec<Curve>,
-    /// Element, set-point in °C, from the experiment.
-    set_points: Vec<(String, f64)>,
-    deviations: Vec<Curve>,
-    powers: Vec<(String, RGBColor, Vec<(f64, f64)>)>,
-    power_window_s: f64,
-    heaters: Vec<(&'r str, RGBColor, &'r [f64])>,
-    /// Label, from, to.
-    events: Vec<(String, f64, f64)>,
-    /// Words, when.
-    trips: Vec<(String, f64)>,
-}
 
 /// Draws a recording.
 pub fn svg(recording: &Recording) -> Result<String, PlotError> {
@@ -64,102 +30,6 @@ pub fn svg(recording: &Recording) -> Result<String, PlotError> {
     let mut svg = String::new();
     compose(&content, &layout, &mut svg).map_err(|error| PlotError::Drawing(error.to_string()))?;
     Ok(in_pixels(&svg, WIDTH, layout.height))
-}
-
-impl<'r> Content<'r> {
-    fn of(recording: &'r Recording) -> Result<Self, PlotError> {
-        let time_s = recording.time_s()?;
-        let column = |prefix: &str, element: &str| recording.numbers(&format!("{prefix}{element}")).ok();
-        let mut cores = 0;
-        let elements: Vec<_> = (recording.elements().into_iter().enumerate())
-            .map(|(i, name)| {
-                let colour = if name.starts_with("core") {
-                    cores += 1;
-                    GREYS[(cores - 1) % GREYS.len()]
-                } else {
-                    PALETTE[i % PALETTE.len()]
-                };
-                (name, colour)
-            })
-            .collect();
-        let curve = |label: &str, colour, values: &dyn Fn(usize) -> f64| Curve {
-            label: label.to_owned(),
-            colour,
-            bins: bins(time_s, values, BINS),
-        };
-
-        let components: Vec<_> = WIND.iter().filter_map(|name| recording.numbers(name).ok()).collect();
-        let mut wind = Vec::new();
-        if let &[x, y, z] = components.as_slice() {
-            for (label, colour, component) in [("x", PALETTE[0], x), ("y", PALETTE[1], y), ("z", PALETTE[2], z)] {
-                wind.push(curve(label, colour, &|row| component[row]));
-            }
-            wind.push(curve("speed", INK, &|row| (x[row] * x[row] + y[row] * y[row] + z[row] * z[row]).sqrt()));
-        }
-
-        let set_points = set_points(recording);
-        let (mut temperatures, mut deviations, mut powers, mut heaters) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut power_window_s = 0.0;
-        for &(name, colour) in &elements {
-            if let Some(temperature_c) = column(TEMPERATURE, name) {
-                temperatures.push(curve(name, colour, &|row| temperature_c[row]));
-                if let Some((_, set_point_c)) = set_points.iter().find(|(element, _)| element == name) {
-                    // Warming up is another story: from the first arrival on.
-                    let arrival = temperature_c.iter().position(|celsius| celsius >= set_point_c).unwrap_or(usize::MAX);
-                    let deviation =
-                        |row: usize| if row < arrival { f64::NAN } else { (temperature_c[row] - set_point_c) * 1e3 };
-                    deviations.push(curve(name, colour, &deviation));
-                }
-            }
-            if let Some(mean) = column(POWER, name).and_then(|power_w| mean_power(time_s, power_w, POWERS)) {
-                let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len().max(2) - 1) as f64;
-                power_window_s = f64::from(mean.ratio) * step_s;
-                powers.push((name.to_owned(), colour, mean.time_s.into_iter().zip(mean.power_w).collect()));
-            }
-            heaters.extend(column(HEATER, name).map(|bits| (name, colour, bits)));
-        }
-
-        let start = |row: usize| time_s.get(row).copied().unwrap_or(time_s[time_s.len() - 1]);
-        let events = recording
-            .events()
-            .map(|words| words.stretches().map(|(from, to, word)| (word.to_owned(), start(from), start(to))));
-        let states = recording.words(STATE).ok().into_iter().flat_map(|words| words.stretches().collect::<Vec<_>>());
-        let trips = states
-            .filter_map(|(from, _, state)| Some((state.strip_prefix("tripped:")?.replacen(':', ", ", 1), start(from))))
-            .collect();
-        Ok(Self {
-            recording,
-            time_s,
-            elements,
-            wind,
-            temperatures,
-            set_points,
-            deviations,
-            powers,
-            power_window_s,
-            heaters,
-            events: events.into_iter().flatten().collect(),
-            trips,
-        })
-    }
-
-    /// Rows of the close-up: from the middle of the run's second half, where it has settled.
-    fn close_up(&self) -> std::ops::Range<usize> {
-        let rows = self.time_s.len();
-        let length = CLOSE_UP.min(rows);
-        let from = (rows * 3 / 4).min(rows - length);
-        from..from + length
-    }
-}
-
-/// Constant set-points, read from the experiment that the recording carries.
-fn set_points(recording: &Recording) -> Vec<(String, f64)> {
-    let table = recording.metadata("experiment").and_then(|text| text.parse::<toml::Table>().ok());
-    let drives = table.as_ref().and_then(|table| table.get("drives")?.as_table());
-    let set_point =
-        |(element, drive): (&String, &toml::Value)| Some((element.clone(), drive.get("temperature_c")?.as_float()?));
-    drives.into_iter().flatten().filter_map(set_point).collect()
 }
 
 /// Where the panels are, from top to bottom; `None` for those that are left out.
@@ -236,16 +106,17 @@ fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Resul
         deviations(&panel, rect, content)?;
     }
     if let Some(rect) = layout.powers {
-        let greatest =
-            content.powers.iter().flat_map(|(_, _, points)| points).map(|(_, power_w)| *power_w).fold(0.0, f64::max);
+        let watts = content.powers.iter().flat_map(|power| &power.points).map(|(_, power_w)| *power_w);
+        let greatest = watts.fold(0.0, f64::max);
         let (factor, unit) = if greatest < 0.5 { (1e3, "mW") } else { (1.0, "W") };
         let panel = panel(rect, Axis::around([0.0, greatest * factor], 5));
         panel.grid()?;
         let unit = format!("{unit}, decimated to one value in {} s", brief(content.power_window_s));
-        let legend: Vec<_> = content.powers.iter().map(|(label, colour, _)| (label.clone(), *colour)).collect();
+        let legend: Vec<_> = content.powers.iter().map(|power| (power.label.clone(), power.colour)).collect();
         panel.caption("Heating power", &unit, &legend)?;
-        for (_, colour, points) in content.powers.iter().rev() {
-            panel.curve(points.iter().map(|(time_s, power_w)| (*time_s, power_w * factor)), *colour, CURVE)?;
+        for power in content.powers.iter().rev() {
+            let points = power.points.iter().map(|(time_s, power_w)| (*time_s, power_w * factor));
+            panel.curve(points, power.colour, CURVE)?;
         }
     }
     if let (Some(rect), Some(close_up)) = (layout.heaters, layout.close_up) {
@@ -414,13 +285,17 @@ fn heaters<'a>(
 fn trips<'a>(figure: &Figure<'a>, content: &Content, layout: &Layout, time: &Axis) -> Result<(), DrawError<'a>> {
     let panels: Vec<Rect> = layout.whole().collect();
     let (Some(first), Some(last)) = (panels.first(), panels.last()) else { return Ok(()) };
-    for (i, (words, time_s)) in content.trips.iter().enumerate() {
+    for (i, (words, _, time_s)) in content.trips.iter().enumerate() {
         let x = first.left + (first.right - first.left) * time.share(*time_s);
         figure.line(&[(x, first.top), (x, last.bottom)], ALARM.to_rgba(), 1.5)?;
         let words = format!("tripped: {words}");
         let y = first.top + 11.0 + 15.0 * (i % 4) as f64;
         let fits = x + 6.0 + text_width(&words, 12.5) < first.right;
         let (x, align) = if fits { (x + 6.0, Align::Left) } else { (x - 6.0, Align::Right) };
+        let width = text_width(&words, 12.5) * 1.12;
+        let left = if fits { x - 3.0 } else { x - width };
+        let paper = Rect { left, right: left + width + 3.0, top: y - 8.0, bottom: y + 8.0 };
+        figure.rectangle(paper, WHITE.mix(0.85), true)?;
         figure.text(&words, (x, y), 12.5, ALARM, align, true)?;
     }
     Ok(())

@@ -4,6 +4,7 @@
 //! kilobytes in which a single odd tick can still be seen. Panels for which the recording has no columns are left out.
 
 mod axis;
+mod content;
 mod draw;
 mod figure;
 mod reduce;

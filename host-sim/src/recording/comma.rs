@@ -166,6 +166,10 @@ impl Reader {
         if names.is_empty() {
             return Err(RecordingError::content(path, "is empty: a line with the columns' names belongs first"));
         }
+        if let ([only], Some(separator)) = (names.as_slice(), names[0].find([';', '\t'])) {
+            let sentence = format!("separates its columns by {:?}: commas belong there", &only[separator..=separator]);
+            return Err(RecordingError::content(path, sentence));
+        }
         if let Some(at) = names.iter().position(String::is_empty) {
             return Err(RecordingError::content(path, format!("column {} has no name", at + 1)));
         }

@@ -179,6 +179,7 @@ fn what_is_wrong_with_a_table_is_said_by_row_and_column() {
     );
     assert_eq!(csv("t,y,y\n0,1,1\n").unwrap_err(), "r.csv: two columns are named `y`: rename one of them");
     assert_eq!(csv("t,y\n").unwrap_err(), "r.csv: has columns but no rows");
+    assert_eq!(csv("t;y\n0;1\n").unwrap_err(), "r.csv: separates its columns by \";\": commas belong there");
     assert_eq!(csv("").unwrap_err(), "r.csv: is empty: a line with the columns' names belongs first");
     assert_eq!(
         csv("0,1\n1,2\n").unwrap_err(),
