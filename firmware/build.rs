@@ -15,7 +15,7 @@ fn main() {
     // An archive without history still builds; it then goes by its version alone.
     let commit = Command::new("git").args(["rev-parse", "--short=8", "HEAD"]).output();
     let commit = commit.ok().filter(|o| o.status.success()).and_then(|o| String::from_utf8(o.stdout).ok());
-    println!("cargo:rerun-if-changed=../.git/HEAD");
+    println!("cargo:rerun-if-changed=../.git/logs/HEAD");
     let version = env::var("CARGO_PKG_VERSION").expect("cargo sets CARGO_PKG_VERSION");
     let suffix = commit.map(|c| format!("+{}", c.trim())).unwrap_or_default();
     println!("cargo:rustc-env=ANEMO_FIRMWARE_NAME=anemo {version}{suffix}");

@@ -33,10 +33,8 @@ pub fn changed(name: &str, replacements: &[(&str, &str)]) -> Experiment {
 
 /// The virtual board's firmware, built by `cargo xtask test` (or `demo`, or `size`).
 pub fn firmware() -> PathBuf {
-    let path = std::env::var_os("ANEMO_FIRMWARE").map_or_else(
-        || file("target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"),
-        PathBuf::from,
-    );
+    let path = std::env::var_os("ANEMO_FIRMWARE")
+        .map_or_else(|| file("target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"), PathBuf::from);
     assert!(path.exists(), "no firmware at {}: `cargo xtask test` builds it and then runs these tests", path.display());
     path
 }

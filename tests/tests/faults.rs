@@ -60,7 +60,10 @@ fn an_element_that_gets_too_hot_trips_within_a_tick_on_both_bodies() {
             &[
                 ("head = \"../heads/sphere-b.toml\"", &head),
                 ("sector1 = { temperature_c = -23.15 }", level),
-                ("sector2 = { temperature_c = -23.15 }\nsector3 = { temperature_c = -23.15 }\nsector4 = { temperature_c = -23.15 }\ncore1 = { temperature_c = -23.15 }\ncore2 = { temperature_c = -23.15 }\n", ""),
+                (
+                    "sector2 = { temperature_c = -23.15 }\nsector3 = { temperature_c = -23.15 }\nsector4 = { temperature_c = -23.15 }\ncore1 = { temperature_c = -23.15 }\ncore2 = { temperature_c = -23.15 }\n",
+                    "",
+                ),
             ],
         );
         let mut instrument: Box<dyn Instrument> =

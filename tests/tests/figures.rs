@@ -108,7 +108,9 @@ fn still_gas_resolution_and_what_limits_it() {
     println!("effective bits of the power of a sector in still gas at 1 kHz (aim: 13 in 1.5 Hz, 10 in 50 Hz):");
     let noise = "noise_v_rms = 1.5e-6";
     let mut found = Vec::new();
-    for (name, replacement) in [("as built", noise), ("a tenth of the noise", "noise_v_rms = 1.5e-7"), ("no noise", "noise_v_rms = 0.0")] {
+    for (name, replacement) in
+        [("as built", noise), ("a tenth of the noise", "noise_v_rms = 1.5e-7"), ("no noise", "noise_v_rms = 0.0")]
+    {
         let bits = resolution(&changed("still-gas.toml", &[(noise, replacement)]));
         println!("  {name:22} {:5.2} in 1.5 Hz   {:5.2} in 50 Hz", bits[0], bits[1]);
         found.push(bits);

@@ -117,7 +117,8 @@ fn crc_of(bytes: &[u8]) -> u16 {
 /// COBS of a short message, terminator included.
 fn cobs_of(bytes: &[u8]) -> Vec<u8> {
     let blocks = bytes.split(|&byte| byte == 0);
-    let mut frame: Vec<u8> = blocks.flat_map(|block| std::iter::once(block.len() as u8 + 1).chain(block.iter().copied())).collect();
+    let mut frame: Vec<u8> =
+        blocks.flat_map(|block| std::iter::once(block.len() as u8 + 1).chain(block.iter().copied())).collect();
     frame.push(0);
     frame
 }

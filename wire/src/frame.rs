@@ -2,7 +2,7 @@
 //!
 //! | field | bytes | meaning |
 //! |---|---|---|
-//! | version | 1 | [`VERSION`](crate::VERSION) |
+//! | version | 1 | [`VERSION`] |
 //! | sequence | 2, little-endian | one more than that of the last message, sent or dropped |
 //! | message | n | postcard encoding of `ToBoard` or `FromBoard` |
 //! | CRC | 2, little-endian | CRC-16/IBM-SDLC of all of the above |

@@ -57,14 +57,28 @@ impl<const K: usize> Relaxations<K> {
     /// One sample period with `input` held: afterwards the states are those at its end.
     #[inline]
     pub fn step(&self, state: &mut RelaxationState<K>, input: f32) {
-        for k in 0..K {
-            let x = state.x[k];
-            let increment = self.gain[k] * (input - x) - state.excess[k];
-            let sum = x + increment;
-            state.excess[k] = (sum - x) - increment;
-            state.x[k] = sum;
+        let (gain, last_gain) = self.gain.as_chunks::<4>();
+        let (x, last_x) = state.x.as_chunks_mut::<4>();
+        let (excess, last_excess) = state.excess.as_chunks_mut::<4>();
+        for ((gain, x), excess) in gain.iter().zip(x).zip(excess) {
+            advance(gain, x, excess, input);
+        }
+        for ((gain, x), excess) in last_gain.iter().zip(last_x).zip(last_excess) {
+            advance(core::array::from_ref(gain), core::array::from_mut(x), core::array::from_mut(excess), input);
         }
     }
+}
+
+/// Steps P neighbours operation by operation, so that on the board none waits for the result of the instruction before.
+#[inline]
+fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32; P], input: f32) {
+    let before = *x;
+    let away = before.map(|x| input - x);
+    let wanted: [f32; P] = core::array::from_fn(|i| gain[i] * away[i]);
+    let increment: [f32; P] = core::array::from_fn(|i| wanted[i] - excess[i]);
+    *x = core::array::from_fn(|i| before[i] + increment[i]);
+    let gone: [f32; P] = core::array::from_fn(|i| x[i] - before[i]);
+    *excess = core::array::from_fn(|i| gone[i] - increment[i]);
 }
 
 #[cfg(test)]
