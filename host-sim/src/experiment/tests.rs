@@ -206,3 +206,18 @@ fn faults_name_their_element() {
             .contains("`faults[0].element` is `core9`, which is no element of head `sphere-b`; did you mean `core")
     );
 }
+
+#[test]
+fn a_damaged_file_is_refused_or_read_but_never_panics() {
+    let source = with("", "").unwrap().source;
+    let read = |text: String| Experiment::from_source(Source { text, ..source.clone() });
+    for at in (0..source.text.len()).step_by(7) {
+        let _ = read(source.text[..at].to_owned());
+        for junk in ["=", "\"", "[", "-", "nan ", "ü"] {
+            let (before, after) = source.text.split_at(at);
+            if let Err(error) = read(format!("{before}{junk}{after}")) {
+                assert!(!error.to_string().contains('\n'));
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! A run as a picture: wind, temperatures, powers and heater bits over one time axis, as SVG.
 //!
-//! Everything is reduced to about one value a pixel first ([`reduce`]), so that 100 000 ticks stay a picture of some hundred
+//! Everything is reduced to about one value a pixel first (`reduce.rs`), so that 100 000 ticks stay a picture of some hundred
 //! kilobytes in which a single odd tick can still be seen. Panels for which the recording has no columns are left out.
 
 mod axis;
