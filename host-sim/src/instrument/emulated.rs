@@ -13,8 +13,12 @@ use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
 use process::Process;
 use std::path::Path as FilePath;
+use std::time::Duration;
 pub use stream::Pipe;
 use wire::{ELEMENTS, FromBoard, HeaterFrame, Identity, Readings, Sample, Status, ToBoard};
+
+/// Exchanges after which the host link is looked at, where exchanges do not go by it.
+const ATTEND_EVERY: u32 = 256;
 
 /// How to talk to the emulated board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -49,6 +53,8 @@ pub struct Emulated {
     answer: Option<HeaterFrame>,
     sample: Option<Sample>,
     status: Option<Status>,
+    /// Exchanges since the host link was last read.
+    unattended: u32,
 }
 
 impl Emulated {
@@ -66,7 +72,7 @@ impl Emulated {
             }
         };
         let identity = links.host.hello(PATIENCE).map_err(|error| process.explain(error))?;
-        Ok(Self { process, links, identity, digest: 0, answer: None, sample: None, status: None })
+        Ok(Self { process, links, identity, digest: 0, answer: None, sample: None, status: None, unattended: 0 })
     }
 
     /// Puts bytes on the host link that no host would: to see what the board makes of them.
@@ -96,7 +102,24 @@ impl Emulated {
     /// # Errors
     /// If the board is gone, or answers something else.
     pub fn exchange_levels(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
+        self.unattended += 1;
+        if self.unattended >= ATTEND_EVERY {
+            self.attend()?;
+        }
         self.ask(readings).map_err(|error| self.process.explain(error))
+    }
+
+    /// Takes what has come by the host link, waiting for nothing. Left alone, a link fills up with status messages within
+    /// ten seconds, and the emulator stands still until somebody reads them.
+    fn attend(&mut self) -> Result<(), InstrumentError> {
+        self.unattended = 0;
+        loop {
+            match self.links.host.receive(Duration::ZERO) {
+                Ok(message) => self.hear(message),
+                Err(InstrumentError::Silent(_)) => return Ok(()),
+                Err(error) => return Err(self.process.explain(error)),
+            }
+        }
     }
 
     fn ask(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
@@ -127,6 +150,7 @@ impl Emulated {
             }
             let message = self.links.host.receive(PATIENCE)?;
             self.hear(message);
+            self.unattended = 0;
         }
     }
 

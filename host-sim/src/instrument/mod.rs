@@ -80,7 +80,9 @@ pub enum InstrumentError {
     #[error("the instrument refuses: {0}")]
     Refused(Refusal),
     /// The emulator is not installed.
-    #[error("`{0}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may")]
+    #[error(
+        "`{0}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may"
+    )]
     NoEmulator(String),
     /// There is no firmware to emulate.
     #[error("there is no firmware at {0}; build it with `cargo xtask demo`, or name another with --firmware")]
@@ -107,7 +109,9 @@ pub enum InstrumentError {
     #[error("the board has not answered for {:.1} s; is its firmware running, and is this its port?", .0.as_secs_f64())]
     Silent(Duration),
     /// Other versions do not understand each other.
-    #[error("the firmware speaks version {theirs} of the wire protocol, this program version {ours}; flash the firmware of this release (`cargo xtask flash`) or use the matching program")]
+    #[error(
+        "the firmware speaks version {theirs} of the wire protocol, this program version {ours}; flash the firmware of this release (`cargo xtask flash`) or use the matching program"
+    )]
     Version {
         /// The board's.
         theirs: u8,

@@ -54,9 +54,9 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
 /// Names the element that a refusal is about, which the instrument knows by number only.
 pub fn name_element(refusal: &Refusal, setup: &Setup) -> Option<String> {
     let element = match *refusal {
-        Refusal::NoSuchElement { element } | Refusal::NotConfigured { element } | Refusal::Unreachable { element, .. } => {
-            element
-        }
+        Refusal::NoSuchElement { element }
+        | Refusal::NotConfigured { element }
+        | Refusal::Unreachable { element, .. } => element,
         Refusal::Invalid { element, .. } => element?,
         Refusal::Tripped(trip) => trip.element,
         Refusal::NotInStandby | Refusal::NotTripped | Refusal::NoSamplePeriod => return None,

@@ -118,7 +118,9 @@ impl Process {
         let Some(child) = &mut self.child else { return Ok(()) };
         match child.try_wait()? {
             None => Ok(()),
-            Some(status) => Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() }),
+            Some(status) => {
+                Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() })
+            }
         }
     }
 
