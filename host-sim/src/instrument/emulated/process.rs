@@ -8,7 +8,6 @@ use nix::sys::stat::Mode;
 use nix::unistd::{Pid, mkfifo};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind};
-use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -40,36 +39,32 @@ impl Process {
         Ok(Self { firmware, folder, child: None })
     }
 
-    /// Starts it with two named pipes.
+    /// Starts it with a pair of named pipes for the fast link.
     pub fn start_with_fifos(&mut self) -> Result<Pipe, InstrumentError> {
-        // Opened for both directions, so that opening waits for nobody. The emulated board still sees the end of the
-        // pipe when this process closes it.
-        let open = |name| -> io::Result<File> {
+        let pipe = self.pipe("to-board.fifo", "from-board.fifo")?;
+        self.spawn(&[])?;
+        Ok(pipe)
+    }
+
+    /// Starts it with two USARTs, host link and front end, each on a pair of named pipes.
+    pub fn start_with_usarts(&mut self) -> Result<(Pipe, Pipe), InstrumentError> {
+        // The emulator adds the endings itself; `in` is what it takes in.
+        let (host, bench) = (self.pipe("host.in", "host.out")?, self.pipe("bench.in", "bench.out")?);
+        let bench_link = ["-chardev", "pipe,id=bench,path=bench", "-serial", "chardev:bench"];
+        let host_link = ["-chardev", "pipe,id=host,path=host", "-serial", "chardev:host"];
+        self.spawn(&[bench_link, host_link].concat())?;
+        Ok((host, bench))
+    }
+
+    /// A pair of named pipes. Opened for both directions, so that opening waits for nobody; the emulator still sees the
+    /// end of the pipe when this process closes it.
+    fn pipe(&self, to_board: &str, from_board: &str) -> io::Result<Pipe> {
+        let open = |name| {
             let path = self.folder.path().join(name);
             mkfifo(&path, Mode::S_IRUSR | Mode::S_IWUSR)?;
             OpenOptions::new().read(true).write(true).open(path)
         };
-        let fifos = Pipe { to_board: open("to-board.fifo")?, from_board: open("from-board.fifo")? };
-        self.spawn(&[])?;
-        Ok(fifos)
-    }
-
-    /// Starts it with two USARTs: host link and front end.
-    pub fn start_with_usarts(&mut self) -> Result<(Pipe, Pipe), InstrumentError> {
-        let listen = |name| UnixListener::bind(self.folder.path().join(name));
-        let (host, bench) = (listen("host.socket")?, listen("bench.socket")?);
-        self.spawn(&[
-            "-chardev",
-            "socket,id=bench,path=bench.socket",
-            "-serial",
-            "chardev:bench",
-            "-chardev",
-            "socket,id=host,path=host.socket",
-            "-serial",
-            "chardev:host",
-        ])?;
-        let bench = self.accept(&bench)?;
-        Ok((self.accept(&host)?, bench))
+        Ok(Pipe { to_board: open(to_board)?, from_board: open(from_board)? })
     }
 
     fn spawn(&mut self, links: &[&str]) -> Result<(), InstrumentError> {
@@ -92,25 +87,6 @@ impl Process {
             })?;
         self.child = Some(child);
         Ok(())
-    }
-
-    fn accept(&mut self, listener: &UnixListener) -> Result<Pipe, InstrumentError> {
-        listener.set_nonblocking(true)?;
-        let deadline = Instant::now() + PATIENCE;
-        loop {
-            match listener.accept() {
-                Ok((stream, _)) => {
-                    stream.set_nonblocking(false)?;
-                    return Ok(Pipe::from_socket(stream)?);
-                }
-                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error.into()),
-                Err(_) if Instant::now() > deadline => return Err(self.explain(InstrumentError::Silent(PATIENCE))),
-                Err(_) => {
-                    self.has_stopped()?;
-                    std::thread::sleep(Duration::from_millis(5));
-                }
-            }
-        }
     }
 
     /// An error if the emulator has ended.

@@ -1,24 +1,16 @@
-//! The stream to an emulated board: two file handles, whether they are pipes or the two directions of a socket.
+//! The stream to an emulated board: two named pipes.
 
 use super::super::link::Stream;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
-use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::net::UnixStream;
+use std::os::fd::AsFd;
 use std::time::Duration;
 
-/// One link of an emulated board.
+/// One link of an emulated board: a pipe each way.
 pub struct Pipe {
     pub(super) from_board: File,
     pub(super) to_board: File,
-}
-
-impl Pipe {
-    pub(super) fn from_socket(socket: UnixStream) -> io::Result<Self> {
-        let from_board = File::from(OwnedFd::from(socket.try_clone()?));
-        Ok(Self { from_board, to_board: File::from(OwnedFd::from(socket)) })
-    }
 }
 
 impl Stream for Pipe {
