@@ -55,6 +55,7 @@ pub fn encode<'a, T: Serialize>(sequence: u16, message: &T, buffer: &'a mut [u8]
 ///
 /// # Errors
 /// As [`FrameError`] says.
+#[inline(always)] // a message is moved once less
 pub fn decode<T: DeserializeOwned>(frame: &mut [u8]) -> Result<(u16, T), FrameError> {
     let length = cobs::decode_in_place(frame).map_err(|_| FrameError::Damaged)?;
     let content = frame.get(..length).ok_or(FrameError::Damaged)?;

@@ -69,6 +69,7 @@ impl Receiver {
     }
 
     /// Takes one byte; gives a message when it completes one.
+    #[inline(always)]
     pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<Received<T>> {
         if byte != 0 {
             match self.buffer.get_mut(self.length) {
@@ -103,6 +104,7 @@ impl Receiver {
         }
     }
 
+    #[inline(always)]
     fn count<T>(&mut self, sequence: u16, message: T) -> Received<T> {
         let step = self.last.map_or(1, |last| sequence.wrapping_sub(last));
         match step {
