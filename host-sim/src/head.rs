@@ -8,8 +8,7 @@
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s` |
 //! | `[kinds.sector]`, `[kinds.core]` | defaults for the elements of that kind |
-//! | `[[elements]]` | `name`, `kind`, `normal` (outward, sectors only), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, `model` |
-//! | `model` | `reference_c`, `mesh_rad_s` and `r_k_per_w` of 8 each: how the element heats itself, to judge set-points by |
+//! | `[[elements]]` | `name`, `kind`, `normal` (outward, sectors only), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
 //!
 //! One code is full_scale_v / 2^(bits−1) V. Numbers are checked by dr-core's own constructors, as the board will.
 
@@ -17,7 +16,6 @@ use std::path::Path;
 
 use dr_core::ConfigError;
 use dr_core::control::{ElementConfig, GuardConfig, Limits};
-use dr_core::model::{ORDER, SelfHeating, SelfHeatingConfig};
 use dr_core::sensor::{Channel, Level, Platinum};
 use serde::Deserialize;
 
@@ -49,7 +47,6 @@ pub struct Element {
     pub nominal: sensor::ElementConfig,
     /// The same for the controller, with the limits.
     pub config: ElementConfig,
-    pub model: Option<SelfHeatingConfig>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -212,23 +209,12 @@ fn element(
     let channel = Channel::new(platinum, adc.volt_per_code as f32, current_low_a as f32, current_high_a as f32)
         .map_err(|error| keys.refuse_named(&error))?;
     let limits = limits.checked().map_err(|error| keys.refuse_named(&error))?;
-    let model = match keys.get("model", |table| &table.model) {
-        Ok((model, model_key)) => {
-            let config = model.config();
-            // Which period does not matter for what is checked here.
-            SelfHeating::new(&config, 0.01).map_err(|error| keys.refuse(&model_key, &error))?;
-            Some(config)
-        }
-        // An element need not have one: then nobody judges its set-points beforehand.
-        Err(_) => None,
-    };
     Ok(Element {
         name,
         kind,
         normal,
         nominal: sensor::ElementConfig { platinum: platinum_kind, current_low_a, current_high_a },
         config: ElementConfig { channel, limits },
-        model,
     })
 }
 
@@ -302,7 +288,6 @@ struct ElementTable {
     resistance_min_ohm: Option<f64>,
     resistance_max_ohm: Option<f64>,
     temperature_max_c: Option<f64>,
-    model: Option<ModelTable>,
 }
 
 #[derive(Deserialize, Clone, Copy)]
@@ -320,14 +305,6 @@ enum Characteristic {
     Iec60751,
 }
 
-#[derive(Deserialize, Clone)]
-#[serde(deny_unknown_fields)]
-struct ModelTable {
-    reference_c: f64,
-    mesh_rad_s: [f64; ORDER],
-    r_k_per_w: [f64; ORDER],
-}
-
 impl PlatinumTable {
     fn kind(&self) -> Result<PlatinumKind, &'static str> {
         let resistance_0c_ohm = self.resistance_0c_ohm;
@@ -340,16 +317,6 @@ impl PlatinumTable {
             (Characteristic::Iec60751, Some(_)) => {
                 Err("has a `coefficient_per_c`, but IEC 60751 fixes the coefficients")
             }
-        }
-    }
-}
-
-impl ModelTable {
-    fn config(&self) -> SelfHeatingConfig {
-        SelfHeatingConfig {
-            mesh_rad_s: self.mesh_rad_s.map(|rate| rate as f32),
-            r_k_per_w: self.r_k_per_w.map(|resistance| resistance as f32),
-            reference_c: self.reference_c as f32,
         }
     }
 }

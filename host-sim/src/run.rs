@@ -3,7 +3,8 @@
 //! Row n holds what sample n says and the wind of the interval after it. Samples that got lost on the way leave a gap in the rows'
 //! times and are counted.
 
-use dr_core::control::{Reply, RunState};
+use dr_core::control::{Refusal, Reply, RunState};
+use dr_core::model::Reachability;
 
 use crate::experiment::Experiment;
 use crate::instrument::in_process::InProcess;
@@ -121,11 +122,11 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
     let setup = Setup {
         sample_period_s: experiment.sample_period_s as f32,
         guard: experiment.head.guard_config(experiment.sample_period_s),
-        elements: (experiment.head.elements.iter().zip(&experiment.drives))
-            .map(|(element, &drive)| ElementSetup {
+        elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
+            .map(|(i, (element, &drive))| ElementSetup {
                 name: element.name.clone(),
                 config: element.config,
-                model: element.model,
+                model: experiment.model(i),
                 drive,
             })
             .collect(),
@@ -134,14 +135,11 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
             // Said of the place in the file, where the user can do something about it.
             Some(name) => {
-                // The instrument knows elements by number; the key has the name.
-                let words = refusal.to_string();
-                let reason = match words.strip_prefix("element ").and_then(|rest| rest.split_once(' ')) {
-                    Some((number, rest)) if number.ends_with(':') => rest.to_owned(),
-                    Some((_, rest)) => format!("it {rest}"),
-                    None => words,
+                let sentence = match unreachable(experiment, refusal) {
+                    Some(sentence) => sentence,
+                    None => format!("is refused: {}", without_number(refusal)),
                 };
-                experiment.source.refuse(&format!("drives.{name}"), format!("is refused: {reason}")).into()
+                experiment.source.refuse(&format!("drives.{name}"), sentence).into()
             }
             None => error.into(),
         },
@@ -150,6 +148,37 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         }
         _ => error.into(),
     })
+}
+
+/// The instrument knows elements by number; the key of the file has the name.
+fn without_number(refusal: &Refusal) -> String {
+    let words = refusal.to_string();
+    match words.strip_prefix("element ").and_then(|rest| rest.split_once(' ')) {
+        Some((number, rest)) if number.ends_with(':') => rest.to_owned(),
+        Some((_, rest)) => format!("it {rest}"),
+        None => words,
+    }
+}
+
+/// A model's verdict in temperatures, and whose verdict it is.
+fn unreachable(experiment: &Experiment, refusal: &Refusal) -> Option<String> {
+    let Refusal::Unreachable { element, target_c, verdict } = *refusal else { return None };
+    let reference_c = experiment.model(usize::from(element))?.reference_c;
+    let bound = match verdict {
+        Reachability::LowLevelTooWarm { least_rise_k } => {
+            format!("even at the low level it ends at {:.1} °C", reference_c + least_rise_k)
+        }
+        Reachability::HighLevelTooCold { most_rise_k } => {
+            format!("at the high level it ends at {:.1} °C", reference_c + most_rise_k)
+        }
+        Reachability::Reachable { .. } => return None,
+    };
+    let models = experiment.models.as_ref()?;
+    Some(format!(
+        "asks for {target_c} °C, which cannot be held: {bound}, by {} (for {})",
+        models.source.path.display(),
+        models.conditions
+    ))
 }
 
 /// What is added up while a run goes on.

@@ -76,7 +76,7 @@ impl fmt::Display for RunSummary {
             let (what, has) = if self.unjudged == 1 { ("set-point", "was") } else { ("set-points", "were") };
             writeln!(
                 f,
-                "{} {what} {has} not judged beforehand: the head has no model of these elements",
+                "{} {what} {has} not judged beforehand: the experiment has no model of these elements",
                 self.unjudged
             )?;
         }

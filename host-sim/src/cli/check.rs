@@ -42,6 +42,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             "winds": experiment.wind.len(),
             "judged": judged,
             "unjudged": unjudged,
+            "models": experiment.models.as_ref().map(|models| &models.conditions),
         }));
     }
     let mut text = format!(
@@ -69,15 +70,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for fault in &experiment.faults {
         let _ = writeln!(text, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault);
     }
+    let conditions = experiment.models.as_ref().map_or("", |models| &models.conditions);
     let _ = match (judged, unjudged) {
         (0, 0) => Ok(()),
-        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, by the models of the head"),
+        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, by models for {conditions}"),
         (0, unjudged) => {
-            writeln!(text, "\n{unjudged} set-points are not judged: the head has no model of these elements")
+            writeln!(text, "\n{unjudged} set-points are not judged: the experiment has no model of these elements")
         }
         (judged, unjudged) => writeln!(
             text,
-            "\n{judged} set-points can be held, by the models of the head; {unjudged} are not judged for want of one"
+            "\n{judged} set-points can be held, by models for {conditions}; {unjudged} are not judged for want of one"
         ),
     };
     super::print(&text);

@@ -176,7 +176,8 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("head", experiment.head.source.text.clone()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
-    pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
+    let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
+    pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// What the end of the run adds.

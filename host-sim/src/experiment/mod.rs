@@ -2,7 +2,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `title`, `head` (path from this file), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
+//! | top | `title`, `head` and optionally `models` (paths from this file), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
@@ -14,19 +14,23 @@
 //! `{ prbs = { order, bit_time_s, seed } }` or `{ setpoints = { low_c, high_c, dwell_s, seed } }`.
 //! Times are whole numbers of sample periods; what is not is refused with the nearest that would be.
 //!
-//! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions.
+//! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions. Set-points are
+//! judged by the [`models`], where there are some.
 
+pub mod models;
 mod table;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use dr_core::control::Drive;
+use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::Level;
 
 use crate::head::Head;
 use crate::sensor::{self, Imperfections, SensorError, Species, Sphere, SphereConfig, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
+use models::Models;
 use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
 
 /// Sample periods between 1 kHz and 10 Hz.
@@ -39,6 +43,8 @@ pub struct Experiment {
     pub source: Source,
     pub title: String,
     pub head: Head,
+    /// How its elements heat themselves under these conditions.
+    pub models: Option<Models>,
     pub sample_period_s: f64,
     pub ticks: u32,
     pub seed: u64,
@@ -62,10 +68,17 @@ impl Experiment {
     pub fn from_source(source: Source) -> Result<Self, FileError> {
         let table: ExperimentTable = source.parse()?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        let head = Head::read(&folder.join(&table.head)).map_err(|error| {
-            // A head that is not there is the experiment's mistake; one that is wrong is its own.
-            if error.line.is_none() { source.refuse("head", format!("cannot be used: {error}")) } else { error }
-        })?;
+        // A file that is not there is the experiment's mistake; one that is wrong is its own.
+        let place = |key: &'static str| {
+            let source = &source;
+            move |error: FileError| match error.line {
+                None => source.refuse(key, format!("cannot be used: {error}")),
+                Some(_) => error,
+            }
+        };
+        let head = Head::read(&folder.join(&table.head)).map_err(place("head"))?;
+        let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
+        let models = models.map_err(place("models"))?;
 
         let sample_period_s = source.within("sample_period_s", table.sample_period_s, SAMPLE_PERIODS_S, "s")?;
         let grid = Grid { source: &source, sample_period_s };
@@ -77,6 +90,7 @@ impl Experiment {
             faults: faults(&grid, &table.faults, &head)?,
             title: table.title,
             head,
+            models,
             sample_period_s,
             ticks,
             seed: table.seed,
@@ -92,6 +106,11 @@ impl Experiment {
         experiment.check_conditions()?;
         experiment.drives = drives(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
         Ok(experiment)
+    }
+
+    /// The model of an element, by its place in the head.
+    pub fn model(&self, element: usize) -> Option<SelfHeatingConfig> {
+        *self.models.as_ref()?.elements.get(element)?
     }
 
     /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.

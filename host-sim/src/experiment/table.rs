@@ -13,6 +13,7 @@ use crate::sensor::{Fault, Imperfections, Species, Turbulence, WindEntry};
 pub(super) struct ExperimentTable {
     pub title: String,
     pub head: PathBuf,
+    pub models: Option<PathBuf>,
     pub sample_period_s: f64,
     pub duration_s: f64,
     #[serde(default)]

@@ -174,6 +174,7 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("high_c = -20.0", "high_c = -30.0", "`drives.sector3.setpoints.high_c` is -30 °C: it must lie above `low_c`"),
         ("dwell_s = 1.5", "dwell_s = 1.505", "1.5 s or 1.51 s would be"),
         ("head = \"../heads/sphere-b.toml\"", "head = \"nowhere.toml\"", "line 2: `head` cannot be used:"),
+        ("seed = 7", "seed = 7\nmodels = \"nowhere.toml\"", "line 6: `models` cannot be used:"),
         ("seed = 7", "seed = -7", "`seed`: invalid value: integer `-7`"),
     ] {
         let sentence = refused(from, to);
