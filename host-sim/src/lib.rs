@@ -1,4 +1,15 @@
 //! Simulated wind tunnel, instruments and recordings for thermal sigma-delta anemometers; the library behind the command `anemo`.
+//!
+//! In the order in which a run goes through them:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`experiment`], [`head`] | the files that people write, read strictly ([`toml_file`]) and checked |
+//! | [`sensor`] | the simulated sphere in its wind |
+//! | [`instrument`] | what runs an experiment: in this process, in the emulator, at a serial port |
+//! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
+//! | [`recording`], [`plot`], [`summary`] | what is left of a run |
+//! | [`cli`] | the command line |
 
 pub mod cli;
 pub mod experiment;
