@@ -208,7 +208,7 @@ fn element(
     let platinum = characteristic(platinum_kind).map_err(|error| keys.refuse(&platinum_key, &error))?;
     let channel = Channel::new(platinum, adc.volt_per_code as f32, current_low_a as f32, current_high_a as f32)
         .map_err(|error| keys.refuse_named(&error))?;
-    let limits = limits.checked().map_err(|error| keys.refuse_named(&error))?;
+    let limits = limits.checked(channel.platinum()).map_err(|error| keys.refuse_named(&error))?;
     Ok(Element {
         name,
         kind,

@@ -1,6 +1,6 @@
 //! How well the loop does: figures of the README, each printed, each against its bar.
 
-use anemo_tests::{changed, experiment, in_process, start};
+use anemo_tests::{changed, in_process, start};
 use dr_core::sensor::Level;
 use dr_core::signal::{Decimator, DecimatorState};
 use host_sim::experiment::Experiment;
@@ -8,18 +8,20 @@ use host_sim::instrument::Instrument;
 
 const SECTORS: usize = 4;
 
-/// Warm-up of the sphere from rest: ten of its slowest time constants in the loop.
-const WARM_UP_S: f64 = 120.0;
+/// Until a sphere from rest has reached its set-point and its inside has come to rest as well: sectors arrive after 90 to
+/// 150 s, and what the core and the stem still take is under 0.005 % of the power after this time.
+const WARM_UP_S: f64 = 600.0;
 
 #[test]
 fn steady_wind_is_held_and_its_heat_measured() {
-    let experiment = experiment("steady.toml");
+    let experiment = changed("steady.toml", &[("duration_s = 300.0", "duration_s = 900.0")]);
     let mut instrument = in_process(&experiment);
     start(&experiment, &mut *instrument);
     let target_c = experiment.drives[0].target_range_c().expect("sectors are held at a temperature").0;
     let decimator = Decimator::<3>::new(100).unwrap();
     let mut states = [DecimatorState::default(); SECTORS];
-    let (mut temperature_c, mut loss_w, mut power_w) = ([0.0; SECTORS], [0.0; SECTORS], [0.0; SECTORS]);
+    let (mut element_c, mut silver_c) = ([0.0; SECTORS], [0.0; SECTORS]);
+    let (mut loss_w, mut power_w) = ([0.0; SECTORS], [0.0; SECTORS]);
     let (mut ticks, mut outputs) = (0.0, [0.0; SECTORS]);
     for tick in 0..experiment.ticks {
         let sample = instrument.observe().unwrap().sample;
@@ -29,8 +31,9 @@ fn steady_wind_is_held_and_its_heat_measured() {
         for i in 0..SECTORS {
             let output = decimator.push(&mut states[i], sample.power_w[i]);
             if settled {
-                // What the silver has, not what the instrument says of it.
-                temperature_c[i] += truth.element_temperature_c[i];
+                // What really is so, not what the instrument says of it.
+                element_c[i] += truth.element_temperature_c[i];
+                silver_c[i] += truth.sector_temperature_c[i];
                 loss_w[i] += truth.sector_loss_w(i);
                 if let Some(output) = output {
                     power_w[i] += f64::from(output);
@@ -41,18 +44,22 @@ fn steady_wind_is_held_and_its_heat_measured() {
     }
     println!("steady wind, 100 Hz, {:.0} s after warm-up:", ticks / 100.0);
     for i in 0..SECTORS {
-        let (offset_k, power_w, loss_w) =
-            (temperature_c[i] / ticks - f64::from(target_c), power_w[i] / outputs[i], loss_w[i] / ticks);
+        let off = |sum_c: f64| sum_c / ticks - f64::from(target_c);
+        let (offset_k, silver_k) = (off(element_c[i]), off(silver_c[i]));
+        let (power_w, loss_w) = (power_w[i] / outputs[i], loss_w[i] / ticks);
         let error = power_w / loss_w - 1.0;
         println!(
-            "  sector{}: mean element {:+.2} mK from the set-point; power {:.4} mW, true heat flow {:.4} mW ({:+.4} %)",
+            "  sector{}: element {:+.2} mK from the set-point, its silver {:+.2} mK; power {:.4} mW, true heat flow {:.4} mW ({:+.4} %)",
             i + 1,
             1e3 * offset_k,
+            1e3 * silver_k,
             1e3 * power_w,
             1e3 * loss_w,
             100.0 * error
         );
         assert!(offset_k.abs() <= 0.010, "sector{}", i + 1);
+        // The silver hangs on the chip by 2 K/W, and the chip is looked at when the low level has let it cool.
+        assert!(silver_k.abs() <= 0.025, "sector{}", i + 1);
         assert!(error.abs() <= 0.001, "sector{}", i + 1);
     }
 }

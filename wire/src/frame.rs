@@ -75,10 +75,12 @@ pub fn decode<T: DeserializeOwned>(frame: &mut [u8]) -> Result<(u16, T), FrameEr
 mod tests {
     extern crate std;
     use super::*;
-    use crate::{ELEMENTS, FromBoard, Name, Readings, Sample, ToBoard};
-    use dr_core::control::{Command, Drive, Heaters, RunState};
-    use dr_core::model::SelfHeatingConfig;
-    use dr_core::sensor::Reading;
+    use crate::{
+        BoardKind, ELEMENTS, FromBoard, Identity, LinkCounters, Name, Readings, ResetCause, Sample, Status, ToBoard,
+    };
+    use dr_core::control::{Command, Controller, Drive, ElementConfig, Heaters, Limits, Refusal, RunState};
+    use dr_core::model::{Reachability, SelfHeatingConfig};
+    use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
 
     fn bytes<T: Serialize>(sequence: u16, message: &T) -> Vec<u8> {
@@ -102,8 +104,38 @@ mod tests {
             bytes(u16::MAX, &FromBoard::Sample(sample)).len(),
             bytes(9, &ToBoard::Readings(Readings::new(&[Reading::Code(-8_000_000); ELEMENTS]))).len()
         );
-        let name = Name::try_from("a firmware name of 32 characters").unwrap();
-        assert_eq!(name.len(), name.capacity());
+        let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
+        assert_eq!(firmware.len(), firmware.capacity());
+        let identity =
+            Identity { firmware, board: BoardKind::Virtual, elements: 255, order: 255, reset: ResetCause::Unknown };
+        let counters = LinkCounters {
+            messages: u32::MAX,
+            damaged: u32::MAX,
+            oversized: u32::MAX,
+            repeated: u32::MAX,
+            lost: u32::MAX,
+            foreign: u32::MAX,
+        };
+        let status = Status {
+            uptime_s: u32::MAX,
+            link: counters,
+            refused: u32::MAX,
+            unsent: u32::MAX,
+            late_ticks: u32::MAX,
+            control_cycles_max: u32::MAX,
+            tick_cycles: u32::MAX,
+        };
+        let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
+        let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
+        for message in [
+            FromBoard::Identity(identity),
+            FromBoard::Status(status),
+            FromBoard::Reply { to: u16::MAX, result: Err(refusal) },
+        ] {
+            let mut frame = bytes(u16::MAX, &message);
+            frame.pop();
+            assert_eq!(decode::<FromBoard>(&mut frame), Ok((u16::MAX, message)));
+        }
     }
 
     #[test]
@@ -113,6 +145,34 @@ mod tests {
         assert_eq!(frame.pop(), Some(0));
         assert!(!frame.contains(&0));
         assert_eq!(decode::<ToBoard>(&mut frame), Ok((0xbeef, message)));
+    }
+
+    /// A number that no constructor would let into a configuration can still come over a link.
+    #[test]
+    fn configurations_are_checked_again_where_they_arrive() {
+        let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.768e-7, 3e-3, 16e-3).unwrap();
+        let limits = Limits {
+            resistance_min_ohm: 50.0,
+            resistance_max_ohm: 260.0,
+            temperature_max_c: 70.0,
+            code_max: 8_388_607,
+        };
+        let command = Command::Element { element: 0, config: ElementConfig { channel, limits } };
+        let mut space = [0; 64];
+        let sent = postcard::to_slice(&command, &mut space).unwrap().to_vec();
+        for number in [175.0_f32, 0.0031, 4.768e-7, 3e-3, 16e-3, 50.0, 260.0, 70.0] {
+            let place = sent.windows(4).position(|bytes| bytes == number.to_le_bytes()).unwrap();
+            for bad in [f32::NAN, f32::INFINITY, -1e30] {
+                let mut tampered = sent.clone();
+                tampered[place..place + 4].copy_from_slice(&bad.to_le_bytes());
+                let received: Command = postcard::from_bytes(&tampered).unwrap();
+                let answer = Controller::<1>::new().handle(received);
+                assert!(
+                    matches!(answer, Err(Refusal::Invalid { element: Some(0), .. })),
+                    "{number} as {bad}: {answer:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub struct Heaters(pub u16);
 impl Heaters {
     /// Whether element `i` is at its high level.
     pub const fn is_high(self, i: usize) -> bool {
-        self.0 >> i & 1 == 1
+        i < 16 && self.0 >> i & 1 == 1
     }
 }
 
@@ -89,8 +89,8 @@ struct ElementState {
     resistance_ohm: f32,
     /// Ticks in a row without a fresh reading.
     absent_ticks: u32,
-    /// Ticks in a row that a regulating drive asked for the same level.
-    same_level_ticks: u32,
+    /// Ticks in a row that the drive was saturated.
+    saturated_ticks: u32,
     model: RelaxationState<ORDER>,
 }
 
@@ -217,11 +217,9 @@ impl<const N: usize> Controller<N> {
                 power_low_w: channel.power_w(state.resistance_ohm, Level::Low),
                 power_high_w: channel.power_w(state.resistance_ohm, Level::High),
             };
-            let level = element.drive.step(&mut state.drive, &input);
-            let same = element.drive.regulates() && level == state.level;
-            state.same_level_ticks = if same { state.same_level_ticks.saturating_add(1) } else { 0 };
-            state.level = level;
-            if state.same_level_ticks > self.guard.unreachable_limit_ticks {
+            state.level = element.drive.step(&mut state.drive, &input);
+            state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
+            if state.saturated_ticks > self.guard.unreachable_limit_ticks {
                 trip = trip.or(Some(Trip { cause: Cause::Unreachable, element: i as u8 }));
             }
         }
@@ -268,7 +266,7 @@ impl<const N: usize> Controller<N> {
                 let invalid = |error| Refusal::Invalid { element: Some(element), error };
                 let config = ElementConfig {
                     channel: config.channel.checked().map_err(invalid)?,
-                    limits: config.limits.checked().map_err(invalid)?,
+                    limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
                 };
                 *slot = Some(Element { config, model: None, drive: Drive::Passive });
             }
@@ -322,7 +320,7 @@ impl<const N: usize> Controller<N> {
         slot.drive = drive;
         if let Some(of) = self.states.get_mut(usize::from(element)) {
             of.drive = state;
-            of.same_level_ticks = 0;
+            of.saturated_ticks = 0;
         }
         Ok(())
     }
@@ -357,12 +355,23 @@ impl<const N: usize> Controller<N> {
         Ok(Reply::Started { judged, unjudged })
     }
 
-    /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state.
+    /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state. Of the
+    /// configuration it says nothing.
     pub fn fold(&self, tick: &Tick<N>, digest: &mut Digest) {
         digest.word(tick.tick);
         digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
+        digest.word(match tick.state {
+            RunState::Standby => 0,
+            RunState::Running => 1,
+            RunState::Tripped(trip) => 2 | (trip.cause as u32) << 8 | u32::from(trip.element) << 16,
+        });
         for (state, power_w) in self.states.iter().zip(tick.power_w) {
             digest.number(state.temperature_c);
+            digest.number(state.resistance_ohm);
+            digest.word(state.absent_ticks);
+            digest.word(state.saturated_ticks);
+            digest.word(state.drive.ticks_left);
+            digest.word(state.drive.level as u32 | (state.drive.saturated as u32) << 1 | (state.level as u32) << 2);
             digest.number(power_w);
             digest.number(state.drive.modulator.accumulator);
             digest.number(state.drive.target_c);

@@ -21,6 +21,9 @@ const SETPOINT_REGISTER: u8 = 31;
 /// Bits drawn for one set-point: a range of 17 °C comes in steps of 0.26 mK, under any reading's noise.
 const SETPOINT_BITS: u32 = 16;
 
+/// Steps of that register before the first draw.
+const WARM_UP_STEPS: u32 = 8 * SETPOINT_REGISTER as u32;
+
 /// An element's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -82,15 +85,24 @@ pub struct DriveState {
     pub register: Option<Prbs>,
     /// Ticks left of the bit or the dwell.
     pub ticks_left: u32,
-    /// The bit or the set-point in force.
+    /// The level last asked for.
     pub level: Level,
+    /// The drive promises a mean and has asked for nothing but one level: if it goes on, the promise is out of reach.
+    pub saturated: bool,
     /// The set-point in force, °C.
     pub target_c: f32,
 }
 
 impl Default for DriveState {
     fn default() -> Self {
-        Self { modulator: SigmaDelta::default(), register: None, ticks_left: 0, level: Level::Low, target_c: 0.0 }
+        Self {
+            modulator: SigmaDelta::default(),
+            register: None,
+            ticks_left: 0,
+            level: Level::Low,
+            saturated: false,
+            target_c: 0.0,
+        }
     }
 }
 
@@ -120,20 +132,27 @@ impl Drive {
                 error::within(Parameter::HighC, high_c, coldest_c, hottest_c)?;
                 error::ascending((Parameter::LowC, low_c), (Parameter::HighC, high_c))?;
                 at_least_one(Parameter::DwellTicks, dwell_ticks)?;
-                DriveState { register: Some(Prbs::new(SETPOINT_REGISTER, seed)?), target_c: low_c, ..state }
+                let mut register = Prbs::new(SETPOINT_REGISTER, seed)?;
+                // A seed of few ones begins with many: they are let pass.
+                for _ in 0..WARM_UP_STEPS {
+                    register.step();
+                }
+                DriveState { register: Some(register), target_c: low_c, ..state }
             }
         })
     }
 
     /// The level to hold until the next tick.
     pub fn step(&self, state: &mut DriveState, input: &DriveInput) -> Level {
-        match *self {
+        let before = state.level;
+        state.saturated = false;
+        state.level = match *self {
             Self::Passive => Level::Low,
             Self::Level(level) => level,
             Self::Power { power_w } => {
                 let share = (power_w - input.power_low_w) / (input.power_high_w - input.power_low_w);
-                // R(T) moves the levels: a power that was in reach may leave it. Then the nearest level is all there is,
-                // and the guard counts how long.
+                // R(T) moves the levels: a power that was in reach may leave it. Then the nearest level is all there is.
+                state.saturated = !(0.0..=1.0).contains(&share);
                 if share <= 0.0 {
                     Level::Low
                 } else if share >= 1.0 {
@@ -142,14 +161,19 @@ impl Drive {
                     level(state.modulator.step(share))
                 }
             }
-            Self::Temperature { target_c } => level(input.temperature_c < target_c),
+            Self::Temperature { target_c } => {
+                let level = level(input.temperature_c < target_c);
+                state.saturated = level == before;
+                level
+            }
             Self::Prbs { ticks_per_bit, .. } => {
+                let mut bit = before;
                 if let (0, Some(register)) = (state.ticks_left, &mut state.register) {
-                    state.level = level(register.step());
+                    bit = level(register.step());
                     state.ticks_left = ticks_per_bit;
                 }
                 state.ticks_left -= u32::from(state.ticks_left > 0);
-                state.level
+                bit
             }
             Self::Setpoints { low_c, high_c, dwell_ticks, .. } => {
                 if let (0, Some(register)) = (state.ticks_left, &mut state.register) {
@@ -159,9 +183,12 @@ impl Drive {
                     state.ticks_left = dwell_ticks;
                 }
                 state.ticks_left -= u32::from(state.ticks_left > 0);
-                level(input.temperature_c < state.target_c)
+                let level = level(input.temperature_c < state.target_c);
+                state.saturated = level == before;
+                level
             }
-        }
+        };
+        state.level
     }
 
     /// The highest and lowest set-point that the drive will ask for, °C, if it holds a temperature.
@@ -171,11 +198,6 @@ impl Drive {
             Self::Setpoints { low_c, high_c, .. } => Some((low_c, high_c)),
             _ => None,
         }
-    }
-
-    /// Whether the drive promises a mean that it may miss: then a level that never changes is news.
-    pub const fn regulates(&self) -> bool {
-        matches!(self, Self::Temperature { .. } | Self::Setpoints { .. } | Self::Power { .. })
     }
 }
 
@@ -245,7 +267,9 @@ mod tests {
         let mut state = drive.start(&platinum()).unwrap();
         let targets: Vec<f32> = (0..3000)
             .map(|_| {
-                drive.step(&mut state, &at(20.0));
+                // The draw comes with the step; what it decides is shown by a second look within the same dwell.
+                let level = drive.step(&mut state, &at(20.0));
+                assert_eq!(level == Level::High, 20.0 < state.target_c);
                 state.target_c
             })
             .collect();
@@ -255,6 +279,36 @@ mod tests {
         assert!((mean - 20.0).abs() < 0.7, "{mean}");
         let (least, most) = targets.iter().fold((f32::MAX, f32::MIN), |(a, b), &t| (a.min(t), b.max(t)));
         assert!((10.0..10.2).contains(&least) && (29.8..=30.0).contains(&most));
+    }
+
+    #[test]
+    fn set_points_begin_at_random_whatever_the_seed() {
+        let drive = |seed| Drive::Setpoints { low_c: 0.0, high_c: 1.0, dwell_ticks: 1, seed };
+        for seed in [0, 1, 2, 0x7fff_fffe] {
+            let mut state = drive(seed).start(&platinum()).unwrap();
+            drive(seed).step(&mut state, &at(0.0));
+            assert!((0.001..0.999).contains(&state.target_c), "seed {seed}: {}", state.target_c);
+        }
+    }
+
+    #[test]
+    fn only_a_promise_out_of_reach_saturates() {
+        let saturated = |drive: Drive, temperature_c| {
+            let mut state = drive.start(&platinum()).unwrap();
+            (0..10).fold((0, 0), |(count, ticks), _| {
+                drive.step(&mut state, &at(temperature_c));
+                (count + u32::from(state.saturated), ticks + 1)
+            })
+        };
+        // A mean close to a level asks for that level nearly always, and is met.
+        assert_eq!(saturated(Drive::Power { power_w: 0.001_500_01 }, 0.0), (0, 10));
+        assert_eq!(saturated(Drive::Power { power_w: 0.0416 }, 0.0), (10, 10));
+        assert_eq!(saturated(Drive::Power { power_w: 0.0014 }, 0.0), (10, 10));
+        // The first tick changes the level.
+        assert_eq!(saturated(Drive::Temperature { target_c: 1.0 }, 0.0), (9, 10));
+        assert_eq!(saturated(Drive::Setpoints { low_c: 1.0, high_c: 2.0, dwell_ticks: 1, seed: 3 }, 0.0), (9, 10));
+        assert_eq!(saturated(Drive::Passive, 0.0), (0, 10));
+        assert_eq!(saturated(Drive::Level(Level::High), 0.0), (0, 10));
     }
 
     #[test]

@@ -13,7 +13,7 @@
 //! A trip is latched by the controller until it is acknowledged.
 
 use crate::error::{self, ConfigError, Parameter};
-use crate::sensor::{Channel, Level, Reading};
+use crate::sensor::{Channel, Level, Platinum, Reading};
 
 /// Why the heaters went off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,17 +71,20 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits, if they make sense.
+    /// The limits, if they make sense for this resistor: above the end of its law, an inverse may give any temperature.
     ///
     /// # Errors
-    /// Names the limit that is not finite, not positive, or not above its counterpart.
-    pub fn checked(self) -> Result<Self, ConfigError> {
+    /// Names the limit that is not finite, not positive, not above its counterpart, or beyond the resistor's law.
+    pub fn checked(self, platinum: &Platinum) -> Result<Self, ConfigError> {
+        let (coldest_c, hottest_c) = platinum.range_c();
         error::positive(Parameter::ResistanceMinOhm, self.resistance_min_ohm)?;
         error::ascending(
             (Parameter::ResistanceMinOhm, self.resistance_min_ohm),
             (Parameter::ResistanceMaxOhm, self.resistance_max_ohm),
         )?;
-        error::finite(Parameter::TemperatureMaxC, self.temperature_max_c)?;
+        let most_ohm = platinum.resistance_ohm(hottest_c);
+        error::within(Parameter::ResistanceMaxOhm, self.resistance_max_ohm, 0.0, most_ohm)?;
+        error::within(Parameter::TemperatureMaxC, self.temperature_max_c, coldest_c, hottest_c)?;
         error::within(Parameter::CodeMax, self.code_max as f32, 1.0, 8_388_607.0)?;
         Ok(self)
     }
@@ -153,7 +156,6 @@ pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::Platinum;
 
     const LIMITS: Limits =
         Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
@@ -193,6 +195,20 @@ mod tests {
     }
 
     #[test]
+    fn the_limits_themselves_are_where_they_say() {
+        let low = Level::Low;
+        let end = LIMITS.code_max;
+        assert_eq!(verdict(Reading::Code(end), low), Judgement::Bad(Cause::Open));
+        assert_eq!(verdict(Reading::Code(-end), low), Judgement::Bad(Cause::OutOfRange));
+        assert_eq!(verdict(Reading::Code(1 - end), low), Judgement::Bad(Cause::Short));
+        // 70 °C is 212.975 Ω; a code is 0.16 mΩ at the low level.
+        assert!(matches!(verdict(code(212.974, low), low), Judgement::Good { .. }));
+        assert_eq!(verdict(code(212.976, low), low), Judgement::Bad(Cause::OverTemperature));
+        assert!(matches!(verdict(code(50.001, low), low), Judgement::Good { .. }));
+        assert_eq!(verdict(code(49.999, low), low), Judgement::Bad(Cause::Short));
+    }
+
+    #[test]
     fn a_reading_at_the_wrong_level_is_no_reading() {
         // A high current taken for the low one looks five times too resistive: seen as open, not as hot.
         assert_eq!(verdict(code(162.0, Level::High), Level::Low), Judgement::Bad(Cause::Open));
@@ -201,10 +217,15 @@ mod tests {
 
     #[test]
     fn refuses_limits_that_exclude_everything() {
-        let refused = |limits: Limits| limits.checked().unwrap_err().parameter;
+        let platinum = Platinum::linear(175.0, 0.0031).unwrap();
+        let refused = |limits: Limits| limits.checked(&platinum).unwrap_err().parameter;
+        assert_eq!(LIMITS.checked(&platinum), Ok(LIMITS));
         assert_eq!(refused(Limits { resistance_max_ohm: 40.0, ..LIMITS }), Parameter::ResistanceMaxOhm);
         assert_eq!(refused(Limits { resistance_min_ohm: f32::NAN, ..LIMITS }), Parameter::ResistanceMinOhm);
         assert_eq!(refused(Limits { temperature_max_c: f32::NAN, ..LIMITS }), Parameter::TemperatureMaxC);
+        // The law ends at 300 °C, 337.75 Ω.
+        assert_eq!(refused(Limits { temperature_max_c: 301.0, ..LIMITS }), Parameter::TemperatureMaxC);
+        assert_eq!(refused(Limits { resistance_max_ohm: 338.0, ..LIMITS }), Parameter::ResistanceMaxOhm);
         assert_eq!(refused(Limits { code_max: 0, ..LIMITS }), Parameter::CodeMax);
     }
 }

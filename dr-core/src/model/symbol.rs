@@ -22,10 +22,10 @@ impl<const K: usize> Symbol<K> {
     /// A symbol from its resistances in K/W. They may be negative: cross-heating needs that.
     ///
     /// # Errors
-    /// If one is not finite.
+    /// If one is not finite, or beyond ±10⁹ K/W: no state can then make the output overflow.
     pub fn new(r_k_per_w: [f32; K]) -> Result<Self, ConfigError> {
         for r in r_k_per_w {
-            error::finite(Parameter::ResistanceKPerW, r)?;
+            error::within(Parameter::ResistanceKPerW, r, -1e9, 1e9)?;
         }
         Ok(Self { r_k_per_w })
     }
@@ -111,5 +111,6 @@ mod tests {
     #[test]
     fn refuses_a_weight_that_is_no_number() {
         assert!(Symbol::new([1.0, f32::NAN]).is_err());
+        assert!(Symbol::new([1.0, -1e30]).is_err());
     }
 }

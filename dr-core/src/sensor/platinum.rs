@@ -44,21 +44,15 @@ impl Platinum {
     pub fn linear(resistance_0c_ohm: f32, coefficient_per_c: f32) -> Result<Self, ConfigError> {
         error::positive(Parameter::CoefficientPerC, coefficient_per_c)?;
         error::within(Parameter::CoefficientPerC, coefficient_per_c, 0.0, 0.01)?;
-        Ok(Self {
-            resistance_0c_ohm: error::positive(Parameter::Resistance0cOhm, resistance_0c_ohm)?,
-            law: Law::Linear { coefficient_per_c },
-        })
+        Ok(Self { resistance_0c_ohm: checked_resistance(resistance_0c_ohm)?, law: Law::Linear { coefficient_per_c } })
     }
 
     /// A resistor after IEC 60751, `resistance_0c_ohm` being 100 for a Pt100.
     ///
     /// # Errors
-    /// If the resistance is not a finite number greater than zero.
+    /// If the resistance is not a number greater than zero, or above 1 MΩ.
     pub fn iec60751(resistance_0c_ohm: f32) -> Result<Self, ConfigError> {
-        Ok(Self {
-            resistance_0c_ohm: error::positive(Parameter::Resistance0cOhm, resistance_0c_ohm)?,
-            law: Law::Iec60751,
-        })
+        Ok(Self { resistance_0c_ohm: checked_resistance(resistance_0c_ohm)?, law: Law::Iec60751 })
     }
 
     /// Checks again what came over a link or out of a file, where the constructors were not asked.
@@ -101,6 +95,12 @@ impl Platinum {
             }
         }
     }
+}
+
+/// A resistance that a resistor can have, Ω.
+fn checked_resistance(resistance_0c_ohm: f32) -> Result<f32, ConfigError> {
+    error::positive(Parameter::Resistance0cOhm, resistance_0c_ohm)?;
+    error::within(Parameter::Resistance0cOhm, resistance_0c_ohm, 0.0, 1e6)
 }
 
 /// R/R0 − 1 of IEC 60751 and its derivative to temperature.

@@ -48,7 +48,8 @@ impl Channel {
     /// A channel with `volt_per_code` V a code and its two currents in A.
     ///
     /// # Errors
-    /// Names the parameter that is not greater than zero, or a high current that is not above the low one.
+    /// Names the parameter that is not greater than zero or absurdly large (1 V a code, 1 A, 1 MΩ at 0 °C: with them no
+    /// power can overflow), or a high current that is not above the low one.
     pub fn new(
         platinum: Platinum,
         volt_per_code: f32,
@@ -56,8 +57,10 @@ impl Channel {
         current_high_a: f32,
     ) -> Result<Self, ConfigError> {
         error::positive(Parameter::VoltPerCode, volt_per_code)?;
+        error::within(Parameter::VoltPerCode, volt_per_code, 0.0, 1.0)?;
         error::positive(Parameter::CurrentLowA, current_low_a)?;
         error::ascending((Parameter::CurrentLowA, current_low_a), (Parameter::CurrentHighA, current_high_a))?;
+        error::within(Parameter::CurrentHighA, current_high_a, 0.0, 1.0)?;
         Ok(Self { platinum: platinum.checked()?, volt_per_code, current_low_a, current_high_a })
     }
 
@@ -122,5 +125,7 @@ mod tests {
         assert_eq!(Channel::new(platinum, 1e-6, 4e-3, 4e-3).unwrap_err().parameter, Parameter::CurrentHighA);
         assert_eq!(Channel::new(platinum, 0.0, 1e-3, 4e-3).unwrap_err().parameter, Parameter::VoltPerCode);
         assert_eq!(Channel::new(platinum, 1e-6, f32::NAN, 4e-3).unwrap_err().parameter, Parameter::CurrentLowA);
+        assert_eq!(Channel::new(platinum, 1e-6, 1e-3, 1e25).unwrap_err().parameter, Parameter::CurrentHighA);
+        assert_eq!(Channel::new(platinum, 1e9, 1e-3, 4e-3).unwrap_err().parameter, Parameter::VoltPerCode);
     }
 }

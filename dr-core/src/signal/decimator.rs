@@ -142,6 +142,29 @@ mod tests {
     }
 
     #[test]
+    fn a_ramp_comes_out_late_by_the_stated_delay() {
+        // Of a ramp of one count a tick each output is the ramp's value in the middle of its window.
+        let count_w = 1.0 / COUNTS_PER_WATT;
+        let decimator = Decimator::<3>::new(9).unwrap();
+        let mut state = DecimatorState::default();
+        assert_eq!(decimator.delay_ticks(), 12.0);
+        for tick in 0..900 {
+            if let Some(output) = decimator.push(&mut state, tick as f32 * count_w) {
+                assert!((output / count_w - (tick as f32 - decimator.delay_ticks())).abs() < 1e-3, "tick {tick}");
+            }
+        }
+    }
+
+    #[test]
+    fn powers_are_rounded_to_the_nearest_count() {
+        for (counts, nearest) in [(10.4, 10.0), (10.6, 11.0)] {
+            for output in run::<2>(4, core::iter::repeat_n(counts / COUNTS_PER_WATT, 40)) {
+                assert_eq!(output * COUNTS_PER_WATT, nearest);
+            }
+        }
+    }
+
+    #[test]
     fn sums_may_wrap_without_harm() {
         // 8e6 ticks of 7.9 W overflow the third integrator's 64 bits many times.
         let outputs = run::<3>(1600, core::iter::repeat_n(7.9, 8_000_000));

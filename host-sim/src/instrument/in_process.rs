@@ -48,10 +48,12 @@ impl Body for InProcess {
     }
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        let reply = self.controller.handle(command).map_err(InstrumentError::Refused)?;
+        // Not before: a start that is refused must not disturb the run.
         if command == Command::Start {
             self.digest = Digest::default();
         }
-        self.controller.handle(command).map_err(InstrumentError::Refused)
+        Ok(reply)
     }
 
     fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError> {

@@ -256,3 +256,144 @@ fn two_runs_of_the_same_experiment_are_the_same_run() {
     }
     assert_eq!(digests[0], digests[1]);
 }
+
+#[test]
+fn stopping_puts_every_heater_low() {
+    let mut controller = running([Drive::Level(Level::High), Drive::Level(Level::High)]);
+    assert_eq!(controller.tick(&[code(0.0, false); 2]).heaters, Heaters(0b11));
+    controller.handle(Command::Stop).unwrap();
+    let tick = controller.tick(&[code(0.0, true); 2]);
+    assert_eq!((tick.heaters, tick.state, tick.trip), (Heaters(0), RunState::Standby, None));
+}
+
+#[test]
+fn clearing_forgets_elements_and_period() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    controller.handle(Command::Clear).unwrap();
+    assert_eq!(controller, Controller::new());
+}
+
+#[test]
+fn a_new_period_makes_models_wait_for_their_new_gains() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    assert!(controller.model_temperature_c(0).is_some());
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.02 }).unwrap();
+    assert_eq!((controller.model_temperature_c(0), controller.sample_period_s()), (None, Some(0.02)));
+    assert_eq!(controller.handle(Command::Start), Ok(Reply::Started { judged: 0, unjudged: 0 }));
+}
+
+#[test]
+fn a_start_says_how_many_set_points_were_judged() {
+    let mut controller = Controller::<3>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
+    for index in 0..3 {
+        controller.handle(Command::Element { element: index, config: element() }).unwrap();
+        let drive = Drive::Temperature { target_c: -30.0 };
+        controller.handle(Command::Drive { element: index, drive }).unwrap();
+    }
+    controller.handle(Command::Model { element: 1, model: model() }).unwrap();
+    assert_eq!(controller.handle(Command::Start), Ok(Reply::Started { judged: 1, unjudged: 2 }));
+}
+
+#[test]
+fn set_points_stay_under_the_temperature_limit() {
+    let mut controller = Controller::<1>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
+    controller.handle(Command::Element { element: 0, config: element() }).unwrap();
+    let refused = |controller: &mut Controller<1>, drive| match controller.handle(Command::Drive { element: 0, drive })
+    {
+        Err(Refusal::Invalid { element: Some(0), error }) => error.parameter,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused(&mut controller, Drive::Temperature { target_c: 70.5 }), Parameter::TargetC);
+    let above = Drive::Setpoints { low_c: 60.0, high_c: 71.0, dwell_ticks: 5, seed: 1 };
+    assert_eq!(refused(&mut controller, above), Parameter::HighC);
+    controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: 69.5 } }).unwrap();
+}
+
+#[test]
+fn of_two_faults_the_first_element_is_named() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    let tick = controller.tick(&[Reading::Code(3), Reading::Code(8_388_607)]);
+    assert_eq!(tick.trip, Some(Trip { cause: Cause::Short, element: 0 }));
+}
+
+#[test]
+fn a_new_drive_starts_afresh_and_with_full_patience() {
+    let prbs = Drive::Prbs { order: 7, seed: 21, ticks_per_bit: 1 };
+    let mut controller = running([prbs, Drive::Power { power_w: 0.06 }]);
+    controller.handle(Command::Stop).unwrap();
+    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 20 })).unwrap();
+    controller.handle(Command::Start).unwrap();
+    let mut heaters = Heaters(0);
+    let bits = |controller: &mut Controller<2>, heaters: &mut Heaters| -> Vec<bool> {
+        (0..15)
+            .map(|_| {
+                let tick = controller.tick(&[0, 1].map(|i| code(-40.0, heaters.is_high(i))));
+                assert_eq!(tick.trip, None);
+                *heaters = tick.heaters;
+                tick.heaters.is_high(0)
+            })
+            .collect()
+    };
+    let first = bits(&mut controller, &mut heaters);
+    controller.handle(Command::Drive { element: 0, drive: prbs }).unwrap();
+    // 60 mW is more than the high level gives: 15 ticks of it are borne, and after a new drive 15 more.
+    controller.handle(Command::Drive { element: 1, drive: Drive::Power { power_w: 0.06 } }).unwrap();
+    assert_eq!(bits(&mut controller, &mut heaters), first);
+}
+
+#[test]
+fn a_mean_power_out_of_reach_trips_in_the_end() {
+    let mut controller = running([Drive::Power { power_w: 0.06 }, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 3 })).unwrap();
+    controller.handle(Command::Start).unwrap();
+    for tick in 0..3 {
+        assert_eq!(controller.tick(&[code(-40.0, tick > 0), code(-40.0, false)]).trip, None);
+    }
+    let trip = controller.tick(&[code(-40.0, true), code(-40.0, false)]).trip;
+    assert_eq!(trip, Some(Trip { cause: Cause::Unreachable, element: 0 }));
+}
+
+#[test]
+fn the_digest_sees_every_part_of_the_state() {
+    let mut controller = running([Drive::Prbs { order: 9, seed: 5, ticks_per_bit: 3 }, Drive::Passive]);
+    let tick = controller.tick(&[code(-40.0, false); 2]);
+    let digest = |controller: &Controller<2>, tick: &Tick<2>| {
+        let mut digest = Digest::default();
+        controller.fold(tick, &mut digest);
+        digest.value()
+    };
+    let plain = digest(&controller, &tick);
+    let changes: [fn(&mut ElementState); 11] = [
+        |state| state.temperature_c += 1e-3,
+        |state| state.resistance_ohm += 1e-3,
+        |state| state.absent_ticks += 1,
+        |state| state.saturated_ticks += 1,
+        |state| state.level = Level::High,
+        |state| state.drive.modulator.accumulator += 1e-3,
+        |state| state.drive.register = Some(crate::signal::Prbs::new(9, 6).unwrap()),
+        |state| state.drive.ticks_left += 1,
+        |state| state.drive.target_c += 1e-3,
+        |state| state.model.x[7] += 1e-9,
+        |state| state.model.excess[0] += 1e-12,
+    ];
+    for (i, change) in changes.iter().enumerate() {
+        let mut changed = controller;
+        change(&mut changed.states[1]);
+        assert_ne!(digest(&changed, &tick), plain, "change {i}");
+    }
+    let trip = Trip { cause: Cause::Open, element: 1 };
+    for other in [
+        Tick { heaters: Heaters(2), ..tick },
+        Tick { valid: 1, ..tick },
+        Tick { tick: 9, ..tick },
+        Tick { power_w: [0.0, 1.0], ..tick },
+        Tick { state: RunState::Tripped(trip), ..tick },
+    ] {
+        assert_ne!(digest(&controller, &other), plain, "{other:?}");
+    }
+}
