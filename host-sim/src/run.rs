@@ -79,11 +79,15 @@ fn observe(
     while next < experiment.ticks {
         let observation = instrument.observe()?;
         let sample = &observation.sample;
-        if sample.tick < next || sample.tick >= experiment.ticks {
+        if sample.tick < next {
             // Only a start in between, by somebody else, counts anew.
             return Err(InstrumentError::Protocol(format!("sample {} came where {next} was due", sample.tick)).into());
         }
-        totals.lost += sample.tick - next;
+        totals.lost += sample.tick.min(experiment.ticks) - next;
+        if sample.tick >= experiment.ticks {
+            // A real board goes on until it is stopped: the last ones of the run got lost.
+            break;
+        }
         next = sample.tick + 1;
         totals.take(sample, experiment, &names);
         totals.simulated |= observation.wind_m_s.is_some();
@@ -132,6 +136,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
             .collect(),
     };
     setup::start(instrument, &setup).map_err(|error| match &error {
+        InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
             // Said of the place in the file, where the user can do something about it.
             Some(name) => {

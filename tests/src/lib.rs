@@ -1,5 +1,7 @@
 //! What the tests that cross crates share: where experiments and firmware are, and how a run is made from them.
 
+pub mod fake_board;
+
 use host_sim::experiment::Experiment;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
 use host_sim::instrument::in_process::InProcess;
@@ -9,6 +11,7 @@ use host_sim::sensor::Sphere;
 use host_sim::summary::RunSummary;
 use host_sim::toml_file::Source;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
 /// A file of this repository.
 pub fn file(path: &str) -> PathBuf {
@@ -37,6 +40,104 @@ pub fn firmware() -> PathBuf {
         .map_or_else(|| file("target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"), PathBuf::from);
     assert!(path.exists(), "no firmware at {}: `cargo xtask test` builds it and then runs these tests", path.display());
     path
+}
+
+/// The `anemo` command, built by `cargo xtask test`, or by the same build as this test.
+pub fn anemo() -> PathBuf {
+    let beside = || std::env::current_exe().ok()?.parent()?.parent().map(|folder| folder.join("anemo"));
+    let path = std::env::var_os("ANEMO_BIN").map(PathBuf::from).or_else(beside).unwrap_or_default();
+    assert!(path.exists(), "no command at {}: `cargo xtask test` builds it and then runs these tests", path.display());
+    path
+}
+
+/// A folder in which the `anemo` command is run, with an experiment `e.toml` in it.
+pub struct Desk(tempfile::TempDir);
+
+impl Desk {
+    /// Lays out a shipped experiment with some of its text replaced, right or wrong.
+    pub fn new(name: &str, replacements: &[(&str, &str)]) -> Self {
+        let folder = tempfile::tempdir().expect("there is room for temporary files");
+        let heads = file("heads").canonicalize().expect("the heads are there");
+        let mut text = std::fs::read_to_string(file("experiments").join(name)).expect("a shipped experiment is there");
+        for (from, to) in replacements {
+            assert!(text.contains(from), "{name} does not contain `{from}`");
+            text = text.replacen(from, to, 1);
+        }
+        let text = text.replace("\"../heads", &format!("\"{}", heads.display()));
+        std::fs::write(folder.path().join("e.toml"), text).expect("there is room for temporary files");
+        Self(folder)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// The experiment on it.
+    pub fn experiment(&self) -> Experiment {
+        Experiment::read(&self.path().join("e.toml")).expect("the changed experiment is still one")
+    }
+
+    /// The command, with nothing of the environment that would lead it elsewhere.
+    pub fn command(&self, arguments: &[&str], environment: &[(&str, &str)]) -> Command {
+        let mut command = Command::new(anemo());
+        command.env_remove("ANEMO_FIRMWARE").env_remove("ANEMO_QEMU").envs(environment.iter().copied());
+        command.args(arguments).current_dir(self.path());
+        command
+    }
+
+    /// Runs it to its end.
+    pub fn anemo(&self, arguments: &[&str], environment: &[(&str, &str)]) -> Output {
+        self.command(arguments, environment).output().expect("the command can be started")
+    }
+
+    /// Runs it for its refusal: the exit code and the one sentence.
+    ///
+    /// # Panics
+    /// If there is anything but that sentence, on stdout, on stderr or in the folder.
+    pub fn refused(&self, arguments: &[&str], environment: &[(&str, &str)]) -> (i32, String) {
+        let before = self.files();
+        let output = self.anemo(arguments, environment);
+        let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert_eq!(stdout, "", "{arguments:?}");
+        assert_eq!(stderr.lines().count(), 1, "{arguments:?}: {stderr}");
+        let sentence = stderr.strip_prefix("anemo: ").unwrap_or_else(|| panic!("{arguments:?}: {stderr}"));
+        assert_eq!(self.files(), before, "{arguments:?} left something behind");
+        (output.status.code().expect("the command was not killed"), sentence.trim_end().to_owned())
+    }
+
+    /// Names of all that is in the folder.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path()).expect("the folder is there");
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// A frame in order, with the right checksum, of the next version of the protocol. Made without the code under test.
+pub fn foreign_frame(message: &[u8]) -> Vec<u8> {
+    let mut content = vec![wire::VERSION + 1, 0, 0];
+    content.extend(message);
+    let crc = crc_of(&content);
+    content.extend(crc.to_le_bytes());
+    cobs_of(&content)
+}
+
+/// CRC-16/IBM-SDLC bit by bit.
+fn crc_of(bytes: &[u8]) -> u16 {
+    !bytes.iter().fold(0xffff, |crc, &byte| {
+        (0..8).fold(crc ^ u16::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0x8408 } else { crc >> 1 })
+    })
+}
+
+/// COBS of a short message, terminator included.
+fn cobs_of(bytes: &[u8]) -> Vec<u8> {
+    let blocks = bytes.split(|&byte| byte == 0);
+    let mut frame: Vec<u8> =
+        blocks.flat_map(|block| std::iter::once(block.len() as u8 + 1).chain(block.iter().copied())).collect();
+    frame.push(0);
+    frame
 }
 
 /// The simulated sensor of an experiment.

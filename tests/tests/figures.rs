@@ -64,6 +64,9 @@ fn steady_wind_is_held_and_its_heat_measured() {
     }
 }
 
+/// Until the sectors are at their set-point in still gas. What still drifts then is taken out as a straight line.
+const STILL_WARM_UP_S: f64 = 120.0;
+
 /// Effective bits of a power signal: full scale over √12 times its rms about the mean.
 fn effective_bits(outputs: &[f64], full_scale_w: f64) -> f64 {
     // The slow end of the warm-up is no noise: a straight line is taken out.
@@ -98,7 +101,7 @@ fn resolution(experiment: &Experiment) -> [f64; 2] {
         let sample = instrument.observe().unwrap().sample;
         for (which, decimator) in decimators.iter().enumerate() {
             if let Some(output) = decimator.push(&mut states[which], sample.power_w[0])
-                && experiment.time_s(tick) >= WARM_UP_S
+                && experiment.time_s(tick) >= STILL_WARM_UP_S
             {
                 outputs[which].push(f64::from(output));
             }

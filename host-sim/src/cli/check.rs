@@ -8,6 +8,7 @@ use dr_core::sensor::Level;
 
 use super::Failure;
 use crate::experiment::Experiment;
+use crate::sensor::Species;
 
 /// Read an experiment and its head, and say what would run.
 #[derive(clap::Args)]
@@ -46,12 +47,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }));
     }
     let mut text = format!(
-        "{} · head {}\n{} ticks of {} ms, {} s\n\n",
+        "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C, support at {} °C\n\n",
         experiment.title,
         experiment.head.name,
         experiment.ticks,
         experiment.sample_period_s * 1e3,
-        experiment.duration_s()
+        experiment.duration_s(),
+        match experiment.species {
+            Species::CarbonDioxide => "CO2",
+            Species::Air => "air",
+        },
+        experiment.pressure_pa,
+        experiment.gas_temperature_c,
+        experiment.support_temperature_c
     );
     // Writing to a String cannot fail.
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
@@ -73,13 +81,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let conditions = experiment.models.as_ref().map_or("", |models| &models.conditions);
     let _ = match (judged, unjudged) {
         (0, 0) => Ok(()),
-        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, by models for {conditions}"),
+        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, say the models for {conditions}"),
         (0, unjudged) => {
             writeln!(text, "\n{unjudged} set-points are not judged: the experiment has no model of these elements")
         }
         (judged, unjudged) => writeln!(
             text,
-            "\n{judged} set-points can be held, by models for {conditions}; {unjudged} are not judged for want of one"
+            "\n{judged} set-points can be held, say the models for {conditions}; {unjudged} are not judged for want of one"
         ),
     };
     super::print(&text);

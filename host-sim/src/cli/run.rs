@@ -14,7 +14,7 @@ use crate::experiment::Experiment;
 use crate::instrument::emulated::{self, Emulated};
 use crate::instrument::in_process::InProcess;
 use crate::instrument::serial::Serial;
-use crate::instrument::{Instrument, LockStep};
+use crate::instrument::{Instrument, LockStep, setup};
 use crate::plot;
 use crate::recording::{Collector, Layout, Metadata, RecordingWriter};
 use crate::run::{RunError, run};
@@ -58,8 +58,11 @@ pub struct Arguments {
     )]
     firmware: PathBuf,
     /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo")]
+    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
     link: LinkName,
+    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
+    #[arg(long)]
+    acknowledge: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -104,7 +107,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut collector = canvas.is_some().then(|| Collector::new(layout, &known));
 
     let interrupted = on_interrupt();
-    let instrument = open(arguments, &experiment)?;
+    let mut instrument = open(arguments, &experiment)?;
+    if arguments.acknowledge {
+        setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
+    }
     let bar = progress_bar(&experiment);
     let (start, mut rows) = (Instant::now(), 0_u32);
     let summary = run(&experiment, instrument, &mut |row| {

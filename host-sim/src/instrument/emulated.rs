@@ -7,7 +7,7 @@
 mod process;
 mod stream;
 
-use super::link::{Link, PATIENCE, Stream};
+use super::link::{Link, PATIENCE, Persistence, Stream};
 use super::{Account, Body, InstrumentError};
 use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
@@ -71,7 +71,10 @@ impl Emulated {
                 Links { host: Link::new(host), bench: Some(Link::new(bench)) }
             }
         };
-        let identity = links.host.hello(PATIENCE).map_err(|error| process.explain(error))?;
+        let identity = process.patiently(|patience| links.host.hello(patience)).map_err(|error| match error {
+            InstrumentError::Silent(patience) => InstrumentError::Mute { firmware: firmware.to_owned(), patience },
+            other => other,
+        })?;
         Ok(Self { process, links, identity, digest: 0, answer: None, sample: None, status: None, unattended: 0 })
     }
 
@@ -125,7 +128,7 @@ impl Emulated {
     fn ask(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
         let asked = self.links.bench().send(&ToBoard::Readings(Readings::new(readings)))?;
         let answer = loop {
-            let message = self.links.bench().receive(PATIENCE)?;
+            let message = self.process.patiently(|patience| self.links.bench().receive(patience))?;
             self.hear(message);
             if let Some(answer) = self.answer.take() {
                 break answer;
@@ -148,7 +151,7 @@ impl Emulated {
                     Err(InstrumentError::Protocol(format!("levels {levels:?} came with the sample {sample:?}")))
                 };
             }
-            let message = self.links.host.receive(PATIENCE)?;
+            let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
             self.hear(message);
             self.unattended = 0;
         }
@@ -172,7 +175,9 @@ impl Body for Emulated {
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
         let mut aside = Vec::new();
-        let reply = self.links.host.command(command, &mut |message| aside.push(message));
+        // Nothing gets lost on the way to an emulator.
+        let once = Persistence { tries: 1, each: PATIENCE };
+        let reply = self.links.host.command(command, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
     }

@@ -1,7 +1,7 @@
 //! A conversation with a board: messages out, messages in, and patience.
 
 use super::InstrumentError;
-use dr_core::control::{Command, Reply};
+use dr_core::control::{Command, Refusal, Reply};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 use wire::{FromBoard, Identity, LinkCounters, MAX_FRAME, Receiver, ToBoard, VERSION};
@@ -11,6 +11,15 @@ pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// How long to wait for an answer to a hello before asking again: a board drops what comes while it starts.
 const HELLO_EVERY: Duration = Duration::from_millis(50);
+
+/// How often a command is sent before its board counts as gone, and how long each waits for an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Persistence {
+    /// At least 1.
+    pub tries: u32,
+    /// Patience of each.
+    pub each: Duration,
+}
 
 /// A way to a board.
 pub trait Stream {
@@ -91,6 +100,8 @@ impl<S: Stream> Link<S> {
             self.read = 0;
             self.read = match self.stream.read_within(&mut self.buffer[..], left) {
                 Err(error) if error.kind() == ErrorKind::TimedOut => return Err(InstrumentError::Silent(patience)),
+                // A signal, such as Ctrl-C: whoever asked for the run looks after it.
+                Err(error) if error.kind() == ErrorKind::Interrupted => 0,
                 other => other?,
             };
         }
@@ -122,16 +133,47 @@ impl<S: Stream> Link<S> {
 
     /// Sends a command and waits for its reply; what else comes meanwhile goes to `aside`.
     ///
+    /// A command whose reply does not come is sent again, under a new number: under the old one the board would drop it,
+    /// if it was only the reply that got lost. Doing a command twice leaves the board as doing it once; a second `Start`
+    /// or `Acknowledge` is refused, which then says that the first one was carried out, and is answered `Done`.
+    ///
     /// # Errors
     /// If the command is refused, or the board does not answer.
-    pub fn command(&mut self, command: Command, aside: &mut dyn FnMut(FromBoard)) -> Result<Reply, InstrumentError> {
-        let sequence = self.send(&ToBoard::Command(command))?;
-        let deadline = Instant::now() + PATIENCE;
-        loop {
-            match self.receive(deadline.saturating_duration_since(Instant::now()))? {
-                FromBoard::Reply { to, result } if to == sequence => return result.map_err(InstrumentError::Refused),
-                other => aside(other),
+    pub fn command(
+        &mut self,
+        command: Command,
+        persistence: Persistence,
+        aside: &mut dyn FnMut(FromBoard),
+    ) -> Result<Reply, InstrumentError> {
+        let mut first = None;
+        for _ in 0..persistence.tries {
+            let last = self.send(&ToBoard::Command(command))?;
+            let first = *first.get_or_insert(last);
+            let deadline = Instant::now() + persistence.each;
+            loop {
+                match self.receive(deadline.saturating_duration_since(Instant::now())) {
+                    // The answer to any of the tries: one may only have been late.
+                    Ok(FromBoard::Reply { to, result }) if to.wrapping_sub(first) <= last.wrapping_sub(first) => {
+                        return match result {
+                            Err(refusal) if last != first && shows_it_done(command, &refusal) => Ok(Reply::Done),
+                            result => result.map_err(InstrumentError::Refused),
+                        };
+                    }
+                    Ok(other) => aside(other),
+                    Err(InstrumentError::Silent(_)) => break,
+                    Err(error) => return Err(error),
+                }
+                // A board that is running talks all the time.
+                if Instant::now() >= deadline {
+                    break;
+                }
             }
         }
+        Err(InstrumentError::Silent(persistence.each * persistence.tries))
     }
+}
+
+/// Whether a command that was sent more than once was refused because it had been carried out already.
+fn shows_it_done(command: Command, refusal: &Refusal) -> bool {
+    matches!((command, refusal), (Command::Start, Refusal::NotInStandby) | (Command::Acknowledge, Refusal::NotTripped))
 }

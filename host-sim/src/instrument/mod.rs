@@ -87,6 +87,25 @@ pub enum InstrumentError {
     /// There is no firmware to emulate.
     #[error("there is no firmware at {0}; build it with `cargo xtask demo`, or name another with --firmware")]
     NoFirmware(PathBuf),
+    /// The emulator is there, but cannot be run.
+    #[error("the emulator `{emulator}` cannot be started: {reason}")]
+    EmulatorUnusable {
+        /// Which.
+        emulator: String,
+        /// Why.
+        reason: io::Error,
+    },
+    /// The file is something else.
+    #[error("{0} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds")]
+    NotFirmware(PathBuf),
+    /// It runs, and says nothing.
+    #[error("{firmware} has not said a word for {:.0} s; is it the firmware of the virtual board?", .patience.as_secs_f64())]
+    Mute {
+        /// Which.
+        firmware: PathBuf,
+        /// How long it was listened to.
+        patience: Duration,
+    },
     /// The emulator ended by itself.
     #[error("the emulated board stopped with {status}; its last words: {words}")]
     EmulatorStopped {
@@ -105,6 +124,19 @@ pub enum InstrumentError {
         /// Those that there are.
         ports: String,
     },
+    /// It has tripped, now or before.
+    #[error(
+        "the board is tripped ({cause}, {element}) and keeps its heaters low; mend the cause, then run again with --acknowledge"
+    )]
+    Tripped {
+        /// By what.
+        cause: &'static str,
+        /// Where.
+        element: String,
+    },
+    /// It forgot everything in the middle of a run.
+    #[error("the board has started anew in the middle of the run, heaters low; it says that {0}")]
+    Restarted(&'static str),
     /// Nobody answers.
     #[error("the board has not answered for {:.1} s; is its firmware running, and is this its port?", .0.as_secs_f64())]
     Silent(Duration),

@@ -1,31 +1,96 @@
 //! The sensor board at a serial port: real sensor, real time.
+//!
+//! A cable loses and garbles, so commands are repeated until they are answered (see [`Link::command`]), and samples are
+//! taken by their ticks: what is missing shows as a gap. A board that falls silent, starts anew or is unplugged ends the
+//! run with an error.
 
-use super::link::{Link, Stream};
+use super::link::{Link, Persistence, Stream};
 use super::{Account, Instrument, InstrumentError, Observation};
-use dr_core::control::{Command, Reply};
+use dr_core::control::{Command, Reply, RunState};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
-use std::io::{self, Read, Write};
-use std::time::Duration;
-use wire::{FromBoard, Identity, Sample, Status, ToBoard};
+use std::io::{self, ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+use wire::{FromBoard, Identity, ResetCause, Sample, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
 
-/// A tick lasts 10 s at the most; a board that says nothing for longer is gone.
-const SAMPLE_PATIENCE: Duration = Duration::from_secs(12);
+/// A board that starts up answers within a second.
+const HELLO_PATIENCE: Duration = Duration::from_secs(3);
+
+/// A command is answered within milliseconds: whoever waits for a second has lost something.
+const PERSISTENCE: Persistence = Persistence { tries: 3, each: Duration::from_secs(1) };
+
+/// A board that says nothing for so long, and for a few ticks, is gone: it sends its status each second.
+const SILENCE: Duration = Duration::from_secs(3);
+const SILENT_TICKS: f32 = 3.0;
+
+/// How long the status of the end may take, which comes each second.
+const STATUS_PATIENCE: Duration = Duration::from_millis(1500);
+
+/// How long the system may take to accept a frame.
+const WRITE_PATIENCE: Duration = Duration::from_secs(1);
 
 /// A port, as a stream.
 pub struct Port(TTYPort);
 
+impl Port {
+    fn gone(error: io::Error) -> io::Error {
+        match error.kind() {
+            ErrorKind::TimedOut | ErrorKind::Interrupted => error,
+            kind => io::Error::new(kind, format!("{error}; has it been unplugged?")),
+        }
+    }
+}
+
 impl Stream for Port {
     fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
         self.0.set_timeout(patience)?;
-        self.0.read(buffer)
+        match self.0.read(buffer).map_err(Self::gone)? {
+            0 => Err(Self::gone(io::Error::new(ErrorKind::UnexpectedEof, "end of file"))),
+            read => Ok(read),
+        }
     }
 
     fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.write_all(bytes)
+        self.0.set_timeout(WRITE_PATIENCE)?;
+        self.0.write_all(bytes).map_err(Self::gone)
+    }
+}
+
+/// What the board has said by itself.
+#[derive(Default)]
+struct Heard {
+    samples: VecDeque<Sample>,
+    status: Option<Status>,
+    restarted: bool,
+}
+
+impl Heard {
+    fn take(&mut self, message: FromBoard) {
+        match message {
+            FromBoard::Sample(sample) => self.samples.push_back(sample),
+            FromBoard::Status(status) => {
+                self.restarted |= self.status.is_some_and(|before| status.uptime_s <= before.uptime_s);
+                self.status = Some(status);
+            }
+            // Changes of state are in every sample; a reply that comes now is the second to a repeated command.
+            FromBoard::Identity(_) | FromBoard::Reply { .. } | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
+        }
+    }
+
+    /// Drops what belongs to the standby before a run.
+    fn begin(&mut self, reply: Reply) {
+        let standby = match reply {
+            // A board answers before it sends the first sample of the run.
+            Reply::Started { .. } => self.samples.len(),
+            // The answer got lost, and the run has begun meanwhile.
+            Reply::Done => {
+                self.samples.iter().rposition(|sample| sample.state == RunState::Standby).map_or(0, |last| last + 1)
+            }
+        };
+        self.samples.drain(..standby);
     }
 }
 
@@ -33,8 +98,8 @@ impl Stream for Port {
 pub struct Serial {
     link: Link<Port>,
     identity: Identity,
-    samples: VecDeque<Sample>,
-    status: Option<Status>,
+    heard: Heard,
+    silence: Duration,
 }
 
 impl Serial {
@@ -51,18 +116,8 @@ impl Serial {
         let mut link = Link::new(Port(port));
         // Ends whatever the board may have taken for the beginning of a frame.
         link.stream_mut().write_all(&[0])?;
-        let identity = link.hello(Duration::from_secs(3))?;
-        link.send(&ToBoard::Telemetry { every: 1 })?;
-        Ok(Self { link, identity, samples: VecDeque::new(), status: None })
-    }
-
-    fn sort(message: FromBoard, samples: &mut VecDeque<Sample>, status: &mut Option<Status>) {
-        match message {
-            FromBoard::Sample(sample) => samples.push_back(sample),
-            FromBoard::Status(its) => *status = Some(its),
-            // Changes of state are in every sample.
-            FromBoard::Identity(_) | FromBoard::Reply { .. } | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
-        }
+        let identity = link.hello(HELLO_PATIENCE)?;
+        Ok(Self { link, identity, heard: Heard::default(), silence: SILENCE })
     }
 }
 
@@ -72,22 +127,38 @@ impl Instrument for Serial {
     }
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
-        let Self { link, samples, status, .. } = self;
-        let reply = link.command(command, &mut |message| Self::sort(message, samples, status))?;
+        let Self { link, heard, .. } = self;
         if command == Command::Start {
-            // What came before the reply belongs to the standby before the run.
-            samples.clear();
+            // Another host may have asked for fewer.
+            link.send(&ToBoard::Telemetry { every: 1 })?;
+        }
+        let reply = link.command(command, PERSISTENCE, &mut |message| heard.take(message))?;
+        match command {
+            Command::Start => heard.begin(reply),
+            Command::SamplePeriod { sample_period_s } => {
+                self.silence = SILENCE.max(Duration::from_secs_f32(SILENT_TICKS * sample_period_s));
+            }
+            _ => {}
         }
         Ok(reply)
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
+        let deadline = Instant::now() + self.silence;
         loop {
-            if let Some(sample) = self.samples.pop_front() {
+            if let Some(sample) = self.heard.samples.pop_front() {
                 return Ok(Observation { sample, wind_m_s: None, extrapolated: false });
             }
-            let message = self.link.receive(SAMPLE_PATIENCE)?;
-            Self::sort(message, &mut self.samples, &mut self.status);
+            if self.heard.restarted {
+                let identity = self.link.hello(HELLO_PATIENCE)?;
+                return Err(InstrumentError::Restarted(why(identity.reset)));
+            }
+            if Instant::now() >= deadline {
+                // It may still send its status.
+                return Err(InstrumentError::Silent(self.silence));
+            }
+            let message = self.link.receive(self.silence)?;
+            self.heard.take(message);
         }
     }
 
@@ -101,12 +172,28 @@ impl Instrument for Serial {
             Ok(_) | Err(InstrumentError::Refused(_)) => {}
             Err(error) => return Err(error),
         }
-        // One more second brings the status of the end.
-        while self.status.is_none() {
-            let message = self.link.receive(Duration::from_secs(2))?;
-            Self::sort(message, &mut self.samples, &mut self.status);
+        // The status of the end counts everything; should it get lost, the one before will do.
+        let before = self.heard.status;
+        let deadline = Instant::now() + STATUS_PATIENCE;
+        while self.heard.status == before && Instant::now() < deadline {
+            match self.link.receive(deadline.saturating_duration_since(Instant::now())) {
+                Ok(message) => self.heard.take(message),
+                Err(InstrumentError::Silent(_)) => break,
+                Err(error) => return Err(error),
+            }
         }
-        Ok(Account { link: self.link.counters(), status: self.status, log: Vec::new() })
+        Ok(Account { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
+    }
+}
+
+fn why(reset: ResetCause) -> &'static str {
+    match reset {
+        ResetCause::PowerOn => "its supply was gone",
+        ResetCause::Pin => "somebody reset it",
+        ResetCause::Software => "its firmware ran into an error",
+        ResetCause::Watchdog => "a task of its firmware hung",
+        ResetCause::BrownOut => "its supply dipped",
+        ResetCause::Unknown => "it does not know why",
     }
 }
 
@@ -116,6 +203,6 @@ fn known_ports() -> String {
             let names: Vec<String> = ports.into_iter().map(|port| port.port_name).collect();
             format!("there are {}", names.join(", "))
         }
-        _ => "this machine has no serial port".to_owned(),
+        _ => "this computer has no serial port".to_owned(),
     }
 }

@@ -1,7 +1,7 @@
 //! What an instrument is told before a run, in the order in which it has to be told.
 
 use super::{Instrument, InstrumentError};
-use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply};
+use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply, Trip};
 use dr_core::model::SelfHeatingConfig;
 
 /// Everything that an instrument has to know of an experiment.
@@ -48,7 +48,37 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
         }
         instrument.command(Command::Drive { element, drive: of.drive })?;
     }
-    instrument.command(Command::Start)
+    Ok(match instrument.command(Command::Start)? {
+        // It runs, but what it said got lost: that much is known here as well.
+        Reply::Done => judged(setup),
+        started @ Reply::Started { .. } => started,
+    })
+}
+
+/// Brings a tripped instrument back to standby; one that is not tripped stays as it is.
+///
+/// # Errors
+/// If the instrument cannot be reached.
+pub fn acknowledge(instrument: &mut dyn Instrument) -> Result<(), InstrumentError> {
+    match instrument.command(Command::Acknowledge) {
+        Ok(_) | Err(InstrumentError::Refused(Refusal::NotTripped)) => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+/// How many set-points a model has judged, and how many none could.
+fn judged(setup: &Setup) -> Reply {
+    let (with, without): (Vec<_>, Vec<_>) = (setup.elements.iter())
+        .filter(|element| element.drive.target_range_c().is_some())
+        .partition(|element| element.model.is_some());
+    Reply::Started { judged: with.len() as u8, unjudged: without.len() as u8 }
+}
+
+/// A trip in words.
+pub fn tripped(trip: Trip, setup: &Setup) -> InstrumentError {
+    let name = setup.elements.get(usize::from(trip.element)).map(|element| element.name.clone());
+    let element = name.unwrap_or_else(|| format!("element {}", trip.element));
+    InstrumentError::Tripped { cause: trip.cause.name(), element }
 }
 
 /// Names the element that a refusal is about, which the instrument knows by number only.
@@ -58,8 +88,7 @@ pub fn name_element(refusal: &Refusal, setup: &Setup) -> Option<String> {
         | Refusal::NotConfigured { element }
         | Refusal::Unreachable { element, .. } => element,
         Refusal::Invalid { element, .. } => element?,
-        Refusal::Tripped(trip) => trip.element,
-        Refusal::NotInStandby | Refusal::NotTripped | Refusal::NoSamplePeriod => return None,
+        Refusal::NotInStandby | Refusal::Tripped(_) | Refusal::NotTripped | Refusal::NoSamplePeriod => return None,
     };
     setup.elements.get(usize::from(element)).map(|element| element.name.clone())
 }

@@ -1,13 +1,13 @@
 //! The emulator's process: its folder, its links, its log and its end.
 
-use super::super::InstrumentError;
+use super::super::{InstrumentError, link};
 use super::stream::Pipe;
 use defmt_decoder::{DecodeError, Table};
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::stat::Mode;
 use nix::unistd::{Pid, mkfifo};
 use std::fs::{File, OpenOptions};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -19,6 +19,9 @@ const EMULATOR_VARIABLE: &str = "ANEMO_QEMU";
 
 /// How long the emulator may take to connect, and to leave.
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// How often to look whether the emulator still runs while it says nothing.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// Lines of log that an error quotes.
 const LAST_WORDS: usize = 3;
@@ -34,9 +37,13 @@ impl Process {
     /// Makes a folder for an emulator of this firmware.
     pub fn prepare(firmware: &Path) -> Result<Self, InstrumentError> {
         // The emulator runs in its own folder, so that the path must not depend on ours.
-        let firmware = firmware.canonicalize().map_err(|_| InstrumentError::NoFirmware(firmware.to_owned()))?;
+        let path = firmware.canonicalize().map_err(|_| InstrumentError::NoFirmware(firmware.to_owned()))?;
+        // The emulator would run anything, as far as it goes.
+        if !is_arm_elf(&path) {
+            return Err(InstrumentError::NotFirmware(firmware.to_owned()));
+        }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
-        Ok(Self { firmware, folder, child: None })
+        Ok(Self { firmware: path, folder, child: None })
     }
 
     /// Starts it with a pair of named pipes for the fast link.
@@ -83,7 +90,7 @@ impl Process {
             .spawn()
             .map_err(|error| match error.kind() {
                 ErrorKind::NotFound => InstrumentError::NoEmulator(emulator),
-                _ => InstrumentError::Link(error),
+                _ => InstrumentError::EmulatorUnusable { emulator, reason: error },
             })?;
         self.child = Some(child);
         Ok(())
@@ -96,6 +103,26 @@ impl Process {
             None => Ok(()),
             Some(status) => {
                 Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() })
+            }
+        }
+    }
+
+    /// Waits on a link for as long as the emulator runs and there is patience left. A dead emulator does not close it.
+    pub fn patiently<T>(
+        &mut self,
+        mut wait: impl FnMut(Duration) -> Result<T, InstrumentError>,
+    ) -> Result<T, InstrumentError> {
+        let mut deadline = None;
+        loop {
+            match wait(LOOK_EVERY) {
+                Err(InstrumentError::Silent(_)) => {
+                    self.has_stopped()?;
+                    let deadline = *deadline.get_or_insert_with(|| Instant::now() + link::PATIENCE);
+                    if Instant::now() >= deadline {
+                        return Err(InstrumentError::Silent(link::PATIENCE));
+                    }
+                }
+                other => return other.map_err(|error| self.explain(error)),
             }
         }
     }
@@ -128,10 +155,13 @@ impl Process {
         }
     }
 
+    /// What explains an end best: the emulator's own complaint, or else what the board logged last.
     fn last_words(&self) -> String {
-        let mut lines = self.log();
         let errors = std::fs::read_to_string(self.folder.path().join("errors.txt")).unwrap_or_default();
-        lines.extend(errors.lines().map(str::to_owned));
+        // A complaint may be followed by pages of registers.
+        let complaint = errors.lines().find(|line| line.starts_with("qemu")).or(errors.lines().next());
+        let mut lines = decode(&self.firmware, &self.folder.path().join("log.defmt")).unwrap_or_default();
+        lines.extend(complaint.map(str::to_owned));
         let last = lines.split_off(lines.len().saturating_sub(LAST_WORDS));
         if last.is_empty() { "none".to_owned() } else { last.join(" | ") }
     }
@@ -151,6 +181,15 @@ impl Drop for Process {
             child.wait().ok();
         }
     }
+}
+
+/// Whether a file begins as a 32-bit little-endian ELF for ARM does.
+fn is_arm_elf(path: &Path) -> bool {
+    const MACHINE: std::ops::Range<usize> = 18..20;
+    const ARM: [u8; 2] = [40, 0];
+    let mut header = [0; 20];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut header));
+    read.is_ok() && header.starts_with(b"\x7fELF\x01\x01") && header[MACHINE] == ARM
 }
 
 fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, String> {

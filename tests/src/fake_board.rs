@@ -1,0 +1,319 @@
+//! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sphere, at the end of a
+//! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
+
+use crate::{foreign_frame, sphere};
+use dr_core::control::{Command, Controller, Reply, RunState};
+use dr_core::sensor::Reading;
+use firmware::inbox::{Exchange, Inbox, Questions, Request};
+use firmware::outbox::{Outbox, Sequence, Unsent};
+use heapless::spsc::Queue;
+use host_sim::experiment::Experiment;
+use host_sim::sensor::Sphere;
+use nix::fcntl::OFlag;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::pty::{PtyMaster, grantpt, posix_openpt, ptsname_r, unlockpt};
+use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::AsFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use wire::{
+    BoardKind, ELEMENTS, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Sample, Status, ToBoard,
+};
+
+/// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because nobody may be reading.
+const STANDBY_TICK: Duration = Duration::from_millis(2);
+const RUNNING_TICK: Duration = Duration::from_micros(100);
+
+/// A second of the board, by which it sends its status.
+const SECOND: Duration = Duration::from_millis(20);
+
+/// What is wrong with the board or its cable. By default, nothing.
+#[derive(Clone, Default)]
+pub struct Quirks {
+    /// Says nothing and hears nothing.
+    pub mute: bool,
+    /// Speaks the next version of the protocol, and obeys no other.
+    pub foreign: bool,
+    /// The first command of this kind does not arrive.
+    pub lost_command: Option<fn(&Command) -> bool>,
+    /// The first reply to a command of this kind does not arrive.
+    pub lost_reply: Option<fn(&Command) -> bool>,
+    /// Samples of these ticks do not arrive.
+    pub lost_samples: Vec<u32>,
+    /// Bytes that come before the samples of these ticks.
+    pub garbage: Vec<(u32, Vec<u8>)>,
+    /// Falls silent before this tick of the run.
+    pub silent_from: Option<u32>,
+    /// Starts anew, by its watchdog, before this tick of the run.
+    pub restarts_at: Option<u32>,
+    /// Is unplugged before this tick of the run.
+    pub unplugged_at: Option<u32>,
+}
+
+/// What the board can tell afterwards.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// Commands that were carried out.
+    pub obeyed: Vec<Command>,
+    /// What arrived.
+    pub link: wire::LinkCounters,
+    /// The state at the end.
+    pub state: RunState,
+}
+
+/// A board at the end of a pseudo-terminal.
+pub struct FakeBoard {
+    /// The port at which it is.
+    pub device: String,
+    /// Keeps the port open between one host and the next.
+    _port: File,
+    ended: Arc<AtomicBool>,
+    mended: Arc<AtomicBool>,
+    running: Arc<AtomicBool>,
+    thread: JoinHandle<Report>,
+}
+
+impl FakeBoard {
+    /// Switches it on, with the sphere of an experiment around it.
+    pub fn new(experiment: &Experiment, quirks: Quirks) -> Self {
+        let (board, port, device) = pseudo_terminal().expect("the system has pseudo-terminals");
+        let flag = || Arc::new(AtomicBool::new(false));
+        let (ended, mended, running) = (flag(), flag(), flag());
+        let life = Life {
+            experiment: experiment.clone(),
+            quirks,
+            cable: Cable { port: Some(board), ended: Arc::clone(&ended) },
+            mended: Arc::clone(&mended),
+            running: Arc::clone(&running),
+        };
+        let thread = std::thread::spawn(move || life.live());
+        Self { device, _port: port, ended, mended, running, thread }
+    }
+
+    /// Whether a run is under way.
+    pub fn is_running(&self) -> bool {
+        self.running.load(Relaxed)
+    }
+
+    /// Repairs whatever resistor is broken.
+    pub fn mend(&self) {
+        self.mended.store(true, Relaxed);
+    }
+
+    /// Switches it off.
+    pub fn finish(self) -> Report {
+        self.ended.store(true, Relaxed);
+        self.thread.join().expect("the fake board does not fail")
+    }
+}
+
+/// A pseudo-terminal that carries bytes as they are: the board's end, the host's end and its name. Programs that are
+/// started meanwhile inherit neither, so that closing the board's end is what pulling its plug is.
+fn pseudo_terminal() -> nix::Result<(PtyMaster, File, String)> {
+    let board = posix_openpt(OFlag::O_RDWR | OFlag::O_NOCTTY | OFlag::O_NONBLOCK | OFlag::O_CLOEXEC)?;
+    grantpt(&board)?;
+    unlockpt(&board)?;
+    let device = ptsname_r(&board)?;
+    let port = OpenOptions::new().read(true).write(true).open(&device).map_err(|_| nix::Error::ENOENT)?;
+    let mut settings = tcgetattr(&port)?;
+    cfmakeraw(&mut settings);
+    tcsetattr(&port, SetArg::TCSANOW, &settings)?;
+    Ok((board, port, device))
+}
+
+/// The board's end of it.
+struct Cable {
+    port: Option<PtyMaster>,
+    ended: Arc<AtomicBool>,
+}
+
+impl Cable {
+    fn is_alive(&self) -> bool {
+        self.port.is_some() && !self.ended.load(Relaxed)
+    }
+
+    /// What has come, after a tick.
+    fn read(&mut self, buffer: &mut [u8], tick: Duration) -> usize {
+        std::thread::sleep(tick);
+        self.port.as_mut().map_or(0, |port| port.read(buffer).unwrap_or(0))
+    }
+
+    /// Waits for a host that is slow, until the board is switched off.
+    fn write(&mut self, mut bytes: &[u8]) {
+        let Some(port) = &mut self.port else { return };
+        while !bytes.is_empty() && !self.ended.load(Relaxed) {
+            match port.write(bytes) {
+                Ok(written) => bytes = &bytes[written..],
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    let _ = poll(&mut [PollFd::new(port.as_fd(), PollFlags::POLLOUT)], PollTimeout::from(20_u8));
+                }
+                Err(error) => panic!("the pseudo-terminal broke: {error}"),
+            }
+        }
+    }
+}
+
+/// Sphere, controller and counters: what the firmware has in its resources.
+struct Life {
+    experiment: Experiment,
+    quirks: Quirks,
+    cable: Cable,
+    mended: Arc<AtomicBool>,
+    running: Arc<AtomicBool>,
+}
+
+impl Life {
+    fn live(mut self) -> Report {
+        if self.quirks.mute || self.quirks.foreign {
+            return self.stay_away();
+        }
+        let (mut requests, mut exchanges, mut messages) =
+            (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Queue::<FromBoard, 32>::new());
+        let ((request_in, mut requests), (exchange_in, _), (message_in, mut messages)) =
+            (requests.split(), exchanges.split(), messages.split());
+        let (questions, unsent) = (Questions::new(), Unsent::new());
+        let mut inbox = Inbox::new(request_in, exchange_in, &questions, false);
+        let mut outbox = Outbox::new(message_in, &unsent);
+        let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
+        let mut controller = Controller::<ELEMENTS>::new();
+        let mut sphere = self.new_sphere();
+        let (mut obeyed, mut unheard) = (Vec::new(), None);
+        let (mut reset, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 0, Instant::now());
+        let mut buffer = [0; 256];
+        let mut between_frames = receiver.clone();
+        while self.cable.is_alive() {
+            let is_running = controller.state() == RunState::Running;
+            self.running.store(is_running, Relaxed);
+            let read = self.cable.read(&mut buffer, if is_running { RUNNING_TICK } else { STANDBY_TICK });
+            for &byte in &buffer[..read] {
+                match receiver.push::<ToBoard>(byte) {
+                    Some(Received { message: ToBoard::Command(command), .. })
+                        if is_first(&mut self.quirks.lost_command, &command) =>
+                    {
+                        receiver = between_frames.clone();
+                    }
+                    Some(received) => drop(inbox.accept(received)),
+                    None => {}
+                }
+                if byte == 0 {
+                    between_frames = receiver.clone();
+                }
+            }
+            while let Some((to, command)) = requests.dequeue() {
+                let result = controller.handle(command);
+                if is_first(&mut self.quirks.lost_reply, &command) {
+                    unheard = Some(to);
+                }
+                if result.is_ok() {
+                    obeyed.push(command);
+                }
+                if let Ok(Reply::Started { .. }) = result {
+                    // The run that the simulated instruments make, from its very beginning.
+                    sphere = self.new_sphere();
+                }
+                outbox.put(FromBoard::Reply { to, result });
+            }
+
+            let (tick, is_running) = (controller.ticks(), controller.state() == RunState::Running);
+            let due = |at: Option<u32>| is_running && at == Some(tick);
+            if due(self.quirks.unplugged_at) {
+                self.cable.port = None;
+                break;
+            }
+            if due(self.quirks.silent_from) {
+                return self.stay_away();
+            }
+            if due(self.quirks.restarts_at) {
+                (controller, receiver, sequence) = (Controller::new(), Receiver::new(), Sequence::new());
+                (reset, uptime_s) = (ResetCause::Watchdog, 0);
+            }
+            if self.mended.swap(false, Relaxed) {
+                self.experiment.faults.clear();
+                sphere = self.new_sphere();
+            }
+            // Without a sample period there are no ticks.
+            if controller.sample_period_s().is_some() {
+                let tick = controller.tick(&sphere.codes().map(Reading::Code));
+                sphere.advance(tick.heaters.0);
+                if questions.wants_sample(tick.tick) {
+                    outbox.put(FromBoard::Sample(Sample::from(&tick)));
+                }
+            }
+
+            let mut send = |message: &FromBoard| {
+                let mut frame = [0; MAX_FRAME];
+                let frame = wire::encode(sequence.next(unsent.count()), message, &mut frame).expect("it fits a frame");
+                self.send(message, frame, &mut unheard);
+            };
+            if questions.take_identity() {
+                let firmware = Name::try_from("fake board").expect("it is short");
+                let (board, elements, order) = (BoardKind::Sensor, ELEMENTS as u8, dr_core::model::ORDER as u8);
+                send(&FromBoard::Identity(Identity { firmware, board, elements, order, reset }));
+            }
+            while let Some(message) = messages.dequeue() {
+                send(&message);
+            }
+            if last_status.elapsed() >= SECOND {
+                (last_status, uptime_s) = (Instant::now(), uptime_s + 1);
+                let (link, refused, unsent) = (receiver.counters(), inbox.refused, unsent.count());
+                let (late_ticks, control_cycles_max, tick_cycles) = (0, 0, 0);
+                send(&FromBoard::Status(Status {
+                    uptime_s,
+                    link,
+                    refused,
+                    unsent,
+                    late_ticks,
+                    control_cycles_max,
+                    tick_cycles,
+                }));
+            }
+        }
+        Report { obeyed, link: receiver.counters(), state: controller.state() }
+    }
+
+    fn new_sphere(&self) -> Sphere {
+        sphere(&self.experiment)
+    }
+
+    /// Puts a frame on the cable, or what becomes of it.
+    fn send(&mut self, message: &FromBoard, frame: &[u8], unheard: &mut Option<u16>) {
+        match message {
+            FromBoard::Reply { to, .. } if *unheard == Some(*to) => return *unheard = None,
+            FromBoard::Sample(sample) if sample.state == RunState::Running => {
+                if self.quirks.lost_samples.contains(&sample.tick) {
+                    return;
+                }
+                let Self { quirks, cable, .. } = self;
+                let garbage = quirks.garbage.iter().filter(|(tick, _)| *tick == sample.tick);
+                garbage.for_each(|(_, bytes)| cable.write(bytes));
+            }
+            _ => {}
+        }
+        self.cable.write(frame);
+    }
+
+    /// Says nothing, or nothing that this version understands.
+    fn stay_away(mut self) -> Report {
+        while self.cable.is_alive() {
+            self.cable.read(&mut [0; 256], SECOND);
+            if self.quirks.foreign {
+                // A status, as far as anybody knows.
+                self.cable.write(&foreign_frame(&[3, 1, 2, 3]));
+            }
+        }
+        Report::default()
+    }
+}
+
+/// Whether this is the first command of its kind.
+fn is_first(kind: &mut Option<fn(&Command) -> bool>, command: &Command) -> bool {
+    let is_one = kind.is_some_and(|is_one| is_one(command));
+    if is_one {
+        *kind = None;
+    }
+    is_one
+}
