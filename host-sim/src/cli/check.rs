@@ -90,8 +90,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             "\n{judged} set-points can be held, say the models for {conditions}; {unjudged} are not judged for want of one"
         ),
     };
-    super::print(&text);
-    Ok(())
+    super::print(&text)
 }
 
 fn describe(drive: &Drive, experiment: &Experiment) -> String {

@@ -13,7 +13,7 @@ mod plot;
 mod run;
 
 use std::fmt::Display;
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -117,15 +117,19 @@ fn complain(sentence: &str) {
 }
 
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
-fn print(text: &str) {
+fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::work(format!("the result cannot be printed: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string(value).map_err(Failure::work)?;
-    print(&format!("{json}\n"));
-    Ok(())
+    print(&format!("{json}\n"))
 }
 
 /// Reads an experiment and lets a controller in this process judge it, so that nothing is started that would be refused.

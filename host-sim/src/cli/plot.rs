@@ -24,9 +24,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let recording = Recording::read(&arguments.recording).map_err(Failure::usage)?;
     let canvas = Canvas::create(&arguments.output).map_err(Failure::usage)?;
     canvas.draw(&recording).map_err(Failure::usage)?;
+    let output = arguments.output.display().to_string();
     if arguments.json {
-        return super::print_json(&serde_json::json!({ "plot": arguments.output, "rows": recording.len() }));
+        return super::print_json(&serde_json::json!({ "plot": output, "rows": recording.len() }));
     }
-    super::print(&format!("{} rows drawn into {}\n", recording.len(), arguments.output.display()));
-    Ok(())
+    super::print(&format!("{} rows drawn into {output}\n", recording.len()))
 }

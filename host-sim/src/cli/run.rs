@@ -142,8 +142,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if simulated {
         text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
     }
-    super::print(&text);
-    Ok(())
+    super::print(&text)
 }
 
 fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instrument>, Failure> {
@@ -209,7 +208,8 @@ fn progress_bar(experiment: &Experiment) -> ProgressBar {
     bar
 }
 
-/// Set by the first Ctrl-C, so that the run ends tidily; the second one ends the process at once.
+/// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run ends tidily and no
+/// heater stays on; the second one ends the process at once.
 fn on_interrupt() -> Arc<AtomicBool> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);

@@ -87,7 +87,7 @@ impl Experiment {
         let drive_tables = table.drives;
         let mut experiment = Self {
             wind: wind(&grid, table.wind, table.duration_s)?,
-            faults: faults(&grid, &table.faults, &head)?,
+            faults: faults(&grid, &table.faults, &head, table.duration_s)?,
             title: table.title,
             head,
             models,
@@ -151,6 +151,18 @@ impl Experiment {
             );
             return Err(self.source.refuse("head", sentence));
         };
+        for (i, element) in self.head.elements.iter().enumerate() {
+            if let Some(normal) = element.normal
+                && let axis = sensor::convection::sector_axis(i)
+                && normal.iter().zip(axis).any(|(a, b)| (a - b).abs() > 1e-6)
+            {
+                let sentence = format!(
+                    "turns `{}` towards {normal:.3?}, but in the sphere that can be simulated it looks towards {axis:.3?}",
+                    element.name
+                );
+                return Err(self.source.refuse("head", sentence));
+            }
+        }
         Ok(SphereConfig {
             seed: self.seed,
             sample_period_s: self.sample_period_s,
@@ -190,6 +202,12 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
+    /// A moment at which something begins: at the start, or a whole number of ticks later.
+    fn instant(&self, key: &str, time_s: f64) -> Result<(), FileError> {
+        // Whether it may be negative or not a number is for those to say who use it.
+        if time_s > 0.0 { self.whole_ticks(key, time_s).map(drop) } else { Ok(()) }
+    }
+
     fn whole_ticks(&self, key: &str, time_s: f64) -> Result<u32, FileError> {
         self.source.positive(key, time_s, "s")?;
         let period_s = self.sample_period_s;
@@ -313,6 +331,7 @@ fn wind(grid: &Grid, tables: Vec<WindTable>, duration_s: f64) -> Result<Vec<Wind
         let key = format!("wind[{index}]");
         // Starts, angles and turbulence are the simulated wind's to judge.
         source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
+        grid.instant(&format!("{key}.start_s"), table.start_s)?;
         if table.start_s >= duration_s {
             let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
             return Err(source.refuse(&format!("{key}.start_s"), sentence));
@@ -322,7 +341,7 @@ fn wind(grid: &Grid, tables: Vec<WindTable>, duration_s: f64) -> Result<Vec<Wind
     Ok(entries)
 }
 
-fn faults(grid: &Grid, tables: &[FaultTable], head: &Head) -> Result<Vec<TimedFault>, FileError> {
+fn faults(grid: &Grid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {
     let names = head.names();
     let fault = |(index, table): (usize, &FaultTable)| {
         let element = names.iter().position(|name| *name == table.element).ok_or_else(|| {
@@ -330,6 +349,12 @@ fn faults(grid: &Grid, tables: &[FaultTable], head: &Head) -> Result<Vec<TimedFa
             let sentence = format!("is `{}`, which is no element of head `{}`; {hint}", table.element, head.name);
             grid.source.refuse(&format!("faults[{index}].element"), sentence)
         })?;
+        let key = format!("faults[{index}].start_s");
+        grid.instant(&key, table.start_s)?;
+        if table.start_s >= duration_s {
+            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
+            return Err(grid.source.refuse(&key, sentence));
+        }
         Ok(TimedFault { element, fault: table.kind.into(), start_s: table.start_s })
     };
     tables.iter().enumerate().map(fault).collect()

@@ -8,6 +8,7 @@ use nix::sys::stat::Mode;
 use nix::unistd::{Pid, mkfifo};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -84,6 +85,8 @@ impl Process {
             .arg("-kernel")
             .arg(&self.firmware)
             .current_dir(self.folder.path())
+            // Ctrl-C is for this process, which then ends the emulator in good order.
+            .process_group(0)
             .stdin(Stdio::null())
             .stdout(File::create(self.folder.path().join("log.defmt"))?)
             .stderr(File::create(self.folder.path().join("errors.txt"))?)
@@ -209,11 +212,13 @@ fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, String> {
     }
 }
 
-/// Keeps this thread, and the emulator it is about to start, on one core: on the last one that it may use.
-/// Where that is not to be had the run is slower, and the same.
+/// Keeps this thread, and the emulator it is about to start, on one core. Which one, the process
+/// number decides, so that several runs spread. Where that is not to be had the run is slower, and the same.
 fn stay_on_one_core() {
     let Ok(allowed) = sched_getaffinity(Pid::from_raw(0)) else { return };
-    let Some(core) = (0..CpuSet::count()).rfind(|&core| allowed.is_set(core).unwrap_or(false)) else { return };
+    let cores: Vec<usize> = (0..CpuSet::count()).filter(|&core| allowed.is_set(core).unwrap_or(false)).collect();
+    let turn = std::process::id() as usize % cores.len().max(1);
+    let Some(&core) = cores.get(turn) else { return };
     let mut only = CpuSet::new();
     if only.set(core).is_ok() {
         sched_setaffinity(Pid::from_raw(0), &only).ok();
