@@ -3,7 +3,7 @@
 //! Row n holds what sample n says and the wind of the interval after it. Samples that got lost on the way leave a gap in the rows'
 //! times and are counted.
 
-use dr_core::control::{Refusal, Reply, RunState};
+use dr_core::control::{Drive, Refusal, Reply, RunState};
 use dr_core::model::Reachability;
 
 use crate::experiment::Experiment;
@@ -63,6 +63,7 @@ pub fn run(
         judged,
         unjudged,
         extrapolated: simulated.then_some(totals.extrapolated),
+        unreached: totals.unreached(experiment),
         elements: totals.elements(experiment),
         trips: totals.trips,
     })
@@ -186,6 +187,9 @@ fn unreachable(experiment: &Experiment, refusal: &Refusal) -> Option<String> {
     ))
 }
 
+/// Closer than this to its set-point an element has reached it.
+const REACHED_WITHIN_K: f32 = 0.1;
+
 /// What is added up while a run goes on.
 struct Totals {
     ticks: u32,
@@ -198,6 +202,8 @@ struct Totals {
     /// Sums and counts of good temperatures, and sums of powers.
     temperature_c: Vec<(f64, u32)>,
     power_w: Vec<f64>,
+    /// Elements that have been at their set-point.
+    reached: Vec<bool>,
 }
 
 impl Totals {
@@ -213,6 +219,7 @@ impl Totals {
             last: None,
             temperature_c: vec![(0.0, 0); elements],
             power_w: vec![0.0; elements],
+            reached: vec![false; elements],
         }
     }
 
@@ -222,6 +229,9 @@ impl Totals {
             if sample.valid >> i & 1 == 1 {
                 *sum += f64::from(sample.temperature_c[i]);
                 *count += 1;
+                if let Drive::Temperature { target_c } = experiment.drives[i] {
+                    self.reached[i] |= (sample.temperature_c[i] - target_c).abs() <= REACHED_WITHIN_K;
+                }
             }
             self.power_w[i] += f64::from(sample.power_w[i]);
         }
@@ -238,6 +248,15 @@ impl Totals {
         let cause = trip.cause.name();
         self.state = format!("tripped:{cause}:{element}");
         self.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element: element.to_owned() });
+    }
+
+    /// Elements that were to be held at a temperature, and never had it.
+    fn unreached(&self, experiment: &Experiment) -> Vec<String> {
+        let names = experiment.head.names().into_iter().zip(&experiment.drives).zip(&self.reached);
+        names
+            .filter(|((_, drive), reached)| matches!(drive, Drive::Temperature { .. }) && !**reached)
+            .map(|((name, _), _)| name.to_owned())
+            .collect()
     }
 
     fn elements(&self, experiment: &Experiment) -> Vec<ElementSummary> {

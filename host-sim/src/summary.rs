@@ -28,6 +28,8 @@ pub struct RunSummary {
     pub unjudged: u8,
     /// Ticks in winds beyond the computed Nusselt numbers, when simulated.
     pub extrapolated: Option<u32>,
+    /// Elements that never came within 0.1 K of their set-point.
+    pub unreached: Vec<String>,
     #[serde(serialize_with = "by_name")]
     pub elements: Vec<ElementSummary>,
 }
@@ -70,7 +72,8 @@ impl fmt::Display for RunSummary {
             writeln!(f, "hash of all states, temperatures and bits: {hash}")?;
         }
         if let Some(ticks @ 1..) = self.extrapolated {
-            writeln!(f, "in {ticks} ticks the wind was beyond the computed Nusselt numbers (Re 200)")?;
+            let share = 100.0 * f64::from(ticks) / f64::from(self.ticks.max(1));
+            writeln!(f, "in {ticks} ticks ({share:.0} %) the wind was beyond the computed Nusselt numbers (Re 200)")?;
         }
         if self.unjudged > 0 {
             let (what, has) = if self.unjudged == 1 { ("set-point", "was") } else { ("set-points", "were") };
@@ -80,12 +83,15 @@ impl fmt::Display for RunSummary {
                 self.unjudged
             )?;
         }
+        for element in &self.unreached {
+            writeln!(f, "{element} never came within 0.1 K of its set-point")?;
+        }
         for TripSummary { time_s, cause, element } in &self.trips {
             writeln!(f, "tripped at {time_s} s: {cause}, {element}; heaters low from then on")?;
         }
         writeln!(f)?;
         let width = self.elements.iter().map(|element| element.name.chars().count()).max().unwrap_or(0).max(7);
-        writeln!(f, "{:width$}  mean temperature  mean power", "element")?;
+        writeln!(f, "{:width$}  mean temperature  mean power  (whole run, warm-up included)", "element")?;
         for element in &self.elements {
             let temperature =
                 element.mean_temperature_c.map_or("no reading".to_owned(), |celsius| format!("{celsius:.3} °C"));
@@ -116,6 +122,7 @@ mod tests {
             late: 0,
             trips: vec![TripSummary { time_s: 0.05, cause: "open", element: "core1".to_owned() }],
             hash: Some("00ff".to_owned()),
+            unreached: vec!["sector9".to_owned()],
             judged: 0,
             unjudged: 1,
             extrapolated: None,
@@ -138,6 +145,7 @@ mod tests {
     fn people_are_told_of_trips_and_missing_readings() {
         let text = summary().to_string();
         assert!(text.contains("tripped at 0.05 s: open, core1; heaters low from then on"));
+        assert!(text.contains("sector9 never came within 0.1 K of its set-point"));
         assert!(text.contains("core1          no reading   12.500 mW"), "{text}");
     }
 }

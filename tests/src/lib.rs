@@ -37,9 +37,15 @@ pub fn changed(name: &str, replacements: &[(&str, &str)]) -> Experiment {
 /// The virtual board's firmware, built by `cargo xtask test` (or `demo`, or `size`).
 pub fn firmware() -> PathBuf {
     let path = std::env::var_os("ANEMO_FIRMWARE")
-        .map_or_else(|| file("target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"), PathBuf::from);
+        .map_or_else(|| built().join("thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"), PathBuf::from);
     assert!(path.exists(), "no firmware at {}: `cargo xtask test` builds it and then runs these tests", path.display());
     path
+}
+
+/// The build folder that this test was built into.
+fn built() -> PathBuf {
+    // A test stands in `release/deps`.
+    std::env::current_exe().ok().and_then(|test| test.ancestors().nth(3).map(Path::to_owned)).unwrap_or_default()
 }
 
 /// The `anemo` command, built by `cargo xtask test`, or by the same build as this test.

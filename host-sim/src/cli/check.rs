@@ -81,13 +81,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let conditions = experiment.models.as_ref().map_or("", |models| &models.conditions);
     let _ = match (judged, unjudged) {
         (0, 0) => Ok(()),
-        (judged, 0) => writeln!(text, "\n{judged} set-points can be held, say the models for {conditions}"),
+        (judged, 0) => writeln!(text, "\n{} can be held, say the models for {conditions}", set_points(judged)),
         (0, unjudged) => {
-            writeln!(text, "\n{unjudged} set-points are not judged: the experiment has no model of these elements")
+            writeln!(text, "\nno model of the experiment's judges {}", set_points(unjudged))
         }
         (judged, unjudged) => writeln!(
             text,
-            "\n{judged} set-points can be held, say the models for {conditions}; {unjudged} are not judged for want of one"
+            "\n{} can be held, say the models for {conditions}; no model judges {}",
+            set_points(judged),
+            set_points(unjudged)
         ),
     };
     super::print(&text)
@@ -108,4 +110,8 @@ fn describe(drive: &Drive, experiment: &Experiment) -> String {
             format!("random set-points from {low_c} to {high_c} °C, each for {} s, seed {seed}", seconds(dwell_ticks))
         }
     }
+}
+
+fn set_points(count: u8) -> String {
+    if count == 1 { "1 set-point".to_owned() } else { format!("{count} set-points") }
 }

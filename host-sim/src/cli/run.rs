@@ -21,6 +21,9 @@ use crate::run::{RunError, run};
 use crate::sensor::Sphere;
 use crate::summary::RunSummary;
 
+/// Where the firmware of the emulated board stands in the build folder.
+const FIRMWARE: &str = "thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf";
+
 /// Rows between two looks at the progress bar.
 const PROGRESS_EVERY: u32 = 256;
 
@@ -49,14 +52,9 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-    /// The firmware that the emulated board runs.
-    #[arg(
-        long,
-        value_name = "ELF",
-        env = "ANEMO_FIRMWARE",
-        default_value = "target/thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf"
-    )]
-    firmware: PathBuf,
+    /// The firmware that the emulated board runs; without it, the one that stands in the build folder of this command.
+    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
+    firmware: Option<PathBuf>,
     /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
     #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
     link: LinkName,
@@ -158,10 +156,17 @@ fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instru
                 LinkName::Usart => emulated::Path::Usart,
             };
             let sphere = sphere()?;
-            Box::new(LockStep::new(Emulated::start(&arguments.firmware, path).map_err(Failure::work)?, sphere))
+            Box::new(LockStep::new(Emulated::start(&firmware(arguments), path).map_err(Failure::work)?, sphere))
         }
         On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
     })
+}
+
+/// The firmware that was asked for, or the one that `cargo xtask` has built beside this command, wherever that is.
+fn firmware(arguments: &Arguments) -> PathBuf {
+    let beside = || Some(std::env::current_exe().ok()?.parent()?.parent()?.join(FIRMWARE));
+    let built = || beside().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from("target").join(FIRMWARE));
+    arguments.firmware.clone().unwrap_or_else(built)
 }
 
 /// What a recording says of itself, as far as it is known before the run.
