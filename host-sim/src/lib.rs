@@ -15,6 +15,7 @@ pub mod cli;
 pub mod experiment;
 pub mod head;
 pub mod instrument;
+pub mod model;
 pub mod plot;
 pub mod recording;
 pub mod run;

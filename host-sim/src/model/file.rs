@@ -1,0 +1,127 @@
+//! Reading and writing a model's JSON: checked in full, written whole or not at all.
+
+use std::path::{Path, PathBuf};
+
+use super::{Model, Structure};
+use crate::recording::Temporary;
+
+/// Counts changes that an older reader would misunderstand.
+pub const VERSION: u32 = 1;
+
+const FORMAT: &str = "anemo-model";
+
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    #[error("{}: there is no such file", .0.display())]
+    Missing(PathBuf),
+    #[error("{}: cannot be {doing}: {reason}", path.display())]
+    Io { path: PathBuf, doing: &'static str, reason: String },
+    #[error("{}: {sentence}", path.display())]
+    Content { path: PathBuf, sentence: String },
+}
+
+impl Model {
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
+        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => ModelError::Missing(path.to_owned()),
+            _ => ModelError::Io { path: path.to_owned(), doing: "read", reason: error.to_string() },
+        })?;
+        Self::from_json(&text).map_err(|sentence| ModelError::Content { path: path.to_owned(), sentence })
+    }
+
+    /// # Errors
+    /// A sentence that names the key and what would be right.
+    pub fn from_json(text: &str) -> Result<Self, String> {
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| format!("is no JSON, or cut short: {error}"))?;
+        if value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT) {
+            return Err(format!("is no model: its key `format` is not \"{FORMAT}\"; `anemo identify` writes models"));
+        }
+        match value.get("version").and_then(serde_json::Value::as_u64) {
+            Some(version) if version == u64::from(VERSION) => {}
+            Some(version) => {
+                return Err(format!(
+                    "is a model of version {version}, and this anemo reads version {VERSION}: identify it again, or use the anemo that wrote it"
+                ));
+            }
+            None => return Err("has no `version`: identify it again".to_owned()),
+        }
+        let model: Self = serde_json::from_value(value).map_err(|error| format!("is not a whole model: {error}"))?;
+        model.check()?;
+        Ok(model)
+    }
+
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a model holds nothing that JSON does not")
+    }
+
+    pub fn write(&self, path: &Path) -> Result<(), ModelError> {
+        Temporary::write(path, format!("{}\n", self.to_json()).as_bytes()).map_err(|error| ModelError::Io {
+            path: path.to_owned(),
+            doing: "written",
+            reason: error.to_string(),
+        })
+    }
+
+    /// What types alone do not say.
+    fn check(&self) -> Result<(), String> {
+        let positive = |key: &str, value: f64| {
+            let good = value.is_finite() && value > 0.0;
+            if good { Ok(()) } else { Err(format!("`{key}` must be a number greater than zero, and is {value}")) }
+        };
+        positive("sample_period_s", self.sample_period_s)?;
+        if self.inputs.is_empty() || self.outputs.is_empty() || self.pairs.is_empty() || self.classes.is_empty() {
+            return Err("must have at least one input, output, pair and class".to_owned());
+        }
+        for pair in &self.pairs {
+            let name = format!("pair {} → {}", pair.input, pair.output);
+            if !self.inputs.contains(&pair.input) || !self.outputs.iter().any(|output| output.name == pair.output) {
+                return Err(format!("{name} names an input or output that the model does not have"));
+            }
+            let mut before = 0.0;
+            for &rate in &pair.mesh_rad_s {
+                if !(rate.is_finite() && rate > before) {
+                    return Err(format!(
+                        "{name}: `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
+                    ));
+                }
+                before = rate;
+            }
+            if pair.classes.is_empty() {
+                return Err(format!("{name} has no class"));
+            }
+            for (label, class) in &pair.classes {
+                if !self.classes.contains(label) {
+                    return Err(format!("{name}: class `{label}` is none of the model's `classes`"));
+                }
+                if class.r_k_per_w.len() != pair.mesh_rad_s.len() || class.se_k_per_w.len() != pair.mesh_rad_s.len() {
+                    return Err(format!(
+                        "{name}, class `{label}`: `r_k_per_w` and `se_k_per_w` must have one value for each of the {} rates",
+                        pair.mesh_rad_s.len()
+                    ));
+                }
+                let mut values =
+                    class.r_k_per_w.iter().chain([&class.feed_through_k_per_w, &class.steady_gain_k_per_w]);
+                if let Some(value) = values.find(|value| !value.is_finite()) {
+                    return Err(format!("{name}, class `{label}`: {value} is no resistance"));
+                }
+            }
+        }
+        match (self.structure, &self.wind) {
+            (Structure::Symbol, None) => Ok(()),
+            (Structure::Symbol, Some(_)) => Err("has `wind`, which structure `symbol` does not".to_owned()),
+            (Structure::Conductance, None) => Err("has structure `conductance` but no `wind`".to_owned()),
+            (Structure::Conductance, Some(wind)) => {
+                let elements = wind.elements.len();
+                if elements != self.inputs.len() || elements != self.outputs.len() {
+                    return Err(
+                        "structure `conductance` needs one input, one output and one set of conductances an element"
+                            .to_owned(),
+                    );
+                }
+                let missing = self.classes.iter().find(|label| wind.elements.iter().any(|of| !of.contains_key(*label)));
+                missing.map_or(Ok(()), |label| Err(format!("`wind` has no conductance for class `{label}`")))
+            }
+        }
+    }
+}

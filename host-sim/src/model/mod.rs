@@ -1,0 +1,214 @@
+//! Diffusive models as files: what was identified, with its uncertainty, in JSON.
+//!
+//! A model leads from inputs u (heating power) to outputs y (temperature). Every pair of input and output has a mesh of rates ξ_k
+//! and, per event class, thermal resistances R_k (thesis 2.10, normalised states):
+//!
+//! ```text
+//! dx_k/dt = ξ_k (u(t − dead time) − x_k),    y = offset + Σ_pairs (Σ_k R_k x_k + feed-through · u)
+//! ```
+//!
+//! Structure `symbol` (thesis 2.19): a class's R_k weigh the heat that was injected while that class held. Structure `conductance`
+//! (wind as feedback): one class of R_k, and the wind in the input, w = u − ΔG_class · (y − T_gas), element by element.
+//!
+//! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n − 1.
+
+mod file;
+mod forward;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use file::{ModelError, VERSION};
+pub use forward::Forward;
+
+/// The label of the only class of a record without events.
+pub const ALL: &str = "all";
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Always `anemo-model`.
+    pub format: String,
+    pub version: u32,
+    pub structure: Structure,
+    /// Of the record that it was identified from, s.
+    pub sample_period_s: f64,
+    pub inputs: Vec<String>,
+    /// One an output, in order.
+    pub outputs: Vec<Output>,
+    pub pairs: Vec<Pair>,
+    /// The column with the labels of the conditions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub event_column: Option<String>,
+    /// Labels of the event classes: `["all"]` without events.
+    pub classes: Vec<String>,
+    /// ΔG per class over the reference, W/K, of the first (mostly the only) element. Empty for structure `symbol`.
+    pub conductance_w_per_k: BTreeMap<String, Estimate>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind: Option<Wind>,
+    /// Of the first (mostly the only) output, as in `outputs`.
+    pub offset_c: f64,
+    pub residual_rms: f64,
+    pub fit_percent: f64,
+    /// False if the record could not support the model; `warnings` say what is missing.
+    pub supported: bool,
+    pub warnings: Vec<String>,
+    pub chosen: Chosen,
+    pub provenance: Provenance,
+    /// Where the record ended, so that a record that goes on from there can be predicted without having seen its output.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<End>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Structure {
+    Symbol,
+    Conductance,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimate {
+    pub value: f64,
+    pub se: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    pub name: String,
+    pub offset_c: f64,
+    pub se_offset_c: f64,
+    /// Root mean square of what the model leaves of the record, K.
+    pub residual_rms: f64,
+    /// 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖).
+    pub fit_percent: f64,
+    /// `None` until the residuals were looked at one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whiteness: Option<Whiteness>,
+}
+
+/// How much the residuals know of each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Whiteness {
+    /// Autocorrelation at lags 1, 2, …
+    pub autocorrelation: Vec<f64>,
+    /// Ljung and Box's Q over those lags, and the probability that white noise has a greater one.
+    pub q: f64,
+    pub p_value: f64,
+    /// By how much standard errors that take the residuals for white are too small: √(1 + 2 Σ ρ).
+    pub inflation: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pair {
+    pub input: String,
+    pub output: String,
+    /// Ascending rates.
+    pub mesh_rad_s: Vec<f64>,
+    /// Whole sample periods by which the output answers late.
+    pub dead_time_samples: usize,
+    /// Whether the resistances were held at or above zero.
+    pub non_negative: bool,
+    /// By label. Structure `conductance` has one, that of the reference.
+    pub classes: BTreeMap<String, Class>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Class {
+    pub r_k_per_w: Vec<f64>,
+    pub se_k_per_w: Vec<f64>,
+    /// Σ R_k + feed-through.
+    pub steady_gain_k_per_w: f64,
+    pub se_steady_gain_k_per_w: f64,
+    /// What the output follows at once; 0 where there is none.
+    pub feed_through_k_per_w: f64,
+    pub se_feed_through_k_per_w: f64,
+}
+
+/// The wind of structure `conductance`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wind {
+    /// The class to which ΔG = 0 belongs and for which the symbol holds.
+    pub reference: String,
+    pub gas: Gas,
+    /// Element by element: input i heats output i.
+    pub elements: Vec<BTreeMap<String, Estimate>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Gas {
+    ConstantC(f64),
+    Column(String),
+    EstimatedC(Estimate),
+}
+
+/// What was decided for the model, by whom and why.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chosen {
+    pub order: usize,
+    pub first_rate_rad_s: f64,
+    pub last_rate_rad_s: f64,
+    /// ξ_1 in units of the thesis' 2πJ/T.
+    pub lower_edge_factor: f64,
+    /// `ridge` or `smooth`.
+    pub prior: String,
+    /// Weight of the prior on unit-norm columns.
+    pub ridge: f64,
+    pub non_negative: bool,
+    pub feed_through: bool,
+    pub dead_time_samples: usize,
+    /// `rest` or `free`.
+    pub initial_state: String,
+    /// Root mean square error on held-out blocks, and its standard error over the blocks, K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cross_validation: Option<Estimate>,
+    /// A sentence for every decision.
+    pub reasons: Vec<String>,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    pub tool: String,
+    pub records: Vec<String>,
+    pub rows: u64,
+    pub duration_s: f64,
+    /// Least and greatest value of every input in the record.
+    pub input_range: Vec<[f64; 2]>,
+}
+
+/// The state behind the last row: what each output will do if all inputs fall silent, and what is still on its way.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct End {
+    /// Time of the row that would have come next.
+    pub next_time_s: f64,
+    /// By output: decays as (rate in rad/s, amplitude at `next_time_s` in K).
+    pub decays: Vec<Vec<(f64, f64)>>,
+    /// By input: the last values, oldest first, as many as the longest dead time.
+    pub pending: Vec<Vec<f64>>,
+    /// By input: the class of those values, as indices into `classes`.
+    pub pending_class: Vec<usize>,
+}
+
+impl Model {
+    pub fn pair(&self, input: &str, output: &str) -> Option<&Pair> {
+        self.pairs.iter().find(|pair| pair.input == input && pair.output == output)
+    }
+}
+
+impl Class {
+    /// Γ = Σ ξ_k R_k, the high-frequency gain in K/J.
+    pub fn high_frequency_gain_k_per_j(&self, mesh_rad_s: &[f64]) -> f64 {
+        self.r_k_per_w.iter().zip(mesh_rad_s).map(|(resistance, rate)| resistance * rate).sum()
+    }
+}
