@@ -14,6 +14,7 @@
 pub mod cli;
 pub mod experiment;
 pub mod head;
+pub mod identify;
 pub mod instrument;
 pub mod model;
 pub mod plot;

@@ -1,0 +1,3 @@
+//! Identification: diffusive models from measured records, with their uncertainty.
+
+pub mod cole_cole;
