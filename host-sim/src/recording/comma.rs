@@ -7,12 +7,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write as _};
 use std::path::Path;
 
-use super::read::{Column, Values, Words};
+use super::read::{CHUNK, Column, Values, Words};
 use super::write::{Kind, Row};
 use super::{EVENT, Metadata, RecordingError, STATE};
-
-/// Rows that are handed on at once.
-const CHUNK: usize = 16_384;
 
 pub(super) struct Writer {
     csv: csv::Writer<BufWriter<File>>,
@@ -141,8 +138,14 @@ pub(super) struct Reader {
     record: csv::StringRecord,
     /// Whether a column holds text; known from its first row on.
     text: Option<Vec<bool>>,
+    /// Columns to read as text whatever their first row looks like.
+    forced: Vec<usize>,
+    /// The first row was looked at and has not been handed out.
+    pending: bool,
     names: Vec<String>,
-    rows: usize,
+    /// The columns that are handed out, in their order.
+    selected: Vec<usize>,
+    rows: u64,
     metadata: std::rc::Rc<std::cell::RefCell<Metadata>>,
 }
 
@@ -179,7 +182,9 @@ impl Reader {
                 "begins with numbers: a line with the columns' names belongs first",
             ));
         }
-        Ok(Self { csv, record: csv::StringRecord::new(), text: None, names, rows: 0, metadata })
+        let selected = (0..names.len()).collect();
+        let record = csv::StringRecord::new();
+        Ok(Self { csv, record, text: None, forced: Vec::new(), pending: false, names, selected, rows: 0, metadata })
     }
 
     pub(super) fn names(&self) -> &[String] {
@@ -191,36 +196,69 @@ impl Reader {
         self.metadata.borrow().clone()
     }
 
+    pub(super) fn select(&mut self, columns: &[usize]) {
+        self.selected = columns.to_vec();
+    }
+
+    pub(super) fn read_as_text(&mut self, column: usize) {
+        self.forced.push(column);
+        self.text.iter_mut().for_each(|text| text[column] = true);
+    }
+
+    /// Whether each column holds text, as far as the first row tells.
+    pub(super) fn holds_text(&mut self, path: &Path) -> Result<Vec<bool>, RecordingError> {
+        if self.text.is_none() {
+            self.pending = self.next_row(path)?;
+        }
+        Ok(self.text.clone().unwrap_or_else(|| vec![false; self.names.len()]))
+    }
+
+    /// Passes over rows; fewer than asked for when the table ends before.
+    pub(super) fn skip(&mut self, rows: u64, path: &Path) -> Result<u64, RecordingError> {
+        for skipped in 0..rows {
+            if !self.next_row(path)? {
+                return Ok(skipped);
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Takes the next row into `record`.
+    fn next_row(&mut self, path: &Path) -> Result<bool, RecordingError> {
+        if std::mem::take(&mut self.pending) {
+            return Ok(true);
+        }
+        let more =
+            self.csv.read_record(&mut self.record).map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
+        if more {
+            self.rows += 1;
+        }
+        if more && self.text.is_none() {
+            let is_text = |(at, (name, field)): (usize, (&String, &str))| {
+                [EVENT, STATE].contains(&name.as_str()) || self.forced.contains(&at) || number(field).is_none()
+            };
+            self.text = Some(self.names.iter().zip(&self.record).enumerate().map(is_text).collect());
+        }
+        Ok(more)
+    }
+
     pub(super) fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<Column>>, RecordingError> {
         let mut chunk: Vec<Column> = Vec::new();
         for _ in 0..CHUNK {
-            let more = self
-                .csv
-                .read_record(&mut self.record)
-                .map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
-            if !more {
+            if !self.next_row(path)? {
                 break;
             }
-            self.rows += 1;
-            let (names, record) = (&self.names, &self.record);
-            let text = self.text.get_or_insert_with(|| {
-                names
-                    .iter()
-                    .zip(record)
-                    .map(|(name, field)| [EVENT, STATE].contains(&name.as_str()) || number(field).is_none())
-                    .collect()
-            });
             if chunk.is_empty() {
-                chunk = names
-                    .iter()
-                    .zip(text.iter())
-                    .map(|(name, &text)| Column {
-                        name: name.clone(),
-                        values: if text { Values::Words(Words::default()) } else { Values::Numbers(Vec::new()) },
-                    })
-                    .collect();
+                let text = self.text.as_deref().unwrap_or_default();
+                let empty = |&at: &usize| Column {
+                    name: self.names[at].clone(),
+                    values: if text[at] { Values::Words(Words::default()) } else { Values::Numbers(Vec::new()) },
+                };
+                chunk = self.selected.iter().map(empty).collect();
             }
-            for (column, field) in chunk.iter_mut().zip(record) {
+            let record = &self.record;
+            for (column, &at) in chunk.iter_mut().zip(&self.selected) {
+                let field = record.get(at).unwrap_or_default();
                 match &mut column.values {
                     Values::Words(words) => words.push(field),
                     Values::Numbers(numbers) => numbers.push(number(field).ok_or_else(|| {

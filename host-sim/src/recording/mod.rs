@@ -14,6 +14,7 @@
 //! beforehand above the header, what only the end of a run tells below the last row. Times are stored in f64, the rest in f32,
 //! which is what the instrument computes in. Any other uniformly sampled table with named columns can be read just as well.
 
+mod collect;
 mod comma;
 mod parquet;
 mod read;
@@ -22,7 +23,9 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-pub use read::{Collector, Column, Reader, Recording, Values, Words};
+pub use collect::Collector;
+pub use read::{CHUNK, Column, Reader, Recording, Values, Words};
+pub(crate) use read::tidy;
 pub use temporary::Temporary;
 pub use write::{Layout, RecordingWriter, Row};
 

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::write::Kind;
-use super::{
-    EVENT, Format, HEATER, Layout, Metadata, POWER, RecordingError, Row, TEMPERATURE, TIME, comma, duplicate, parquet,
-};
+use super::{EVENT, Format, HEATER, Metadata, POWER, RecordingError, TEMPERATURE, TIME, comma, duplicate, parquet};
 use crate::toml_file::suggest;
+
+/// Rows that are handed on at once, at most.
+pub const CHUNK: usize = 16_384;
 
 /// A column of a chunk or of a whole recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,8 @@ pub struct Words {
 }
 
 impl Words {
-    pub(super) fn push(&mut self, word: &str) {
+    /// Adds a row.
+    pub fn push(&mut self, word: &str) {
         // Neighbours are alike most of the time.
         if let Some(&last) = self.rows.last().filter(|&&last| self.dictionary[last as usize] == word) {
             self.rows.push(last);
@@ -154,7 +155,47 @@ impl Reader {
         }
     }
 
-    /// The next rows of all columns, some thousands at a time; `None` after the last.
+    /// Number of rows, where the file knows it beforehand: a Parquet file does.
+    pub fn rows(&self) -> Option<u64> {
+        match &self.source {
+            Source::Parquet(reader) => Some(reader.rows()),
+            Source::Csv(_) => None,
+        }
+    }
+
+    /// Whether each column holds text: by its type, or by its first row in a CSV file.
+    pub fn holds_text(&mut self) -> Result<Vec<bool>, RecordingError> {
+        match &mut self.source {
+            Source::Parquet(reader) => Ok(reader.holds_text()),
+            Source::Csv(reader) => reader.holds_text(&self.path),
+        }
+    }
+
+    /// Hands out only these columns (as they stand in [`Reader::names`]), in this order, and spares itself the others. Before the
+    /// first chunk.
+    pub fn select(&mut self, columns: &[usize]) {
+        match &mut self.source {
+            Source::Parquet(reader) => reader.select(columns),
+            Source::Csv(reader) => reader.select(columns),
+        }
+    }
+
+    /// Takes a column of a CSV file for text even if its first row looks like a number. Parquet's columns have their types.
+    pub fn read_as_text(&mut self, column: usize) {
+        if let Source::Csv(reader) = &mut self.source {
+            reader.read_as_text(column);
+        }
+    }
+
+    /// Passes over rows before the first chunk; returns how many there were.
+    pub fn skip(&mut self, rows: u64) -> Result<u64, RecordingError> {
+        match &mut self.source {
+            Source::Parquet(reader) => reader.skip(rows, &self.path),
+            Source::Csv(reader) => reader.skip(rows, &self.path),
+        }
+    }
+
+    /// The next rows of the selected columns, [`CHUNK`] of them at most; `None` after the last.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<Column>>, RecordingError> {
         match &mut self.source {
             Source::Parquet(reader) => reader.next_chunk(&self.path),
@@ -308,47 +349,7 @@ impl Recording {
     }
 }
 
-/// Rows gathered in memory instead of in a file.
-#[derive(Debug)]
-pub struct Collector {
-    layout: Layout,
-    recording: Recording,
-}
-
-impl Collector {
-    pub fn new(layout: Layout, metadata: &Metadata) -> Self {
-        let empty = |kind| match kind {
-            Kind::Text => Values::Words(Words::default()),
-            Kind::Time | Kind::Number | Kind::Bit => Values::Numbers(Vec::new()),
-        };
-        let columns = layout.columns().into_iter().map(|(name, kind)| Column { name, values: empty(kind) }).collect();
-        Self { layout, recording: Recording { path: PathBuf::from("this run"), metadata: metadata.clone(), columns } }
-    }
-
-    pub fn push(&mut self, row: &Row) -> Result<(), RecordingError> {
-        self.layout.check(row)?;
-        let heaters = (0..self.layout.elements.len()).map(|i| f64::from(row.heaters >> i & 1));
-        let readings = row.temperature_c.iter().chain(row.power_w).map(|&number| f64::from(number));
-        // The columns stand in the order of the layout, in which each kind keeps the order of the row.
-        let mut numbers =
-            std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.wind_m_s.into_iter().flatten());
-        let mut words = [row.event, row.state].into_iter();
-        for column in &mut self.recording.columns {
-            match &mut column.values {
-                Values::Numbers(values) => values.extend(numbers.next()),
-                Values::Words(values) => words.next().into_iter().for_each(|word| values.push(word)),
-            }
-        }
-        Ok(())
-    }
-
-    pub fn finish(mut self, metadata: &Metadata) -> Recording {
-        self.recording.metadata.extend(metadata.iter().cloned());
-        self.recording
-    }
-}
-
 /// A number to six digits, for people.
-fn tidy(number: f64) -> f64 {
+pub(crate) fn tidy(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }

@@ -1,0 +1,234 @@
+//! Which columns of a record are time, inputs, outputs, event and gas: as the user names them, or by default.
+//!
+//! | record | inputs | outputs |
+//! |---|---|---|
+//! | ours (`power_w:<element>` beside `temperature_c:<element>`) | powers that vary | temperatures of the same elements |
+//! | any other | the numeric columns before the last, as far as they vary | the last numeric column |
+//!
+//! Time is the column `time_s`, or the first. The event class is in the column `event` if that holds text. A power varies if its
+//! range is above 1 % of the largest one's: the current that only measures heats a little, and by the element's resistance.
+
+use std::path::Path;
+
+use super::{RecordError, Selection};
+use crate::recording::{EVENT, POWER, Reader, STATE, TEMPERATURE, TIME, Values};
+use crate::toml_file::suggest;
+
+/// The part of the largest power's range below which an element is only measured.
+const MEASURED_ONLY: f64 = 0.01;
+
+#[derive(Debug, Clone, Default)]
+pub(super) struct Roles {
+    pub time: usize,
+    pub inputs: Vec<usize>,
+    pub outputs: Vec<usize>,
+    pub event: Option<usize>,
+    pub event_was_named: bool,
+    pub gas: Option<usize>,
+    /// The state of our instrument, read along to say where it was not running.
+    pub state: Option<usize>,
+    pub notes: Vec<String>,
+}
+
+/// The columns of a file, while they are given their parts.
+struct Columns<'a> {
+    path: &'a Path,
+    names: Vec<String>,
+    text: Vec<bool>,
+}
+
+impl Roles {
+    pub(super) fn choose(reader: &mut Reader, path: &Path, selection: &Selection) -> Result<Self, RecordError> {
+        let columns = Columns { path, names: reader.names().to_vec(), text: reader.holds_text()? };
+        let elements = columns.elements();
+        let mut roles = Self { time: columns.position(TIME).unwrap_or(0), ..Self::default() };
+        roles.event = match &selection.event {
+            Some(name) => Some(columns.named(name, &[])?),
+            None => columns.position(EVENT).filter(|&event| columns.text[event]),
+        };
+        roles.event_was_named = selection.event.is_some();
+        roles.gas = selection.gas.as_ref().map(|name| columns.named(name, &[TEMPERATURE])).transpose()?;
+        roles.state = columns.position(STATE).filter(|&state| !elements.is_empty() && columns.text[state]);
+        roles.inputs = columns.all_named(&selection.inputs, POWER)?;
+        roles.outputs = columns.all_named(&selection.outputs, TEMPERATURE)?;
+
+        if elements.is_empty() {
+            roles.choose_foreign(&columns)?;
+        } else {
+            roles.choose_ours(&columns, &elements)?;
+        }
+        roles.check(&columns)?;
+        Ok(roles)
+    }
+
+    /// A recording of our instrument.
+    fn choose_ours(&mut self, columns: &Columns, elements: &[(usize, usize)]) -> Result<(), RecordError> {
+        if self.inputs.is_empty() {
+            let powers: Vec<usize> = elements.iter().map(|&(power, _)| power).collect();
+            self.inputs = columns.varying(&powers, MEASURED_ONLY)?;
+            let inputs = columns.list(&self.inputs);
+            self.notes.push(match self.inputs.len() {
+                1 => format!("{inputs} varies and is taken for the input"),
+                _ => format!("{inputs} vary and are taken for the inputs"),
+            });
+        }
+        if self.outputs.is_empty() {
+            let temperature = |input: &usize| {
+                let (_, element) = columns.names[*input].split_once(':')?;
+                columns.position(&format!("{TEMPERATURE}{element}"))
+            };
+            let outputs: Option<Vec<usize>> = self.inputs.iter().map(temperature).collect();
+            self.outputs = outputs.ok_or_else(|| {
+                columns.refuse(format!(
+                    "no temperature belongs to the input {}: name an output",
+                    columns.list(&self.inputs)
+                ))
+            })?;
+        }
+        Ok(())
+    }
+
+    fn choose_foreign(&mut self, columns: &Columns) -> Result<(), RecordError> {
+        let taken = |roles: &Self, column: usize| {
+            column == roles.time || Some(column) == roles.event || Some(column) == roles.gas
+        };
+        let by_default = |&column: &usize| !columns.text[column] && !taken(self, column);
+        let free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
+        let (no_inputs, no_outputs) = (self.inputs.is_empty(), self.outputs.is_empty());
+        if no_outputs {
+            let last = free.iter().rev().find(|column| !self.inputs.contains(column));
+            self.outputs.extend(last);
+        }
+        if no_inputs {
+            self.inputs = free.iter().copied().filter(|column| !self.outputs.contains(column)).collect();
+        }
+        if self.inputs.is_empty() || self.outputs.is_empty() {
+            return Err(columns.refuse(format!(
+                "has {}: a record needs the time, an input and an output, as columns of numbers",
+                columns.list(&(0..columns.names.len()).collect::<Vec<_>>())
+            )));
+        }
+        if no_inputs && self.inputs.len() > 1 {
+            let varying = columns.varying(&self.inputs, 0.0)?;
+            let constant: Vec<usize> = self.inputs.iter().copied().filter(|column| !varying.contains(column)).collect();
+            if !constant.is_empty() {
+                self.notes.push(format!("{} left out: constant", columns.list(&constant)));
+            }
+            self.inputs = varying;
+        }
+        let inputs = format!("input{} {}", plural(&self.inputs), columns.list(&self.inputs));
+        let outputs = format!("output{} {}", plural(&self.outputs), columns.list(&self.outputs));
+        match (no_inputs, no_outputs) {
+            (true, true) => self.notes.push(format!("{inputs} and {outputs} taken in order")),
+            (true, false) => self.notes.push(format!("{inputs} taken in order")),
+            (false, true) => self.notes.push(format!("{outputs} taken: the last column of numbers")),
+            (false, false) => {}
+        }
+        Ok(())
+    }
+
+    /// No column plays two parts that exclude each other, and numbers are where they belong.
+    fn check(&self, columns: &Columns) -> Result<(), RecordError> {
+        let name = |column: usize| &columns.names[column];
+        let mut parts = vec![(self.time, "the time")];
+        parts.extend(self.event.map(|event| (event, "the event class")));
+        parts.extend(self.inputs.iter().map(|&input| (input, "an input")));
+        parts.extend(self.outputs.iter().map(|&output| (output, "an output")));
+        for (at, &(column, part)) in parts.iter().enumerate() {
+            if let Some((_, before)) = parts[..at].iter().find(|(other, _)| *other == column) {
+                let sentence = if *before == part {
+                    format!("column `{}` is named twice as {part}: once is enough", name(column))
+                } else {
+                    format!("column `{}` cannot be {before} and {part} at once: name another one", name(column))
+                };
+                return Err(columns.refuse(sentence));
+            }
+        }
+        let numbers = self.inputs.iter().chain(&self.outputs).chain(&self.gas);
+        match numbers.copied().find(|&column| columns.text[column]) {
+            Some(column) => {
+                let sentence = format!("column `{}` holds text where numbers belong: name another one", name(column));
+                Err(columns.refuse(sentence))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Columns<'_> {
+    fn refuse(&self, sentence: impl Into<String>) -> RecordError {
+        RecordError::content(self.path, sentence)
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// Power and temperature of every element that has both, in the order of the powers.
+    fn elements(&self) -> Vec<(usize, usize)> {
+        let temperature = |name: &String| self.position(&format!("{TEMPERATURE}{}", name.strip_prefix(POWER)?));
+        let pair = |(power, name)| Some((power, temperature(name)?));
+        self.names.iter().enumerate().filter_map(pair).collect()
+    }
+
+    /// The column of that name, or of the element of that name.
+    fn named(&self, name: &str, prefixes: &[&str]) -> Result<usize, RecordError> {
+        let of_element = || prefixes.iter().find_map(|prefix| self.position(&format!("{prefix}{name}")));
+        self.position(name).or_else(of_element).ok_or_else(|| {
+            let columns = self.names.iter().map(String::as_str);
+            let elements =
+                columns.clone().filter_map(|column| prefixes.iter().find_map(|part| column.strip_prefix(part)));
+            let known: Vec<&str> = elements.chain(columns).collect();
+            self.refuse(format!("there is no column `{name}`; {}", suggest(name, known)))
+        })
+    }
+
+    fn all_named(&self, names: &[String], prefix: &str) -> Result<Vec<usize>, RecordError> {
+        names.iter().map(|name| self.named(name, &[prefix])).collect()
+    }
+
+    fn list(&self, columns: &[usize]) -> String {
+        let names: Vec<String> = columns.iter().map(|&column| format!("`{}`", self.names[column])).collect();
+        names.join(", ")
+    }
+
+    /// The candidates whose range is above `part` of the largest range; reads on until all are, or to the end.
+    fn varying(&self, candidates: &[usize], part: f64) -> Result<Vec<usize>, RecordError> {
+        let mut reader = Reader::open(self.path)?;
+        reader.select(candidates);
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); candidates.len()];
+        let mut varies = vec![false; candidates.len()];
+        while let (false, Some(chunk)) = (varies.iter().all(|&varies| varies), reader.next_chunk()?) {
+            for ((low, high), column) in ranges.iter_mut().zip(&chunk) {
+                if let Values::Numbers(numbers) = &column.values {
+                    *low = numbers.iter().copied().fold(*low, f64::min);
+                    *high = numbers.iter().copied().fold(*high, f64::max);
+                }
+            }
+            let largest = ranges.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
+            for (varies, (low, high)) in varies.iter_mut().zip(&ranges) {
+                *varies = high - low > part * largest;
+            }
+        }
+        let varying: Vec<usize> =
+            candidates.iter().zip(varies).filter(|(_, varies)| *varies).map(|(&column, _)| column).collect();
+        if varying.is_empty() {
+            let sentence = format!(
+                "{} never change{}: a model is found from the answer to changes, so record with an input that changes",
+                self.list(candidates),
+                if candidates.len() == 1 { "s" } else { "" }
+            );
+            return Err(self.refuse(sentence));
+        }
+        Ok(varying)
+    }
+}
+
+fn plural(columns: &[usize]) -> &'static str {
+    if columns.len() == 1 { "" } else { "s" }
+}
+
+/// The beginning of a text from a file, in one line.
+pub(super) fn shown(text: &str) -> String {
+    text.chars().take(40).map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+}
