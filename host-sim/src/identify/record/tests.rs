@@ -43,3 +43,373 @@ fn three_columns_are_time_input_and_output_in_order() {
     assert_eq!((block.class, block.gas.len(), block.first_row, block.time_s), (vec![0; 3], 0, 0, (0.0, 4.0)));
     assert_eq!(classes, ["all"]);
 }
+
+#[test]
+fn of_more_columns_the_last_is_the_output_and_constant_inputs_are_left_out() {
+    let (survey, block, _) =
+        read("t,Q1,Q2,note,fan,T\n0,0,0,x,7,20\n1,1,0,1,7,20\n2,1,1,y,7,21\n", &Selection::default()).unwrap();
+    assert_eq!((survey.inputs, survey.outputs), (names(&["Q1", "Q2"]), names(&["T"])));
+    assert_eq!(survey.notes, ["`fan` left out: constant", "inputs `Q1`, `Q2` and output `T` taken in order"]);
+    assert_eq!(block.inputs, [[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]]);
+}
+
+#[test]
+fn columns_that_are_named_are_taken_and_the_others_may_hold_anything() {
+    let selection = Selection {
+        inputs: names(&["b"]),
+        outputs: names(&["a"]),
+        event: Some("phase".into()),
+        gas: Some("air".into()),
+    };
+    let table = "x,a,b,phase,air,time_s\n,1,2,calm,20.5,3\nx,2,3,gust,20.6,4\n7,3,4,calm,20.7,5\n";
+    let (survey, block, classes) = read(table, &selection).unwrap();
+    assert_eq!(survey.time_column, "time_s");
+    assert_eq!(survey.first_time_s, 3.0);
+    assert_eq!((survey.event_column.as_deref(), survey.gas_column.as_deref()), (Some("phase"), Some("air")));
+    assert_eq!((block.inputs, block.outputs), (vec![vec![2.0, 3.0, 4.0]], vec![vec![1.0, 2.0, 3.0]]));
+    assert_eq!((block.class, classes), (vec![0, 1, 0], names(&["calm", "gust"])));
+    assert_eq!(block.gas, [20.5, 20.6, 20.7]);
+    assert!(survey.notes.is_empty());
+}
+
+#[test]
+fn the_gas_may_be_one_of_the_outputs() {
+    let selection = Selection { gas: Some("T".into()), outputs: names(&["T"]), ..Selection::default() };
+    let (_, block, _) = read("t,u,T\n0,1,2\n1,3,4\n", &selection).unwrap();
+    assert_eq!((block.gas, &block.inputs), (vec![2.0, 4.0], &vec![vec![1.0, 3.0]]));
+    assert_eq!(block.outputs, [[2.0, 4.0]]);
+}
+
+#[test]
+fn numbers_and_text_are_labels_alike() {
+    let by = |name: &str| Selection { event: Some(name.into()), ..Selection::default() };
+    // The same number written otherwise is the same label, and a first row that looks like a number binds no other.
+    for (labels, classes, class) in [
+        (["0", "2.5", "2.50"], vec!["0", "2.5"], [0, 1, 1]),
+        (["1", "calm", "1.0"], vec!["1", "calm"], [0, 1, 0]),
+        (["", "", ""], vec!["all"], [0, 0, 0]),
+        (["", "a", ""], vec!["unlabelled", "a"], [0, 1, 0]),
+        (["a", "", "a"], vec!["a", "unlabelled"], [0, 1, 0]),
+    ] {
+        let table = format!("t,u,e,y\n0,1,{},2\n1,2,{},3\n2,3,{},4\n", labels[0], labels[1], labels[2]);
+        let (_, block, names) = read(&table, &by("e")).unwrap();
+        assert_eq!((names, block.class.as_slice()), (super::tests::names(&classes), class.as_slice()), "{labels:?}");
+    }
+    let (survey, ..) = read("t,u,e,y\n0,1,3,2\n1,2,3,3\n", &by("e")).unwrap();
+    assert_eq!(survey.notes[1], "column `e` has one label only, `3`: there is one class");
+}
+
+#[test]
+fn a_column_called_event_is_the_event_column_unless_another_is_named() {
+    let table = "t,u,event,y\n0,1,a,2\n1,2,b,3\n";
+    let (survey, _, classes) = read(table, &Selection::default()).unwrap();
+    assert_eq!((survey.event_column.as_deref(), classes), (Some("event"), names(&["a", "b"])));
+    assert_eq!(survey.inputs, ["u"]);
+    let other = Selection { event: Some("u".into()), ..Selection::default() };
+    let refused = read(table, &other).unwrap_err();
+    assert!(refused.contains("a record needs the time, an input and an output"), "{refused}");
+}
+
+/// A recording of ours: `core` is only measured, `s1` is heated from the start, `s2` from row `late` on.
+fn ours(name: &str, rows: usize, late: usize) -> Temp {
+    let temp = file(name, "");
+    let layout = Layout { elements: ["core", "s1", "s2"].map(str::to_owned).to_vec(), wind: false };
+    let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
+    for n in 0..rows {
+        let x = n as f32;
+        let row = Row {
+            time_s: n as f64 / 100.0,
+            temperature_c: &[-23.0, x, -x],
+            power_w: &[1e-4 + 1e-7 * (n % 2) as f32, (n % 2) as f32 * 0.02, if n >= late { 0.02 } else { 0.001 }],
+            heaters: 0,
+            event: ["calm", "gust"][usize::from(n > rows / 2)],
+            state: if n < 3 { "standby" } else { "running" },
+            wind_m_s: None,
+        };
+        writer.push(&row).unwrap();
+    }
+    writer.finish(&vec![("hash".to_owned(), "# 1\"".to_owned())]).unwrap();
+    temp
+}
+
+#[test]
+fn of_our_recordings_the_powers_that_vary_are_taken_with_their_temperatures() {
+    // The second element is heated only after the first chunk has passed.
+    for name in ["a.parquet", "a.csv"] {
+        let temp = ours(name, 20_000, 18_000);
+        let (survey, block, classes) = read_all(&temp.path, &Selection::default()).unwrap();
+        assert_eq!(survey.inputs, ["power_w:s1", "power_w:s2"], "{name}");
+        assert_eq!(survey.outputs, ["temperature_c:s1", "temperature_c:s2"]);
+        assert_eq!(
+            survey.notes,
+            [
+                "`power_w:s1`, `power_w:s2` vary and are taken for the inputs",
+                "`state` is `standby` in 3 rows, first in row 1: the heaters are off there, whatever their drives say"
+            ]
+        );
+        assert_eq!((survey.rows, survey.last_time_s), (20_000, 199.99));
+        assert!((survey.sample_period_s - 0.01).abs() < 1e-15);
+        assert_eq!(classes, ["calm", "gust"]);
+        assert_eq!((block.class[10_000], block.class[10_001]), (0, 1));
+        assert_eq!(block.outputs[1][19_999], -19_999.0);
+    }
+}
+
+#[test]
+fn an_elements_name_stands_for_its_power_and_its_temperature() {
+    let temp = ours("a.parquet", 50, 20);
+    let selection =
+        Selection { inputs: names(&["s1"]), outputs: names(&["core"]), gas: Some("s2".into()), event: None };
+    let survey = Stream::open(&temp.path, &selection).unwrap().survey().clone();
+    assert_eq!((survey.inputs, survey.outputs), (names(&["power_w:s1"]), names(&["temperature_c:core"])));
+    assert_eq!(survey.gas_column.as_deref(), Some("temperature_c:s2"));
+    let selection = Selection { inputs: names(&["s2"]), ..Selection::default() };
+    assert_eq!(Stream::open(&temp.path, &selection).unwrap().survey().outputs, ["temperature_c:s2"]);
+    let selection = Selection { inputs: names(&["s3"]), ..Selection::default() };
+    let error = Stream::open(&temp.path, &selection).err().unwrap().to_string();
+    assert!(error.ends_with("there is no column `s3`; did you mean `s2`?") || error.ends_with("`s1`?"), "{error}");
+}
+
+#[test]
+fn a_stream_and_a_table_give_the_same_rows_again_and_again() {
+    let temp = ours("a.csv", 40_000, 10);
+    let mut stream = Stream::open(&temp.path, &Selection::default()).unwrap();
+    let mut table = Table::gather(&mut stream).unwrap();
+    for _ in 0..2 {
+        let mut rows = 0;
+        while let Some(block) = stream.next_block().unwrap() {
+            assert!(block.len() <= BLOCK);
+            assert_eq!(block.first_row, rows);
+            assert_eq!(Some(block), table.next_block().unwrap());
+            rows += block.len() as u64;
+        }
+        assert_eq!(rows, 40_000);
+        assert!(table.next_block().unwrap().is_none());
+        stream.restart().unwrap();
+        table.restart().unwrap();
+    }
+    assert_eq!(stream.classes(), table.classes());
+    // What a whole pass tells is told once.
+    assert_eq!(stream.survey().notes.len(), 2);
+}
+
+#[test]
+fn a_table_of_arrays_is_checked_as_a_file_is() {
+    let column = |name: &str, values: &[f64]| vec![(name.to_owned(), values.to_vec())];
+    let table = |u: &[f64], y: &[f64]| Table::new(0.5, column("u", u), column("y", y));
+    let mut good = table(&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0])
+        .unwrap()
+        .with_events(&["a", "b", "a"])
+        .unwrap()
+        .with_gas(&[20.0; 3])
+        .unwrap();
+    assert_eq!((good.survey().rows, good.survey().last_time_s), (3, 1.0));
+    assert_eq!(good.classes(), ["a", "b"]);
+    let block = good.next_block().unwrap().unwrap();
+    assert_eq!((block.class.as_slice(), block.gas.len(), block.time_s), ([0, 1, 0].as_slice(), 3, (0.0, 1.0)));
+
+    let sentence = |table: Result<Table, RecordError>| table.unwrap_err().to_string();
+    assert_eq!(
+        sentence(table(&[1.0, f64::NAN], &[1.0, 1.0])),
+        "the table: row 2, column `u`: a value is missing; cut the record there or fill the gap"
+    );
+    assert_eq!(sentence(table(&[1.0], &[1.0, 2.0])), "the table: column `u` has 1 rows where others have 2");
+    assert_eq!(sentence(table(&[1.0], &[1.0])), "the table: has 1 rows: at least two belong there");
+    assert_eq!(
+        sentence(Table::new(0.0, column("u", &[1.0; 2]), column("y", &[1.0; 2]))),
+        "the table: its sample period must be finite and above 0 s"
+    );
+    assert_eq!(
+        sentence(Table::new(1.0, Vec::new(), column("y", &[1.0; 2]))),
+        "the table: needs at least one input and one output"
+    );
+    assert_eq!(
+        sentence(table(&[1.0; 2], &[1.0; 2]).unwrap().with_events(&["a"])),
+        "the table: column `event` has 1 rows where others have 2"
+    );
+    assert!(sentence(table(&[1.0; 2], &[1.0; 2]).unwrap().with_gas(&[1.0, f64::INFINITY])).contains("row 2"));
+}
+
+#[test]
+fn what_is_wrong_with_the_columns_is_said_with_the_remedy() {
+    let select = |inputs: &[&str], outputs: &[&str], event: Option<&str>| Selection {
+        inputs: names(inputs),
+        outputs: names(outputs),
+        event: event.map(str::to_owned),
+        gas: None,
+    };
+    let table = "t,power,temperature,mode,word\n0,1,2,0,a\n1,2,3,0,a\n";
+    let sentence = |selection: Selection| read(table, &selection).unwrap_err();
+    assert_eq!(sentence(select(&["powr"], &[], None)), "r.csv: there is no column `powr`; did you mean `power`?");
+    assert_eq!(
+        sentence(select(&["power"], &["power"], None)),
+        "r.csv: column `power` cannot be an input and an output at once: name another one"
+    );
+    assert_eq!(
+        sentence(select(&["power", "power"], &["temperature"], None)),
+        "r.csv: column `power` is named twice as an input: once is enough"
+    );
+    assert_eq!(
+        sentence(select(&["t"], &["temperature"], None)),
+        "r.csv: column `t` cannot be the time and an input at once: name another one"
+    );
+    assert_eq!(
+        sentence(select(&["power"], &["temperature"], Some("power"))),
+        "r.csv: column `power` cannot be the event class and an input at once: name another one"
+    );
+    assert_eq!(
+        sentence(select(&["power"], &["word"], None)),
+        "r.csv: column `word` holds text where numbers belong: name another one"
+    );
+    assert_eq!(refused("t,u,u\n0,1,2\n"), "r.csv: two columns are named `u`: rename one of them");
+    assert_eq!(
+        refused("t,y,phase\n0,1,a\n1,2,a\n"),
+        "r.csv: has `t`, `y`, `phase`: a record needs the time, an input and an output, as columns of numbers"
+    );
+    assert_eq!(
+        refused("t,a,b,y\n0,1,2,1\n1,1,2,2\n"),
+        "r.csv: `a`, `b` never change: a model is found from the answer to changes, so record with an input that changes"
+    );
+}
+
+#[test]
+fn what_is_wrong_with_the_rows_is_said_by_row_and_column() {
+    assert_eq!(refused("t,u,y\n"), "r.csv: has columns but no rows");
+    assert_eq!(refused("t,u,y\n0,1,2\n"), "r.csv: has one row: a sample period takes at least two");
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,,3\n2,1,4\n"),
+        "r.csv: row 2, column `u`: a value is missing; cut the record there or fill the gap"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,1,-inf\n2,1,4\n"),
+        "r.csv: row 2, column `y`: an infinite value; cut the record there or fill the gap"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,1,high\n"),
+        "r.csv: row 2 (line 3 of the table), column `y`: `high` is not a number"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,1,2\n3,1,2\n4,1,2\n5,1,2\n"),
+        "r.csv: row 3: `t` moves on by 2 s, by 1 s elsewhere; resample the record or cut it there"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,1,2\n1,1,2\n"),
+        "r.csv: row 3: `t` goes from 1 s to 1 s, but time must ascend; it is taken from the column `time_s`, or from the first"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n,1,2\n2,1,2\n"),
+        "r.csv: row 2, column `t`: a value is missing; cut the record there or fill the gap"
+    );
+    assert_eq!(
+        refused("t,u,y\n2026-01-01,1,2\n2026-01-02,1,2\n"),
+        "r.csv: row 1, column `t`: `2026-01-01` stands where the time in s belongs"
+    );
+    assert_eq!(
+        refused("t,u,y\n0,1,2\n1,1,2\n2,"),
+        "r.csv: is damaged or cut short, and cannot be read: a row has 2 fields where the header names 3 columns (line 4 of the table)"
+    );
+}
+
+#[test]
+fn a_rate_that_drifts_is_refused_though_every_step_is_near_the_usual_one() {
+    // Steps of 0.94 s, then of 1.06 s: each within 10 % of the median, but the middle is 6 s late at 100 rows.
+    let mut table = String::from("t,u,y\n");
+    let mut time_s = 0.0;
+    for n in 0..200 {
+        table += &format!("{time_s:.2},{n},2\n");
+        time_s += if n < 100 { 0.94 } else { 1.02 };
+    }
+    // The mean step is 0.98 s: 0.04 s a row is lost, half a period (0.49 s) after 13 rows.
+    let sentence = refused(&table);
+    assert!(sentence.starts_with("r.csv: row 14: `t` is 12.22 s where 12.7"), "{sentence}");
+    assert!(sentence.ends_with("its rate drifts; resample the record to uniform times"), "{sentence}");
+}
+
+#[test]
+fn a_column_of_measured_values_is_no_event_column() {
+    let mut table = String::from("t,u,e,y\n");
+    (0..100).for_each(|n| table += &format!("{n},{n},{},2\n", f64::from(n) / 8.0));
+    let selection = Selection { event: Some("e".into()), ..Selection::default() };
+    assert_eq!(
+        read(&table, &selection).unwrap_err(),
+        "r.csv: row 65, column `e`: `8` is label number 65: a column of event classes has 64 labels at most, so name another column or none"
+    );
+}
+
+/// A table longer than a chunk, with what stands below its last row.
+fn long(rows: usize, time: impl Fn(usize) -> String, below: &str) -> Temp {
+    let mut table = String::from("# head: h\n\"t\",u,event,y\r\n");
+    for n in 0..rows {
+        table += &format!("{},{n},\"wind, {}\",1\r\n", time(n), n / 10_000);
+    }
+    file("r.csv", &(table + below))
+}
+
+#[test]
+fn the_end_of_a_long_table_is_found_below_notes_and_without_reading_the_middle() {
+    let words = format!("# {}\n", "x".repeat(100)).repeat(1_000);
+    for below in ["", "# lost: 0\r\n# hash: \"ab\r\n", "\r\n\r\n", &words] {
+        let temp = long(50_000, |n| format!("{:.2}", n as f64 / 50.0), below);
+        let mut stream = Stream::open(&temp.path, &Selection::default()).unwrap();
+        let survey = stream.survey();
+        assert_eq!((survey.rows, survey.last_time_s), (50_000, 999.98));
+        assert!((survey.sample_period_s - 0.02).abs() < 1e-15);
+        while stream.next_block().unwrap().is_some() {}
+        assert_eq!(stream.classes().len(), 5);
+    }
+}
+
+#[test]
+fn rows_are_counted_where_rounded_times_leave_them_in_doubt() {
+    // 60 Hz in whole milliseconds: the first 16 384 rows tell the period to 2·10⁻⁶, which is a row in 5·10⁵.
+    let temp = long(300_000, |n| format!("{:.3}", n as f64 / 60.0), "");
+    let mut stream = Stream::open(&temp.path, &Selection::default()).unwrap();
+    assert_eq!(stream.survey().rows, 300_000);
+    while stream.next_block().unwrap().is_some() {}
+}
+
+#[test]
+fn a_last_line_that_is_cut_short_is_refused_at_once() {
+    let temp = long(20_000, |n| n.to_string(), "20000,1");
+    let error = Stream::open(&temp.path, &Selection::default()).err().unwrap().to_string();
+    assert!(error.ends_with("its last line is cut short: 2 of 4 fields are there; delete that line"), "{error}");
+}
+
+#[test]
+fn a_fault_in_the_middle_of_a_long_table_is_met_where_it_stands() {
+    let at = |fault: usize, jump: i64| {
+        let temp = long(60_000, |n| (n as i64 + if n >= fault { jump } else { 0 }).to_string(), "");
+        let mut stream = Stream::open(&temp.path, &Selection::default()).unwrap();
+        loop {
+            match stream.next_block() {
+                Ok(Some(_)) => {}
+                Ok(None) => panic!("nothing was found"),
+                Err(error) => break error.to_string(),
+            }
+        }
+    };
+    assert!(at(40_000, 3).contains("row 40001: `t` moves on by 4 s, by 1 s elsewhere"));
+    assert!(at(40_000, -20_000).contains("row 40001: `t` goes from 39999 s to 20000 s"));
+    // Time that begins anew ends before the head does.
+    assert!(at(40_000, -40_000).contains("row 40001: `t` goes from 39999 s to 0 s"));
+}
+
+#[test]
+fn the_measured_records_are_read_with_their_periods() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    for (name, period_s, rows) in [
+        ("unthermal_prbs", 0.8, 1575),
+        ("heating_system", 2.0, 801),
+        ("dryer", 0.08, 1000),
+        ("tclab_apm_mimo_T1", 1.0, 599),
+    ] {
+        let path = folder.join(format!("{name}.csv"));
+        if !path.exists() {
+            println!("skipped: {} is absent", path.display());
+            continue;
+        }
+        let (survey, block, _) = read_all(&path, &Selection::default()).unwrap();
+        assert!((survey.sample_period_s - period_s).abs() < 1e-9, "{name}: {}", survey.sample_period_s);
+        assert_eq!((survey.rows, block.len()), (rows, rows as usize), "{name}");
+    }
+}
