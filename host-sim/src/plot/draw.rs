@@ -17,6 +17,8 @@ pub const CURVE: f64 = 1.4;
 pub const INK: RGBColor = RGBColor(0x22, 0x2b, 0x33);
 pub const QUIET: RGBColor = RGBColor(0x6b, 0x75, 0x7d);
 const GRID: RGBColor = RGBColor(0xe3, 0xe7, 0xea);
+/// Lines between the ticks of a logarithmic axis.
+const FAINT: RGBColor = RGBColor(0xf2, 0xf4, 0xf5);
 pub const ALARM: RGBColor = RGBColor(0xb0, 0x00, 0x20);
 
 /// Okabe and Ito's palette, which colour-blind readers can tell apart; sectors first, then two greys for cores.
@@ -78,6 +80,38 @@ impl<'a> Figure<'a> {
         self.area.draw(&PathElement::new(points.iter().copied().map(point).collect::<Vec<_>>(), style))
     }
 
+    /// A line of dashes that goes on around corners.
+    pub fn dashed(&self, points: &[(f64, f64)], colour: RGBAColor, width: f64) -> Drawn<'a> {
+        const DASHES: [f64; 2] = [7.0, 4.0];
+        let (mut left, mut gap) = (DASHES[0], false);
+        let mut dash: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
+        for pair in points.windows(2) {
+            let (mut from, to) = (pair[0], pair[1]);
+            loop {
+                let distance = (to.0 - from.0).hypot(to.1 - from.1);
+                if distance <= left {
+                    left -= distance;
+                    dash.push(to);
+                    break;
+                }
+                let share = left / distance;
+                from = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+                dash.push(from);
+                if !gap {
+                    self.line(&dash, colour, width)?;
+                }
+                gap = !gap;
+                left = DASHES[usize::from(gap)];
+                dash = vec![from];
+            }
+        }
+        if gap || dash.len() < 2 { Ok(()) } else { self.line(&dash, colour, width) }
+    }
+
+    pub fn dot(&self, at: (f64, f64), radius: f64, colour: RGBColor) -> Drawn<'a> {
+        self.area.draw(&Circle::new(point(at), units(radius) as i32, colour.filled()))
+    }
+
     pub fn polygon(&self, points: &[(f64, f64)], colour: RGBAColor) -> Drawn<'a> {
         self.area.draw(&Polygon::new(points.iter().copied().map(point).collect::<Vec<_>>(), colour.filled()))
     }
@@ -113,6 +147,12 @@ impl<'a> Panel<'_, 'a> {
     /// Grid lines with the values' labels on the left; the frame is the grid itself.
     pub fn grid(&self) -> Drawn<'a> {
         let Rect { left, right, top, bottom } = self.rect;
+        for x in self.time.minor().into_iter().map(|minor| self.x(minor)) {
+            self.figure.line(&[(x, top), (x, bottom)], FAINT.to_rgba(), 1.0)?;
+        }
+        for y in self.value.minor().into_iter().map(|minor| self.y(minor)) {
+            self.figure.line(&[(left, y), (right, y)], FAINT.to_rgba(), 1.0)?;
+        }
         for (time_s, _) in self.time.ticks() {
             let x = self.x(time_s);
             self.figure.line(&[(x, top), (x, bottom)], GRID.to_rgba(), 1.0)?;

@@ -7,6 +7,7 @@ mod axis;
 mod content;
 mod draw;
 mod figure;
+pub mod model;
 mod reduce;
 
 use std::path::{Path, PathBuf};
