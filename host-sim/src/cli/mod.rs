@@ -9,8 +9,12 @@
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr, one sentence that begins with `anemo:`.
 
 mod check;
+mod export;
+mod identify;
 mod plot;
+mod reduce;
 mod run;
+mod validate;
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
@@ -44,7 +48,11 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
+    Identify(identify::Arguments),
+    Validate(validate::Arguments),
     Plot(plot::Arguments),
+    Export(export::Arguments),
+    Reduce(reduce::Arguments),
 }
 
 /// Why the command ends, and with which exit code.
@@ -101,7 +109,11 @@ pub fn main() -> ExitCode {
     let outcome = match arguments.command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
+        Command::Identify(arguments) => identify::execute(&arguments),
+        Command::Validate(arguments) => validate::execute(&arguments),
         Command::Plot(arguments) => plot::execute(&arguments),
+        Command::Export(arguments) => export::execute(&arguments),
+        Command::Reduce(arguments) => reduce::execute(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

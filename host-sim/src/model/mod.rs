@@ -15,12 +15,13 @@
 pub mod export;
 mod file;
 mod forward;
+pub mod reduce;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use file::{ModelError, VERSION};
+pub use file::{FORMAT, ModelError, VERSION};
 pub use forward::Forward;
 
 /// The label of the only class of a record without events.

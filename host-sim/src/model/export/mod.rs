@@ -12,15 +12,25 @@
 //! | [`symbol`] | the continuous symbol η(ξ_k) |
 //! | [`foster`] | R_k parallel C_k in series, straight from the model |
 //! | [`cauer`] | the ladder of the same impedance, and its cumulative structure function |
+//! | [`spice`] | either network as a netlist |
+//! | [`source`] | constants in C or Rust |
+//! | [`table`] | all that is a table, as CSV |
+//!
+//! [`part`] finds the pair and the class.
 
 pub mod cauer;
 pub mod foster;
+pub mod part;
 pub mod response;
+pub mod source;
+pub mod spice;
 pub mod symbol;
+pub mod table;
 #[cfg(test)]
 pub(crate) mod testing;
 
 pub use cauer::structure_function;
+pub use part::Part;
 pub use response::{response, response_in_class};
 pub use symbol::continuous_symbol;
 

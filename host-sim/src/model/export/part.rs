@@ -1,0 +1,164 @@
+//! Which part of a model is meant: one pair of input and output, in one event class.
+
+use crate::model::{Class, Model, Pair, Structure};
+use crate::toml_file::suggest;
+
+/// One pair in one class.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    pub model: &'a Model,
+    pub pair: &'a Pair,
+    pub label: &'a str,
+    /// The symbol: of structure `conductance`, that of the reference.
+    pub class: &'a Class,
+    /// What the wind of this class takes from the element, W/K; `None` where the class has a symbol of its own.
+    pub wind_w_per_k: Option<f64>,
+}
+
+impl<'a> Part<'a> {
+    /// Finds a part. A pair is `INPUT:OUTPUT`, where `power_w:x` and `temperature_c:y` may be called `x` and `y`. Both may be left out
+    /// where there is one only; structure `conductance` then means its reference.
+    ///
+    /// # Errors
+    /// A sentence that lists what there is.
+    pub fn find(model: &'a Model, pair: Option<&str>, label: Option<&str>) -> Result<Self, String> {
+        let pair = find_pair(model, pair)?;
+        let only = || match (&model.wind, &model.classes[..]) {
+            (Some(wind), _) => Ok(wind.reference.as_str()),
+            (None, [label]) => Ok(label.as_str()),
+            (None, labels) => Err(format!("the model has {} classes: name one of {}", labels.len(), listed(labels))),
+        };
+        let label = label.map_or_else(only, Ok)?;
+        let Some(known) = model.classes.iter().find(|known| *known == label) else {
+            let hint = suggest(label, model.classes.iter().map(String::as_str));
+            return Err(format!("the model has no class `{label}`; {hint}"));
+        };
+        if let (Structure::Conductance, Some(wind)) = (model.structure, &model.wind) {
+            let class = pair.classes.values().next().ok_or_else(|| format!("{} has no class", name(pair)))?;
+            let element = model.inputs.iter().position(|input| *input == pair.input).unwrap_or(0);
+            let conductance = wind.elements.get(element).and_then(|element| element.get(known)).map(|dg| dg.value);
+            let wind_w_per_k = conductance.filter(|_| *known != wind.reference);
+            return Ok(Self { model, pair, label: known, class, wind_w_per_k });
+        }
+        let class = pair.classes.get(known);
+        let class =
+            class.ok_or_else(|| format!("{} has no class `{label}`: the record never showed it", name(pair)))?;
+        Ok(Self { model, pair, label: known, class, wind_w_per_k: None })
+    }
+
+    /// Refuses a class that is only the reference's symbol in a wind.
+    pub(super) fn own_symbol(&self) -> Result<(), String> {
+        match (self.wind_w_per_k, &self.model.wind) {
+            (Some(conductance), Some(wind)) => Err(format!(
+                "class `{}` has no symbol of its own: it is that of `{}` with {conductance} W/K of wind in its input. Name class `{}`, or export the response or the netlist, which know the wind",
+                self.label, wind.reference, wind.reference
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether output and input belong to the same element, as far as the order of the columns tells.
+    pub fn is_self_heating(&self) -> bool {
+        let input = self.model.inputs.iter().position(|input| *input == self.pair.input);
+        let output = self.model.outputs.iter().position(|output| output.name == self.pair.output);
+        input == output
+    }
+
+    pub fn offset_c(&self) -> f64 {
+        let output = self.model.outputs.iter().find(|output| output.name == self.pair.output);
+        output.map_or(self.model.offset_c, |output| output.offset_c)
+    }
+
+    pub fn dead_time_s(&self) -> f64 {
+        self.pair.dead_time_samples as f64 * self.model.sample_period_s
+    }
+}
+
+/// What a pair is called in sentences.
+pub fn name(pair: &Pair) -> String {
+    format!("pair {} → {}", pair.input, pair.output)
+}
+
+/// What stands behind the quantity in a column's name, or the whole of it: `sector1` of `power_w:sector1`.
+pub fn element(column: &str) -> &str {
+    column.split_once(':').map_or(column, |(_, element)| element)
+}
+
+fn find_pair<'a>(model: &'a Model, wanted: Option<&str>) -> Result<&'a Pair, String> {
+    let full = |pair: &Pair| format!("{}:{}", pair.input, pair.output);
+    let all: Vec<String> = model.pairs.iter().map(full).collect();
+    let Some(wanted) = wanted else {
+        return match &model.pairs[..] {
+            [only] => Ok(only),
+            _ => Err(format!("the model has {} pairs: name one of {}", all.len(), listed(&all))),
+        };
+    };
+    let short = |pair: &Pair| format!("{}:{}", element(&pair.input), element(&pair.output));
+    let found = model.pairs.iter().find(|pair| full(pair) == wanted || short(pair) == wanted);
+    found.ok_or_else(|| format!("the model has no pair `{wanted}`; it has {}", listed(&all)))
+}
+
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing;
+    use super::*;
+
+    fn two_pairs() -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        model.inputs.push("power_w:b".to_owned());
+        model.pairs.push(Pair { input: "power_w:b".to_owned(), ..model.pairs[0].clone() });
+        model
+    }
+
+    #[test]
+    fn the_only_pair_and_class_need_no_name() {
+        let model = testing::model(&[0.5], &[10.0]);
+        let part = Part::find(&model, None, None).unwrap();
+        assert_eq!((part.label, part.offset_c(), part.is_self_heating()), ("all", 20.0, true));
+    }
+
+    #[test]
+    fn several_pairs_are_listed_and_found_by_long_and_short_names() {
+        let model = two_pairs();
+        let sentence = Part::find(&model, None, None).unwrap_err();
+        assert_eq!(
+            sentence,
+            "the model has 2 pairs: name one of `power_w:a:temperature_c:a`, `power_w:b:temperature_c:a`"
+        );
+        for name in ["b:a", "power_w:b:temperature_c:a"] {
+            let part = Part::find(&model, Some(name), None).unwrap();
+            assert_eq!(part.pair.input, "power_w:b");
+            assert!(!part.is_self_heating());
+        }
+        assert!(Part::find(&model, Some("c:a"), None).unwrap_err().starts_with("the model has no pair `c:a`; it has"));
+    }
+
+    #[test]
+    fn several_classes_are_listed() {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        model.classes.push("gust".to_owned());
+        let own = testing::class(&[8.0]);
+        model.pairs[0].classes.insert("gust".to_owned(), own);
+        assert_eq!(Part::find(&model, None, None).unwrap_err(), "the model has 2 classes: name one of `all`, `gust`");
+        assert_eq!(Part::find(&model, None, Some("gust")).unwrap().class.r_k_per_w, [8.0]);
+        assert_eq!(
+            Part::find(&model, None, Some("gusts")).unwrap_err(),
+            "the model has no class `gusts`; did you mean `gust`?"
+        );
+    }
+
+    #[test]
+    fn a_wind_has_the_symbol_of_its_reference_and_says_so() {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        assert_eq!(Part::find(&model, None, None).unwrap().label, "still");
+        let part = Part::find(&model, None, Some("gust")).unwrap();
+        assert_eq!((part.wind_w_per_k, part.class.r_k_per_w[0]), (Some(0.2), 10.0));
+        assert!(part.own_symbol().unwrap_err().contains("that of `still` with 0.2 W/K of wind"));
+    }
+}
