@@ -1,17 +1,20 @@
-//! `anemo plot`: a recording as a picture.
+//! `anemo plot`: a recording or a model as a picture.
 
 use std::path::PathBuf;
 
 use super::Failure;
+use crate::model::Model;
 use crate::plot::Canvas;
 use crate::recording::Recording;
 
-/// Draw a recording: wind, temperatures, powers and heater bits over time.
+/// Draw a recording (wind, temperatures, powers and heater bits over time) or a model (symbols, frequency responses, structure
+/// functions).
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  anemo plot gusts.parquet -o gusts.svg")]
+#[command(after_help = "Examples:\n  anemo plot gusts.parquet -o gusts.svg\n  anemo plot model.json -o model.svg")]
 pub struct Arguments {
-    /// The recording: a .parquet or .csv file.
-    recording: PathBuf,
+    /// The recording, a .parquet or .csv file, or the model, a .json file.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
     /// The picture; its name ends in .svg.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -21,10 +24,22 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let recording = Recording::read(&arguments.recording).map_err(Failure::usage)?;
+    let output = arguments.output.display().to_string();
+    if arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        let model = Model::read(&arguments.file).map_err(Failure::usage)?;
+        let canvas = Canvas::create(&arguments.output).map_err(Failure::usage)?;
+        let svg = crate::plot::model::page(&model, &[]).map_err(Failure::usage)?;
+        canvas.write(&svg).map_err(Failure::usage)?;
+        let pairs = model.pairs.len();
+        if arguments.json {
+            return super::print_json(&serde_json::json!({ "plot": output, "pairs": pairs }));
+        }
+        let pairs = if pairs == 1 { "1 pair".to_owned() } else { format!("{pairs} pairs") };
+        return super::print(&format!("model of {pairs} drawn into {output}\n"));
+    }
+    let recording = Recording::read(&arguments.file).map_err(Failure::usage)?;
     let canvas = Canvas::create(&arguments.output).map_err(Failure::usage)?;
     canvas.draw(&recording).map_err(Failure::usage)?;
-    let output = arguments.output.display().to_string();
     if arguments.json {
         return super::print_json(&serde_json::json!({ "plot": output, "rows": recording.len() }));
     }

@@ -1,4 +1,5 @@
-//! A run as a picture: wind, temperatures, powers and heater bits over one time axis, as SVG.
+//! A run as a picture: wind, temperatures, powers and heater bits over one time axis, as SVG. Models have pictures of their own
+//! ([`model`]).
 //!
 //! Everything is reduced to about one value a pixel first (`reduce.rs`), so that 100 000 ticks stay a picture of some hundred
 //! kilobytes in which a single odd tick can still be seen. Panels for which the recording has no columns are left out.
@@ -46,8 +47,12 @@ impl Canvas {
         Ok(Self { path: path.to_owned(), temporary, file })
     }
 
-    pub fn draw(mut self, recording: &Recording) -> Result<(), PlotError> {
-        let svg = figure::svg(recording)?;
+    pub fn draw(self, recording: &Recording) -> Result<(), PlotError> {
+        self.write(&figure::svg(recording)?)
+    }
+
+    /// A picture that was drawn already.
+    pub fn write(mut self, svg: &str) -> Result<(), PlotError> {
         let written = std::io::Write::write_all(&mut self.file, svg.as_bytes()).and_then(|()| self.temporary.keep());
         written.map_err(|error| PlotError::Io { path: self.path, reason: error.to_string() })
     }

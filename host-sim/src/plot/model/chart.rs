@@ -74,6 +74,7 @@ pub struct Chart {
     pub(super) series: Vec<Series>,
     pub(super) spans: Vec<Span>,
     pub(super) limits: Vec<f64>,
+    pub(super) range: Option<(f64, f64)>,
 }
 
 /// A stretch of the x axis with a ground of its own.
@@ -101,6 +102,7 @@ impl Chart {
             series: Vec::new(),
             spans: Vec::new(),
             limits: Vec::new(),
+            range: None,
         }
     }
 
@@ -149,6 +151,13 @@ impl Chart {
     #[must_use]
     pub fn limit(mut self, value: f64) -> Self {
         self.limits.push(value);
+        self
+    }
+
+    /// What a linear y axis shows, if not all there is; what is beyond is cut.
+    #[must_use]
+    pub fn range(mut self, low: f64, high: f64) -> Self {
+        self.range = Some((low, high));
         self
     }
 

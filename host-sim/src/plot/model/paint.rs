@@ -8,10 +8,10 @@ use super::super::draw::{
     Align, CURVE, DrawError, Figure, GREYS, INK, PALETTE, Panel, QUIET, Rect, in_pixels, text_width,
 };
 use super::chart::{Chart, Lines, Series, Span, Style};
+use super::columns;
 use super::head::{Entry, Head};
 use super::scaled::Scaled;
 use super::words::{brief, shortened, wrapped};
-use super::{columns, words};
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 70.0;
@@ -302,6 +302,9 @@ fn colour(series: &Series, position: usize) -> RGBColor {
 
 /// The values that the y axis must hold, and whether error bars reach beyond.
 fn reach(chart: &Chart) -> (Vec<f64>, bool) {
+    if let Some((low, high)) = chart.range {
+        return (vec![low, high], false);
+    }
     let good = |value: &f64| Axis::shows(chart.y, *value);
     let mut values: Vec<f64> =
         chart.series.iter().flat_map(Series::values).chain(chart.limits.iter().copied()).collect();

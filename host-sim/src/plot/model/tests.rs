@@ -1,4 +1,6 @@
 use super::*;
+use crate::model::export::testing;
+use crate::model::{Model, Whiteness};
 
 fn texts(svg: &str) -> Vec<&str> {
     svg.lines().filter(|line| !line.starts_with('<')).collect()
@@ -95,4 +97,135 @@ fn error_bars_widen_the_axis_until_they_would_hide_the_values() {
     assert!(!chart(0.5).contains("edge"));
     let wide = chart(1e6);
     assert!(wide.contains("error bars end at the edge") && texts(&wide).contains(&"2"), "{:?}", texts(&wide));
+}
+
+fn mesh(order: usize) -> Vec<f64> {
+    (0..order).map(|k| dr_core::model::mesh::rate_rad_s(1e-3, 10.0, k, order)).collect()
+}
+
+/// One input and output, `order` poles of a rod's like.
+fn single(order: usize) -> Model {
+    let rates = mesh(order);
+    let resistances: Vec<f64> = rates.iter().map(|rate| 200.0 / order as f64 * rate.sqrt() / (0.1 + rate)).collect();
+    let mut model = testing::model(&rates, &resistances);
+    model.provenance.records = vec!["records/prbs_first.parquet".to_owned()];
+    (model.provenance.rows, model.provenance.duration_s) = (36_000, 3600.0);
+    model
+}
+
+/// `count` elements that heat each other, in the classes of `labels`.
+fn network(count: usize, labels: &[&str], order: usize) -> Model {
+    let mut model = single(order);
+    let (pair, output) = (model.pairs.remove(0), model.outputs.remove(0));
+    model.classes = labels.iter().map(|label| (*label).to_owned()).collect();
+    model.inputs = (0..count).map(|i| format!("power_w:sector{i}")).collect();
+    for i in 0..count {
+        let mut own = output.clone();
+        own.name = format!("temperature_c:sector{i}");
+        for j in 0..count {
+            let mut pair = pair.clone();
+            (pair.input, pair.output) = (model.inputs[j].clone(), own.name.clone());
+            let class = pair.classes.remove("all").unwrap();
+            for (n, label) in labels.iter().enumerate() {
+                let mut class = class.clone();
+                let factor = if i == j { 1.0 } else { -0.1 } / (1.0 + n as f64);
+                class.r_k_per_w.iter_mut().for_each(|r| *r *= factor);
+                class.steady_gain_k_per_w *= factor;
+                pair.classes.insert((*label).to_owned(), class);
+            }
+            model.pairs.push(pair);
+        }
+        model.outputs.push(own);
+    }
+    model
+}
+
+fn whiteness() -> Whiteness {
+    Whiteness {
+        autocorrelation: (1..=40_u32).map(|lag| 0.02 * f64::from(lag * 7919 % 101) / 101.0 - 0.01).collect(),
+        q: 38.0,
+        p_value: 0.56,
+        inflation: 1.0,
+    }
+}
+
+fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
+    let mut builder = FitSeries::builder(name, "°C");
+    for n in 0..rows {
+        let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
+        let noise = 0.01 * (f64::from(n.wrapping_mul(2_654_435_761) >> 8) / 16_777_216.0 - 0.5);
+        builder.push(f64::from(n) * 0.1, truth + noise, truth, (n / 900 % classes) as usize);
+    }
+    builder.finish(Some(whiteness()))
+}
+
+#[test]
+fn the_page_of_a_model_shows_all_its_sides() {
+    let svg = page(&single(8), &[fit("temperature_c:a", 36_000, 1)]).unwrap();
+    assert_sound(&svg);
+    for text in
+        ["power_w:a → temperature_c:a", "Symbol", "temperature_c:a", "Residuals", "Autocorrelation of the residuals"]
+    {
+        assert!(texts(&svg).contains(&text), "{text}: {:?}", texts(&svg));
+    }
+    for text in ["Magnitude", "Phase", "Structure function", "band of the record"] {
+        assert!(texts(&svg).contains(&text), "{text}");
+    }
+    assert!(svg.contains("p = 0.56 (Ljung–Box)") && svg.contains("±0.0103") && svg.contains("prbs_first.parquet"));
+    assert!(svg.contains("steady gain") && svg.contains("rms 2.89 mK"), "{:?}", texts(&svg));
+}
+
+#[test]
+fn several_outputs_have_charts_of_their_own_up_to_six() {
+    let model = network(7, &["all"], 3);
+    let fits: Vec<FitSeries> = model.outputs.iter().map(|output| fit(&output.name, 100, 1)).collect();
+    let svg = page(&model, &fits).unwrap();
+    assert_sound(&svg);
+    for i in 0..6 {
+        assert!(texts(&svg).contains(&format!("Symbol of sector{i}").as_str()));
+        assert!(texts(&svg).contains(&format!("Phase of sector{i}").as_str()));
+    }
+    assert!(svg.contains("left out: temperature_c:sector6") && !svg.contains("Symbol of sector6"));
+    assert_eq!(texts(&svg).iter().filter(|text| **text == "Residuals").count(), 6);
+}
+
+#[test]
+fn classes_are_named_in_legends_and_on_the_ground_of_the_fit() {
+    let mut model = network(1, &["calm", "ahead", "reverse"], 8);
+    model.pairs[0].dead_time_samples = 50;
+    let svg = page(&model, &[fit("temperature_c:sector0", 9000, 3)]).unwrap();
+    assert_sound(&svg);
+    assert!(texts(&svg).iter().any(|text| text.starts_with("calm: steady gain")));
+    assert!(texts(&svg).iter().filter(|text| **text == "ahead").count() >= 3, "{:?}", texts(&svg));
+    assert!(svg.contains("cut where dead time turns it further"));
+}
+
+#[test]
+fn wind_is_in_the_responses_and_its_conductance_in_the_caption() {
+    let mut model = single(8);
+    testing::add_wind(&mut model, "gust", 0.02);
+    let svg = page(&model, &[]).unwrap();
+    assert_sound(&svg);
+    assert!(svg.contains("ΔG gust 0.0200 ± 0.0010 W/K") && svg.contains("of class still"), "{:?}", texts(&svg));
+    assert!(texts(&svg).contains(&"gust") && texts(&svg).contains(&"still"));
+}
+
+#[test]
+fn any_model_makes_a_sound_page() {
+    for (order, scale) in [(1, 1.0), (30, 1.0), (8, 1e-6), (8, 1e6), (8, -1.0), (3, 0.0)] {
+        let mut model = single(order);
+        let class = model.pairs[0].classes.get_mut("all").unwrap();
+        class.r_k_per_w.iter_mut().chain(&mut class.se_k_per_w).for_each(|r| *r *= scale);
+        (class.steady_gain_k_per_w, class.se_steady_gain_k_per_w) = (class.steady_gain_k_per_w * scale, f64::MAX);
+        class.se_k_per_w[0] = 1e12;
+        (model.provenance.duration_s, model.provenance.rows) = (0.0, 0);
+        model.pairs[0].input = "x".repeat(200);
+        model.inputs[0] = model.pairs[0].input.clone();
+        model.supported = false;
+        model.warnings = vec!["the record is too short for its slowest pole".to_owned(); 9];
+        let empty = FitSeries::builder("nothing", "").finish(Some(whiteness()));
+        let mut missing = FitSeries::builder("missing", "V");
+        (0..3000).for_each(|n| missing.push(f64::from(n), f64::NAN, 1.0, n as usize % 5));
+        assert_sound(&page(&model, &[empty, missing.finish(None)]).unwrap());
+    }
 }

@@ -1,0 +1,50 @@
+//! What the parts of a model are called in its pictures, and in which order they come.
+
+use super::chart::Chart;
+use super::words::shortened;
+use crate::model::{Class, Model, Pair};
+
+/// Curves that can be told apart in one chart.
+pub const CURVES: usize = 8;
+
+/// The unit of a pair's gain.
+pub fn gain_unit(pair: &Pair) -> String {
+    if pair.input.starts_with("power_w") && pair.output.starts_with("temperature_c") {
+        return "K/W".to_owned();
+    }
+    format!("unit of {} / unit of {}", shortened(&pair.output, 12.0, 130.0), shortened(&pair.input, 12.0, 130.0))
+}
+
+/// What stands behind the quantity in a column's name.
+pub fn element(column: &str) -> &str {
+    column.split_once(':').map_or(column, |(_, element)| element)
+}
+
+/// A pair and class in the legend of their output's chart: only what tells them apart.
+pub fn label(model: &Model, pair: &Pair, class: &str) -> String {
+    let input = (model.inputs.len() > 1).then(|| format!("from {}", element(&pair.input)));
+    let class = (model.classes.len() > 1).then(|| class.to_owned());
+    input.into_iter().chain(class).collect::<Vec<_>>().join(", ")
+}
+
+/// ` of sector1` where there are several outputs.
+pub fn of(model: &Model, output: &str) -> String {
+    if model.outputs.len() > 1 { format!(" of {}", shortened(element(output), 14.0, 260.0)) } else { String::new() }
+}
+
+/// What leads to an output: pair, label and class, in the order of the model's classes.
+pub fn parts<'m>(model: &'m Model, output: &str) -> Vec<(&'m Pair, &'m String, &'m Class)> {
+    let pairs = model.pairs.iter().filter(|pair| pair.output == output);
+    let order = |label: &String| model.classes.iter().position(|class| class == label);
+    let parts = pairs.flat_map(|pair| {
+        let mut classes: Vec<_> = pair.classes.iter().map(|(label, class)| (pair, label, class)).collect();
+        classes.sort_by_key(|(_, label, _)| order(label));
+        classes
+    });
+    parts.collect()
+}
+
+/// Says so if there are more curves than can be shown.
+pub fn left_out(chart: Chart, curves: usize) -> Chart {
+    if curves > CURVES { chart.note(format!("{CURVES} of {curves} shown")) } else { chart }
+}

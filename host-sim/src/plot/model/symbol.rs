@@ -1,0 +1,51 @@
+//! The symbols of a model with their uncertainty: R_k ± 1.96 se, in K/W, over the rates ξ_k.
+//!
+//! The bars say what white residuals would let each R_k be; neighbours on a fine mesh are less certain one by one than their sum is.
+
+use super::Scale;
+use super::chart::{Chart, Series};
+use super::fit::NORMAL_95;
+use super::naming::{CURVES, gain_unit, label, left_out, of, parts};
+use super::words::estimate;
+use crate::model::{Model, Structure};
+
+/// The symbols of all pairs that lead to an output.
+pub fn symbol(model: &Model, output: &str) -> Chart {
+    let parts = parts(model, output);
+    let unit = parts.first().map_or_else(String::new, |(pair, _, _)| gain_unit(pair));
+    let mut chart = Chart::new(format!("Symbol{}", of(model, output)), &unit)
+        .x(Scale::Log, "ξ in rad/s")
+        .time_constants()
+        .height(210.0);
+    if model.structure == Structure::Conductance && model.classes.len() > 1 {
+        let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
+        chart = chart.note(format!("of class {reference}"));
+    }
+    chart = chart.note("R_k with 95 %");
+    for (pair, class_label, class) in parts.iter().take(CURVES) {
+        let gain = format!("steady gain {}", estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w));
+        let points = pair.mesh_rad_s.iter().copied().zip(class.r_k_per_w.iter().copied()).collect();
+        let errors = class.se_k_per_w.iter().map(|se| NORMAL_95 * se).collect();
+        let mut name = label(model, pair, class_label);
+        if parts.len() == 1 {
+            (chart, name) = (chart.note(gain), String::new());
+        } else {
+            name = format!("{name}: {gain}");
+        }
+        chart = chart.series(Series::stems(name, points).errors(errors));
+        if class.feed_through_k_per_w != 0.0 {
+            let feed_through = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+            chart = chart.note(format!("feed-through {feed_through}"));
+        }
+    }
+    if let Some(element) = model.wind.as_ref().and_then(|wind| {
+        let place = model.outputs.iter().position(|known| known.name == output)?;
+        wind.elements.get(place).map(|element| (element, &wind.reference))
+    }) {
+        let (element, reference) = element;
+        for (class, conductance) in element.iter().filter(|(class, _)| *class != reference) {
+            chart = chart.note(format!("ΔG {class} {} W/K", estimate(conductance.value, conductance.se)));
+        }
+    }
+    left_out(chart, parts.len())
+}
