@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::{Model, Structure};
-use crate::recording::Temporary;
+use crate::recording::{Temporary, one_line};
 
 /// Counts changes that an older reader would misunderstand.
 pub const VERSION: u32 = 1;
 
-const FORMAT: &str = "anemo-model";
+pub const FORMAT: &str = "anemo-model";
 
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
@@ -32,6 +32,10 @@ impl Model {
     /// # Errors
     /// A sentence that names the key and what would be right.
     pub fn from_json(text: &str) -> Result<Self, String> {
+        Self::parse(text).map_err(one_line)
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| format!("is no JSON, or cut short: {error}"))?;
         if value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT) {
@@ -45,6 +49,9 @@ impl Model {
                 ));
             }
             None => return Err("has no `version`: identify it again".to_owned()),
+        }
+        if let Some(key) = beyond_f64(&value) {
+            return Err(format!("`{key}` is a number too large to compute with"));
         }
         let model: Self = serde_json::from_value(value).map_err(|error| format!("is not a whole model: {error}"))?;
         model.check()?;
@@ -123,5 +130,20 @@ impl Model {
                 missing.map_or(Ok(()), |label| Err(format!("`wind` has no conductance for class `{label}`")))
             }
         }
+    }
+}
+
+/// The key of a number that f64 cannot hold, such as 1e999, which the parser would make infinite.
+fn beyond_f64(value: &serde_json::Value) -> Option<String> {
+    use serde_json::Value;
+    let below = |key: String, value| {
+        let rest = beyond_f64(value)?;
+        Some(if rest.is_empty() || rest.starts_with('[') { key + &rest } else { format!("{key}.{rest}") })
+    };
+    match value {
+        Value::Number(number) => (!number.as_f64().is_some_and(f64::is_finite)).then(String::new),
+        Value::Array(items) => items.iter().enumerate().find_map(|(at, item)| below(format!("[{at}]"), item)),
+        Value::Object(keys) => keys.iter().find_map(|(key, item)| below(key.clone(), item)),
+        Value::Null | Value::Bool(_) | Value::String(_) => None,
     }
 }

@@ -74,7 +74,7 @@ impl Writer {
     }
 }
 
-fn write_metadata(file: &mut impl std::io::Write, metadata: &Metadata) -> std::io::Result<()> {
+pub(super) fn write_metadata(file: &mut impl std::io::Write, metadata: &Metadata) -> std::io::Result<()> {
     for (key, value) in metadata {
         writeln!(file, "# {key}: {}", value.replace('\\', "\\\\").replace('\r', "\\r").replace('\n', "\\n"))?;
     }

@@ -17,6 +17,7 @@
 mod collect;
 mod comma;
 mod parquet;
+mod plain;
 mod read;
 mod temporary;
 mod write;
@@ -24,6 +25,7 @@ mod write;
 use std::path::{Path, PathBuf};
 
 pub use collect::Collector;
+pub use plain::write_columns;
 pub use read::{CHUNK, Column, Reader, Recording, Values, Words};
 pub(crate) use read::tidy;
 pub use temporary::Temporary;
@@ -64,13 +66,17 @@ impl RecordingError {
     }
 
     fn damaged(path: &Path, reason: &dyn std::fmt::Display) -> Self {
-        let reason = reason.to_string().replace('\n', " ");
-        Self::Damaged { path: path.to_owned(), reason }
+        Self::Damaged { path: path.to_owned(), reason: one_line(reason.to_string()) }
     }
 
     fn content(path: &Path, sentence: impl Into<String>) -> Self {
-        Self::Content { path: path.to_owned(), sentence: sentence.into() }
+        Self::Content { path: path.to_owned(), sentence: one_line(sentence.into()) }
     }
+}
+
+/// A sentence that quotes a file may hold anything; what is shown is one line.
+pub(crate) fn one_line(sentence: String) -> String {
+    if sentence.contains(char::is_control) { sentence.replace(char::is_control, " ") } else { sentence }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 pub use stream::Stream;
 pub use table::Table;
 
-use crate::recording::RecordingError;
+use crate::recording::{RecordingError, one_line};
 
 /// Rows of a block, at most.
 pub const BLOCK: usize = crate::recording::CHUNK;
@@ -137,7 +137,7 @@ pub enum RecordError {
 
 impl RecordError {
     fn content(record: &Path, sentence: impl Into<String>) -> Self {
-        Self::Content { record: record.to_owned(), sentence: sentence.into() }
+        Self::Content { record: record.to_owned(), sentence: one_line(sentence.into()) }
     }
 }
 

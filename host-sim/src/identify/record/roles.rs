@@ -228,7 +228,7 @@ fn plural(columns: &[usize]) -> &'static str {
     if columns.len() == 1 { "" } else { "s" }
 }
 
-/// The beginning of a text from a file, in one line.
+/// The beginning of a text from a file.
 pub(super) fn shown(text: &str) -> String {
-    text.chars().take(40).map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+    text.chars().take(40).collect()
 }
