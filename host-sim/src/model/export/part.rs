@@ -69,6 +69,12 @@ impl<'a> Part<'a> {
         output.map_or(self.model.offset_c, |output| output.offset_c)
     }
 
+    /// What a reader of an export must know, if the record could not support the model.
+    pub(super) fn warning(&self) -> Option<String> {
+        let warnings = self.model.warnings.join("; ");
+        (!self.model.supported).then(|| format!("the record does not support this model: {warnings}"))
+    }
+
     pub fn dead_time_s(&self) -> f64 {
         self.pair.dead_time_samples as f64 * self.model.sample_period_s
     }

@@ -35,7 +35,7 @@ pub fn source(part: &Part, language: Language) -> Result<String, String> {
     let feed_through = single("feed_through_k_per_w", part.class.feed_through_k_per_w)?;
     let offset = single("offset_c", part.offset_c())?;
     let mut text = String::new();
-    let about = [
+    let mut about = vec![
         format!("{} -> {}, class {}: diffusive model by anemo.", part.pair.input, part.pair.output, part.label),
         String::new(),
         "Each sample period, with the power u held (add with compensation: slow poles stall in plain f32):".to_owned(),
@@ -43,9 +43,10 @@ pub fn source(part: &Part, language: Language) -> Result<String, String> {
             .to_owned(),
         "u is that of dead_time_samples earlier.".to_owned(),
     ];
+    about.extend(part.warning().map(|warning| format!("Warning: {warning}")));
     let vectors = [
         ("mesh_rad_s", "Relaxation rates, rad/s.", &rates),
-        ("gain", "Gains for the sample period below.", &gain),
+        ("gain", "Gains, for that sample period only.", &gain),
         ("r_k_per_w", "Thermal resistances, K/W.", &r),
     ];
     let scalars = [

@@ -49,6 +49,9 @@ pub fn netlist(part: &Part, network: Network) -> Result<String, String> {
         spice(part.class.steady_gain_k_per_w),
         spice(part.offset_c()),
     );
+    if let Some(warning) = part.warning() {
+        let _ = writeln!(text, "* Warning: {}", ascii(&warning));
+    }
     let _ = writeln!(text, "* Try it:  Vambient amb 0 {}", spice(part.offset_c()));
     let (input, instance) = match (one_port, part.wind_w_per_k) {
         (true, None) => ("t", "t amb"),

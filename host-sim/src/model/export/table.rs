@@ -30,8 +30,8 @@ impl Table {
         if let Some(conductance) = part.wind_w_per_k {
             metadata.push(("wind_w_per_k", number(conductance)));
         }
-        if !part.model.supported {
-            metadata.push(("warning", part.model.warnings.join("; ")));
+        if let Some(warning) = part.warning() {
+            metadata.push(("warning", warning));
         }
         Self { metadata, columns: columns.to_vec(), rows }
     }
@@ -175,6 +175,22 @@ mod tests {
             let phase = row[2].to_radians();
             // roundings of 10 K/W
             assert!((row[1] * phase.cos() - row[3]).abs() < 1e-13 && (row[1] * phase.sin() - row[4]).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_model_that_its_record_does_not_support_says_so_in_every_form() {
+        let mut model = testing::model(&[0.1, 2.5], &[10.0, 0.3]);
+        model.supported = false;
+        model.warnings = vec!["the record is too short".to_owned()];
+        let part = Part::find(&model, None, None).unwrap();
+        let texts = [
+            foster_table(&part).unwrap().to_csv(),
+            super::super::spice::netlist(&part, super::super::spice::Network::Foster).unwrap(),
+            super::super::source::source(&part, super::super::source::Language::C).unwrap(),
+        ];
+        for text in texts {
+            assert!(text.contains("does not support this model: the record is too short"), "{text}");
         }
     }
 

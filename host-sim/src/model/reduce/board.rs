@@ -48,7 +48,7 @@ pub fn toml(model: &Model, label: &str) -> Result<String, String> {
         elements += 1;
         let (rates, r) = padded(&pair.mesh_rad_s, &part.class.r_k_per_w)?;
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "\n[elements.{}]", quoted(element(&pair.output)));
+        let _ = writeln!(text, "\n[elements.{}]", key(element(&pair.output)));
         if pair.dead_time_samples > 0 || part.class.feed_through_k_per_w != 0.0 {
             let _ = writeln!(
                 text,
@@ -69,6 +69,12 @@ pub fn toml(model: &Model, label: &str) -> Result<String, String> {
         );
     }
     Ok(text)
+}
+
+/// Quoted where it must be.
+fn key(text: &str) -> String {
+    let bare = !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if bare { text.to_owned() } else { quoted(text) }
 }
 
 fn quoted(text: &str) -> String {

@@ -1,5 +1,7 @@
 //! Small dense least squares, min ‖B x − y‖, plain or with x ≥ 0 (C. L. Lawson and R. J. Hanson, *Solving Least Squares Problems*,
 //! ch. 23), by QR on columns of unit norm.
+//!
+//! Not by normal equations: free poles may come so close to each other that the square of their columns' condition is out of f64's reach.
 
 use nalgebra::{DMatrix, DVector};
 

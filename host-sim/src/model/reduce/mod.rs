@@ -127,8 +127,8 @@ fn search(
         (0..order).map(|k| dr_core::model::mesh::rate_rad_s(slowest, fastest, k, order)).collect()
     };
     let candidates = match rates {
-        // Few enough already: nothing is lost but digits.
-        Rates::Free if poles.len() <= order => {
+        // Few enough already: nothing is lost but digits. A single pole is a mesh, too.
+        _ if poles.len() == 1 || (rates == Rates::Free && poles.len() <= order) => {
             let own: Vec<f64> = poles.iter().map(|pole| pole.0).collect();
             vec![problem.project(&own)]
         }

@@ -97,6 +97,13 @@ fn every_pair_and_class_is_reduced_on_rates_that_its_classes_share() {
 }
 
 #[test]
+fn a_single_pole_is_a_mesh_of_one() {
+    let reduced = reduce(&testing::model(&[0.5], &[10.0]), 8, Rates::Mesh).unwrap();
+    assert_eq!(reduced.model.pairs[0].mesh_rad_s, [0.5]);
+    assert!(reduced.losses[0].levels.rms_share < 1e-6);
+}
+
+#[test]
 fn a_pair_without_effect_stays_one() {
     let reduced = reduce(&testing::model(&[0.1, 1.0], &[0.0, 0.0]), 4, Rates::Free).unwrap();
     assert_eq!(reduced.model.pairs[0].classes["all"].r_k_per_w, [0.0]);
