@@ -10,13 +10,18 @@
 //! 1/(p (1 + √p)), with erfcx(x) = e^(x²) erfc(x). The steady gain is ∫ η/ξ dξ = H(0) = 1.
 //!
 //! The experiment of the thesis, 2.2.6, is [`case`]: 1000 s at 2 kHz, driven by a step or by a 10-bit PRBS of 1 bit a second, identified
-//! on a mesh of eight rates ([`thesis_mesh_rad_s`]).
+//! on a mesh of eight rates ([`thesis_mesh_rad_s`]). [`compare`] holds a model against the truth, and [`symbol_charts`] and
+//! [`output_charts`] draw it as the thesis' figures 2.13–2.18 do.
 
 mod case;
+mod compare;
+mod figure;
 
 use dr_core::model::mesh;
 
 pub use case::{Case, Input, ROWS, SAMPLE_PERIOD_S, case};
+pub use compare::{Comparison, Value, compare, predicted};
+pub use figure::{output_charts, symbol_charts};
 
 /// Rates of the thesis' mesh.
 pub const THESIS_ORDER: usize = 8;
