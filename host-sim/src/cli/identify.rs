@@ -1,0 +1,303 @@
+//! `anemo identify`: from a record to a diffusive model.
+
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Failure;
+use crate::identify::candidates::{Beginning, Given};
+use crate::identify::choose::Signs;
+use crate::identify::record::{Selection, Source, Stream};
+use crate::identify::{GasGiven, IdentifyError, Options, identify};
+use crate::model::{Model, Structure};
+
+/// Identify a diffusive model from a record: thermal resistances on a mesh of rates, with standard errors.
+///
+/// Any uniformly sampled table can be identified: a recording of `anemo run`, or a CSV or Parquet file of yours with a time column
+/// first. What is not given is chosen by block cross-validation inside the record, and the reasons are printed.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo identify prbs.parquet -o model.json
+  anemo identify heater.csv --input power --output temperature -o model.json
+  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify winds.csv --event wind -o model.json
+  anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
+
+A row holds the outputs at its time, and the inputs that are held until the next row's.")]
+pub struct Arguments {
+    /// The record: a .parquet or .csv file.
+    record: PathBuf,
+    /// The model, a .json file; without it, the model is only summarised.
+    #[arg(short, long, value_name = "FILE")]
+    output_file: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+    /// `symbol`: resistances for every event class; `conductance`: one set of them, and the wind as a conductance a class.
+    #[arg(long, value_enum)]
+    structure: Option<StructureName>,
+    /// Temperature of the gas, for --structure conductance: a number in °C, or a column; estimated if it is not given.
+    #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
+    gas_temperature: Option<String>,
+    /// The class whose conductance the others are counted from; by default the least.
+    #[arg(long, value_name = "LABEL")]
+    reference: Option<String>,
+    /// Number of rates.
+    #[arg(long, value_name = "K")]
+    order: Option<usize>,
+    /// Edges of the mesh of rates, rad/s.
+    #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
+    mesh: Option<(f64, f64)>,
+    /// Number of rates of pairs whose input is not the output's own.
+    #[arg(long, value_name = "K")]
+    cross_order: Option<usize>,
+    /// Edges of the mesh of such pairs, rad/s.
+    #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
+    cross_mesh: Option<(f64, f64)>,
+    /// Ridge on columns of unit norm; 0 for plain least squares.
+    #[arg(long, value_name = "EPSILON")]
+    ridge: Option<f64>,
+    /// Which resistances may not be negative: `auto`, `all`, `none`, or pairs as INPUT:OUTPUT,….
+    #[arg(long, value_name = "PAIRS", default_value = "auto")]
+    non_negative: String,
+    /// What the record began with.
+    #[arg(long, value_enum)]
+    initial_state: Option<BeginningName>,
+    /// Whether the output may follow its input at once.
+    #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
+    feed_through: Option<bool>,
+    /// Samples by which the output answers late.
+    #[arg(long, value_name = "SAMPLES")]
+    dead_time: Option<usize>,
+    /// Print the model as one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Which columns play which part: the same for every command that takes a record.
+#[derive(clap::Args)]
+pub struct Columns {
+    /// Input columns, or elements' names; by default those between the time and the last column that change.
+    #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
+    pub input: Vec<String>,
+    /// Output columns, or elements' names; by default the last column.
+    #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
+    pub output: Vec<String>,
+    /// The column with the labels of the conditions (winds).
+    #[arg(long, value_name = "COLUMN")]
+    pub event: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum StructureName {
+    Symbol,
+    Conductance,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum BeginningName {
+    /// All states zero.
+    Rest,
+    /// As if the first row's inputs had been held for ever.
+    Settled,
+    /// Anything.
+    Free,
+}
+
+fn edges(text: &str) -> Result<(f64, f64), String> {
+    let wrong = || format!("`{text}` is no FIRST:LAST in rad/s, such as 0.006:600, ascending and above zero");
+    let (first, last) = text.split_once(':').ok_or_else(wrong)?;
+    let (first, last): (f64, f64) = (first.parse().map_err(|_| wrong())?, last.parse().map_err(|_| wrong())?);
+    if first > 0.0 && last > first && last.is_finite() { Ok((first, last)) } else { Err(wrong()) }
+}
+
+fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err("say `yes` or `no`".to_owned()),
+    }
+}
+
+impl From<IdentifyError> for Failure {
+    fn from(error: IdentifyError) -> Self {
+        Self::work(error)
+    }
+}
+
+impl Arguments {
+    fn selection(&self) -> (Selection, GasGiven) {
+        let (gas, given) = match &self.gas_temperature {
+            None => (None, GasGiven::Unknown),
+            Some(text) => match text.parse::<f64>() {
+                Ok(celsius) if celsius.is_finite() => (None, GasGiven::ConstantC(celsius)),
+                _ => (Some(text.clone()), GasGiven::Column),
+            },
+        };
+        let Columns { input, output, event } = &self.columns;
+        (Selection { inputs: input.clone(), outputs: output.clone(), event: event.clone(), gas }, given)
+    }
+
+    fn options(&self, source: &dyn Source, gas: GasGiven) -> Result<Options, Failure> {
+        if self.order == Some(0) || self.cross_order == Some(0) {
+            return Err(Failure::usage("--order must be at least 1"));
+        }
+        if self.ridge.is_some_and(|ridge| !(ridge.is_finite() && ridge >= 0.0)) {
+            return Err(Failure::usage("--ridge must be a number of at least 0"));
+        }
+        let given = Given {
+            order: self.order,
+            edges_rad_s: self.mesh,
+            ridge: self.ridge,
+            beginning: self.initial_state.map(|name| match name {
+                BeginningName::Rest => Beginning::Rest,
+                BeginningName::Settled => Beginning::Settled,
+                BeginningName::Free => Beginning::Free,
+            }),
+            feed_through: self.feed_through,
+            delay: self.dead_time,
+        };
+        let cross = (self.cross_order.is_some() || self.cross_mesh.is_some())
+            .then(|| Given { order: self.cross_order, edges_rad_s: self.cross_mesh, ..Given::default() });
+        Ok(Options {
+            structure: self.structure.map(|name| match name {
+                StructureName::Symbol => Structure::Symbol,
+                StructureName::Conductance => Structure::Conductance,
+            }),
+            given,
+            signs: self.signs(source)?,
+            cross,
+            gas,
+            reference: self.reference.clone(),
+        })
+    }
+
+    fn signs(&self, source: &dyn Source) -> Result<Signs, Failure> {
+        let survey = source.survey();
+        match self.non_negative.as_str() {
+            "auto" => Ok(Signs::Choose),
+            "all" => Ok(Signs::AllPositive),
+            "none" => Ok(Signs::Any),
+            list => {
+                let mut pairs = Vec::new();
+                for pair in list.split(',') {
+                    let found = survey.inputs.iter().enumerate().find_map(|(i, input)| {
+                        let output = pair.strip_prefix(input.as_str())?.strip_prefix(':')?;
+                        Some((i, survey.outputs.iter().position(|name| name == output)?))
+                    });
+                    let Some(found) = found else {
+                        return Err(Failure::usage(format!(
+                            "--non-negative: `{pair}` is no pair of an input ({}) and an output ({})",
+                            survey.inputs.join(", "),
+                            survey.outputs.join(", ")
+                        )));
+                    };
+                    pairs.push(found);
+                }
+                Ok(Signs::Positive(pairs))
+            }
+        }
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
+    let bar = ProgressBar::new(1);
+    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} %") {
+        bar.set_style(style);
+    }
+    move |what, done, all| {
+        bar.set_message(what);
+        bar.set_length(all.max(1));
+        bar.set_position(done);
+        if done >= all {
+            bar.set_position(0);
+        }
+    }
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let (selection, gas) = arguments.selection();
+    let mut stream = Stream::open(&arguments.record, &selection).map_err(Failure::usage)?;
+    let options = arguments.options(&stream, gas)?;
+    let model = identify(&mut stream, &options, &mut progress_bar(), &mut |_| {})?;
+    if let Some(path) = &arguments.output_file {
+        model.write(path).map_err(Failure::work)?;
+    }
+    if arguments.json {
+        return super::print_json(&model);
+    }
+    super::print(&summary(&model, &stream.survey().notes, arguments.output_file.as_deref()))
+}
+
+/// The model for people.
+fn summary(model: &Model, notes: &[String], written: Option<&std::path::Path>) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    let provenance = &model.provenance;
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: {} rows, {:.6} s apart, {:.6} s in all",
+        provenance.records.join(", "),
+        provenance.rows,
+        model.sample_period_s,
+        provenance.duration_s
+    );
+    for note in notes {
+        let _ = writeln!(text, "  {note}");
+    }
+    for pair in &model.pairs {
+        for (label, class) in &pair.classes {
+            let label = if model.classes.len() > 1 { format!(", {label}") } else { String::new() };
+            let _ = writeln!(text, "\n{} → {}{label}", pair.input, pair.output);
+            let _ = writeln!(text, "  {:>12} {:>12} {:>12} {:>11}", "rate rad/s", "tau s", "R", "± se");
+            for ((rate, resistance), se) in pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w) {
+                let _ = writeln!(text, "  {rate:>12.4e} {:>12.4e} {resistance:>12.5} {se:>11.2}", 1.0 / rate);
+            }
+            if class.feed_through_k_per_w != 0.0 {
+                let _ = writeln!(
+                    text,
+                    "  {:>12} {:>12} {:>12.5} {:>11.2}",
+                    "at once", "", class.feed_through_k_per_w, class.se_feed_through_k_per_w
+                );
+            }
+            let _ = writeln!(
+                text,
+                "  steady gain {:.5} ± {:.2}",
+                class.steady_gain_k_per_w, class.se_steady_gain_k_per_w
+            );
+        }
+    }
+    text.push('\n');
+    for output in &model.outputs {
+        let _ = write!(
+            text,
+            "{}: fit {:.2} %, residual {:.4} rms, offset {:.4} ± {:.2}",
+            output.name, output.fit_percent, output.residual_rms, output.offset_c, output.se_offset_c
+        );
+        if let Some(white) = &output.whiteness {
+            let verdict = if white.p_value >= 0.01 {
+                format!("residuals white (p = {:.2})", white.p_value)
+            } else {
+                format!("residuals coloured: true standard errors are about {:.1} times those stated", white.inflation)
+            };
+            let _ = write!(text, "; {verdict}");
+        }
+        text.push('\n');
+    }
+    if let Some(error) = &model.chosen.cross_validation {
+        let _ = writeln!(text, "held-out blocks: {:.4} ± {:.2} rms", error.value, error.se);
+    }
+    text.push_str("\nchosen:\n");
+    for reason in &model.chosen.reasons {
+        let _ = writeln!(text, "  {reason}");
+    }
+    for warning in &model.warnings {
+        let _ = writeln!(text, "\nwarning: {warning}");
+    }
+    if let Some(path) = written {
+        let _ = writeln!(text, "\nmodel written to {}", path.display());
+    }
+    text
+}

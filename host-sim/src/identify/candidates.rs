@@ -1,0 +1,183 @@
+//! The models that are tried: meshes, beginnings and priors.
+//!
+//! | family | mesh | begins | prior |
+//! |---|---|---|---|
+//! | any beginning | from ξ_T or ξ_T/2 to π/Ts, 1.5 to 3 rates a decade | free, settled or at rest | tapered |
+//! | known beginning | from ξ_T/3, 3 rates a decade | settled or at rest | tapered |
+//! | smooth | guard rates on both sides of ξ_T … π/Ts | settled or at rest | smooth |
+//!
+//! ξ_T = 2πJ/T is the thesis' lower edge. Below it, a free beginning and a slow pole explain the same drift, so that records with
+//! a free beginning are not offered meshes that reach far below. Orders or edges that the user gives replace those of the table.
+
+use dr_core::model::mesh;
+
+use super::design::Role;
+use super::prior::Prior;
+use super::problem::Term;
+
+/// How much wider than the thesis' a smooth mesh is on either side, and its rates a decade (two of them beyond each edge).
+const GUARD: f64 = 7.197;
+const SMOOTH_PER_DECADE: f64 = 7.0 / 3.0;
+/// More rates than that tell nothing apart and cost time.
+pub const MOST_RATES: usize = 40;
+
+/// What the record began with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beginning {
+    /// Nothing stored: all states zero.
+    Rest,
+    /// As if the first row's inputs had been held for ever.
+    Settled,
+    /// Anything: one more parameter a rate.
+    Free,
+}
+
+impl Beginning {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rest => "rest",
+            Self::Settled => "settled",
+            Self::Free => "free",
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    pub rates_rad_s: Vec<f64>,
+    /// ξ_1 / ξ_T
+    pub factor: f64,
+    /// Whether the prior is the smooth one.
+    pub smooth: bool,
+    /// Whether a free beginning is tried with it.
+    pub free: bool,
+}
+
+/// What the user fixed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Given {
+    pub order: Option<usize>,
+    pub edges_rad_s: Option<(f64, f64)>,
+    pub ridge: Option<f64>,
+    pub beginning: Option<Beginning>,
+    pub feed_through: Option<bool>,
+    pub delay: Option<usize>,
+}
+
+impl Given {
+    /// Whether the user knows the mesh, so that least squares is left as plain as the record allows.
+    pub fn mesh_is_fixed(&self) -> bool {
+        self.order.is_some() && self.edges_rad_s.is_some()
+    }
+}
+
+fn geometric(first: f64, last: f64, order: usize) -> Vec<f64> {
+    (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect()
+}
+
+fn order_for(first: f64, last: f64, per_decade: f64) -> usize {
+    (((last / first).log10() * per_decade).ceil() as usize + 1).clamp(2, MOST_RATES)
+}
+
+/// The meshes worth trying for a record of `duration_s` with `classes` event classes.
+pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Given) -> Vec<Mesh> {
+    let (first, last) = mesh::thesis_edges_rad_s(duration_s, sample_period_s, classes as u32);
+    let single = |first: f64, last: f64, order: usize| Mesh {
+        rates_rad_s: geometric(first, last, order),
+        factor: first / (std::f64::consts::TAU * classes as f64 / duration_s),
+        smooth: false,
+        free: true,
+    };
+    match (given.order, given.edges_rad_s) {
+        (Some(order), Some((first, last))) => vec![single(first, last, order)],
+        (None, Some((first, last))) => {
+            [1.5, 2.0, 3.0].map(|per_decade| single(first, last, order_for(first, last, per_decade))).to_vec()
+        }
+        (Some(order), None) => [1.0, 0.5].map(|factor| single(factor * first, last, order)).to_vec(),
+        (None, None) => {
+            let mut meshes = Vec::new();
+            for factor in [1.0, 0.5] {
+                for per_decade in [1.5, 2.0, 3.0] {
+                    meshes.push(single(factor * first, last, order_for(factor * first, last, per_decade)));
+                }
+            }
+            let slow = 0.3 * first;
+            meshes.push(Mesh { free: false, ..single(slow, last, order_for(slow, last, 3.0)) });
+            let (low, high) = (first / GUARD, last * GUARD);
+            meshes.push(Mesh { free: false, smooth: true, ..single(low, high, order_for(low, high, SMOOTH_PER_DECADE)) });
+            meshes
+        }
+    }
+}
+
+/// Priors to try on a mesh, from the strongest to the weakest.
+pub fn priors(mesh: &Mesh, given: &Given) -> Vec<Prior> {
+    if let Some(ridge) = given.ridge {
+        return vec![Prior::Columns(ridge)];
+    }
+    if mesh.smooth {
+        return (0..=26).map(|step| Prior::Smooth(10_f64.powf(-3.0 - 0.5 * f64::from(step)))).collect();
+    }
+    [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12].map(Prior::Tapered).to_vec()
+}
+
+/// The parameters of a design with a given beginning. `first_drives` is what drove each bank in the first row.
+pub fn terms(roles: &[Role], beginning: Beginning, feed_through: bool, first_drives: &[f64]) -> Vec<Term> {
+    let initial = |rate: f64| {
+        roles.iter().position(|role| matches!(role, Role::Initial { rate_rad_s } if *rate_rad_s == rate))
+    };
+    let mut terms = Vec::new();
+    for (column, &role) in roles.iter().enumerate() {
+        let mut of = vec![(column, 1.0)];
+        match role {
+            Role::Relaxation { bank, rate_rad_s, .. } => {
+                // Settled at u: x(0) = u, which adds u e^(−ξt) to what starts at zero.
+                if beginning == Beginning::Settled && first_drives[bank] != 0.0 {
+                    of.extend(initial(rate_rad_s).map(|column| (column, first_drives[bank])));
+                }
+            }
+            Role::FeedThrough { .. } if !feed_through => continue,
+            Role::Initial { .. } if beginning != Beginning::Free => continue,
+            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset => {}
+        }
+        terms.push(Term { of, role });
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smooth_mesh_has_two_guards_a_side_of_the_thesis_edges() {
+        let meshes = meshes(1000.0, 5e-4, 1, &Given::default());
+        let smooth = meshes.iter().find(|mesh| mesh.smooth).unwrap();
+        assert_eq!(smooth.rates_rad_s.len(), 19);
+        let (first, last) = mesh::thesis_edges_rad_s(1000.0, 5e-4, 1);
+        assert_eq!(smooth.rates_rad_s.iter().filter(|&&rate| rate < first * 0.999).count(), 2);
+        assert_eq!(smooth.rates_rad_s.iter().filter(|&&rate| rate > last * 1.001).count(), 2);
+    }
+
+    #[test]
+    fn what_the_user_gives_is_the_only_mesh() {
+        let given = Given { order: Some(8), edges_rad_s: Some((0.1, 10.0)), ..Given::default() };
+        let meshes = meshes(1000.0, 0.1, 1, &given);
+        assert_eq!(meshes.len(), 1);
+        assert_eq!((meshes[0].rates_rad_s.len(), meshes[0].rates_rad_s[0], meshes[0].rates_rad_s[7]), (8, 0.1, 10.0));
+    }
+
+    #[test]
+    fn a_settled_beginning_is_its_own_initial_decay() {
+        let roles = [
+            Role::Relaxation { bank: 0, k: 0, rate_rad_s: 2.0 },
+            Role::Initial { rate_rad_s: 2.0 },
+            Role::Offset,
+        ];
+        let settled = terms(&roles, Beginning::Settled, false, &[3.0]);
+        assert_eq!(settled.len(), 2);
+        assert_eq!(settled[0].of, vec![(0, 1.0), (1, 3.0)]);
+        assert_eq!(terms(&roles, Beginning::Rest, false, &[3.0])[0].of, vec![(0, 1.0)]);
+        assert_eq!(terms(&roles, Beginning::Free, false, &[3.0]).len(), 3);
+    }
+}

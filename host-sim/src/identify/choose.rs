@@ -1,0 +1,197 @@
+//! Choosing for the user: every candidate scored by block cross-validation, the best one taken, and the reasons kept.
+//!
+//! Candidates are ordered from the most to the least cautious (higher edge, known beginning, stronger prior). The first one whose
+//! mean squared error is within 2 % of the best is taken: less than that is chance. Then the signs: if holding all resistances at or
+//! above zero costs no more than 5 % of the error, physics is kept; else those of an element's own heat alone; else none.
+
+use nalgebra::DMatrix;
+
+use super::candidates::{Beginning, Given, Mesh, priors, terms};
+use super::design::{Design, Role};
+use super::folds::{Score, score};
+use super::gram::Gram;
+use super::prior::{Prior, Scales};
+use super::problem::{Problem, Solution, Term};
+
+/// A candidate of one mesh, taken or not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    pub mesh: usize,
+    pub beginning: Beginning,
+    pub feed_through: bool,
+    pub prior: Prior,
+    pub score: Score,
+}
+
+/// What one output's model was decided to be.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    pub trial: Trial,
+    pub terms: Vec<Term>,
+    pub penalty: DMatrix<f64>,
+    /// For every term, whether it is held at or above zero.
+    pub positive: Option<Vec<bool>>,
+    pub solution: Solution,
+    pub rivals: Vec<Trial>,
+    pub sign_reason: String,
+}
+
+/// Which resistances may not be negative.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Signs {
+    /// Whatever cross-validation does not speak against.
+    #[default]
+    Choose,
+    Any,
+    /// Those of the banks of these inputs (by pair: input and output).
+    Positive(Vec<(usize, usize)>),
+    AllPositive,
+}
+
+/// Everything that a choice is made from.
+pub struct Field<'a> {
+    pub meshes: &'a [Mesh],
+    pub designs: &'a [Design],
+    /// By design: the folds of one reading.
+    pub folds: &'a [Vec<Gram>],
+    pub scales: &'a Scales,
+    /// What drove each bank in the first row, and which input it belongs to.
+    pub first_drives: &'a [f64],
+    pub bank_input: &'a [usize],
+    pub outputs: usize,
+    /// Banks that this output sees.
+    pub sees: &'a dyn Fn(usize) -> bool,
+    /// Whether feed-through columns are in the designs, and may be left out.
+    pub feed_through: &'a [bool],
+}
+
+impl Field<'_> {
+    fn terms(&self, mesh: usize, beginning: Beginning, feed_through: bool) -> Vec<Term> {
+        let all = terms(&self.designs[mesh].roles(), beginning, feed_through, self.first_drives);
+        let seen = |term: &Term| match term.role {
+            Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => (self.sees)(bank),
+            Role::Initial { .. } | Role::Offset => true,
+        };
+        all.into_iter().filter(seen).collect()
+    }
+
+    fn beginnings(&self, given: &Given) -> Vec<Beginning> {
+        if let Some(beginning) = given.beginning {
+            return vec![beginning];
+        }
+        let mut beginnings = vec![Beginning::Rest];
+        if self.first_drives.iter().any(|&drive| drive != 0.0) {
+            beginnings.push(Beginning::Settled);
+        }
+        beginnings.push(Beginning::Free);
+        beginnings
+    }
+
+    /// The choice for one output.
+    pub fn choose(&self, given: &Given, signs: &Signs, output: usize) -> Choice {
+        let mut trials = Vec::new();
+        let tried = |trials: &mut Vec<Trial>, index: usize, beginning| {
+            for &feed_through in self.feed_through {
+                self.try_priors(trials, index, beginning, feed_through, given, output);
+            }
+        };
+        for (index, mesh) in self.meshes.iter().enumerate().filter(|(_, mesh)| mesh.free) {
+            for beginning in self.beginnings(given) {
+                tried(&mut trials, index, beginning);
+            }
+        }
+        // Only a beginning that is known lets poles far slower than the record be told from drift.
+        let beginning = best(&trials).beginning;
+        if beginning != Beginning::Free {
+            for index in (0..self.meshes.len()).filter(|&index| !self.meshes[index].free) {
+                tried(&mut trials, index, beginning);
+            }
+        }
+        let taken = best(&trials).clone();
+        if std::env::var_os("ANEMO_TRACE").is_some() { let mut t=trials.clone(); t.sort_by(|a,b| a.score.overall().total_cmp(&b.score.overall())); for t in t.iter().take(25) { eprintln!("{} f {:.2} {:?} feed {} {:?} single {:.4e} double {:.4e} ahead {:.4e} begin {:.4e}", self.meshes[t.mesh].rates_rad_s.len(), self.meshes[t.mesh].factor, t.beginning, t.feed_through, t.prior, t.score.mean_single(), t.score.double, t.score.ahead, t.score.begin); } }
+        self.settle(taken, trials, signs, output)
+    }
+
+    fn try_priors(
+        &self,
+        trials: &mut Vec<Trial>,
+        index: usize,
+        beginning: Beginning,
+        feed_through: bool,
+        given: &Given,
+        output: usize,
+    ) {
+        let mesh = &self.meshes[index];
+        let terms = self.terms(index, beginning, feed_through);
+        let folds = self.problems(index, &terms, output);
+        let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| sum.plus(fold));
+        let of = |prior| self.scales.penalty(prior, &terms, &total);
+        let mut candidates = priors(mesh, given);
+        if mesh.smooth {
+            // Strength by generalised cross-validation: where the beginning is known and the mesh is guarded, the noise is what is left.
+            let gcv = |prior: &Prior| {
+                let solution = total.solve(&of(*prior), None);
+                solution.rss.ln() - 2.0 * (1.0 - solution.degrees / total.rows).max(1e-12).ln()
+            };
+            let strength = candidates.iter().copied().min_by(|a, b| gcv(a).total_cmp(&gcv(b)));
+            candidates = strength.into_iter().collect();
+        }
+        for prior in candidates {
+            let score = score(&folds, &total, &of(prior), None);
+            trials.push(Trial { mesh: index, beginning, feed_through, prior, score });
+        }
+    }
+
+    fn problems(&self, mesh: usize, terms: &[Term], output: usize) -> Vec<Problem> {
+        self.folds[mesh].iter().map(|fold| Problem::of(fold, terms, self.outputs, output)).collect()
+    }
+
+    fn settle(&self, trial: Trial, rivals: Vec<Trial>, signs: &Signs, output: usize) -> Choice {
+        let terms = self.terms(trial.mesh, trial.beginning, trial.feed_through);
+        let folds = self.problems(trial.mesh, &terms, output);
+        let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| sum.plus(fold));
+        let penalty = self.scales.penalty(trial.prior, &terms, &total);
+        let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
+            let of = |term: &Term| match term.role {
+                Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => held(self.bank_input[bank]),
+                Role::Initial { .. } | Role::Offset => false,
+            };
+            terms.iter().map(of).collect()
+        };
+        let (positive, sign_reason) = match signs {
+            Signs::Any => (None, "signs: any, as asked for".to_owned()),
+            Signs::AllPositive => (Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
+            Signs::Positive(pairs) => {
+                let held = |input| pairs.contains(&(input, output));
+                (Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned())
+            }
+            Signs::Choose => {
+                let free = score(&folds, &total, &penalty, None).overall();
+                let price = |held: &Vec<bool>| score(&folds, &total, &penalty, Some(held)).overall() / free.max(1e-300);
+                let all = mask(&|_| true);
+                let own = mask(&|input| input == output);
+                let price_of_all = price(&all);
+                if price_of_all <= 1.05 {
+                    (Some(all), format!("signs: none negative (held-out error {})", change(price_of_all)))
+                } else if own.contains(&true) && own != all && price(&own) <= 1.05 {
+                    (Some(own), "signs: own heat none negative, cross-heating any".to_owned())
+                } else {
+                    (None, format!("signs: any (none negative: held-out error {})", change(price_of_all)))
+                }
+            }
+        };
+        let solution = total.solve(&penalty, positive.as_deref());
+        Choice { trial, terms, penalty, positive, solution, rivals, sign_reason }
+    }
+}
+
+/// The first trial that is as good as the best but for chance.
+fn best(trials: &[Trial]) -> &Trial {
+    let least = trials.iter().map(|trial| trial.score.overall()).fold(f64::INFINITY, f64::min);
+    trials.iter().find(|trial| trial.score.overall() <= 1.02 * least).unwrap_or(&trials[0])
+}
+
+/// A ratio of mean squared errors as a change of the root in percent.
+pub fn change(ratio: f64) -> String {
+    format!("{:+.1} %", 100.0 * (ratio.sqrt() - 1.0))
+}

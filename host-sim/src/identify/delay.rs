@@ -1,0 +1,116 @@
+//! Dead time and direct paths, from the record's first rows: both are matters of a few samples, so a stretch shows them.
+//!
+//! Every delay of a short list is tried, with and without a feed-through column, on one middling mesh with a free beginning. The
+//! plainest (neither) is kept unless cross-validation finds another better by more than chance: by more than 5 % of the mean squared
+//! error, and by more than the standard error of the folds' paired differences.
+
+use super::candidates::{Beginning, Given, terms};
+use super::design::{Bank, Design, Drive};
+use super::folds::{FOLDS, Score, score};
+use super::pass::{GasSource, pass};
+use super::prior::{Prior, Scales};
+use super::problem::Problem;
+use super::record::{RecordError, Source};
+
+/// Rows that are looked at.
+const WINDOW: u64 = 40_000;
+/// Delays, in samples, that are tried at first; then those around the best.
+const DELAYS: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48];
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    pub delay: usize,
+    pub feed_through: bool,
+    pub reason: String,
+}
+
+/// Finds delay and feed-through common to all inputs, judged by the outputs together.
+pub fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<Path, RecordError> {
+    let survey = source.survey();
+    let rows = survey.rows.min(WINDOW);
+    let (outputs, period_s) = (survey.outputs.len(), survey.sample_period_s);
+    let (first, last) = dr_core::model::mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
+    let first = first / 2.0;
+    let order = (((last / first).log10() * 2.0).ceil() as usize + 1).clamp(2, 20);
+    let rates: Vec<f64> = (0..order).map(|k| dr_core::model::mesh::rate_rad_s(first, last, k, order)).collect();
+    let longest = (rows / 20) as usize;
+    let wanted = |delay: &usize| *delay <= longest && given.delay.is_none_or(|given| given == *delay);
+    let mut delays: Vec<usize> = DELAYS.into_iter().filter(wanted).collect();
+    delays.extend(given.delay.filter(|delay| !DELAYS.contains(delay)));
+    let mut found: Vec<(usize, bool, Vec<Score>)> = Vec::new();
+    for round in 0..2 {
+        if round == 1 {
+            let Some(best) = found.iter().min_by(|a, b| apart(&a.2).total_cmp(&apart(&b.2))) else { break };
+            let around = best.0.saturating_sub(3)..=best.0 + 3;
+            delays = around.filter(|delay| wanted(delay) && !found.iter().any(|tried| tried.0 == *delay)).collect();
+        }
+        let design = |&delay: &usize| Design {
+            banks: drives
+                .iter()
+                .map(|&drive| Bank { drive, rates_rad_s: rates.clone(), delay, feed_through: true })
+                .collect(),
+            initial_rad_s: rates.clone(),
+            outputs,
+        };
+        let designs: Vec<Design> = delays.iter().map(design).collect();
+        let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
+        let input_of = |drive: &Drive| match drive {
+            Drive::Input(input) | Drive::Gated { input, .. } => *input,
+            Drive::Loss { .. } | Drive::Gate { .. } => 0,
+        };
+        let scales = Scales {
+            drive: drives.iter().map(|drive| passed.facts.input_sd(input_of(drive)).max(f64::MIN_POSITIVE)).collect(),
+            thesis_rad_s: 2.0 * first,
+        };
+        for ((delay, design), folds) in delays.iter().zip(&designs).zip(&passed.folds) {
+            for feed_through in [false, true] {
+                if given.feed_through.is_some_and(|given| given != feed_through) {
+                    continue;
+                }
+                let terms = terms(&design.roles(), Beginning::Free, feed_through, &vec![0.0; drives.len()]);
+                let scores = (0..outputs).map(|output| {
+                    let folds: Vec<Problem> =
+                        folds.iter().map(|fold| Problem::of(fold, &terms, outputs, output)).collect();
+                    let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| sum.plus(fold));
+                    score(&folds, &total, &scales.penalty(Prior::Tapered(1e-6), &terms, &total), None)
+                });
+                found.push((*delay, feed_through, scores.collect()));
+            }
+        }
+    }
+    source.restart()?;
+    let plain = &found[0];
+    let best = found.iter().min_by(|a, b| apart(&a.2).total_cmp(&apart(&b.2))).unwrap_or(plain);
+    let gain = apart(&best.2) / apart(&plain.2).max(1e-300);
+    let taken = if gain < 0.95 && beats(&plain.2, &best.2) { best } else { plain };
+    let reason = format!(
+        "dead time {} samples, {} feed-through{}",
+        taken.0,
+        if taken.1 { "with" } else { "no" },
+        if taken.0 == plain.0 && taken.1 == plain.1 {
+            String::from(": nothing else is better by more than chance")
+        } else {
+            format!(": held-out error {} against neither", super::choose::change(gain))
+        }
+    );
+    Ok(Path { delay: taken.0, feed_through: taken.1, reason })
+}
+
+/// How well single folds are bridged: a few samples do not show in how a model carries on. Outputs may have different units: each counts by its logarithm.
+fn apart(scores: &[Score]) -> f64 {
+    (scores.iter().map(|score| score.mean_single().max(1e-300).ln()).sum::<f64>() / scores.len() as f64).exp()
+}
+
+/// Whether the folds agree that the second is better.
+fn beats(plain: &[Score], other: &[Score]) -> bool {
+    let differences: Vec<f64> = plain
+        .iter()
+        .zip(other)
+        .flat_map(|(plain, other)| plain.single.iter().zip(&other.single))
+        .map(|(plain, other)| (plain.max(1e-300) / other.max(1e-300)).ln())
+        .collect();
+    let n = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / n;
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    mean > (variance / n).sqrt()
+}

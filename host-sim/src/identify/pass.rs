@@ -1,0 +1,196 @@
+//! One reading of a record: the normal equations of several designs, and the plain facts that checks and priors need.
+
+use super::design::Design;
+use super::gram::{Accumulator, Gram};
+use super::record::{Block, RecordError, Source};
+use super::rows::Sample;
+
+/// Sums over inputs and outputs, in one class and in all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Facts {
+    pub rows: u64,
+    pub first_inputs: Vec<f64>,
+    pub first_class: usize,
+    /// Least and greatest value of every input.
+    pub input_range: Vec<[f64; 2]>,
+    pub output_range: Vec<[f64; 2]>,
+    /// The value from which `output_sum` and `output_squares` are counted: the first row's.
+    pub output_first: Vec<f64>,
+    output_sum: Vec<f64>,
+    output_squares: Vec<f64>,
+    /// By class: rows, and by input Σ(u − u_0) and Σ(u − u_0)².
+    pub class_rows: Vec<u64>,
+    class_sum: Vec<Vec<f64>>,
+    class_squares: Vec<Vec<f64>>,
+    /// Σ(u_i − u_i0)(u_j − u_j0)
+    products: Vec<Vec<f64>>,
+}
+
+impl Facts {
+    fn new(inputs: usize, outputs: usize) -> Self {
+        Self {
+            rows: 0,
+            first_inputs: Vec::new(),
+            first_class: 0,
+            input_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; inputs],
+            output_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; outputs],
+            output_first: Vec::new(),
+            output_sum: vec![0.0; outputs],
+            output_squares: vec![0.0; outputs],
+            class_rows: Vec::new(),
+            class_sum: Vec::new(),
+            class_squares: Vec::new(),
+            products: vec![vec![0.0; inputs]; inputs],
+        }
+    }
+
+    fn add(&mut self, block: &Block) {
+        if self.rows == 0 {
+            self.first_inputs = block.inputs.iter().map(|values| values[0]).collect();
+            self.output_first = block.outputs.iter().map(|values| values[0]).collect();
+            self.first_class = block.class[0] as usize;
+        }
+        self.rows += block.len() as u64;
+        for (range, values) in self.input_range.iter_mut().zip(&block.inputs) {
+            widen(range, values);
+        }
+        for (output, values) in block.outputs.iter().enumerate() {
+            widen(&mut self.output_range[output], values);
+            let from = self.output_first[output];
+            self.output_sum[output] += values.iter().map(|y| y - from).sum::<f64>();
+            self.output_squares[output] += values.iter().map(|y| (y - from).powi(2)).sum::<f64>();
+        }
+        let classes = block.class.iter().max().map_or(0, |&class| class as usize + 1);
+        let inputs = block.inputs.len();
+        while self.class_rows.len() < classes {
+            self.class_rows.push(0);
+            self.class_sum.push(vec![0.0; inputs]);
+            self.class_squares.push(vec![0.0; inputs]);
+        }
+        for (row, &class) in block.class.iter().enumerate() {
+            let class = class as usize;
+            self.class_rows[class] += 1;
+            for input in 0..inputs {
+                let moved = block.inputs[input][row] - self.first_inputs[input];
+                self.class_sum[class][input] += moved;
+                self.class_squares[class][input] += moved * moved;
+            }
+        }
+        for i in 0..inputs {
+            for j in 0..i {
+                let pairs = block.inputs[i].iter().zip(&block.inputs[j]);
+                self.products[i][j] +=
+                    pairs.map(|(a, b)| (a - self.first_inputs[i]) * (b - self.first_inputs[j])).sum::<f64>();
+            }
+        }
+    }
+
+    /// Standard deviation of an input over the whole record.
+    pub fn input_sd(&self, input: usize) -> f64 {
+        let (sum, squares) = self.input_sums(input);
+        deviation(sum, squares, self.rows)
+    }
+
+    /// Standard deviation of an input in the rows of a class.
+    pub fn class_input_sd(&self, class: usize, input: usize) -> f64 {
+        deviation(self.class_sum[class][input], self.class_squares[class][input], self.class_rows[class])
+    }
+
+    pub fn output_sd(&self, output: usize) -> f64 {
+        deviation(self.output_sum[output], self.output_squares[output], self.rows)
+    }
+
+    /// Correlation of two inputs.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.max(j), i.min(j));
+        let n = self.rows as f64;
+        let covariance = self.products[i][j] / n - self.input_sums(i).0 * self.input_sums(j).0 / (n * n);
+        covariance / (self.input_sd(i) * self.input_sd(j)).max(f64::MIN_POSITIVE)
+    }
+
+    fn input_sums(&self, input: usize) -> (f64, f64) {
+        let sum = self.class_sum.iter().map(|of| of[input]).sum();
+        (sum, self.class_squares.iter().map(|of| of[input]).sum())
+    }
+}
+
+fn widen(range: &mut [f64; 2], values: &[f64]) {
+    for &value in values {
+        range[0] = range[0].min(value);
+        range[1] = range[1].max(value);
+    }
+}
+
+fn deviation(sum: f64, squares: f64, rows: u64) -> f64 {
+    let n = (rows as f64).max(1.0);
+    (squares / n - (sum / n).powi(2)).max(0.0).sqrt()
+}
+
+/// What a reading gives.
+pub struct Passed {
+    /// By design: the folds.
+    pub folds: Vec<Vec<Gram>>,
+    pub facts: Facts,
+    /// Subtracted from the outputs before they entered the sums.
+    pub output_shift: Vec<f64>,
+}
+
+/// How a gas temperature comes to a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GasSource {
+    /// The same all through; 0 where nothing needs one.
+    Constant(f64),
+    Column,
+}
+
+/// Reads the record once. `rows` at most are taken; `progress` hears of every block.
+pub fn pass(
+    source: &mut dyn Source,
+    designs: &[Design],
+    folds: usize,
+    gas: GasSource,
+    rows: u64,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Passed, RecordError> {
+    source.restart()?;
+    let survey = source.survey();
+    let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
+    let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));
+    let mut facts = Facts::new(inputs, outputs);
+    let mut accumulators = Vec::new();
+    let mut output_shift = Vec::new();
+    let (mut input_row, mut output_row) = (vec![0.0; inputs], vec![0.0; outputs]);
+    while let Some(block) = source.next_block()? {
+        if accumulators.is_empty() {
+            output_shift = block.outputs.iter().map(|values| mean(values)).collect();
+            let of = |design| Accumulator::new(design, sample_period_s, expected, folds, &output_shift);
+            accumulators = designs.iter().map(of).collect();
+        }
+        facts.add(block);
+        for accumulator in &mut accumulators {
+            for row in 0..block.len() {
+                for (value, column) in input_row.iter_mut().zip(&block.inputs) {
+                    *value = column[row];
+                }
+                for (value, column) in output_row.iter_mut().zip(&block.outputs) {
+                    *value = column[row];
+                }
+                let gas_c = match gas {
+                    GasSource::Constant(gas_c) => gas_c,
+                    GasSource::Column => block.gas[row],
+                };
+                let class = block.class[row] as usize;
+                accumulator.push(Sample { inputs: &input_row, outputs: &output_row, class, gas_c });
+            }
+        }
+        progress(facts.rows);
+        if facts.rows >= rows {
+            break;
+        }
+    }
+    Ok(Passed { folds: accumulators.into_iter().map(Accumulator::finish).collect(), facts, output_shift })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}

@@ -1,0 +1,191 @@
+//! What a model leaves of a record, row by row: a second reading, in bounded memory.
+//!
+//! ```text
+//! ρ_l = Σ e_n e_{n+l} / Σ e_n²,    Q = N (N + 2) Σ_l ρ_l² / (N − l)        (Ljung and Box 1978, Biometrika 65, 297)
+//! ```
+//!
+//! White residuals have ρ within ±1.96/√N at nineteen lags of twenty, and Q follows χ² with as many degrees of freedom as lags.
+
+use std::collections::VecDeque;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::design::Design;
+use super::pass::GasSource;
+use super::record::{RecordError, Source};
+use super::rows::{Rows, Sample};
+use crate::model::Whiteness;
+
+/// Lags of the autocorrelation.
+pub const LAGS: usize = 40;
+
+/// A row as it is seen by whoever draws or writes residuals.
+pub struct Seen<'a> {
+    pub row: u64,
+    pub class: usize,
+    pub measured: &'a [f64],
+    pub predicted: &'a [f64],
+}
+
+/// Sums over the residuals of one output.
+#[derive(Debug, Clone, Default)]
+pub struct Residuals {
+    count: u64,
+    squares: f64,
+    products: Vec<f64>,
+    last: VecDeque<f64>,
+    first_y: f64,
+    y_sum: f64,
+    y_squares: f64,
+}
+
+impl Residuals {
+    pub fn push(&mut self, measured: f64, predicted: f64) {
+        let residual = measured - predicted;
+        if self.count == 0 {
+            self.products = vec![0.0; LAGS];
+            self.first_y = measured;
+        }
+        self.count += 1;
+        self.squares += residual * residual;
+        let moved = measured - self.first_y;
+        self.y_sum += moved;
+        self.y_squares += moved * moved;
+        for (product, before) in self.products.iter_mut().zip(&self.last) {
+            *product += residual * before;
+        }
+        self.last.push_front(residual);
+        self.last.truncate(LAGS);
+    }
+
+    pub fn rms(&self) -> f64 {
+        (self.squares / (self.count as f64).max(1.0)).sqrt()
+    }
+
+    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its mean.
+    pub fn fit_percent(&self) -> f64 {
+        let n = (self.count as f64).max(1.0);
+        let spread = self.y_squares - self.y_sum * self.y_sum / n;
+        if spread > 0.0 { 100.0 * (1.0 - (self.squares / spread).sqrt()) } else { 0.0 }
+    }
+
+    /// `None` for fewer rows than lags would need, or residuals that are all zero.
+    pub fn whiteness(&self) -> Option<Whiteness> {
+        let n = self.count as f64;
+        if self.count < 4 * LAGS as u64 || self.squares <= 0.0 {
+            return None;
+        }
+        let autocorrelation: Vec<f64> = self.products.iter().map(|product| product / self.squares).collect();
+        let terms = autocorrelation.iter().enumerate().map(|(lag, rho)| rho * rho / (n - (lag + 1) as f64));
+        let q = n * (n + 2.0) * terms.sum::<f64>();
+        let p_value = ChiSquared::new(LAGS as f64).map_or(f64::NAN, |law| law.sf(q));
+        // Up to the first lag at which the correlation is lost in chance.
+        let chance = 1.96 / n.sqrt();
+        let sum: f64 = autocorrelation.iter().take_while(|rho| **rho > chance).sum();
+        Some(Whiteness { autocorrelation, q, p_value, inflation: (1.0 + 2.0 * sum).sqrt() })
+    }
+}
+
+/// An output's model in the columns of a design.
+pub struct Fitted {
+    pub output: usize,
+    pub theta: Vec<f64>,
+    pub shift: f64,
+}
+
+/// Residuals of every output, and the state behind the last row.
+pub struct Looked {
+    pub residuals: Vec<Residuals>,
+    /// By output: what each column's state amounts to after the last row, K.
+    pub end: Vec<Vec<f64>>,
+    pub next_time_s: f64,
+    /// The last inputs and their classes, oldest first, as many as the longest delay.
+    pub pending: Vec<(Vec<f64>, usize)>,
+    pub rows: u64,
+}
+
+/// Reads the record again. All outputs share one design. `seen` hears of every row.
+pub fn look(
+    source: &mut dyn Source,
+    design: &Design,
+    gas: GasSource,
+    fitted: &[Fitted],
+    seen: &mut dyn FnMut(&Seen<'_>),
+) -> Result<Looked, RecordError> {
+    source.restart()?;
+    let survey = source.survey();
+    let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
+    let mut rows = Rows::new(design, period_s);
+    let width = rows.width();
+    let mut row = vec![0.0; width];
+    let mut residuals = vec![Residuals::default(); outputs];
+    let (mut input_row, mut output_row, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
+    let (mut count, mut next_time_s) = (0, 0.0);
+    let longest = design.longest_delay();
+    let mut pending = VecDeque::with_capacity(longest + 1);
+    while let Some(block) = source.next_block()? {
+        for at in 0..block.len() {
+            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
+                *value = column[at];
+            }
+            for (value, column) in output_row.iter_mut().zip(&block.outputs) {
+                *value = column[at];
+            }
+            let gas_c = match gas {
+                GasSource::Constant(gas_c) => gas_c,
+                GasSource::Column => block.gas[at],
+            };
+            let class = block.class[at] as usize;
+            rows.row(Sample { inputs: &input_row, outputs: &output_row, class, gas_c }, &mut row);
+            for fitted in fitted {
+                let explained: f64 = row.iter().zip(&fitted.theta).map(|(column, theta)| column * theta).sum();
+                predicted[fitted.output] = explained + fitted.shift;
+                residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+            }
+            if longest > 0 {
+                pending.push_back((input_row.clone(), class));
+                if pending.len() > longest {
+                    pending.pop_front();
+                }
+            }
+            seen(&Seen { row: count, class, measured: &output_row, predicted: &predicted });
+            count += 1;
+        }
+        next_time_s = block.time_s.1 + period_s;
+    }
+    source.restart()?;
+    let states = rows.states();
+    let end = fitted
+        .iter()
+        .map(|fitted| states.iter().zip(&fitted.theta).map(|(state, theta)| state * theta).collect())
+        .collect();
+    Ok(Looked { residuals, end, next_time_s, pending: pending.into(), rows: count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_that_remember_are_told_from_white_ones() {
+        let mut seed = 7_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let (mut white, mut coloured, mut slow) = (Residuals::default(), Residuals::default(), 0.0);
+        for _ in 0..20_000 {
+            let new = noise();
+            slow = 0.8 * slow + new;
+            white.push(new, 0.0);
+            coloured.push(slow, 0.0);
+        }
+        let (white, coloured) = (white.whiteness().unwrap(), coloured.whiteness().unwrap());
+        assert!(white.p_value > 0.001 && (white.inflation - 1.0).abs() < 0.1, "{white:?}");
+        assert!(coloured.p_value < 1e-9);
+        // ρ_l = 0.8^l, and 20 000 samples know it to 2 %
+        assert!((coloured.autocorrelation[0] - 0.8).abs() < 0.02);
+        // √(1 + 2·0.8/0.2) = 3, the sum cut where chance begins
+        assert!((coloured.inflation - 3.0).abs() < 0.3, "{}", coloured.inflation);
+    }
+}

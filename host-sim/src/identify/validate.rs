@@ -1,0 +1,248 @@
+//! How well a model predicts a record that it has not seen.
+//!
+//! The model runs forward over the record's inputs. What it cannot know is taken from the record's outputs first: the offset, which
+//! belongs to the day, and what was stored before the first row, as one decay a rate with a prior as wide as the inputs ever moved
+//! the model, c_k ~ N(0, (R_k · range of u)²). Or, if the record goes on where the identified one ended, the model goes on as well,
+//! and nothing is taken from the outputs.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::problem::Problem;
+use super::record::{RecordError, Source};
+use super::residuals::Residuals;
+use crate::model::{Forward, Gas, Model, Whiteness};
+
+/// What the model starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Offset and stored heat are estimated from the record.
+    Estimate,
+    /// Where the identified record ended.
+    Continue,
+    /// All states zero and the model's own offset.
+    Rest,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validated {
+    pub outputs: Vec<Scored>,
+    pub rows: u64,
+    pub start: Start,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scored {
+    pub name: String,
+    pub rmse: f64,
+    pub fit_percent: f64,
+    pub offset_c: f64,
+    pub whiteness: Option<Whiteness>,
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum ValidateError {
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error("{}: {sentence}", record.display())]
+    Unfit { record: std::path::PathBuf, sentence: String },
+}
+
+/// Rows of measured and predicted outputs, for whoever draws them.
+pub type Sight<'a> = dyn FnMut(&super::residuals::Seen<'_>) + 'a;
+
+/// Predicts the record. Its inputs and outputs are the model's, in order.
+pub fn validate(
+    model: &Model,
+    source: &mut dyn Source,
+    start: Start,
+    sight: &mut Sight<'_>,
+) -> Result<Validated, ValidateError> {
+    let unfit = |source: &dyn Source, sentence: String| ValidateError::Unfit {
+        record: source.survey().path.clone(),
+        sentence,
+    };
+    let survey = source.survey().clone();
+    if survey.inputs.len() != model.inputs.len() || survey.outputs.len() != model.outputs.len() {
+        let sentence = format!(
+            "has {} inputs and {} outputs where the model has {} and {}: name them with --input and --output, in the model's order",
+            survey.inputs.len(),
+            survey.outputs.len(),
+            model.inputs.len(),
+            model.outputs.len()
+        );
+        return Err(unfit(source, sentence));
+    }
+    let mut forward = Forward::at_rest(model, survey.sample_period_s);
+    let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
+    match start {
+        Start::Rest => {}
+        Start::Continue => {
+            let gap_s = model.end.as_ref().map(|end| survey.first_time_s - end.next_time_s);
+            match (&model.end, gap_s) {
+                (Some(end), Some(gap_s)) if gap_s.abs() < 0.5 * survey.sample_period_s => {
+                    forward = Forward::going_on(model, end);
+                }
+                _ => {
+                    let when = model.end.as_ref().map_or(f64::NAN, |end| end.next_time_s);
+                    let sentence = format!(
+                        "begins at {} s, but the identified record goes on at {when} s: only the row that follows it can be continued",
+                        survey.first_time_s
+                    );
+                    return Err(unfit(source, sentence));
+                }
+            }
+        }
+        Start::Estimate => {
+            let mut decays = vec![Vec::new(); model.outputs.len()];
+            // Once for linear models; wind takes heat by the predicted temperature, which the decays change, so it goes around.
+            let rounds = if model.wind.is_some() { 4 } else { 1 };
+            for _ in 0..rounds {
+                estimate(model, source, &mut forward, &mut decays, &mut offsets)?;
+                forward = Forward::at_rest(model, survey.sample_period_s);
+                for (output, decays) in decays.iter().enumerate() {
+                    forward.set_offset(output, offsets[output]);
+                    forward.add_decays(output, decays, survey.sample_period_s);
+                }
+            }
+        }
+    }
+    let mut residuals = vec![Residuals::default(); model.outputs.len()];
+    run(model, source, &mut forward, &mut |seen| {
+        for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
+            residuals.push(*measured, *predicted);
+        }
+        sight(seen);
+    })?;
+    let outputs = model.outputs.iter().zip(&residuals).zip(&offsets).map(|((output, residuals), &offset_c)| Scored {
+        name: output.name.clone(),
+        rmse: residuals.rms(),
+        fit_percent: residuals.fit_percent(),
+        offset_c,
+        whiteness: residuals.whiteness(),
+    });
+    Ok(Validated { outputs: outputs.collect(), rows: survey.rows, start })
+}
+
+/// Adds to decays and offsets what the present prediction leaves.
+fn estimate(
+    model: &Model,
+    source: &mut dyn Source,
+    forward: &mut Forward,
+    decays: &mut [Vec<(f64, f64)>],
+    offsets: &mut [f64],
+) -> Result<(), ValidateError> {
+    let period_s = source.survey().sample_period_s;
+    let widths: Vec<Vec<(f64, f64)>> = (0..model.outputs.len()).map(|output| prior_widths(model, output)).collect();
+    let mut columns: Vec<Vec<f64>> = widths.iter().map(|rates| vec![1.0; rates.len() + 1]).collect();
+    let factors: Vec<Vec<f64>> = widths
+        .iter()
+        .map(|rates| rates.iter().map(|(rate, _)| 1.0 - dr_core::model::mesh::gain(*rate, period_s)).collect())
+        .collect();
+    let empty = |count: usize| Problem { g: DMatrix::zeros(count, count), b: DVector::zeros(count), yy: 0.0, rows: 0.0 };
+    let mut problems: Vec<Problem> = columns.iter().map(|columns| empty(columns.len())).collect();
+    run(model, source, forward, &mut |seen| {
+        for (output, problem) in problems.iter_mut().enumerate() {
+            let rest = seen.measured[output] - seen.predicted[output];
+            let column = &mut columns[output];
+            for (i, &left) in column.iter().enumerate() {
+                problem.b[i] += left * rest;
+                for (j, right) in column.iter().enumerate().take(i + 1) {
+                    problem.g[(i, j)] += left * right;
+                }
+            }
+            problem.yy += rest * rest;
+            problem.rows += 1.0;
+            for (value, factor) in column.iter_mut().zip(&factors[output]) {
+                *value *= factor;
+            }
+        }
+    })?;
+    for (output, problem) in problems.iter_mut().enumerate() {
+        problem.g.fill_upper_triangle_with_lower_triangle();
+        let variance = model.outputs[output].residual_rms.powi(2);
+        let mut penalty = DMatrix::zeros(problem.b.len(), problem.b.len());
+        for (i, (_, width)) in widths[output].iter().enumerate() {
+            penalty[(i, i)] = variance / (width * width).max(f64::MIN_POSITIVE);
+        }
+        let theta = problem.estimate(&penalty, None);
+        offsets[output] += theta[widths[output].len()];
+        for (i, &(rate, _)) in widths[output].iter().enumerate() {
+            match decays[output].iter_mut().find(|(known, _)| *known == rate) {
+                Some((_, amplitude)) => *amplitude += theta[i],
+                None => decays[output].push((rate, theta[i])),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// For every rate of an output, how much its stored heat may amount to, K.
+fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
+    let mut widths: Vec<(f64, f64)> = Vec::new();
+    for pair in model.pairs.iter().filter(|pair| pair.output == model.outputs[output].name) {
+        let input = model.inputs.iter().position(|name| *name == pair.input).unwrap_or(0);
+        let range = model.provenance.input_range.get(input).map_or(1.0, |[least, most]| most.abs().max(least.abs()).max(most - least));
+        for (k, &rate) in pair.mesh_rad_s.iter().enumerate() {
+            let greatest = pair.classes.values().map(|class| class.r_k_per_w[k].abs()).fold(0.0, f64::max) * range;
+            if greatest > 0.0 {
+                match widths.iter_mut().find(|(known, _)| *known == rate) {
+                    Some((_, width)) => *width = width.hypot(greatest),
+                    None => widths.push((rate, greatest)),
+                }
+            }
+        }
+    }
+    widths
+}
+
+/// Runs the model over the record from its first row.
+fn run(
+    model: &Model,
+    source: &mut dyn Source,
+    forward: &mut Forward,
+    seen: &mut dyn FnMut(&super::residuals::Seen<'_>),
+) -> Result<(), ValidateError> {
+    source.restart()?;
+    let path = source.survey().path.clone();
+    let event_column = source.survey().event_column.clone().unwrap_or_default();
+    let (inputs, outputs) = (model.inputs.len(), model.outputs.len());
+    let constant_gas_c = match model.wind.as_ref().map(|wind| &wind.gas) {
+        Some(Gas::ConstantC(gas_c)) => *gas_c,
+        Some(Gas::EstimatedC(gas)) => gas.value,
+        Some(Gas::Column(_)) | None => 0.0,
+    };
+    let (mut input_row, mut measured, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
+    let mut row = 0;
+    // Which of the model's classes each of the record's is.
+    let mut classes: Vec<usize> = Vec::new();
+    loop {
+        let Some(block) = source.next_block()? else { break };
+        let block = block.clone();
+        for label in source.classes().iter().skip(classes.len()) {
+            let known = model.classes.iter().position(|known| known == label);
+            if known.is_none() && model.classes.len() > 1 {
+                let sentence = format!(
+                    "column `{event_column}`: the model knows no class `{label}`; it was identified for {}",
+                    model.classes.join(", ")
+                );
+                return Err(ValidateError::Unfit { record: path, sentence });
+            }
+            classes.push(known.unwrap_or(0));
+        }
+        for at in 0..block.len() {
+            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
+                *value = column[at];
+            }
+            for (value, column) in measured.iter_mut().zip(&block.outputs) {
+                *value = column[at];
+            }
+            let class = classes[block.class[at] as usize];
+            let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
+            forward.row(&input_row, class, gas_c, &mut predicted);
+            seen(&super::residuals::Seen { row, class, measured: &measured, predicted: &predicted });
+            row += 1;
+        }
+    }
+    source.restart()?;
+    Ok(())
+}
