@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::identify::progress_bar;
+use crate::identify::candidates::{Beginning, Given};
 use crate::identify::cole_cole::{self, Case, Comparison, Input};
 use crate::identify::record::Table;
 use crate::identify::{Options, identify};
@@ -37,7 +38,7 @@ struct ColeCole {
     #[arg(long, value_enum, default_value = "prbs")]
     input: InputName,
     /// Standard deviation of white noise on the output; the output itself swings by 1.
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
     noise: f64,
     /// Seed of the noise.
     #[arg(long, default_value_t = 1)]
@@ -85,7 +86,7 @@ impl ColeCole {
         if let Some(path) = &self.output {
             self.write(&case, path)?;
         }
-        let model = identified(&case)?;
+        let model = identified(&case, input)?;
         let comparison = cole_cole::compare(&model, &case).map_err(Failure::work)?;
         self.draw(canvases, &model, &case, input, &comparison)?;
         if self.json {
@@ -221,13 +222,30 @@ impl ColeCole {
     }
 }
 
-fn identified(case: &Case) -> Result<Model, Failure> {
+fn identified(case: &Case, input: Input) -> Result<Model, Failure> {
+    // A step's record does not show that its input was 0 before: that it begins at rest has to be said.
+    let beginning = (input == Input::Step).then_some(Beginning::Rest);
+    let options = Options { given: Given { beginning, ..Given::default() }, ..Options::default() };
     let columns = |name: &str, values: &[f64]| vec![(name.to_owned(), values.to_vec())];
     let table = Table::new(case.sample_period_s, columns("u", &case.input), columns("y", &case.output));
     let mut table = table.map_err(Failure::work)?.named(Path::new("cole-cole"));
-    Ok(identify(&mut table, &Options::default(), &mut progress_bar(), &mut |_| {})?)
+    Ok(identify(&mut table, &options, &mut progress_bar(), &mut |_| {})?)
 }
 
 fn rates(model: &Model) -> usize {
     model.pairs.first().map_or(0, |pair| pair.mesh_rad_s.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::noise;
+
+    #[test]
+    fn noise_is_a_standard_deviation() {
+        assert_eq!(noise("0.1"), Ok(0.1));
+        assert_eq!(noise("0"), Ok(0.0));
+        for text in ["-1", "nan", "inf", "much"] {
+            assert!(noise(text).is_err(), "{text}");
+        }
+    }
 }

@@ -9,6 +9,7 @@
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr, one sentence that begins with `anemo:`.
 
 mod check;
+mod example;
 mod export;
 mod identify;
 mod plot;
@@ -51,6 +52,7 @@ enum Command {
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
+    Example(example::Arguments),
     Export(export::Arguments),
     Reduce(reduce::Arguments),
 }
@@ -112,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Validate(arguments) => validate::execute(&arguments),
         Command::Plot(arguments) => plot::execute(&arguments),
+        Command::Example(arguments) => example::execute(&arguments),
         Command::Export(arguments) => export::execute(&arguments),
         Command::Reduce(arguments) => reduce::execute(&arguments),
     };

@@ -7,7 +7,6 @@ use crate::plot::model::{Bin, Chart, Scale, Series};
 /// Stretches of a record that are drawn as one.
 const BINS: usize = 1000;
 
-/// Rows of the first minute.
 const MINUTE_S: f64 = 60.0;
 
 /// The symbol and its relative errors.
@@ -24,7 +23,7 @@ pub fn symbol_charts(comparison: &Comparison) -> Vec<Chart> {
         let some = values.iter().filter(|value| value.interior == interior);
         some.map(|value| (value.rate_rad_s, 100.0 * value.relative_error)).collect()
     };
-    let chart = Chart::new("Symbol", "K/W")
+    let chart = Chart::new("Symbol", "")
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
         .height(240.0)
@@ -46,7 +45,7 @@ pub fn output_charts(model: &Model, case: &Case, input: Input) -> Vec<Chart> {
     let is_noisy = case.output != case.clean;
     let output = |caption: &str, to: usize| {
         let line = |values: &[f64]| bins(&values[..to], case.sample_period_s, input);
-        let chart = Chart::new(caption, "K").x(scale(input), "s");
+        let chart = Chart::new(caption, "").x(scale(input), "s");
         let chart = if is_noisy { chart.series(Series::bins("measured", line(&case.output)).colour(7)) } else { chart };
         chart
             .series(Series::bins("exact", line(&case.clean)).colour(6))
@@ -59,7 +58,7 @@ pub fn output_charts(model: &Model, case: &Case, input: Input) -> Vec<Chart> {
         charts.push(output("Output, first minute", minute));
     }
     charts.push(
-        Chart::new("Model less exact output", "K")
+        Chart::new("Model less exact output", "")
             .x(scale(input), "s")
             .limit(0.0)
             .series(Series::bins("", bins(&error, case.sample_period_s, input)).colour(4)),

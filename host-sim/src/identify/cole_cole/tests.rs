@@ -4,6 +4,8 @@ use dr_core::model::mesh;
 use nalgebra::{SMatrix, SVector};
 
 use super::*;
+use crate::model::Model;
+use crate::model::export::testing;
 
 /// ∫ f(ξ) dξ from e^−50 to e^50 rad/s, by the trapezoidal rule over ln ξ, which converges geometrically for such a function.
 fn integral(f: impl Fn(f64) -> f64) -> f64 {
@@ -155,4 +157,42 @@ fn least_squares_on_the_thesis_mesh_errs_like_the_independent_run() {
         assert!((error - expected).abs() < 6e-4, "step, rate {k}: {error:.4} for {expected}");
     }
     assert!((rmse - 1.618e-3).abs() < 1e-6, "step: {rmse}");
+}
+
+/// The exact symbol on a mesh so wide and fine that the sum stands for the integral.
+fn exact_model(times: f64) -> Model {
+    let order = 61;
+    let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(1e-11, 1e11, k, order)).collect();
+    let spacing = (1e22_f64).ln() / (order - 1) as f64;
+    let resistances: Vec<f64> = rates.iter().map(|&rate| times * symbol(rate) * spacing).collect();
+    let mut model = testing::model(&rates, &resistances);
+    model.sample_period_s = SAMPLE_PERIOD_S;
+    model.outputs[0].offset_c = 0.0;
+    model
+}
+
+#[test]
+fn the_exact_symbol_is_found_without_error() {
+    let case = case(Input::Prbs, 0.1, 3, Some(20_001));
+    let comparison = compare(&exact_model(1.0), &case).unwrap();
+    assert!(comparison.largest_interior_error < 1e-12);
+    assert_eq!(comparison.negative_values, 0);
+    // Cut off beyond 1e±11 rad/s: 2/π 1e-5.5 on either side. The noise does not count.
+    assert!(comparison.output_rmse < 5e-6, "{}", comparison.output_rmse);
+    // The thesis' second and seventh rate: 2π times 7.2e-3 Hz and 139 Hz; neighbours here are 2.33 apart.
+    let interior: Vec<f64> = comparison.symbol.iter().filter(|v| v.interior).map(|v| v.rate_rad_s).collect();
+    assert!(interior[0] > 0.045 && interior[interior.len() - 1] < 873.0);
+    assert!(interior[0] / 0.045 < 2.4 && 873.0 / interior[interior.len() - 1] < 2.4, "{interior:?}");
+}
+
+#[test]
+fn a_symbol_that_is_off_everywhere_is_off_by_that_much() {
+    let case = case(Input::Step, 0.0, 0, Some(20_001));
+    let comparison = compare(&exact_model(1.1), &case).unwrap();
+    assert!((comparison.largest_interior_error - 0.1).abs() < 1e-12);
+    let squares: f64 = case.clean.iter().map(|y| y * y).sum();
+    let expected = 0.1 * (squares / 20_001.0).sqrt();
+    // The cut-off again
+    assert!((comparison.output_rmse - expected).abs() < 5e-6);
+    assert_eq!(compare(&exact_model(-1.0), &case).unwrap().negative_values, 61);
 }
