@@ -55,7 +55,7 @@ impl Axis {
         let widening = ((1.0 - (high - low)) / 2.0).max(0.0);
         let (low, high) = (low - air - widening, high + air + widening);
         let (span, ticks) = (high - low, ticks.max(1) as f64);
-        let step = if 3.0 * span <= 1.7 * ticks || span < 2.0 {
+        let step = if (3.0 * span <= 1.7 * ticks && span < 3.0) || span < 2.0 {
             0.3
         } else {
             [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| span / step <= 1.4 * ticks).unwrap_or(100.0)

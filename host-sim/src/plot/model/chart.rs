@@ -188,11 +188,12 @@ pub struct Series {
     /// Half the length of each point's error bar.
     pub(super) errors: Vec<f64>,
     pub(super) bins: Vec<Bin>,
+    pub(super) width: Option<f64>,
 }
 
 impl Series {
     fn new(label: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), style, colour: None, points, errors: Vec::new(), bins: Vec::new() }
+        Self { label: label.into(), style, colour: None, points, errors: Vec::new(), bins: Vec::new(), width: None }
     }
 
     /// Points (x, y) that a line joins; it is broken where a value is missing (NaN).
@@ -222,6 +223,13 @@ impl Series {
     #[must_use]
     pub fn errors(mut self, half_lengths: Vec<f64>) -> Self {
         self.errors = half_lengths;
+        self
+    }
+
+    /// Width of a line in pixels, 1.4 if not called.
+    #[must_use]
+    pub fn width(mut self, pixels: f64) -> Self {
+        self.width = Some(pixels);
         self
     }
 

@@ -3,7 +3,7 @@
 use plotters::style::{Color as _, RGBColor};
 
 use super::super::axis::Axis;
-use super::super::draw::{CURVE, DrawError, Panel};
+use super::super::draw::{DrawError, Panel};
 use super::super::reduce::Bin;
 use super::scaled::Scaled;
 
@@ -48,9 +48,9 @@ pub fn shown(bins: &[Bin], x: &Scaled, y: &Scaled) -> Vec<Bin> {
 }
 
 /// The means as a line, over the band of the extremes.
-pub fn draw<'a>(panel: &Panel<'_, 'a>, bins: Vec<Bin>, colour: RGBColor) -> Result<(), DrawError<'a>> {
-    panel.band(&bins, colour.mix(0.25))?;
-    panel.curve(bins.iter().map(|bin| (bin.middle_s(), bin.mean)), colour, CURVE)
+pub fn draw<'a>(panel: &Panel<'_, 'a>, bins: &[Bin], colour: RGBColor, width: f64) -> Result<(), DrawError<'a>> {
+    panel.band(bins, colour.mix(0.25))?;
+    panel.curve(bins.iter().map(|bin| (bin.middle_s(), bin.mean)), colour, width)
 }
 
 #[cfg(test)]

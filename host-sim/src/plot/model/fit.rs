@@ -90,7 +90,7 @@ impl FitBuilder {
         }
         self.last_s = time_s;
         let values = [measured, predicted, residual].map(Reach::of);
-        if self.rows % self.width == 0 {
+        if self.rows.is_multiple_of(self.width) {
             if self.bins.len() == MOST_BINS {
                 self.halve();
             }
@@ -187,8 +187,8 @@ impl FitSeries {
             None => fit,
         };
         fit = fit
-            .series(Series::bins("measured", self.bins(0)).colour(0))
-            .series(Series::bins("predicted", self.bins(1)).colour(1));
+            .series(Series::bins("measured", self.bins(0)).colour(7).width(2.8))
+            .series(Series::bins("predicted", self.bins(1)).colour(0).width(1.2));
         let residuals = self.bins(2);
         let mut left =
             Chart::new("Residuals", left_unit).height(90.0).series(Series::bins("", residuals.clone()).colour(6));

@@ -4,7 +4,7 @@ use plotters::style::{Color as _, RGBColor};
 
 use super::super::draw::{Align, DrawError, Figure, INK, QUIET};
 use super::chart::Style;
-use super::words::{shortened, width, wrapped};
+use super::words::{listed, shortened, width};
 
 const CAPTION: f64 = 14.0;
 const TEXT: f64 = 12.0;
@@ -34,10 +34,10 @@ pub struct Head {
 }
 
 impl Head {
-    pub fn new(caption: &str, words: &str, legend: Vec<Entry>, room: f64) -> Self {
+    pub fn new(caption: &str, notes: &[String], legend: Vec<Entry>, room: f64) -> Self {
         let caption = shortened(caption, CAPTION, room - 20.0);
         let after_caption = width(&caption, CAPTION) * 1.04 + 8.0;
-        let words = wrapped(words, TEXT, room, after_caption);
+        let words = listed(notes, TEXT, room, after_caption);
         let legend: Vec<Entry> = legend
             .into_iter()
             .filter(|entry| !entry.label.is_empty())

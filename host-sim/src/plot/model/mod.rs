@@ -8,6 +8,7 @@ mod chart;
 mod columns;
 mod fit;
 mod head;
+mod marks;
 mod naming;
 mod page;
 mod paint;

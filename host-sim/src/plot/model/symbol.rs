@@ -21,14 +21,17 @@ pub fn symbol(model: &Model, output: &str) -> Chart {
         let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
         chart = chart.note(format!("of class {reference}"));
     }
-    chart = chart.note("R_k with 95 %");
+    chart = chart.note("R_k with intervals of 95 %");
+    if parts.len() > 1 {
+        chart = chart.note("steady gains beside the names");
+    }
     for (pair, class_label, class) in parts.iter().take(CURVES) {
-        let gain = format!("steady gain {}", estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w));
+        let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
         let points = pair.mesh_rad_s.iter().copied().zip(class.r_k_per_w.iter().copied()).collect();
         let errors = class.se_k_per_w.iter().map(|se| NORMAL_95 * se).collect();
         let mut name = label(model, pair, class_label);
         if parts.len() == 1 {
-            (chart, name) = (chart.note(gain), String::new());
+            (chart, name) = (chart.note(format!("steady gain {gain}")), String::new());
         } else {
             name = format!("{name}: {gain}");
         }

@@ -96,6 +96,26 @@ pub fn wrapped(text: &str, size: f64, room: f64, taken: f64) -> Vec<String> {
     lines
 }
 
+/// Notes with commas between them, in lines of at most `room` pixels, of which the first has less by `taken`. A note stays in one
+/// line if it can.
+pub fn listed(notes: &[String], size: f64, room: f64, taken: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for (i, note) in notes.iter().enumerate() {
+        let note = if i + 1 < notes.len() { format!("{note},") } else { note.clone() };
+        let limit = if lines.len() == 1 { room - taken } else { room };
+        let line = lines.last_mut().expect("there is a first line");
+        let longer = if line.is_empty() { note.clone() } else { format!("{line} {note}") };
+        if width(&longer, size) <= limit {
+            *line = longer;
+        } else if width(&note, size) <= room {
+            lines.push(note);
+        } else {
+            lines.extend(wrapped(&note, size, room, 0.0));
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,5 +152,9 @@ mod tests {
         let lines = wrapped("one two three four five six", 12.0, 80.0, 40.0);
         assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 12.0) <= 80.0), "{lines:?}");
         assert_eq!(lines.join(" "), "one two three four five six");
+        let notes = ["K/W", "one two three", "four five six seven eight nine ten"].map(str::to_owned);
+        let lines = listed(&notes, 12.0, 120.0, 40.0);
+        assert_eq!(lines[..2], ["K/W,", "one two three,"]);
+        assert!(lines.len() > 3 && lines.iter().all(|line| width(line, 12.0) <= 120.0), "{lines:?}");
     }
 }
