@@ -75,13 +75,13 @@ pub fn cauer(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Ladder, ExportErro
 /// Adds `delta` to every rate.
 fn move_up(delta: f64, q: &mut [f64], e: &mut [f64]) {
     let mut t = delta;
-    for i in 0..q.len() {
-        let moved = q[i] + t;
+    for (i, q) in q.iter_mut().enumerate() {
+        let moved = *q + t;
         if let Some(e) = e.get_mut(i) {
             t = delta + t * *e / moved;
-            *e *= q[i] / moved;
+            *e *= *q / moved;
         }
-        q[i] = moved;
+        *q = moved;
     }
 }
 

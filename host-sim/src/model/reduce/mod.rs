@@ -3,7 +3,7 @@
 //! | step | in |
 //! |---|---|
 //! | the whole model's response is what to reproduce, weighted so that the error counts as output energy | [`target`] |
-//! | a few rates, free or on a mesh of free edges, with the best resistances for them | [`fit`], [`least_squares`] |
+//! | a few rates, free or on a mesh of free edges, with the best resistances for them | [`fit`], `least_squares` |
 //! | rates are rounded to f32, resistances fitted to the rounded rates and rounded too | here |
 //! | the loss is measured with the core's own f32 arithmetic beside the whole model | [`loss`] |
 //! | the board's table | [`board`] |
