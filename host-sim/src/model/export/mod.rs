@@ -8,7 +8,7 @@
 //!
 //! | module | form |
 //! |---|---|
-//! | [`response`] | Z(jω), with dead time and with the wind of structure `conductance` |
+//! | [`response`](mod@response) | Z(jω), with dead time and with the wind of structure `conductance` |
 //! | [`symbol`] | the continuous symbol η(ξ_k) |
 //! | [`foster`] | R_k parallel C_k in series, straight from the model |
 //! | [`cauer`] | the ladder of the same impedance, and its cumulative structure function |
