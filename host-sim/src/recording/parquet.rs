@@ -22,8 +22,9 @@ use super::{Metadata, RecordingError};
 
 pub(super) use read::Reader;
 
-/// Rows of a row group: what the writer holds in memory, some megabytes.
-const GROUP: usize = 16_384;
+/// Rows of a row group: what the writer holds in memory, some megabytes. Fewer make a reader's table of contents grow, which has a
+/// line for every group and column.
+const GROUP: usize = 65_536;
 
 enum Buffer {
     Times(Vec<f64>),

@@ -58,6 +58,7 @@ pub(super) fn extent(path: &Path, time: usize) -> Result<Extent, RecordError> {
     let (rows, last_s) = if whole {
         (head.len() as u64, head_last_s)
     } else if let Some(rows) = known {
+        drop(head_reader);
         let last = times(&mut reader(rows - 1)?, path, &name)?;
         finite(path, &name, &last, rows - 1)?;
         (rows, last.last().copied().unwrap_or(head_last_s))

@@ -38,8 +38,8 @@ struct Columns<'a> {
 }
 
 impl Roles {
-    pub(super) fn choose(reader: &mut Reader, path: &Path, selection: &Selection) -> Result<Self, RecordError> {
-        let columns = Columns { path, names: reader.names().to_vec(), text: reader.holds_text()? };
+    pub(super) fn choose(path: &Path, selection: &Selection) -> Result<Self, RecordError> {
+        let columns = Columns::of(path)?;
         let elements = columns.elements();
         let mut roles = Self { time: columns.position(TIME).unwrap_or(0), ..Self::default() };
         roles.event = match &selection.event {
@@ -155,7 +155,13 @@ impl Roles {
     }
 }
 
-impl Columns<'_> {
+impl<'a> Columns<'a> {
+    fn of(path: &'a Path) -> Result<Self, RecordError> {
+        // Closed again before others are opened: a long file's table of contents takes megabytes.
+        let mut reader = Reader::open(path)?;
+        Ok(Self { path, names: reader.names().to_vec(), text: reader.holds_text()? })
+    }
+
     fn refuse(&self, sentence: impl Into<String>) -> RecordError {
         RecordError::content(self.path, sentence)
     }

@@ -29,9 +29,9 @@ pub struct Stream {
 impl Stream {
     /// Looks at the head and the end of a record, and decides which columns play which part.
     pub fn open(path: &Path, selection: &Selection) -> Result<Self, RecordError> {
-        let mut reader = Reader::open(path)?;
-        let roles = Roles::choose(&mut reader, path, selection)?;
+        let roles = Roles::choose(path, selection)?;
         let extent = extent(path, roles.time)?;
+        let mut reader = Reader::open(path)?;
         let name = |&column: &usize| reader.names()[column].clone();
         let survey = Survey {
             path: path.to_owned(),

@@ -9,7 +9,9 @@ use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArrayType, DataType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetStatisticsPolicy;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::file::serialized_reader::{ReadOptions, ReadOptionsBuilder};
 
 use crate::recording::read::{CHUNK, Column, Values, Words};
 use crate::recording::{Metadata, RecordingError};
@@ -34,7 +36,7 @@ struct Group {
 impl Reader {
     pub(in crate::recording) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
         let length = file.metadata().map_err(|error| RecordingError::io(path, "read", &error))?.len() as i64;
-        let file = without_panic(move || SerializedFileReader::new(file))
+        let file = without_panic(move || SerializedFileReader::new_with_options(file, frugal()))
             .map_err(|error| RecordingError::damaged(path, &error))?;
         let schema = file.metadata().file_metadata().schema_descr();
         let mut names = Vec::new();
@@ -155,6 +157,16 @@ impl Reader {
         }
         Ok(Some(columns))
     }
+}
+
+/// Leaves the statistics of every row group and column where they are: nobody asks for them, and in a long file they take more
+/// memory than the rows in work.
+fn frugal() -> ReadOptions {
+    ReadOptionsBuilder::new()
+        .with_column_stats_policy(ParquetStatisticsPolicy::SkipAll)
+        .with_size_stats_policy(ParquetStatisticsPolicy::SkipAll)
+        .with_encoding_stats_policy(ParquetStatisticsPolicy::SkipAll)
+        .build()
 }
 
 /// Seconds in the unit of a timestamp, 1 for anything else.

@@ -83,7 +83,7 @@ fn peak_memory_kb() -> u64 {
 #[test]
 #[ignore = "a measurement: cargo test --release -p host-sim --lib -- --ignored --nocapture long_recording"]
 fn a_long_recording_passes_in_the_memory_of_some_blocks() {
-    const ROWS: u64 = 20_000_000;
+    const ROWS: u64 = 100_000_000;
     let temp = file("long.parquet", "");
     let layout = Layout { elements: vec!["a".to_owned()], wind: false };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
@@ -105,21 +105,27 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
     let before_kb = peak_memory_kb();
     assert_eq!(measured("with event and state", &temp.path), ROWS);
     // Some blocks of 16 384 rows, and the file's table of contents, which has a line for every row group and column.
-    assert!(peak_memory_kb() - before_kb < 32_768, "{} kB", peak_memory_kb() - before_kb);
+    assert!(peak_memory_kb() - before_kb < 49_152, "{} kB", peak_memory_kb() - before_kb);
     assert_eq!(measured("three columns, two of them nullable", &foreign(5_000_000, None).path), 5_000_000);
+}
+
+/// Processor time of this thread, s: other work on the machine does not count.
+fn processor_s() -> f64 {
+    let status = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    status.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or_default() * 1e-9
 }
 
 /// Reads a record, and prints how long a row took.
 fn measured(what: &str, path: &Path) -> u64 {
-    let start = std::time::Instant::now();
+    let start_s = processor_s();
     let mut stream = Stream::open(path, &Selection::default()).unwrap();
-    let opened_s = start.elapsed().as_secs_f64();
+    let opened_s = processor_s() - start_s;
     let mut sum = 0.0;
     while let Some(block) = stream.next_block().unwrap() {
         sum += block.outputs[0].iter().sum::<f64>();
     }
     let rows = stream.survey().rows;
-    let (row_ns, mean) = ((start.elapsed().as_secs_f64() - opened_s) * 1e9 / rows as f64, sum / rows as f64);
+    let (row_ns, mean) = ((processor_s() - start_s - opened_s) * 1e9 / rows as f64, sum / rows as f64);
     println!("{what}: opened in {opened_s:.3} s, {row_ns:.1} ns a row, mean {mean}, peak {} kB", peak_memory_kb());
     rows
 }
