@@ -45,3 +45,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     super::print(&format!("{} rows drawn into {output}\n", recording.len()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::export::testing;
+
+    #[test]
+    fn draws_a_model_and_refuses_what_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, output) = (folder.path().join("model.json"), folder.path().join("model.svg"));
+        testing::model(&[0.1, 1.0], &[3.0, 2.0]).write(&file).unwrap();
+        execute(&Arguments { file: file.clone(), output: output.clone(), json: true }).unwrap();
+        assert!(std::fs::read_to_string(&output).unwrap().contains("Symbol"));
+        std::fs::write(&file, "{}").unwrap();
+        assert!(execute(&Arguments { file, output, json: true }).is_err());
+    }
+}

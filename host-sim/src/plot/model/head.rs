@@ -2,7 +2,7 @@
 
 use plotters::style::{Color as _, RGBColor};
 
-use super::super::draw::{Align, DrawError, Figure, INK, QUIET};
+use super::super::draw::{Align, DrawError, Figure, INK, QUIET, Rect};
 use super::chart::Style;
 use super::words::{listed, shortened, width};
 
@@ -15,10 +15,14 @@ const SAMPLE: f64 = 16.0;
 const GAP: f64 = 16.0;
 const LONGEST_LABEL: f64 = 280.0;
 
+/// How strong a ground is.
+pub const GROUND: f64 = 0.1;
+
 pub struct Entry {
     pub label: String,
     pub colour: RGBColor,
-    pub style: Style,
+    /// Of a series; `None` for a ground.
+    pub style: Option<Style>,
 }
 
 /// The words above a chart, laid out for its width.
@@ -100,9 +104,13 @@ fn entries<'a>(figure: &Figure<'a>, row: &[Entry], mut x: f64, y: f64) -> Result
     for entry in row {
         let line = [(x, y), (x + SAMPLE, y)];
         match entry.style {
-            Style::Line => figure.line(&line, entry.colour.to_rgba(), 3.0)?,
-            Style::Dashed => figure.dashed(&line, entry.colour.to_rgba(), 2.0)?,
-            Style::Points | Style::Stems => figure.dot((x + SAMPLE / 2.0, y), 3.5, entry.colour)?,
+            None => {
+                let rect = Rect { left: x, right: x + SAMPLE, top: y - 5.0, bottom: y + 5.0 };
+                figure.rectangle(rect, entry.colour.mix(GROUND), true)?;
+            }
+            Some(Style::Line) => figure.line(&line, entry.colour.to_rgba(), 3.0)?,
+            Some(Style::Dashed) => figure.dashed(&line, entry.colour.to_rgba(), 2.0)?,
+            Some(Style::Points | Style::Stems) => figure.dot((x + SAMPLE / 2.0, y), 3.5, entry.colour)?,
         }
         figure.text(&entry.label, (x + SAMPLE + 6.0, y), TEXT, INK, Align::Left, false)?;
         x += entry_width(entry);

@@ -6,10 +6,10 @@ use super::super::PlotError;
 use super::super::axis::Scale;
 use super::super::draw::{Align, DrawError, Figure, GREYS, INK, PALETTE, Panel, QUIET, Rect, in_pixels, text_width};
 use super::chart::{Chart, Lines, Series, Span, Style};
-use super::head::{Entry, Head};
+use super::head::{Entry, GROUND, Head};
 use super::marks::reach;
 use super::scaled::Scaled;
-use super::words::{brief, shortened, wrapped};
+use super::words::{brief, shortened, width, wrapped};
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 70.0;
@@ -97,7 +97,10 @@ impl<'c> Laid<'c> {
 
         let mut notes = vec![y.unit.clone()];
         notes.extend(y.from.iter().map(|from| format!("from {from}")));
-        notes.extend(x.from.iter().map(|from| format!("{} axis from {from}", chart.x_unit)));
+        notes.extend(x.from.iter().map(|from| match chart.x_unit.as_str() {
+            "s" => format!("time from {from} s"),
+            unit => format!("{unit} axis from {from}"),
+        }));
         notes.extend(chart.notes.iter().cloned());
         if cut {
             notes.push("error bars end at the edge".to_owned());
@@ -112,9 +115,10 @@ impl<'c> Laid<'c> {
         let entry = |(i, series): (usize, &Series)| Entry {
             label: series.label.clone(),
             colour: colour(series, i),
-            style: series.style,
+            style: Some(series.style),
         };
-        let legend = chart.series.iter().enumerate().map(entry).collect();
+        let mut legend: Vec<Entry> = chart.series.iter().enumerate().map(entry).collect();
+        legend.extend(grounds(chart, &x, width));
         Self { chart, head: Head::new(&chart.caption, &notes, legend, width), x, y }
     }
 
@@ -161,14 +165,13 @@ impl<'c> Laid<'c> {
             if value.is_nan() { panel.rect.left } else { panel.x(value).clamp(panel.rect.left, panel.rect.right) }
         };
         let (left, right) = (x(span.from), x(span.to));
-        let ground = COLOURS[span.colour % COLOURS.len()].mix(0.09);
+        let ground = COLOURS[span.colour % COLOURS.len()].mix(GROUND);
         panel.figure.rectangle(Rect { left, right, ..panel.rect }, ground, true)?;
-        let label = shortened(&span.label, 11.0, right - left - 6.0);
-        if label.chars().count() < 3 && label != span.label {
+        if span.label.is_empty() || label_width(span) > right - left {
             return Ok(());
         }
         let middle = ((left + right) / 2.0, panel.rect.top + 9.0);
-        panel.figure.text(&label, middle, 11.0, QUIET, Align::Middle, false)
+        panel.figure.text(&span.label, middle, 11.0, QUIET, Align::Middle, false)
     }
 
     /// Labels under the chart, with the unit at their left.
@@ -201,6 +204,26 @@ impl<'c> Laid<'c> {
         }
         Ok(())
     }
+}
+
+/// Entries for those grounds whose label has no room in any of their stretches.
+fn grounds(chart: &Chart, x: &Scaled, width: f64) -> Vec<Entry> {
+    let room = |span: &Span| width * (x.axis.share(x.shown(span.to)) - x.axis.share(x.shown(span.from)));
+    let mut entries: Vec<Entry> = Vec::new();
+    for span in &chart.spans {
+        let mut alike = chart.spans.iter().filter(|other| other.label == span.label);
+        if entries.iter().any(|entry| entry.label == span.label) || alike.any(|other| label_width(other) <= room(other))
+        {
+            continue;
+        }
+        let colour = COLOURS[span.colour % COLOURS.len()];
+        entries.push(Entry { label: span.label.clone(), colour, style: None });
+    }
+    entries
+}
+
+fn label_width(span: &Span) -> f64 {
+    width(&span.label, 11.0) + 6.0
 }
 
 fn colour(series: &Series, position: usize) -> RGBColor {

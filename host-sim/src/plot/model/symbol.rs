@@ -30,23 +30,23 @@ pub fn symbol(model: &Model, output: &str) -> Chart {
         let points = pair.mesh_rad_s.iter().copied().zip(class.r_k_per_w.iter().copied()).collect();
         let errors = class.se_k_per_w.iter().map(|se| NORMAL_95 * se).collect();
         let mut name = label(model, pair, class_label);
+        if class.feed_through_k_per_w != 0.0 {
+            let own = if name.is_empty() { String::new() } else { format!(" {name}") };
+            let feed_through = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+            chart = chart.note(format!("feed-through{own} {feed_through}"));
+        }
         if parts.len() == 1 {
             (chart, name) = (chart.note(format!("steady gain {gain}")), String::new());
         } else {
             name = format!("{name}: {gain}");
         }
         chart = chart.series(Series::stems(name, points).errors(errors));
-        if class.feed_through_k_per_w != 0.0 {
-            let feed_through = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
-            chart = chart.note(format!("feed-through {feed_through}"));
-        }
     }
-    if let Some(element) = model.wind.as_ref().and_then(|wind| {
-        let place = model.outputs.iter().position(|known| known.name == output)?;
-        wind.elements.get(place).map(|element| (element, &wind.reference))
-    }) {
-        let (element, reference) = element;
-        for (class, conductance) in element.iter().filter(|(class, _)| *class != reference) {
+    let place = model.outputs.iter().position(|known| known.name == output).unwrap_or(0);
+    if let Some(wind) = &model.wind
+        && let Some(element) = wind.elements.get(place)
+    {
+        for (class, conductance) in element.iter().filter(|(class, _)| **class != wind.reference) {
             chart = chart.note(format!("ΔG {class} {} W/K", estimate(conductance.value, conductance.se)));
         }
     }

@@ -207,6 +207,24 @@ fn classes_are_named_in_legends_and_on_the_ground_of_the_fit() {
 }
 
 #[test]
+fn names_of_grounds_without_room_move_to_the_legend() {
+    let chart = |stretch: f64| {
+        let names = ["a wind of some name", "b"];
+        let series = Series::line("", vec![(0.0, 0.0), (100.0, 1.0)]);
+        let chart = Chart::new("c", "K").series(series);
+        let chart = (0..10).fold(chart, |chart, n| {
+            let from = f64::from(n) * stretch;
+            chart.span(from, from + stretch, n as usize % 2, names[n as usize % 2])
+        });
+        let svg = Lines::new("t").row([chart]).svg().unwrap();
+        ["a wind of some name", "b"].map(|name| texts(&svg).iter().filter(|text| **text == name).count())
+    };
+    // stretches of 110 and of 22 pixels
+    assert_eq!(chart(10.0)[1], 5);
+    assert_eq!(chart(2.0), [1, 5]);
+}
+
+#[test]
 fn wind_is_in_the_responses_and_its_conductance_in_the_caption() {
     let mut model = single(8);
     testing::add_wind(&mut model, "gust", 0.02);
