@@ -157,8 +157,11 @@ impl Arguments {
             feed_through: self.feed_through,
             delay: self.dead_time,
         };
-        let cross = (self.cross_order.is_some() || self.cross_mesh.is_some())
-            .then(|| Given { order: self.cross_order, edges_rad_s: self.cross_mesh, ..Given::default() });
+        let cross = (self.cross_order.is_some() || self.cross_mesh.is_some()).then(|| Given {
+            order: self.cross_order,
+            edges_rad_s: self.cross_mesh,
+            ..Given::default()
+        });
         Ok(Options {
             structure: self.structure.map(|name| match name {
                 StructureName::Symbol => Structure::Symbol,
@@ -262,11 +265,8 @@ fn summary(model: &Model, notes: &[String], written: Option<&std::path::Path>) -
                     "at once", "", class.feed_through_k_per_w, class.se_feed_through_k_per_w
                 );
             }
-            let _ = writeln!(
-                text,
-                "  steady gain {:.5} ± {:.2}",
-                class.steady_gain_k_per_w, class.se_steady_gain_k_per_w
-            );
+            let _ =
+                writeln!(text, "  steady gain {:.5} ± {:.2}", class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
         }
     }
     text.push('\n');

@@ -76,7 +76,7 @@ fn geometric(first: f64, last: f64, order: usize) -> Vec<f64> {
 }
 
 fn order_for(first: f64, last: f64, per_decade: f64) -> usize {
-    (((last / first).log10() * per_decade).ceil() as usize + 1).clamp(2, MOST_RATES)
+    (((last / first).log10() * per_decade).round() as usize + 1).clamp(2, MOST_RATES)
 }
 
 /// The meshes worth trying for a record of `duration_s` with `classes` event classes.
@@ -102,9 +102,13 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
                 }
             }
             let slow = 0.3 * first;
-            meshes.push(Mesh { free: false, ..single(slow, last, order_for(slow, last, 3.0)) });
             let (low, high) = (first / GUARD, last * GUARD);
-            meshes.push(Mesh { free: false, smooth: true, ..single(low, high, order_for(low, high, SMOOTH_PER_DECADE)) });
+            meshes.push(Mesh {
+                free: false,
+                smooth: true,
+                ..single(low, high, order_for(low, high, SMOOTH_PER_DECADE))
+            });
+            meshes.push(Mesh { free: false, ..single(slow, last, order_for(slow, last, 3.0)) });
             meshes
         }
     }
@@ -116,16 +120,15 @@ pub fn priors(mesh: &Mesh, given: &Given) -> Vec<Prior> {
         return vec![Prior::Columns(ridge)];
     }
     if mesh.smooth {
-        return (0..=26).map(|step| Prior::Smooth(10_f64.powf(-3.0 - 0.5 * f64::from(step)))).collect();
+        return (0..=36).map(|step| Prior::Smooth(10_f64.powf(0.5 * f64::from(-step)))).collect();
     }
     [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12].map(Prior::Tapered).to_vec()
 }
 
 /// The parameters of a design with a given beginning. `first_drives` is what drove each bank in the first row.
 pub fn terms(roles: &[Role], beginning: Beginning, feed_through: bool, first_drives: &[f64]) -> Vec<Term> {
-    let initial = |rate: f64| {
-        roles.iter().position(|role| matches!(role, Role::Initial { rate_rad_s } if *rate_rad_s == rate))
-    };
+    let initial =
+        |rate: f64| roles.iter().position(|role| matches!(role, Role::Initial { rate_rad_s } if *rate_rad_s == rate));
     let mut terms = Vec::new();
     for (column, &role) in roles.iter().enumerate() {
         let mut of = vec![(column, 1.0)];
@@ -169,11 +172,8 @@ mod tests {
 
     #[test]
     fn a_settled_beginning_is_its_own_initial_decay() {
-        let roles = [
-            Role::Relaxation { bank: 0, k: 0, rate_rad_s: 2.0 },
-            Role::Initial { rate_rad_s: 2.0 },
-            Role::Offset,
-        ];
+        let roles =
+            [Role::Relaxation { bank: 0, k: 0, rate_rad_s: 2.0 }, Role::Initial { rate_rad_s: 2.0 }, Role::Offset];
         let settled = terms(&roles, Beginning::Settled, false, &[3.0]);
         assert_eq!(settled.len(), 2);
         assert_eq!(settled[0].of, vec![(0, 1.0), (1, 3.0)]);

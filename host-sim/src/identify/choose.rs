@@ -1,7 +1,7 @@
 //! Choosing for the user: every candidate scored by block cross-validation, the best one taken, and the reasons kept.
 //!
-//! Candidates are ordered from the most to the least cautious (higher edge, known beginning, stronger prior). The first one whose
-//! mean squared error is within 2 % of the best is taken: less than that is chance. Then the signs: if holding all resistances at or
+//! Candidates are ordered from the most to the least cautious (higher edge, known beginning, stronger prior), and the most cautious
+//! one is taken that is as good as the best but for chance. Then the signs: if holding all resistances at or
 //! above zero costs no more than 5 % of the error, physics is kept; else those of an element's own heat alone; else none.
 
 use nalgebra::DMatrix;
@@ -100,15 +100,25 @@ impl Field<'_> {
                 tried(&mut trials, index, beginning);
             }
         }
-        // Only a beginning that is known lets poles far slower than the record be told from drift.
-        let beginning = best(&trials).beginning;
-        if beginning != Beginning::Free {
-            for index in (0..self.meshes.len()).filter(|&index| !self.meshes[index].free) {
+        let mut taken = best(&trials, self.meshes).clone();
+        // Poles far slower than the record are told from drift only if the beginning is known: if, on such a mesh, rest (or settled)
+        // predicts as well as a beginning that may be anything.
+        for index in (0..self.meshes.len()).filter(|&index| !self.meshes[index].free) {
+            let first = trials.len();
+            for beginning in self.beginnings(given) {
                 tried(&mut trials, index, beginning);
             }
+            let free = trials[first..].iter().filter(|trial| trial.beginning == Beginning::Free);
+            let free = free.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall())).cloned();
+            for slow in trials[first..].iter().filter(|trial| trial.beginning != Beginning::Free) {
+                let is_known = free.as_ref().is_none_or(|free| slow.score.is_as_good_as(&free.score, 1.1));
+                let is_better =
+                    slow.score.overall() < taken.score.overall() && !taken.score.is_as_good_as(&slow.score, 1.1);
+                if is_known && is_better {
+                    taken = slow.clone();
+                }
+            }
         }
-        let taken = best(&trials).clone();
-        if std::env::var_os("ANEMO_TRACE").is_some() { let mut t=trials.clone(); t.sort_by(|a,b| a.score.overall().total_cmp(&b.score.overall())); for t in t.iter().take(25) { eprintln!("{} f {:.2} {:?} feed {} {:?} single {:.4e} double {:.4e} ahead {:.4e} begin {:.4e}", self.meshes[t.mesh].rates_rad_s.len(), self.meshes[t.mesh].factor, t.beginning, t.feed_through, t.prior, t.score.mean_single(), t.score.double, t.score.ahead, t.score.begin); } }
         self.settle(taken, trials, signs, output)
     }
 
@@ -185,10 +195,21 @@ impl Field<'_> {
     }
 }
 
-/// The first trial that is as good as the best but for chance.
-fn best(trials: &[Trial]) -> &Trial {
-    let least = trials.iter().map(|trial| trial.score.overall()).fold(f64::INFINITY, f64::min);
-    trials.iter().find(|trial| trial.score.overall() <= 1.02 * least).unwrap_or(&trials[0])
+/// The most cautious trial on a mesh for any beginning that is as good as the best.
+///
+/// The lower edge first: the thesis' is kept unless its held-out error is more than a tenth greater. Then, among those of that edge,
+/// the first within one percent, if the folds do not agree that it is worse.
+fn best<'t>(trials: &'t [Trial], meshes: &[Mesh]) -> &'t Trial {
+    let least = |edge: f64| {
+        let of_edge = trials.iter().filter(|trial| meshes[trial.mesh].factor >= edge);
+        of_edge.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall())).unwrap_or(&trials[0])
+    };
+    let bar = 1.1 * 1.1 * least(0.0).score.overall();
+    let good = trials.iter().filter(|trial| trial.score.overall() <= bar);
+    let edge = good.map(|trial| meshes[trial.mesh].factor).fold(0.0, f64::max);
+    let best = least(edge);
+    let cautious = |trial: &&Trial| meshes[trial.mesh].factor >= edge && trial.score.is_as_good_as(&best.score, 1.01);
+    trials.iter().find(cautious).unwrap_or(best)
 }
 
 /// A ratio of mean squared errors as a change of the root in percent.

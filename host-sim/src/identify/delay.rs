@@ -59,7 +59,7 @@ pub fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<
             Drive::Loss { .. } | Drive::Gate { .. } => 0,
         };
         let scales = Scales {
-            drive: drives.iter().map(|drive| passed.facts.input_sd(input_of(drive)).max(f64::MIN_POSITIVE)).collect(),
+            drive: drives.iter().map(|drive| passed.facts.input_scale(input_of(drive))).collect(),
             thesis_rad_s: 2.0 * first,
         };
         for ((delay, design), folds) in delays.iter().zip(&designs).zip(&passed.folds) {

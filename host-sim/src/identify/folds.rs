@@ -40,6 +40,16 @@ impl Score {
         (logs.iter().sum::<f64>() / 3.0).exp()
     }
 
+    /// Whether the root mean square is at most `ratio` times the other's, and the folds do not agree that it is greater: their
+    /// paired differences, in which the noise of a fold cancels, are within one standard error of zero.
+    pub fn is_as_good_as(&self, other: &Self, ratio: f64) -> bool {
+        let differences: Vec<f64> = self.single.iter().zip(&other.single).map(|(own, other)| own - other).collect();
+        let n = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / n;
+        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        self.overall() <= ratio * ratio * other.overall() && mean <= (variance / n).sqrt()
+    }
+
     pub fn mean_single(&self) -> f64 {
         self.single.iter().sum::<f64>() / self.single.len().max(1) as f64
     }
@@ -63,10 +73,8 @@ pub fn score(folds: &[Problem], total: &Problem, penalty: &DMatrix<f64>, positiv
     };
     let single =
         folds.iter().skip(1).map(|fold| held_out(&total.minus(fold), std::slice::from_ref(fold))).collect::<Vec<_>>();
-    let pairs: Vec<f64> = folds[1..]
-        .chunks_exact(2)
-        .map(|pair| held_out(&total.minus(&pair[0]).minus(&pair[1]), pair))
-        .collect();
+    let pairs: Vec<f64> =
+        folds[1..].chunks_exact(2).map(|pair| held_out(&total.minus(&pair[0]).minus(&pair[1]), pair)).collect();
     let ahead: Vec<f64> = (FOLDS / 2..FOLDS - 1)
         .filter(|&seen| seen < folds.len())
         .map(|seen| {

@@ -22,10 +22,8 @@ pub fn solve(h: &DMatrix<f64>, b: &DVector<f64>, positive: &[bool]) -> DVector<f
         loop {
             let target = restricted(h, b, &passive);
             let bad = |i: usize| passive[i] && positive[i] && target[i] <= 0.0;
-            let Some(step) = (0..n)
-                .filter(|&i| bad(i))
-                .map(|i| theta[i] / (theta[i] - target[i]))
-                .min_by(f64::total_cmp)
+            let Some(step) =
+                (0..n).filter(|&i| bad(i)).map(|i| theta[i] / (theta[i] - target[i])).min_by(f64::total_cmp)
             else {
                 theta = target;
                 break;

@@ -91,6 +91,12 @@ impl Facts {
         deviation(sum, squares, self.rows)
     }
 
+    /// How far an input moves: its standard deviation, or its size if it is constant.
+    pub fn input_scale(&self, input: usize) -> f64 {
+        let sd = self.input_sd(input);
+        if sd > 0.0 { sd } else { self.first_inputs[input].abs().max(f64::MIN_POSITIVE) }
+    }
+
     /// Standard deviation of an input in the rows of a class.
     pub fn class_input_sd(&self, class: usize, input: usize) -> f64 {
         deviation(self.class_sum[class][input], self.class_squares[class][input], self.class_rows[class])

@@ -61,30 +61,15 @@ impl Problem {
             }
         }
         let half = &gram.sums * &maps;
-        Self {
-            g: maps.tr_mul(&half),
-            b: half.row(y).transpose(),
-            yy: gram.sums[(y, y)],
-            rows: gram.rows as f64,
-        }
+        Self { g: maps.tr_mul(&half), b: half.row(y).transpose(), yy: gram.sums[(y, y)], rows: gram.rows as f64 }
     }
 
     pub fn minus(&self, other: &Self) -> Self {
-        Self {
-            g: &self.g - &other.g,
-            b: &self.b - &other.b,
-            yy: self.yy - other.yy,
-            rows: self.rows - other.rows,
-        }
+        Self { g: &self.g - &other.g, b: &self.b - &other.b, yy: self.yy - other.yy, rows: self.rows - other.rows }
     }
 
     pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            g: &self.g + &other.g,
-            b: &self.b + &other.b,
-            yy: self.yy + other.yy,
-            rows: self.rows + other.rows,
-        }
+        Self { g: &self.g + &other.g, b: &self.b + &other.b, yy: self.yy + other.yy, rows: self.rows + other.rows }
     }
 
     /// Sum of squared errors of parameters.
@@ -132,8 +117,7 @@ impl Scaled {
         let greatest = diagonal.max().max(f64::MIN_POSITIVE);
         let scale = diagonal.map(|sum| if sum > 1e-30 * greatest { 1.0 / sum.sqrt() } else { 0.0 });
         let n = scale.len();
-        let mut h =
-            DMatrix::from_fn(n, n, |i, j| (problem.g[(i, j)] + penalty[(i, j)]) * scale[i] * scale[j]);
+        let mut h = DMatrix::from_fn(n, n, |i, j| (problem.g[(i, j)] + penalty[(i, j)]) * scale[i] * scale[j]);
         for i in 0..n {
             if scale[i] == 0.0 {
                 h[(i, i)] = 1.0;

@@ -4,10 +4,11 @@ use super::pass::Facts;
 use super::record::Survey;
 
 /// Refuses what no model can come of.
-pub fn refuse(survey: &Survey, facts: &Facts, classes: &[String], gated: bool) -> Result<(), String> {
+pub fn refuse(survey: &Survey, facts: &Facts, classes: &[String], gated: bool, from_rest: bool) -> Result<(), String> {
     for (input, name) in survey.inputs.iter().enumerate() {
-        if facts.input_sd(input) == 0.0 {
-            let [value, _] = facts.input_range[input];
+        let [value, _] = facts.input_range[input];
+        // From rest, a constant is a step at the first row.
+        if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
             return Err(format!(
                 "column `{name}` is {value} in all {} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input",
                 facts.rows

@@ -119,7 +119,9 @@ pub fn identify(
     let mut tell = |done| progress("reading", done, rows);
     let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
     let facts = &passed.facts;
-    support::refuse(&survey, facts, &classes, gated).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
+    let from_rest = options.given.beginning == Some(Beginning::Rest);
+    support::refuse(&survey, facts, &classes, gated, from_rest)
+        .map_err(|sentence| IdentifyError::unfit(source, sentence))?;
 
     let (thesis_rad_s, _) =
         dr_core::model::mesh::thesis_edges_rad_s(duration_s, survey.sample_period_s, classes.len() as u32);
@@ -129,8 +131,7 @@ pub fn identify(
     };
     let first_drives: Vec<f64> = parts.iter().map(first_drive).collect();
     let bank_input: Vec<usize> = parts.iter().map(|part| part.input).collect();
-    let scales =
-        Scales { drive: bank_input.iter().map(|&input| facts.input_sd(input)).collect(), thesis_rad_s };
+    let scales = Scales { drive: bank_input.iter().map(|&input| facts.input_scale(input)).collect(), thesis_rad_s };
     let with_or_without: &[bool] = match (feed_through, options.given.feed_through) {
         (false, _) => &[false],
         (true, None) => &[false, true],
@@ -178,7 +179,10 @@ pub fn identify(
         };
         let looked = look(source, &designs[mesh], GasSource::Constant(0.0), &fitted, &mut row)?;
         for (place, &other) in alike.iter().enumerate().skip(1) {
-            looks[other] = Some((place, Looked { residuals: looked.residuals.clone(), end: looked.end.clone(), ..looked_head(&looked) }));
+            looks[other] = Some((
+                place,
+                Looked { residuals: looked.residuals.clone(), end: looked.end.clone(), ..looked_head(&looked) },
+            ));
         }
         looks[output] = Some((0, looked));
     }
@@ -207,9 +211,8 @@ pub fn identify(
             let mut by_class = BTreeMap::new();
             let mut mesh_rad_s = Vec::new();
             for (class, label) in classes.iter().enumerate() {
-                let bank = parts
-                    .iter()
-                    .position(|part| part.input == input && part.class == class && part.is_seen_by(output));
+                let bank =
+                    parts.iter().position(|part| part.input == input && part.class == class && part.is_seen_by(output));
                 let Some(bank) = bank else { continue };
                 mesh_rad_s.clone_from(&designs[choice.trial.mesh].banks[bank].rates_rad_s);
                 by_class.insert(label.clone(), class_of(choice, bank));
@@ -330,7 +333,8 @@ fn class_of(choice: &Choice, bank: usize) -> Class {
     let feed = of(&|role| matches!(role, Role::FeedThrough { bank: own } if *own == bank));
     let se = |term: usize| solution.covariance[(term, term)].max(0.0).sqrt();
     let all: Vec<usize> = relaxations.iter().chain(&feed).copied().collect();
-    let variance: f64 = all.iter().flat_map(|&i| all.iter().map(move |&j| (i, j))).map(|at| solution.covariance[at]).sum();
+    let variance: f64 =
+        all.iter().flat_map(|&i| all.iter().map(move |&j| (i, j))).map(|at| solution.covariance[at]).sum();
     Class {
         r_k_per_w: relaxations.iter().map(|&term| solution.theta[term]).collect(),
         se_k_per_w: relaxations.iter().map(|&term| se(term)).collect(),
@@ -355,14 +359,7 @@ pub(super) fn decays(design: &Design, amplitudes: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// What cross-validation and standard errors say against an output's model.
-fn doubts(
-    name: &str,
-    choice: &Choice,
-    facts: &Facts,
-    output: usize,
-    duration_s: f64,
-    pairs: &[Pair],
-) -> Vec<String> {
+fn doubts(name: &str, choice: &Choice, facts: &Facts, output: usize, duration_s: f64, pairs: &[Pair]) -> Vec<String> {
     let mut doubts = Vec::new();
     let spread = facts.output_sd(output);
     let error = choice.trial.score.overall().sqrt();

@@ -57,10 +57,8 @@ pub fn validate(
     start: Start,
     sight: &mut Sight<'_>,
 ) -> Result<Validated, ValidateError> {
-    let unfit = |source: &dyn Source, sentence: String| ValidateError::Unfit {
-        record: source.survey().path.clone(),
-        sentence,
-    };
+    let unfit =
+        |source: &dyn Source, sentence: String| ValidateError::Unfit { record: source.survey().path.clone(), sentence };
     let survey = source.survey().clone();
     if survey.inputs.len() != model.inputs.len() || survey.outputs.len() != model.outputs.len() {
         let sentence = format!(
@@ -138,7 +136,8 @@ fn estimate(
         .iter()
         .map(|rates| rates.iter().map(|(rate, _)| 1.0 - dr_core::model::mesh::gain(*rate, period_s)).collect())
         .collect();
-    let empty = |count: usize| Problem { g: DMatrix::zeros(count, count), b: DVector::zeros(count), yy: 0.0, rows: 0.0 };
+    let empty =
+        |count: usize| Problem { g: DMatrix::zeros(count, count), b: DVector::zeros(count), yy: 0.0, rows: 0.0 };
     let mut problems: Vec<Problem> = columns.iter().map(|columns| empty(columns.len())).collect();
     run(model, source, forward, &mut |seen| {
         for (output, problem) in problems.iter_mut().enumerate() {
@@ -181,7 +180,11 @@ fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
     let mut widths: Vec<(f64, f64)> = Vec::new();
     for pair in model.pairs.iter().filter(|pair| pair.output == model.outputs[output].name) {
         let input = model.inputs.iter().position(|name| *name == pair.input).unwrap_or(0);
-        let range = model.provenance.input_range.get(input).map_or(1.0, |[least, most]| most.abs().max(least.abs()).max(most - least));
+        let range = model
+            .provenance
+            .input_range
+            .get(input)
+            .map_or(1.0, |[least, most]| most.abs().max(least.abs()).max(most - least));
         for (k, &rate) in pair.mesh_rad_s.iter().enumerate() {
             let greatest = pair.classes.values().map(|class| class.r_k_per_w[k].abs()).fold(0.0, f64::max) * range;
             if greatest > 0.0 {
