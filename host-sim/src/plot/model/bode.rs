@@ -18,7 +18,7 @@ const LOWEST_PHASE: f64 = -720.0;
 /// Magnitude and phase of the pairs that lead to an output, over the record's band.
 pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
     let pairs: Vec<&Pair> = model.pairs.iter().filter(|pair| pair.output == output).collect();
-    let unit = pairs.first().map_or_else(String::new, |pair| gain_unit(pair));
+    let unit = gain_unit(model, output);
     let rates = || pairs.iter().flat_map(|pair| pair.mesh_rad_s.iter().copied());
     let nyquist = std::f64::consts::PI / model.sample_period_s;
     let duration_s = model.provenance.duration_s;

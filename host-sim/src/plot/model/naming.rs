@@ -7,12 +7,15 @@ use crate::model::{Class, Model, Pair};
 /// Curves that can be told apart in one chart.
 pub const CURVES: usize = 8;
 
-/// The unit of a pair's gain.
-pub fn gain_unit(pair: &Pair) -> String {
-    if pair.input.starts_with("power_w") && pair.output.starts_with("temperature_c") {
+/// The unit of the gains of the pairs that lead to an output.
+pub fn gain_unit(model: &Model, output: &str) -> String {
+    let inputs: Vec<&str> =
+        model.pairs.iter().filter(|pair| pair.output == output).map(|pair| pair.input.as_str()).collect();
+    if output.starts_with("temperature_c") && inputs.iter().all(|input| input.starts_with("power_w")) {
         return "K/W".to_owned();
     }
-    format!("unit of {} / unit of {}", shortened(&pair.output, 12.0, 130.0), shortened(&pair.input, 12.0, 130.0))
+    let input = if let [input] = inputs.as_slice() { shortened(input, 12.0, 130.0) } else { "the input".to_owned() };
+    format!("unit of {} / unit of {input}", shortened(output, 12.0, 130.0))
 }
 
 /// What stands behind the quantity in a column's name.

@@ -15,7 +15,7 @@ pub fn structure(model: &Model) -> Option<Chart> {
     };
     let parts: Vec<_> =
         (model.outputs.iter()).flat_map(|output| parts(model, &output.name)).filter(|(pair, _, _)| own(pair)).collect();
-    let unit = gain_unit(parts.first()?.0);
+    let unit = gain_unit(model, &parts.first()?.0.output);
     let thermal = unit == "K/W";
     let mut chart = Chart::new("Structure function", if thermal { "J/K" } else { "s / gain" })
         .x(Scale::Linear, if thermal { "K/W" } else { "gain" })

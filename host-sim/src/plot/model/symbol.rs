@@ -6,13 +6,16 @@ use super::Scale;
 use super::chart::{Chart, Series};
 use super::fit::NORMAL_95;
 use super::naming::{CURVES, gain_unit, label, left_out, of, parts};
-use super::words::estimate;
+use super::words::{brief, estimate};
 use crate::model::{Model, Structure};
+
+/// Residuals that inflate standard errors by more are worth a word.
+const COLOURED: f64 = 1.2;
 
 /// The symbols of all pairs that lead to an output.
 pub fn symbol(model: &Model, output: &str) -> Chart {
     let parts = parts(model, output);
-    let unit = parts.first().map_or_else(String::new, |(pair, _, _)| gain_unit(pair));
+    let unit = gain_unit(model, output);
     let mut chart = Chart::new(format!("Symbol{}", of(model, output)), &unit)
         .x(Scale::Log, "ξ in rad/s")
         .time_constants()
@@ -22,6 +25,10 @@ pub fn symbol(model: &Model, output: &str) -> Chart {
         chart = chart.note(format!("of class {reference}"));
     }
     chart = chart.note("R_k with intervals of 95 %");
+    let white = model.outputs.iter().find(|known| known.name == output).and_then(|output| output.whiteness.as_ref());
+    if let Some(white) = white.filter(|white| white.inflation > COLOURED) {
+        chart = chart.note(format!("about {} times as wide, as residuals are coloured", brief(white.inflation)));
+    }
     if parts.len() > 1 {
         chart = chart.note("steady gains beside the names");
     }

@@ -182,6 +182,15 @@ fn the_page_of_a_model_shows_all_its_sides() {
 }
 
 #[test]
+fn coloured_residuals_are_said_beside_the_intervals() {
+    let mut model = single(8);
+    model.outputs[0].whiteness = Some(whiteness());
+    assert!(!page(&model, &[]).unwrap().contains("coloured"));
+    model.outputs[0].whiteness = Some(Whiteness { inflation: 2.5, ..whiteness() });
+    assert!(page(&model, &[]).unwrap().contains("about 2.5 times as wide, as residuals are coloured"));
+}
+
+#[test]
 fn several_outputs_have_charts_of_their_own_up_to_six() {
     let model = network(7, &["all"], 3);
     let fits: Vec<FitSeries> = model.outputs.iter().map(|output| fit(&output.name, 100, 1)).collect();
