@@ -214,6 +214,7 @@ fn model() -> Model {
             input: "power_w:a".to_owned(),
             output: "temperature_c:a".to_owned(),
             mesh_rad_s: vec![0.1, 1.0, 10.0],
+            se_rate_rad_s: None,
             dead_time_samples: 1,
             non_negative: true,
             classes: BTreeMap::from([("calm".to_owned(), class)]),

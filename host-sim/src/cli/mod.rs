@@ -12,6 +12,7 @@ mod check;
 mod example;
 mod export;
 mod identify;
+mod merge;
 mod plot;
 mod reduce;
 mod run;
@@ -50,6 +51,7 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Identify(identify::Arguments),
+    Merge(merge::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
@@ -112,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),
+        Command::Merge(arguments) => merge::execute(&arguments),
         Command::Validate(arguments) => validate::execute(&arguments),
         Command::Plot(arguments) => plot::execute(&arguments),
         Command::Example(arguments) => example::execute(&arguments),

@@ -226,6 +226,7 @@ pub fn identify(
                 input: name.clone(),
                 output: survey.outputs[output].clone(),
                 mesh_rad_s,
+                se_rate_rad_s: None,
                 dead_time_samples: lag,
                 non_negative: held,
                 classes: by_class,

@@ -94,6 +94,12 @@ impl Model {
                 }
                 before = rate;
             }
+            if pair.se_rate_rad_s.as_ref().is_some_and(|se| se.len() != pair.mesh_rad_s.len()) {
+                return Err(format!(
+                    "{name}: `se_rate_rad_s` must have one value for each of the {} rates, or be absent",
+                    pair.mesh_rad_s.len()
+                ));
+            }
             if pair.classes.is_empty() {
                 return Err(format!("{name} has no class"));
             }

@@ -15,6 +15,7 @@
 pub mod export;
 mod file;
 mod forward;
+pub mod merge;
 pub mod reduce;
 
 use std::collections::BTreeMap;
@@ -112,6 +113,9 @@ pub struct Pair {
     pub output: String,
     /// Ascending rates.
     pub mesh_rad_s: Vec<f64>,
+    /// Of rates that were fitted to the record; absent where the mesh was given or chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se_rate_rad_s: Option<Vec<f64>>,
     /// Whole sample periods by which the output answers late.
     pub dead_time_samples: usize,
     /// Whether the resistances were held at or above zero.

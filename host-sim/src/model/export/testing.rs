@@ -18,6 +18,7 @@ pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
         input: "power_w:a".to_owned(),
         output: output.name.clone(),
         mesh_rad_s: mesh_rad_s.to_vec(),
+        se_rate_rad_s: None,
         dead_time_samples: 0,
         non_negative: r_k_per_w.iter().all(|resistance| *resistance >= 0.0),
         classes: BTreeMap::from([("all".to_owned(), class(r_k_per_w))]),
