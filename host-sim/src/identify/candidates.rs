@@ -114,7 +114,8 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
     }
 }
 
-/// Priors to try on a mesh, from the strongest to the weakest.
+/// Priors to try on a mesh, the most cautious first: from the strongest to the weakest, or the other way round on a mesh that the
+/// user gave.
 pub fn priors(mesh: &Mesh, given: &Given) -> Vec<Prior> {
     if let Some(ridge) = given.ridge {
         return vec![Prior::Columns(ridge)];
@@ -122,7 +123,13 @@ pub fn priors(mesh: &Mesh, given: &Given) -> Vec<Prior> {
     if mesh.smooth {
         return (0..=36).map(|step| Prior::Smooth(10_f64.powf(0.5 * f64::from(-step)))).collect();
     }
-    [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12].map(Prior::Tapered).to_vec()
+    let mut priors = [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12].map(Prior::Tapered).to_vec();
+    // Who gives the mesh has said what is likely: then a prior must earn its place. It would cost the standard errors their truth,
+    // since what it pulls the resistances by is not what it allows for.
+    if given.mesh_is_fixed() {
+        priors.reverse();
+    }
+    priors
 }
 
 /// The parameters of a design with a given beginning. `first_drives` is what drove each bank in the first row.
