@@ -59,6 +59,8 @@ pub struct Field<'a> {
     pub first_drives: &'a [f64],
     pub bank_input: &'a [usize],
     pub outputs: usize,
+    /// What was subtracted from the outputs.
+    pub output_shift: &'a [f64],
     /// Banks that this output sees.
     pub sees: &'a dyn Fn(usize) -> bool,
     /// Whether feed-through columns are in the designs, and may be left out.
@@ -119,7 +121,7 @@ impl Field<'_> {
                 }
             }
         }
-        self.settle(taken, trials, signs, output)
+        self.settle(taken, trials, given, signs, output)
     }
 
     fn try_priors(
@@ -156,7 +158,7 @@ impl Field<'_> {
         self.folds[mesh].iter().map(|fold| Problem::of(fold, terms, self.outputs, output)).collect()
     }
 
-    fn settle(&self, trial: Trial, rivals: Vec<Trial>, signs: &Signs, output: usize) -> Choice {
+    fn settle(&self, trial: Trial, rivals: Vec<Trial>, given: &Given, signs: &Signs, output: usize) -> Choice {
         let terms = self.terms(trial.mesh, trial.beginning, trial.feed_through);
         let folds = self.problems(trial.mesh, &terms, output);
         let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| sum.plus(fold));
@@ -191,6 +193,26 @@ impl Field<'_> {
             }
         };
         let solution = total.solve(&penalty, positive.as_deref());
+        // From rest, an output that may as well have begun at zero did: one parameter less, and the steady gain is surer.
+        let offset = terms.iter().position(|term| term.role == Role::Offset);
+        if let (Some(offset), Beginning::Rest, false) = (offset, trial.beginning, given.mesh_is_fixed()) {
+            let value = solution.theta[offset] + self.output_shift[output];
+            if value.abs() < 2.0 * solution.covariance[(offset, offset)].sqrt() {
+                let less = total.with_known(offset, -self.output_shift[output]);
+                let penalty = penalty.clone().remove_row(offset).remove_column(offset);
+                let held = positive.clone().map(|mut held| {
+                    held.remove(offset);
+                    held
+                });
+                let known = less.solve(&penalty, held.as_deref());
+                let solution = Solution {
+                    theta: known.theta.insert_row(offset, -self.output_shift[output]),
+                    covariance: known.covariance.insert_row(offset, 0.0).insert_column(offset, 0.0),
+                    ..known
+                };
+                return Choice { trial, terms, penalty, positive, solution, rivals, sign_reason };
+            }
+        }
         Choice { trial, terms, penalty, positive, solution, rivals, sign_reason }
     }
 }

@@ -4,13 +4,13 @@
 //! record's length, and no candidate costs another pass. In f64 the sums resolve directions down to 1e-14 of the strongest, far
 //! below what any prior here lets through.
 
-use nalgebra::{DMatrix, DMatrixView, Dyn};
+use nalgebra::DMatrix;
 
 use super::design::Design;
-use super::rows::{Rows, Sample};
-
-/// Rows that are gathered before they are multiplied.
-const BATCH: usize = 256;
+use super::panels::{self, BATCH, LANES, Panel, Tile};
+use super::pass::GasSource;
+use super::record::Block;
+use super::rows::Rows;
 
 /// Sums over some rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +23,26 @@ pub struct Gram {
 impl Gram {
     pub fn empty(width: usize) -> Self {
         Self { sums: DMatrix::zeros(width, width), rows: 0 }
+    }
+
+    /// Of the tiles on and above the diagonal.
+    fn of(tiles: &[Tile], width: usize, rows: u64) -> Self {
+        let mut gram = Self { rows, ..Self::empty(width) };
+        let count = panels::panels(width);
+        let places = (0..count).flat_map(|p| (p..count).map(move |q| (p, q)));
+        for ((p, q), tile) in places.zip(tiles) {
+            for (i, lanes) in tile.iter().enumerate() {
+                for (j, &sum) in lanes.iter().enumerate() {
+                    let (i, j) = (LANES * p + i, LANES * q + j);
+                    // The last panel may have lanes to spare.
+                    if i <= j && j < width {
+                        gram.sums[(i, j)] = sum;
+                        gram.sums[(j, i)] = sum;
+                    }
+                }
+            }
+        }
+        gram
     }
 
     pub fn add(&mut self, other: &Self) {
@@ -41,68 +61,60 @@ impl Gram {
 /// One pass over a record for one design.
 pub struct Accumulator {
     rows: Rows,
+    panels: Vec<Panel>,
+    /// Sums of the fold that is being read, and its rows.
+    tiles: Vec<Tile>,
+    fold_rows: u64,
     folds: Vec<Gram>,
-    /// First row of every fold after the first.
+    /// First row behind every fold but the last.
     borders: Vec<u64>,
-    batch: Vec<f64>,
-    gathered: usize,
     row: u64,
-    width: usize,
-    /// Subtracted from every output, so that a large offset does not eat the digits of what moves.
-    output_shift: Vec<f64>,
 }
 
 impl Accumulator {
     /// `expected_rows` are cut into `folds` folds of like length; rows beyond them go to the last.
     pub fn new(design: &Design, sample_period_s: f64, expected_rows: u64, folds: usize, output_shift: &[f64]) -> Self {
-        let rows = Rows::new(design, sample_period_s);
-        let width = rows.width();
+        let rows = Rows::new(design, sample_period_s, output_shift);
+        let count = panels::panels(rows.width());
         Self {
             rows,
-            folds: vec![Gram::empty(width); folds],
+            panels: vec![[[0.0; LANES]; BATCH]; count],
+            tiles: vec![Tile::default(); panels::tiles(count)],
+            fold_rows: 0,
+            folds: Vec::with_capacity(folds),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
-            batch: vec![0.0; BATCH * width],
-            gathered: 0,
             row: 0,
-            width,
-            output_shift: output_shift.to_vec(),
         }
     }
 
-    #[inline]
-    pub fn push(&mut self, sample: Sample<'_>) {
-        let row = &mut self.batch[self.gathered * self.width..][..self.width];
-        self.rows.row(sample, row);
-        for (value, shift) in row[self.width - self.output_shift.len()..].iter_mut().zip(&self.output_shift) {
-            *value -= shift;
-        }
-        self.gathered += 1;
-        self.row += 1;
-        if self.gathered == BATCH || self.borders.first() == Some(&self.row) {
-            self.flush();
+    pub fn push(&mut self, block: &Block, gas: GasSource) {
+        let mut from = 0;
+        while from < block.len() {
+            while self.borders.get(self.folds.len()).is_some_and(|&border| border <= self.row) {
+                self.end_fold();
+            }
+            let mut rows = BATCH.min(block.len() - from);
+            if let Some(&border) = self.borders.get(self.folds.len()) {
+                rows = rows.min((border - self.row) as usize);
+            }
+            self.rows.fill(block, gas, from, rows, &mut self.panels);
+            panels::add_products(&self.panels, rows, &mut self.tiles);
+            from += rows;
+            self.row += rows as u64;
+            self.fold_rows += rows as u64;
         }
     }
 
-    fn flush(&mut self) {
-        let fold = self.folds.len() - 1 - self.borders.len();
-        if self.gathered > 0 {
-            let (width, gathered) = (self.width, self.gathered);
-            let filled = &self.batch[..gathered * width];
-            // The same numbers seen as columns and as rows: the batch is stored row by row.
-            let transposed = DMatrixView::from_slice(filled, width, gathered);
-            let plain: DMatrixView<'_, f64, Dyn, Dyn> =
-                DMatrixView::from_slice_with_strides_generic(filled, Dyn(gathered), Dyn(width), Dyn(width), Dyn(1));
-            self.folds[fold].sums.gemm(1.0, &transposed, &plain, 1.0);
-            self.folds[fold].rows += gathered as u64;
-            self.gathered = 0;
-        }
-        if self.borders.first().is_some_and(|&border| border <= self.row) {
-            self.borders.remove(0);
-        }
+    fn end_fold(&mut self) {
+        self.folds.push(Gram::of(&self.tiles, self.rows.width(), self.fold_rows));
+        self.tiles.fill(Tile::default());
+        self.fold_rows = 0;
     }
 
     pub fn finish(mut self) -> Vec<Gram> {
-        self.flush();
+        while self.folds.len() <= self.borders.len() {
+            self.end_fold();
+        }
         self.folds
     }
 }

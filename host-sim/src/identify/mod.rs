@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`record`] | any uniformly sampled record, block by block |
 //! | [`design`], [`rows`] | which columns the regression has, and their rows: exact states of relaxations |
-//! | [`gram`], [`pass`] | one reading of the record: normal equations, fold by fold |
+//! | [`panels`], [`gram`], [`pass`] | one reading of the record: normal equations, fold by fold |
 //! | [`candidates`], [`delay`] | the models that are tried |
 //! | [`prior`], [`problem`], [`nonnegative`] | penalised least squares on the sums, and how sure its answer is |
 //! | [`folds`], [`choose`] | block cross-validation, and the choice |
@@ -23,6 +23,7 @@ pub mod design;
 pub mod folds;
 pub mod gram;
 pub mod nonnegative;
+pub mod panels;
 pub mod pass;
 pub mod prior;
 pub mod problem;

@@ -3,7 +3,6 @@
 use super::design::Design;
 use super::gram::{Accumulator, Gram};
 use super::record::{Block, RecordError, Source};
-use super::rows::Sample;
 
 /// Sums over inputs and outputs, in one class and in all.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,7 +164,6 @@ pub fn pass(
     let mut facts = Facts::new(inputs, outputs);
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
-    let (mut input_row, mut output_row) = (vec![0.0; inputs], vec![0.0; outputs]);
     while let Some(block) = source.next_block()? {
         if accumulators.is_empty() {
             output_shift = block.outputs.iter().map(|values| mean(values)).collect();
@@ -174,20 +172,7 @@ pub fn pass(
         }
         facts.add(block);
         for accumulator in &mut accumulators {
-            for row in 0..block.len() {
-                for (value, column) in input_row.iter_mut().zip(&block.inputs) {
-                    *value = column[row];
-                }
-                for (value, column) in output_row.iter_mut().zip(&block.outputs) {
-                    *value = column[row];
-                }
-                let gas_c = match gas {
-                    GasSource::Constant(gas_c) => gas_c,
-                    GasSource::Column => block.gas[row],
-                };
-                let class = block.class[row] as usize;
-                accumulator.push(Sample { inputs: &input_row, outputs: &output_row, class, gas_c });
-            }
+            accumulator.push(block, gas);
         }
         progress(facts.rows);
         if facts.rows >= rows {

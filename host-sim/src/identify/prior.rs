@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `Columns` | ε ‖a_i‖² θ_i² | a ridge on columns of unit norm, as `--ridge` gives it |
 //! | `Tapered` | ε n s² (θ_i / min(1, ξ_i/ξ_T))² | resistances of like size at all rates, less below ξ_T |
-//! | `Smooth` | ε n s² Σ (θ_{k−1} − 2θ_k + θ_{k+1})² | the symbol as a smooth curve over log ξ |
+//! | `Smooth` | ε n s² Σ (θ_{k−1} − 2θ_k + θ_{k+1})² | the symbol as a smooth curve over log ξ that ends beyond the mesh |
 //!
 //! A ridge on unit-norm columns costs a slow pole next to nothing, because its column is small: it may take any resistance and
 //! explain drift by it, and then go on drifting beyond the record. `Tapered` judges resistances, not columns, and trusts poles (and
@@ -75,23 +75,22 @@ impl Scales {
             };
         }
         if let Prior::Smooth(weight) = prior {
-            for i in 1..count.saturating_sub(1) {
-                let bank_of = |term: &Term| match term.role {
-                    Role::Relaxation { bank, .. } => Some(bank),
-                    _ => None,
-                };
-                let (Some(left), Some(bank), Some(right)) =
-                    (bank_of(&terms[i - 1]), bank_of(&terms[i]), bank_of(&terms[i + 1]))
-                else {
-                    continue;
-                };
-                if left != bank || right != bank {
-                    continue;
-                }
+            let place = |term: &Term| match term.role {
+                Role::Relaxation { bank, k, .. } => Some((bank, k)),
+                _ => None,
+            };
+            let at: std::collections::HashMap<(usize, usize), usize> =
+                terms.iter().enumerate().filter_map(|(i, term)| Some((place(term)?, i))).collect();
+            for &(bank, k) in at.keys() {
                 let power = weight * problem.rows * self.drive[bank].powi(2);
-                for (row, first) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                    for (column, second) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                        penalty[(row, column)] += power * first * second;
+                // Beyond the guards there is nothing: a neighbour that is missing counts as zero.
+                let neighbours = [(k.checked_sub(1), 1.0), (Some(k), -2.0), (Some(k + 1), 1.0)];
+                let found = neighbours.map(|(k, weight)| (k.and_then(|k| at.get(&(bank, k)).copied()), weight));
+                for (row, first) in found {
+                    for (column, second) in found {
+                        if let (Some(row), Some(column)) = (row, column) {
+                            penalty[(row, column)] += power * first * second;
+                        }
                     }
                 }
             }

@@ -72,6 +72,17 @@ impl Problem {
         Self { g: &self.g + &other.g, b: &self.b + &other.b, yy: self.yy + other.yy, rows: self.rows + other.rows }
     }
 
+    /// The problem that is left when one parameter is known.
+    pub fn with_known(&self, index: usize, value: f64) -> Self {
+        let column = self.g.column(index).into_owned();
+        Self {
+            yy: self.yy - 2.0 * value * self.b[index] + value * value * self.g[(index, index)],
+            b: (&self.b - &column * value).remove_row(index),
+            g: self.g.clone().remove_row(index).remove_column(index),
+            rows: self.rows,
+        }
+    }
+
     /// Sum of squared errors of parameters.
     pub fn squared_error(&self, theta: &DVector<f64>) -> f64 {
         (self.yy - 2.0 * theta.dot(&self.b) + theta.dot(&(&self.g * theta))).max(0.0)

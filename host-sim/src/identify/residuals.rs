@@ -11,9 +11,10 @@ use std::collections::VecDeque;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::design::Design;
+use super::panels::{BATCH, LANES, Lanes, panels};
 use super::pass::GasSource;
 use super::record::{RecordError, Source};
-use super::rows::{Rows, Sample};
+use super::rows::Rows;
 use crate::model::Whiteness;
 
 /// Lags of the autocorrelation.
@@ -115,9 +116,9 @@ pub fn look(
     source.restart()?;
     let survey = source.survey();
     let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
-    let mut rows = Rows::new(design, period_s);
-    let width = rows.width();
-    let mut row = vec![0.0; width];
+    let mut rows = Rows::new(design, period_s, &vec![0.0; outputs]);
+    let weights: Vec<Vec<Lanes>> = fitted.iter().map(|fitted| in_lanes(&fitted.theta)).collect();
+    let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
     let mut residuals = vec![Residuals::default(); outputs];
     let (mut input_row, mut output_row, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
     let (mut count, mut next_time_s) = (0, 0.0);
@@ -125,21 +126,25 @@ pub fn look(
     let mut pending = VecDeque::with_capacity(longest + 1);
     while let Some(block) = source.next_block()? {
         for at in 0..block.len() {
+            let n = at % BATCH;
+            if n == 0 {
+                rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
+            }
             for (value, column) in input_row.iter_mut().zip(&block.inputs) {
                 *value = column[at];
             }
             for (value, column) in output_row.iter_mut().zip(&block.outputs) {
                 *value = column[at];
             }
-            let gas_c = match gas {
-                GasSource::Constant(gas_c) => gas_c,
-                GasSource::Column => block.gas[at],
-            };
             let class = block.class[at] as usize;
-            rows.row(Sample { inputs: &input_row, outputs: &output_row, class, gas_c }, &mut row);
-            for fitted in fitted {
-                let explained: f64 = row.iter().zip(&fitted.theta).map(|(column, theta)| column * theta).sum();
-                predicted[fitted.output] = explained + fitted.shift;
+            for (fitted, weights) in fitted.iter().zip(&weights) {
+                let mut explained = [0.0; LANES];
+                for (panel, weights) in batch.iter().zip(weights) {
+                    for lane in 0..LANES {
+                        explained[lane] += panel[n][lane] * weights[lane];
+                    }
+                }
+                predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
                 residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
             }
             if longest > 0 {
@@ -160,6 +165,13 @@ pub fn look(
         .map(|fitted| states.iter().zip(&fitted.theta).map(|(state, theta)| state * theta).collect())
         .collect();
     Ok(Looked { residuals, end, next_time_s, pending: pending.into(), rows: count })
+}
+
+/// Weights of columns, as the panels have them.
+fn in_lanes(theta: &[f64]) -> Vec<Lanes> {
+    let mut lanes = vec![[0.0; LANES]; panels(theta.len())];
+    lanes.as_flattened_mut()[..theta.len()].copy_from_slice(theta);
+    lanes
 }
 
 #[cfg(test)]

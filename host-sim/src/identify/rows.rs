@@ -1,4 +1,4 @@
-//! Rows of the regression, made one after the other from the record: exact states, one step a sample.
+//! Rows of the regression, made batch by batch from the record: exact states, one step a sample.
 //!
 //! ```text
 //! x ← x + g (u − x),    g = 1 − e^(−ξ Ts)        u is held over [t_n, t_{n+1})
@@ -6,117 +6,219 @@
 //!
 //! In f64 the plain update keeps ten digits at ξTs = 1e-6 (in f32 it would not: `dr_core::model::relaxation`). It is written as
 //! a x + g u, which has one operation less between a state and its successor: that chain is what limits the speed.
+//!
+//! Every column is such a state: an initial decay has g = 0 and begins with 1, the offset has a = 1 as well. Those that are none
+//! (feed-through, outputs) are written over it.
 
 use dr_core::model::mesh;
+use pulp::{Simd, WithSimd};
 
 use super::design::{Design, Drive};
-
-/// What one row of a record holds.
-#[derive(Debug, Clone, Copy)]
-pub struct Sample<'a> {
-    pub inputs: &'a [f64],
-    pub outputs: &'a [f64],
-    pub class: usize,
-    pub gas_c: f64,
-}
+use super::panels::{BATCH, LANES, Lanes, Panel, panels};
+use super::pass::GasSource;
+use super::record::Block;
 
 /// The state between two rows.
 pub struct Rows {
-    banks: Vec<BankState>,
-    /// Present value and factor of every initial decay.
-    initial: Vec<(f64, f64)>,
-    outputs: usize,
-    width: usize,
+    lanes: Vec<States>,
+    banks: Vec<Source>,
+    /// What drives each bank in the rows of a batch; at least one, for columns that nothing drives.
+    drives: Vec<[f64; BATCH]>,
+    /// Column and bank of every feed-through.
+    feed_through: Vec<(usize, usize)>,
+    /// Whether a column is a state, and not an offset, a feed-through or an output.
+    remembers: Vec<bool>,
+    /// Subtracted from every output, so that a large offset does not eat the digits of what moves.
+    output_shift: Vec<f64>,
 }
 
-struct BankState {
-    drive: Drive,
-    feed_through: bool,
+/// The states of a panel of columns.
+#[derive(Debug, Clone, Copy, Default)]
+struct States {
     /// e^(−ξ Ts) and 1 − e^(−ξ Ts)
-    keep: Vec<f64>,
-    gain: Vec<f64>,
-    x: Vec<f64>,
+    keep: Lanes,
+    gain: Lanes,
+    x: Lanes,
+    drive: [usize; LANES],
+}
+
+struct Source {
+    drive: Drive,
     /// Drives that have not arrived yet, oldest at `next`.
     late: Vec<f64>,
     next: usize,
 }
 
 impl Rows {
-    pub fn new(design: &Design, sample_period_s: f64) -> Self {
-        let banks = design.banks.iter().map(|bank| {
-            let gain: Vec<f64> = bank.rates_rad_s.iter().map(|&rate| mesh::gain(rate, sample_period_s)).collect();
-            BankState {
-                drive: bank.drive,
-                feed_through: bank.feed_through,
-                keep: gain.iter().map(|gain| 1.0 - gain).collect(),
-                x: vec![0.0; gain.len()],
-                gain,
-                late: vec![0.0; bank.delay],
-                next: 0,
+    pub fn new(design: &Design, sample_period_s: f64, output_shift: &[f64]) -> Self {
+        let width = design.width();
+        let mut lanes = vec![States::default(); panels(width)];
+        let mut remembers = vec![false; width];
+        let mut feed_through = Vec::new();
+        let mut column = 0;
+        let mut put = |column: usize, keep: f64, gain: f64, x: f64, drive: usize| {
+            let (states, lane) = (&mut lanes[column / LANES], column % LANES);
+            states.keep[lane] = keep;
+            states.gain[lane] = gain;
+            states.x[lane] = x;
+            states.drive[lane] = drive;
+        };
+        for (index, bank) in design.banks.iter().enumerate() {
+            for &rate_rad_s in &bank.rates_rad_s {
+                let gain = mesh::gain(rate_rad_s, sample_period_s);
+                put(column, 1.0 - gain, gain, 0.0, index);
+                remembers[column] = true;
+                column += 1;
             }
-        });
-        let decay = |&rate: &f64| (1.0, 1.0 - mesh::gain(rate, sample_period_s));
+            if bank.feed_through {
+                feed_through.push((column, index));
+                column += 1;
+            }
+        }
+        for &rate_rad_s in &design.initial_rad_s {
+            put(column, 1.0 - mesh::gain(rate_rad_s, sample_period_s), 0.0, 1.0, 0);
+            remembers[column] = true;
+            column += 1;
+        }
+        put(column, 1.0, 0.0, 1.0, 0);
+        let source = |bank: &super::design::Bank| Source { drive: bank.drive, late: vec![0.0; bank.delay], next: 0 };
         Self {
-            banks: banks.collect(),
-            initial: design.initial_rad_s.iter().map(decay).collect(),
-            outputs: design.outputs,
-            width: design.width(),
+            lanes,
+            banks: design.banks.iter().map(source).collect(),
+            drives: vec![[0.0; BATCH]; design.banks.len().max(1)],
+            feed_through,
+            remembers,
+            output_shift: output_shift.to_vec(),
         }
     }
 
     pub fn width(&self) -> usize {
-        self.width
+        self.remembers.len()
     }
 
     /// The columns that remember, as the next row will have them; 0 for those that do not.
     pub fn states(&self) -> Vec<f64> {
-        let mut states = Vec::with_capacity(self.width);
-        for bank in &self.banks {
-            states.extend(&bank.x);
-            states.extend(bank.feed_through.then_some(0.0));
-        }
-        states.extend(self.initial.iter().map(|(value, _)| value));
-        states.resize(self.width, 0.0);
-        states
+        let states = self.lanes.iter().flat_map(|lanes| lanes.x);
+        states.zip(&self.remembers).map(|(x, &remembers)| if remembers { x } else { 0.0 }).collect()
     }
 
-    /// Writes the row of `sample` and steps to the next one.
-    #[inline]
-    pub fn row(&mut self, sample: Sample<'_>, row: &mut [f64]) {
-        let mut at = 0;
-        for bank in &mut self.banks {
-            let mut drive = match bank.drive {
-                Drive::Input(input) => sample.inputs[input],
-                Drive::Gated { input, class } => gated(sample.class == class, sample.inputs[input]),
-                Drive::Loss { output, class } => gated(sample.class == class, sample.outputs[output] - sample.gas_c),
-                Drive::Gate { class } => gated(sample.class == class, 1.0),
-            };
-            if !bank.late.is_empty() {
-                std::mem::swap(&mut drive, &mut bank.late[bank.next]);
-                bank.next = if bank.next + 1 == bank.late.len() { 0 } else { bank.next + 1 };
-            }
-            let order = bank.x.len();
-            let columns = &mut row[at..at + order];
-            for (((column, x), keep), gain) in columns.iter_mut().zip(&mut bank.x).zip(&bank.keep).zip(&bank.gain) {
-                *column = *x;
-                *x = keep * *x + gain * drive;
-            }
-            at += order;
-            if bank.feed_through {
-                row[at] = drive;
-                at += 1;
-            }
+    /// Writes the rows of a block from row `from` on, `rows` of them and [`BATCH`] at most, and steps behind them.
+    pub fn fill(&mut self, block: &Block, gas: GasSource, from: usize, rows: usize, panels: &mut [Panel]) {
+        let to = from + rows;
+        for (bank, values) in self.banks.iter_mut().zip(&mut self.drives) {
+            bank.drive(block, gas, from, &mut values[..rows]);
         }
-        for (value, factor) in &mut self.initial {
-            row[at] = *value;
-            *value *= *factor;
-            at += 1;
+        pulp::Arch::new().dispatch(Steps { lanes: &mut self.lanes, drives: &self.drives, rows, panels });
+        for &(column, bank) in &self.feed_through {
+            write(panels, column, &self.drives[bank][..rows], 0.0);
         }
-        row[at] = 1.0;
-        row[at + 1..at + 1 + self.outputs].copy_from_slice(sample.outputs);
+        let first_output = self.remembers.len() - self.output_shift.len();
+        for (output, (values, &shift)) in block.outputs.iter().zip(&self.output_shift).enumerate() {
+            write(panels, first_output + output, &values[from..to], shift);
+        }
     }
 }
 
-fn gated(open: bool, value: f64) -> f64 {
-    if open { value } else { 0.0 }
+fn write(panels: &mut [Panel], column: usize, values: &[f64], shift: f64) {
+    for (lanes, value) in panels[column / LANES].iter_mut().zip(values) {
+        lanes[column % LANES] = value - shift;
+    }
+}
+
+impl Source {
+    fn drive(&mut self, block: &Block, gas: GasSource, from: usize, values: &mut [f64]) {
+        let rows = from..from + values.len();
+        let class_of = &block.class[rows.clone()];
+        let gate = |values: &mut [f64], class: usize| {
+            for (value, &of) in values.iter_mut().zip(class_of) {
+                *value = if of as usize == class { *value } else { 0.0 };
+            }
+        };
+        match self.drive {
+            Drive::Input(input) => values.copy_from_slice(&block.inputs[input][rows]),
+            Drive::Gated { input, class } => {
+                values.copy_from_slice(&block.inputs[input][rows]);
+                gate(values, class);
+            }
+            Drive::Loss { output, class } => {
+                values.copy_from_slice(&block.outputs[output][rows.clone()]);
+                match gas {
+                    GasSource::Constant(gas_c) => values.iter_mut().for_each(|value| *value -= gas_c),
+                    GasSource::Column => values.iter_mut().zip(&block.gas[rows]).for_each(|(value, gas)| *value -= gas),
+                }
+                gate(values, class);
+            }
+            Drive::Gate { class } => {
+                values.fill(1.0);
+                gate(values, class);
+            }
+        }
+        if !self.late.is_empty() {
+            for value in values {
+                std::mem::swap(value, &mut self.late[self.next]);
+                self.next = if self.next + 1 == self.late.len() { 0 } else { self.next + 1 };
+            }
+        }
+    }
+}
+
+/// The states of all panels, over the rows of a batch.
+struct Steps<'a> {
+    lanes: &'a mut [States],
+    drives: &'a [[f64; BATCH]],
+    rows: usize,
+    panels: &'a mut [Panel],
+}
+
+impl WithSimd for Steps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { lanes, drives, rows, panels } = self;
+        // Three panels side by side: while one waits for its product, the others step.
+        let (lanes, panels) = steps::<3>(lanes, drives, rows, panels);
+        let (lanes, panels) = steps::<2>(lanes, drives, rows, panels);
+        steps::<1>(lanes, drives, rows, panels);
+    }
+}
+
+/// Steps panels in groups of `Q`, and hands back those that are left.
+#[inline(always)]
+fn steps<'a, const Q: usize>(
+    lanes: &'a mut [States],
+    drives: &[[f64; BATCH]],
+    rows: usize,
+    panels: &'a mut [Panel],
+) -> (&'a mut [States], &'a mut [Panel]) {
+    let (groups, lanes_left) = lanes.as_chunks_mut::<Q>();
+    let (targets, panels_left) = panels.as_chunks_mut::<Q>();
+    for (group, target) in groups.iter_mut().zip(targets) {
+        let states = *group;
+        let drive = states.map(|states| states.drive.map(|bank| &drives[bank]));
+        let mut x = states.map(|states| states.x);
+        for n in 0..rows.min(BATCH) {
+            for q in 0..Q {
+                target[q][n] = x[q];
+                let u = drive[q].map(|drive| drive[n]);
+                x[q] = step(&states[q], x[q], u);
+            }
+        }
+        for (states, x) in group.iter_mut().zip(x) {
+            states.x = x;
+        }
+    }
+    (lanes_left, panels_left)
+}
+
+/// Written out lane by lane: so it becomes vector instructions.
+#[inline(always)]
+fn step(states: &States, x: Lanes, u: Lanes) -> Lanes {
+    let (a, g) = (&states.keep, &states.gain);
+    [
+        a[0] * x[0] + g[0] * u[0],
+        a[1] * x[1] + g[1] * u[1],
+        a[2] * x[2] + g[2] * u[2],
+        a[3] * x[3] + g[3] * u[3],
+    ]
 }

@@ -148,6 +148,7 @@ pub fn identify(
                 first_drives: &first_drives,
                 bank_input: &bank_input,
                 outputs: survey.outputs.len(),
+                output_shift: &passed.output_shift,
                 sees: &|bank: usize| parts[bank].is_seen_by(output),
                 feed_through: with_or_without,
             };
