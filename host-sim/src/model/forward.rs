@@ -112,6 +112,11 @@ impl Forward {
         }));
     }
 
+    /// An offset in place of the model's own, as every new day has one.
+    pub fn set_offset(&mut self, output: usize, offset_c: f64) {
+        self.offset_c[output] = offset_c;
+    }
+
     /// One row: writes the outputs at t_n, then holds the inputs over [t_n, t_{n+1}).
     ///
     /// `class` is the row's index into the model's classes, `gas_c` the gas temperature (for structure `conductance` only).

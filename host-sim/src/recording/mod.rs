@@ -26,8 +26,8 @@ use std::path::{Path, PathBuf};
 
 pub use collect::Collector;
 pub use plain::write_columns;
-pub use read::{CHUNK, Column, Reader, Recording, Values, Words};
 pub(crate) use read::tidy;
+pub use read::{CHUNK, Column, Reader, Recording, Values, Words};
 pub use temporary::Temporary;
 pub use write::{Layout, RecordingWriter, Row};
 
