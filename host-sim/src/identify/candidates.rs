@@ -114,6 +114,14 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
     }
 }
 
+/// A mesh from `factor` times ξ_T to π/Ts.
+pub fn dense(duration_s: f64, sample_period_s: f64, factor: f64, per_decade: f64) -> Mesh {
+    let (first, last) = mesh::thesis_edges_rad_s(duration_s, sample_period_s, 1);
+    let first = factor * first;
+    let rates_rad_s = geometric(first, last, order_for(first, last, per_decade));
+    Mesh { rates_rad_s, factor, smooth: false, free: true }
+}
+
 /// Priors to try on a mesh, the most cautious first: from the strongest to the weakest, or the other way round on a mesh that the
 /// user gave.
 pub fn priors(mesh: &Mesh, given: &Given) -> Vec<Prior> {

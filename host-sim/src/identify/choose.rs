@@ -97,7 +97,7 @@ impl Field<'_> {
                 self.try_priors(trials, index, beginning, feed_through, given, output);
             }
         };
-        for (index, mesh) in self.meshes.iter().enumerate().filter(|(_, mesh)| mesh.free) {
+        for index in (0..self.meshes.len()).filter(|&index| self.meshes[index].free) {
             for beginning in self.beginnings(given) {
                 tried(&mut trials, index, beginning);
             }

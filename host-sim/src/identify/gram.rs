@@ -118,3 +118,86 @@ impl Accumulator {
         self.folds
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::design::{Bank, Drive};
+
+    /// Two blocks of 300 and 77 rows: neither fits batches.
+    fn blocks() -> Vec<Block> {
+        let value = |n: usize, factor: usize| ((n * factor) % 101) as f64 / 50.0 - 1.0;
+        let block = |from: usize, to: usize| Block {
+            inputs: vec![(from..to).map(|n| value(n, 37)).collect(), (from..to).map(|n| value(n, 71)).collect()],
+            outputs: vec![(from..to).map(|n| 20.0 + value(n, 53)).collect()],
+            class: (from..to).map(|n| u32::from(n % 90 > 40)).collect(),
+            gas: (from..to).map(|n| 18.0 + value(n, 17)).collect(),
+            first_row: from as u64,
+            time_s: (from as f64, to as f64 - 1.0),
+        };
+        vec![block(0, 300), block(300, 377)]
+    }
+
+    fn bank(drive: Drive, rates_rad_s: &[f64], delay: usize, feed_through: bool) -> Bank {
+        Bank { drive, rates_rad_s: rates_rad_s.to_vec(), delay, feed_through }
+    }
+
+    /// The state before row n as the sum that the recursion stands for, x_n = Σ_m (1 − a) a^(n−1−m) u_m with a = e^(−ξ Ts).
+    fn state(rate_rad_s: f64, drive: &[f64], n: usize) -> f64 {
+        let keep = (-rate_rad_s * 1.0).exp();
+        (0..n).map(|m| (1.0 - keep) * keep.powi((n - 1 - m) as i32) * drive[m]).sum()
+    }
+
+    #[test]
+    fn folds_hold_the_products_of_columns_that_follow_from_their_sums() {
+        let rates = [0.01, 0.1, 1.0];
+        let design = Design {
+            banks: vec![
+                bank(Drive::Input(0), &rates, 5, true),
+                bank(Drive::Gated { input: 1, class: 1 }, &rates[..2], 0, false),
+                bank(Drive::Loss { output: 0, class: 0 }, &rates[1..], 0, true),
+                bank(Drive::Gate { class: 1 }, &rates[..1], 0, false),
+            ],
+            initial_rad_s: vec![0.1],
+            outputs: 1,
+        };
+        let blocks = blocks();
+        let mut accumulator = Accumulator::new(&design, 1.0, 370, 3, &[20.0]);
+        blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
+        let folds = accumulator.finish();
+
+        let join = |of: &dyn Fn(&Block) -> Vec<f64>| blocks.iter().flat_map(of).collect::<Vec<f64>>();
+        let (first, second) = (join(&|block| block.inputs[0].clone()), join(&|block| block.inputs[1].clone()));
+        let (output, gas) = (join(&|block| block.outputs[0].clone()), join(&|block| block.gas.clone()));
+        let class = join(&|block| block.class.iter().map(|&class| f64::from(class)).collect());
+        let late: Vec<f64> = [0.0; 5].into_iter().chain(first).take(377).collect();
+        let gated: Vec<f64> = second.iter().zip(&class).map(|(u, class)| u * class).collect();
+        let loss: Vec<f64> = (0..377).map(|n| (output[n] - gas[n]) * (1.0 - class[n])).collect();
+        let row = |n: usize| {
+            let mut row: Vec<f64> = rates.iter().map(|&rate| state(rate, &late, n)).collect();
+            row.push(late[n]);
+            row.extend(rates[..2].iter().map(|&rate| state(rate, &gated, n)));
+            row.extend(rates[1..].iter().map(|&rate| state(rate, &loss, n)));
+            row.push(loss[n]);
+            row.push(state(rates[0], &class, n));
+            row.extend([(-0.1 * n as f64).exp(), 1.0, output[n] - 20.0]);
+            nalgebra::DVector::from_vec(row)
+        };
+        for (fold, rows) in folds.iter().zip([0..123, 123..246, 246..377]) {
+            assert_eq!(fold.rows, rows.len() as u64);
+            let mut sums = DMatrix::zeros(design.width(), design.width());
+            rows.map(row).for_each(|row| sums += &row * row.transpose());
+            // Sums of some hundred terms of at most 9: rounding is some 1e-13.
+            assert!((&fold.sums - &sums).amax() < 1e-10, "{}", (&fold.sums - &sums).amax());
+        }
+        assert_eq!(folds.len(), 3);
+    }
+
+    #[test]
+    fn a_column_that_every_row_has_counts_them() {
+        let design = Design { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: 1 };
+        let mut accumulator = Accumulator::new(&design, 1.0, 377, 1, &[20.0]);
+        blocks().iter().for_each(|block| accumulator.push(block, GasSource::Column));
+        assert_eq!(accumulator.finish()[0].sums[(0, 0)], 377.0);
+    }
+}

@@ -18,6 +18,7 @@
 pub mod candidates;
 pub mod choose;
 pub mod cole_cole;
+pub mod conductance;
 pub mod delay;
 pub mod design;
 pub mod folds;
@@ -101,7 +102,7 @@ pub fn identify(
         return Err(IdentifyError::unfit(source, format!("has {rows} rows: a model takes at least {LEAST_ROWS}")));
     }
     match options.structure {
-        Some(Structure::Conductance) => todo!(),
+        Some(Structure::Conductance) => conductance::identify(source, options, progress, sight),
         Some(Structure::Symbol) | None => symbol::identify(source, options, progress, sight),
     }
 }

@@ -55,25 +55,27 @@ impl Facts {
         }
         for (output, values) in block.outputs.iter().enumerate() {
             widen(&mut self.output_range[output], values);
-            let from = self.output_first[output];
-            self.output_sum[output] += values.iter().map(|y| y - from).sum::<f64>();
-            self.output_squares[output] += values.iter().map(|y| (y - from).powi(2)).sum::<f64>();
+            let (sum, squares) = sums(values, self.output_first[output]);
+            self.output_sum[output] += sum;
+            self.output_squares[output] += squares;
         }
-        let classes = block.class.iter().max().map_or(0, |&class| class as usize + 1);
         let inputs = block.inputs.len();
-        while self.class_rows.len() < classes {
-            self.class_rows.push(0);
-            self.class_sum.push(vec![0.0; inputs]);
-            self.class_squares.push(vec![0.0; inputs]);
-        }
-        for (row, &class) in block.class.iter().enumerate() {
-            let class = class as usize;
-            self.class_rows[class] += 1;
-            for input in 0..inputs {
-                let moved = block.inputs[input][row] - self.first_inputs[input];
-                self.class_sum[class][input] += moved;
-                self.class_squares[class][input] += moved * moved;
+        let mut from = 0;
+        // A class holds for many rows, as a rule.
+        for stretch in block.class.chunk_by(|before, after| before == after) {
+            let (class, to) = (stretch[0] as usize, from + stretch.len());
+            while self.class_rows.len() <= class {
+                self.class_rows.push(0);
+                self.class_sum.push(vec![0.0; inputs]);
+                self.class_squares.push(vec![0.0; inputs]);
             }
+            self.class_rows[class] += stretch.len() as u64;
+            for input in 0..inputs {
+                let (sum, squares) = sums(&block.inputs[input][from..to], self.first_inputs[input]);
+                self.class_sum[class][input] += sum;
+                self.class_squares[class][input] += squares;
+            }
+            from = to;
         }
         for i in 0..inputs {
             for j in 0..i {
@@ -119,11 +121,39 @@ impl Facts {
     }
 }
 
+/// Values that are gone through side by side: one sum after the other would wait for its addition.
+const ABREAST: usize = 8;
+
 fn widen(range: &mut [f64; 2], values: &[f64]) {
-    for &value in values {
-        range[0] = range[0].min(value);
-        range[1] = range[1].max(value);
+    let (mut least, mut greatest) = ([range[0]; ABREAST], [range[1]; ABREAST]);
+    let (groups, rest) = values.as_chunks::<ABREAST>();
+    for group in groups {
+        for lane in 0..ABREAST {
+            // Records hold finite values only, so that NaN needs no thought.
+            least[lane] = if group[lane] < least[lane] { group[lane] } else { least[lane] };
+            greatest[lane] = if group[lane] > greatest[lane] { group[lane] } else { greatest[lane] };
+        }
     }
+    range[0] = least.iter().chain(rest).copied().fold(range[0], f64::min);
+    range[1] = greatest.iter().chain(rest).copied().fold(range[1], f64::max);
+}
+
+/// Σ(v − from) and Σ(v − from)²
+fn sums(values: &[f64], from: f64) -> (f64, f64) {
+    let (mut sum, mut squares) = ([0.0; ABREAST], [0.0; ABREAST]);
+    let (groups, rest) = values.as_chunks::<ABREAST>();
+    for group in groups {
+        for lane in 0..ABREAST {
+            let moved = group[lane] - from;
+            sum[lane] += moved;
+            squares[lane] += moved * moved;
+        }
+    }
+    for (lane, value) in rest.iter().enumerate() {
+        sum[lane] += value - from;
+        squares[lane] += (value - from).powi(2);
+    }
+    (sum.iter().sum(), squares.iter().sum())
 }
 
 fn deviation(sum: f64, squares: f64, rows: u64) -> f64 {

@@ -20,6 +20,9 @@ use crate::model::Whiteness;
 /// Lags of the autocorrelation.
 pub const LAGS: usize = 40;
 
+/// Residuals that find room before the last ones move to the end again.
+const ROOM: usize = 1024;
+
 /// A row as it is seen by whoever draws or writes residuals.
 pub struct Seen<'a> {
     pub row: u64,
@@ -34,7 +37,9 @@ pub struct Residuals {
     count: u64,
     squares: f64,
     products: Vec<f64>,
-    last: VecDeque<f64>,
+    /// The last residuals, newest first, from `newest` on: the place before it is free until there is none.
+    last: Vec<f64>,
+    newest: usize,
     first_y: f64,
     y_sum: f64,
     y_squares: f64,
@@ -45,6 +50,8 @@ impl Residuals {
         let residual = measured - predicted;
         if self.count == 0 {
             self.products = vec![0.0; LAGS];
+            self.last = vec![0.0; ROOM + LAGS];
+            self.newest = ROOM;
             self.first_y = measured;
         }
         self.count += 1;
@@ -52,11 +59,15 @@ impl Residuals {
         let moved = measured - self.first_y;
         self.y_sum += moved;
         self.y_squares += moved * moved;
-        for (product, before) in self.products.iter_mut().zip(&self.last) {
+        for (product, before) in self.products.iter_mut().zip(&self.last[self.newest..]) {
             *product += residual * before;
         }
-        self.last.push_front(residual);
-        self.last.truncate(LAGS);
+        if self.newest == 0 {
+            self.last.copy_within(..LAGS, ROOM);
+            self.newest = ROOM;
+        }
+        self.newest -= 1;
+        self.last[self.newest] = residual;
     }
 
     pub fn rms(&self) -> f64 {

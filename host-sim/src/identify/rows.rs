@@ -215,10 +215,5 @@ fn steps<'a, const Q: usize>(
 #[inline(always)]
 fn step(states: &States, x: Lanes, u: Lanes) -> Lanes {
     let (a, g) = (&states.keep, &states.gain);
-    [
-        a[0] * x[0] + g[0] * u[0],
-        a[1] * x[1] + g[1] * u[1],
-        a[2] * x[2] + g[2] * u[2],
-        a[3] * x[3] + g[3] * u[3],
-    ]
+    [a[0] * x[0] + g[0] * u[0], a[1] * x[1] + g[1] * u[1], a[2] * x[2] + g[2] * u[2], a[3] * x[3] + g[3] * u[3]]
 }

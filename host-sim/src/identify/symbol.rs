@@ -9,9 +9,9 @@ use super::candidates::{self, Beginning, Given, Mesh};
 use super::choose::{Choice, Field, change};
 use super::delay;
 use super::design::{Bank, Design, Drive, Role};
-use super::folds::FOLDS;
+use super::folds::{FOLDS, Score};
 use super::pass::{Facts, GasSource, pass};
-use super::prior::Scales;
+use super::prior::{Prior, Scales};
 use super::record::Source;
 use super::residuals::{Fitted, Looked, look};
 use super::{IdentifyError, Options, Progress, Sight, support};
@@ -409,19 +409,34 @@ fn chosen(choice: &Choice, meshes: &[Mesh], lag: usize, mut reasons: Vec<String>
     let what = format!("prior: {} of weight {:.1e}", trial.prior.name(), trial.prior.weight());
     reasons.extend(against(&what, best_of(&|rival| rival.mesh == trial.mesh && rival.prior != trial.prior)));
     reasons.push(choice.sign_reason.clone());
-    let (value, se) = trial.score.rms_and_se();
+    Chosen {
+        non_negative: choice.positive.is_some(),
+        feed_through: trial.feed_through,
+        dead_time_samples: lag,
+        ..chosen_by(mesh, trial.beginning, trial.prior, &trial.score, reasons)
+    }
+}
+
+/// What both structures choose.
+pub(super) fn chosen_by(
+    mesh: &Mesh,
+    beginning: Beginning,
+    prior: Prior,
+    score: &Score,
+    reasons: Vec<String>,
+) -> Chosen {
+    let rates = mesh.rates_rad_s.len();
+    let (value, se) = score.rms_and_se();
     Chosen {
         order: rates,
         first_rate_rad_s: mesh.rates_rad_s[0],
         last_rate_rad_s: mesh.rates_rad_s[rates - 1],
         lower_edge_factor: mesh.factor,
-        prior: trial.prior.name().to_owned(),
-        ridge: trial.prior.weight(),
-        non_negative: choice.positive.is_some(),
-        feed_through: trial.feed_through,
-        dead_time_samples: lag,
-        initial_state: trial.beginning.name().to_owned(),
+        prior: prior.name().to_owned(),
+        ridge: prior.weight(),
+        initial_state: beginning.name().to_owned(),
         cross_validation: Some(Estimate { value, se }),
         reasons,
+        ..Chosen::default()
     }
 }

@@ -37,6 +37,8 @@ pub struct Setup {
     pub feed_through: bool,
     /// `None` until the first reading has shown which.
     pub beginning: Option<Beginning>,
+    /// Whether the design has initial decays.
+    pub initial: bool,
     pub outputs: usize,
     pub output: usize,
     pub prior: Prior,
@@ -50,7 +52,7 @@ impl Setup {
             delay: part.delay,
             feed_through: self.feed_through,
         };
-        let initial_rad_s = if self.beginning == Some(Beginning::Rest) { Vec::new() } else { rates_rad_s.to_vec() };
+        let initial_rad_s = if self.initial { rates_rad_s.to_vec() } else { Vec::new() };
         Design { banks: self.parts.iter().map(bank).collect(), initial_rad_s, outputs: self.outputs }
     }
 

@@ -72,6 +72,11 @@ impl Search {
         best.rates_rad_s.iter().zip(&outward).map(|(&rate, &step)| at(rate, step)).collect()
     }
 
+    /// Of the two edges of the range, whether it is the slow one that a rate is nearer to.
+    pub fn is_at_slow_edge(&self, rate_rad_s: f64) -> bool {
+        rate_rad_s * rate_rad_s < self.bounds_rad_s.0 * self.bounds_rad_s.1
+    }
+
     fn propose(&mut self) {
         let pinned = self.pinned();
         let Some(best) = &self.best else { return };

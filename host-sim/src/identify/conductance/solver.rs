@@ -1,0 +1,178 @@
+//! Gauss–Newton on resistances and winds at once, on the normal equations of one reading.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::candidates::Beginning;
+use super::super::design::Role;
+use super::super::gram::Gram;
+use super::super::prior::{Prior, Scales};
+use super::super::problem::{Problem, Term};
+use super::terms::{Places, Winds};
+
+/// Steps at most, and the change of the logarithm of the error at which they end.
+const STEPS: usize = 60;
+const SETTLED: f64 = 1e-9;
+
+/// A joint step: all outputs' parameters, and the winds that they share.
+pub(super) struct Step {
+    pub(super) thetas: Vec<DVector<f64>>,
+    /// Changes of ΔG by element and class without the reference, then of the gas temperature if it is estimated.
+    pub(super) change: DVector<f64>,
+    /// Of the winds, with noise variances taken from the residuals.
+    pub(super) covariance: DMatrix<f64>,
+    /// By output, of its own parameters within the joint solution.
+    pub(super) own: Vec<DMatrix<f64>>,
+}
+
+pub(super) struct Solver<'a> {
+    pub(super) places: Places<'a>,
+    pub(super) scales: Scales,
+    pub(super) prior: Prior,
+    pub(super) beginning: Beginning,
+    pub(super) outputs: usize,
+}
+
+impl Solver<'_> {
+    pub(super) fn penalty(&self, terms: &[Term], problem: &Problem) -> DMatrix<f64> {
+        self.scales.penalty(self.prior, terms, problem)
+    }
+
+    /// Resistances for given winds, output by output.
+    pub(super) fn linear(&self, gram: &Gram, winds: &Winds) -> (Vec<Term>, Vec<DVector<f64>>, Vec<f64>) {
+        let terms = self.places.terms(self.beginning, winds);
+        let (mut thetas, mut errors) = (Vec::new(), Vec::new());
+        for output in 0..self.outputs {
+            let problem = Problem::of(gram, &terms, self.outputs, output);
+            let penalty = self.penalty(&terms, &problem);
+            let theta = problem.estimate(&penalty, None);
+            errors.push(problem.squared_error(&theta) + theta.dot(&(&penalty * &theta)));
+            thetas.push(theta);
+        }
+        (terms, thetas, errors)
+    }
+
+    /// The derivative of an output by the winds, as columns.
+    pub(super) fn slopes(&self, terms: &[Term], theta: &DVector<f64>, winds: &Winds) -> Vec<Term> {
+        let places = &self.places;
+        let mut slopes = Vec::new();
+        let relaxations = |element: usize| {
+            terms.iter().zip(theta.iter()).filter_map(move |(term, theta)| match term.role {
+                Role::Relaxation { bank, k, .. } if bank == element => Some((k, *theta)),
+                _ => None,
+            })
+        };
+        for element in 0..places.elements {
+            for class in places.winds() {
+                let of = relaxations(element).flat_map(|(k, theta)| {
+                    let loss = places.loss(element, class, k, winds.gas_c);
+                    loss.into_iter().map(move |(at, weight)| (at, -theta * weight))
+                });
+                slopes.push(Term { of: of.collect(), role: Role::Offset });
+            }
+        }
+        if places.gates {
+            let mut of = Vec::new();
+            for element in 0..places.elements {
+                for class in places.winds() {
+                    let taken = winds.conductance[element][class];
+                    of.extend(
+                        relaxations(element)
+                            .map(|(k, theta)| (places.column(places.gate_bank(class), k), taken * theta)),
+                    );
+                }
+            }
+            slopes.push(Term { of, role: Role::Offset });
+        }
+        slopes
+    }
+
+    /// One Gauss–Newton step from `winds`, at whose resistances the slopes are taken.
+    pub(super) fn step(&self, gram: &Gram, winds: &Winds) -> Step {
+        let (terms, thetas, _) = self.linear(gram, winds);
+        let own = terms.len();
+        let shared = self.slopes(&terms, &thetas[0], winds).len();
+        let mut normal = DMatrix::<f64>::zeros(shared, shared);
+        let mut right = DVector::<f64>::zeros(shared);
+        let mut parts = Vec::new();
+        for (output, theta) in thetas.iter().enumerate() {
+            let all: Vec<Term> = terms.iter().cloned().chain(self.slopes(&terms, theta, winds)).collect();
+            let problem = Problem::of(gram, &all, self.outputs, output);
+            let plain = Problem::of(gram, &terms, self.outputs, output);
+            let penalty = self.penalty(&terms, &plain);
+            let solution = plain.solve(&penalty, None);
+            // The winds with the resistances projected out: the Schur complement.
+            let cross = problem.g.view((0, own), (own, shared)).into_owned();
+            let inverse = &solution.covariance / solution.noise_variance.max(f64::MIN_POSITIVE);
+            let projected = &inverse * &cross;
+            let schur = problem.g.view((own, own), (shared, shared)) - cross.tr_mul(&projected);
+            let gradient = problem.b.rows(own, shared) - cross.tr_mul(&solution.theta);
+            let weight = 1.0 / solution.noise_variance.max(f64::MIN_POSITIVE);
+            normal += schur * weight;
+            right += gradient * weight;
+            parts.push((projected, solution));
+        }
+        let scale = normal.diagonal().map(|entry| if entry > 0.0 { 1.0 / entry.sqrt() } else { 0.0 });
+        let scaled = DMatrix::from_fn(shared, shared, |i, j| {
+            normal[(i, j)] * scale[i] * scale[j] + if i == j { 1e-13 } else { 0.0 }
+        });
+        let inverse = scaled.clone().cholesky().map_or_else(
+            || scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(shared, shared)),
+            |factor| factor.inverse(),
+        );
+        let covariance = DMatrix::from_fn(shared, shared, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        let change = &covariance * right;
+        let own = parts
+            .iter()
+            .map(|(projected, solution)| &solution.covariance + projected * &covariance * projected.transpose())
+            .collect();
+        Step { thetas: parts.into_iter().map(|(_, solution)| solution.theta).collect(), change, covariance, own}
+    }
+
+    /// Winds after a share of a step.
+    pub(super) fn moved(&self, winds: &Winds, change: &DVector<f64>, share: f64) -> Winds {
+        let mut moved = winds.clone();
+        let mut at = 0;
+        for element in 0..self.places.elements {
+            for class in self.places.winds() {
+                moved.conductance[element][class] += share * change[at];
+                at += 1;
+            }
+        }
+        if self.places.gates {
+            moved.gas_c += share * change[at];
+        }
+        moved
+    }
+
+    /// The least penalised error, summed over outputs by their logarithms.
+    pub(super) fn cost(&self, gram: &Gram, winds: &Winds) -> f64 {
+        self.linear(gram, winds).2.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum()
+    }
+
+    pub(super) fn solve(&self, gram: &Gram, start: Winds) -> Winds {
+        let mut winds = start;
+        let mut cost = self.cost(gram, &winds);
+        for _ in 0..STEPS {
+            let change = self.step(gram, &winds).change;
+            let mut share = 1.0;
+            let taken = loop {
+                let next = self.moved(&winds, &change, share);
+                let error = self.cost(gram, &next);
+                if error.is_finite() && error <= cost {
+                    break Some((next, error));
+                }
+                share /= 2.0;
+                if share < 1e-6 {
+                    break None;
+                }
+            };
+            let Some((next, error)) = taken else { break };
+            let settled = cost - error < SETTLED;
+            (winds, cost) = (next, error);
+            if settled {
+                break;
+            }
+        }
+        winds
+    }
+}

@@ -1,0 +1,255 @@
+//! Tied pairs: heat is reciprocal, so that what input i does to output j is what input j does to output i.
+//!
+//! ```text
+//! R_k(i → j) = R_k(j → i), class by class;     Σ_o M_oᵀ G_o M_o / σ_o²  θ = Σ_o M_oᵀ b_o / σ_o²
+//! ```
+//!
+//! The outputs' normal equations, each weighted by its noise, are added up in the parameters that they share (M_o maps those of output o
+//! to all). Hence one mesh, beginning and prior for all outputs: of those that single outputs would choose, the one with the least
+//! geometric mean of held-out errors. Weights come from residuals: first of each output alone, then of the tied solution.
+//!
+//! It takes inputs and outputs in the same order and unit, and conditions that hold for all elements at once.
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Options;
+use super::candidates::terms;
+use super::choose::{Choice, Trial, change};
+use super::design::{Design, Role};
+use super::folds::{Score, score};
+use super::gram::Gram;
+use super::prior::Scales;
+use super::problem::{Problem, Solution, Term};
+use super::record::Survey;
+use crate::model::Structure;
+
+/// From what ratio of mean squared held-out errors on the record speaks against the ties.
+const WORSE: f64 = 1.1;
+
+/// What ties need to know of the designs.
+pub struct Ties<'a> {
+    pub designs: &'a [Design],
+    /// By design.
+    pub folds: &'a [Vec<Gram>],
+    pub scales: &'a Scales,
+    pub first_drives: &'a [f64],
+    /// By bank: input and class.
+    pub parts: &'a [(usize, usize)],
+    /// Whether an output sees a bank.
+    pub sees: &'a dyn Fn(usize, usize) -> bool,
+}
+
+/// The choices with shared resistances, why, and what speaks against it.
+pub struct Tied {
+    pub choices: Vec<Choice>,
+    pub reason: String,
+    pub warning: Option<String>,
+}
+
+/// Refuses a record in which there is nothing to tie, and what ties are not for.
+pub fn refuse(survey: &Survey, options: &Options) -> Result<(), String> {
+    if options.structure == Some(Structure::Conductance) {
+        return Err("tied pairs are for structure `symbol`: leave out --tie".to_owned());
+    }
+    if options.free_poles.is_some() {
+        return Err("free poles differ from output to output, and tied pairs share theirs: choose one of --free-poles and --tie".to_owned());
+    }
+    let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
+    if inputs == outputs && inputs > 1 {
+        return Ok(());
+    }
+    Err(format!(
+        "{inputs} inputs ({}) and {outputs} outputs ({}) cannot be tied: name as many outputs as inputs, two at least, in the same order with --input and --output",
+        survey.inputs.join(", "),
+        survey.outputs.join(", ")
+    ))
+}
+
+/// One output's part of the joint problem.
+struct Part {
+    terms: Vec<Term>,
+    folds: Vec<Problem>,
+    total: Problem,
+    penalty: DMatrix<f64>,
+    positive: Vec<bool>,
+    /// For every parameter of its own, which one of all it is.
+    index: Vec<usize>,
+}
+
+/// Which parameter of all a parameter of one output is.
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    /// Elements in ascending order, class, and rate (`None`: feed-through).
+    Shared(usize, usize, usize, Option<usize>),
+    Own(usize, usize),
+}
+
+impl Ties<'_> {
+    /// Solves all outputs together; `choices` are what each would be alone.
+    pub fn tie(&self, choices: Vec<Choice>) -> Tied {
+        let mean_log = |scores: &[Score]| scores.iter().map(|score| score.overall().max(1e-300).ln()).sum::<f64>();
+        let candidates = choices.iter().map(|choice| {
+            let parts = self.parts_for(&choice.trial, &choices);
+            let scores: Vec<Score> =
+                parts.iter().map(|part| score(&part.folds, &part.total, &part.penalty, None)).collect();
+            (&choice.trial, parts, scores)
+        });
+        let best = candidates.min_by(|a, b| mean_log(&a.2).total_cmp(&mean_log(&b.2)));
+        let (trial, parts, scores) = best.expect("a record has an output");
+
+        let positive = joined_signs(&parts);
+        let held = positive.contains(&true).then_some(&positive[..]);
+        let alone = |part: &Part| {
+            let held = part.positive.contains(&true).then_some(&part.positive[..]);
+            part.total.solve(&part.penalty, held).noise_variance
+        };
+        let mut variances: Vec<f64> = parts.iter().map(alone).collect();
+        let floor = |variances: &mut Vec<f64>| {
+            // Outputs without noise would weigh infinitely.
+            let greatest = variances.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            variances.iter_mut().for_each(|variance| *variance = variance.max(1e-12 * greatest));
+        };
+        let mut solved = Vec::new();
+        for _ in 0..2 {
+            floor(&mut variances);
+            let (total, penalty) = joint(&parts, &variances, |part| &part.total);
+            solved = split(&parts, &variances, &total.solve(&penalty, held));
+            variances = solved.iter().map(|solution| solution.noise_variance).collect();
+        }
+        floor(&mut variances);
+        let singles = held_out(&parts, &variances, held);
+        let log_ratio = |(tied, alone): (&Vec<f64>, &Score)| {
+            let mean = tied.iter().sum::<f64>() / tied.len().max(1) as f64;
+            (mean.max(1e-300) / alone.mean_single().max(1e-300)).ln()
+        };
+        let ratio = (singles.iter().zip(&scores).map(log_ratio).sum::<f64>() / parts.len() as f64).exp();
+        let reason = format!("pairs tied, R(i → j) = R(j → i): held-out error {} against untied", change(ratio));
+        let warning = (ratio > WORSE).then(|| {
+            format!(
+                "the record speaks against tied pairs (held-out error {}): are inputs and outputs in the same order and unit, and do the conditions hold for all elements? Else leave out --tie",
+                change(ratio)
+            )
+        });
+        let trial = trial.clone();
+        let rest = parts.into_iter().zip(solved).zip(singles).zip(scores);
+        let of = |(choice, (((part, solution), single), score)): (&Choice, (((Part, Solution), Vec<f64>), Score))| Choice {
+            trial: Trial { score: Score { single, ..score }, ..trial.clone() },
+            terms: part.terms,
+            penalty: part.penalty,
+            positive: part.positive.contains(&true).then_some(part.positive),
+            solution,
+            rivals: choice.rivals.clone(),
+            sign_reason: choice.sign_reason.clone(),
+        };
+        Tied { choices: choices.iter().zip(rest).map(of).collect(), reason, warning }
+    }
+
+    /// Every output's part for one trial.
+    fn parts_for(&self, trial: &Trial, choices: &[Choice]) -> Vec<Part> {
+        let roles = self.designs[trial.mesh].roles();
+        let mut known: HashMap<Key, usize> = HashMap::new();
+        let mut parts = Vec::new();
+        for (output, choice) in choices.iter().enumerate() {
+            let all = terms(&roles, trial.beginning, trial.feed_through, self.first_drives);
+            let bank_of = |term: &Term| match term.role {
+                Role::Relaxation { bank, k, .. } => Some((bank, Some(k))),
+                Role::FeedThrough { bank } => Some((bank, None)),
+                Role::Initial { .. } | Role::Offset => None,
+            };
+            let seen = |term: &Term| bank_of(term).is_none_or(|(bank, _)| (self.sees)(output, bank));
+            let terms: Vec<Term> = all.into_iter().filter(seen).collect();
+            let key = |(at, term): (usize, &Term)| match bank_of(term) {
+                Some((bank, k)) => {
+                    let (input, class) = self.parts[bank];
+                    Key::Shared(input.min(output), input.max(output), class, k)
+                }
+                None => Key::Own(output, at),
+            };
+            let mut index = Vec::with_capacity(terms.len());
+            for key in terms.iter().enumerate().map(key) {
+                let next = known.len();
+                index.push(*known.entry(key).or_insert(next));
+            }
+            let problem = |gram: &Gram| Problem::of(gram, &terms, choices.len(), output);
+            let folds: Vec<Problem> = self.folds[trial.mesh].iter().map(problem).collect();
+            let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| sum.plus(fold));
+            let penalty = self.scales.penalty(trial.prior, &terms, &total);
+            let positive = terms.iter().map(|term| bank_of(term).is_some_and(|(bank, _)| holds(choice, bank)));
+            parts.push(Part { positive: positive.collect(), penalty, total, folds, index, terms });
+        }
+        parts
+    }
+}
+
+/// Whether an output's own choice holds a bank's resistances at or above zero.
+fn holds(choice: &Choice, bank: usize) -> bool {
+    let of_bank = |term: &Term| matches!(term.role, Role::Relaxation { bank: own, .. } if own == bank);
+    let mut held = choice.terms.iter().zip(choice.positive.iter().flatten());
+    held.any(|(term, positive)| *positive && of_bank(term))
+}
+
+fn count(parts: &[Part]) -> usize {
+    parts.iter().flat_map(|part| &part.index).max().map_or(0, |most| most + 1)
+}
+
+/// A shared parameter is held if all outputs that share it hold it.
+fn joined_signs(parts: &[Part]) -> Vec<bool> {
+    let mut signs = vec![true; count(parts)];
+    for part in parts {
+        part.index.iter().zip(&part.positive).for_each(|(&at, positive)| signs[at] &= positive);
+    }
+    signs
+}
+
+/// The weighted sum of the outputs' problems, and of their penalties.
+fn joint<'p>(parts: &'p [Part], variances: &[f64], of: impl Fn(&'p Part) -> &'p Problem) -> (Problem, DMatrix<f64>) {
+    let count = count(parts);
+    let mut penalty = DMatrix::zeros(count, count);
+    let mut sum = Problem { g: DMatrix::zeros(count, count), b: DVector::zeros(count), yy: 0.0, rows: 0.0 };
+    for (part, variance) in parts.iter().zip(variances) {
+        let problem = of(part);
+        for (i, &row) in part.index.iter().enumerate() {
+            sum.b[row] += problem.b[i] / variance;
+            for (j, &column) in part.index.iter().enumerate() {
+                sum.g[(row, column)] += problem.g[(i, j)] / variance;
+                penalty[(row, column)] += part.penalty[(i, j)] / variance;
+            }
+        }
+        sum.yy += problem.yy / variance;
+        sum.rows += problem.rows;
+    }
+    (sum, penalty)
+}
+
+/// Each output's share of the joint solution.
+fn split(parts: &[Part], variances: &[f64], joint: &Solution) -> Vec<Solution> {
+    let of = |(part, variance): (&Part, &f64)| {
+        let theta = DVector::from_iterator(part.index.len(), part.index.iter().map(|&at| joint.theta[at]));
+        let covariance = DMatrix::from_fn(part.index.len(), part.index.len(), |i, j| {
+            joint.covariance[(part.index[i], part.index[j])]
+        });
+        let rss = part.total.squared_error(&theta);
+        // Of the parameters that outputs share, each counts those that its own rows decide.
+        let degrees = part.total.g.component_mul(&covariance).sum() / (variance * joint.noise_variance);
+        let noise_variance = rss / (part.total.rows - degrees).max(1.0);
+        Solution { theta, covariance, rss, degrees, noise_variance }
+    };
+    parts.iter().zip(variances).map(of).collect()
+}
+
+/// Mean squared errors on single held-out folds, by output.
+fn held_out(parts: &[Part], variances: &[f64], held: Option<&[bool]>) -> Vec<Vec<f64>> {
+    let (total, penalty) = joint(parts, variances, |part| &part.total);
+    let mut errors = vec![Vec::new(); parts.len()];
+    for fold in 1..parts[0].folds.len() {
+        let (left_out, _) = joint(parts, variances, |part| &part.folds[fold]);
+        let theta = total.minus(&left_out).estimate(&penalty, held);
+        for (part, errors) in parts.iter().zip(&mut errors) {
+            let own = DVector::from_iterator(part.index.len(), part.index.iter().map(|&at| theta[at]));
+            errors.push(part.folds[fold].squared_error(&own) / part.folds[fold].rows.max(1.0));
+        }
+    }
+    errors
+}
