@@ -21,6 +21,8 @@ Examples:
   anemo identify prbs.parquet -o model.json
   anemo identify heater.csv --input power --output temperature -o model.json
   anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify heater.csv -o small.json --free-poles 3
+  anemo identify heads.csv --input power_w:0 power_w:1 --output temperature_c:0 temperature_c:1 --tie -o model.json
   anemo identify winds.csv --event wind -o model.json
   anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
 
@@ -69,6 +71,12 @@ pub struct Arguments {
     /// Samples by which the output answers late.
     #[arg(long, value_name = "SAMPLES")]
     dead_time: Option<usize>,
+    /// Fit so many rates (1 to 8) an output freely, from the mesh solution on, for a model that is small.
+    #[arg(long, value_name = "K", conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
+    free_poles: Option<usize>,
+    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i.
+    #[arg(long)]
+    tie: bool,
     /// Print the model as one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -142,6 +150,9 @@ impl Arguments {
         if self.order == Some(0) || self.cross_order == Some(0) {
             return Err(Failure::usage("--order must be at least 1"));
         }
+        if let Some(poles @ (0 | 9..)) = self.free_poles {
+            return Err(Failure::usage(format!("--free-poles must be 1 to 8, as many as the board carries, not {poles}")));
+        }
         if self.ridge.is_some_and(|ridge| !(ridge.is_finite() && ridge >= 0.0)) {
             return Err(Failure::usage("--ridge must be a number of at least 0"));
         }
@@ -172,6 +183,8 @@ impl Arguments {
             cross,
             gas,
             reference: self.reference.clone(),
+            free_poles: self.free_poles,
+            tie: self.tie,
         })
     }
 

@@ -11,6 +11,7 @@
 //! | [`prior`], [`problem`], [`nonnegative`] | penalised least squares on the sums, and how sure its answer is |
 //! | [`folds`], [`choose`] | block cross-validation, and the choice |
 //! | [`symbol`], [`conductance`] | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
+//! | [`refine`], [`tied`] | a few free rates in place of a mesh; reciprocal pairs |
 //! | [`residuals`], [`support`] | what is left, and whether the record could carry the model |
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose answer is known exactly |
@@ -29,10 +30,12 @@ pub mod pass;
 pub mod prior;
 pub mod problem;
 pub mod record;
+pub mod refine;
 pub mod residuals;
 pub mod rows;
 pub mod support;
 pub mod symbol;
+pub mod tied;
 pub mod validate;
 
 use crate::model::{Model, Structure};
@@ -55,6 +58,10 @@ pub struct Options {
     pub gas: GasGiven,
     /// The class to which ΔG = 0 belongs; by default the one with the least conductance.
     pub reference: Option<String>,
+    /// So many rates an output are fitted to the record, from the mesh solution on.
+    pub free_poles: Option<usize>,
+    /// Pairs i → j and j → i have the same resistances.
+    pub tie: bool,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -100,6 +107,14 @@ pub fn identify(
     let rows = source.survey().rows;
     if rows < LEAST_ROWS {
         return Err(IdentifyError::unfit(source, format!("has {rows} rows: a model takes at least {LEAST_ROWS}")));
+    }
+    if options.tie {
+        tied::refuse(source.survey(), options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
+    }
+    if let Some(poles) = options.free_poles {
+        refine::refuse(poles, options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
+        let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+        return refine::refine(source, &mesh, poles, options, progress, sight);
     }
     match options.structure {
         Some(Structure::Conductance) => conductance::identify(source, options, progress, sight),

@@ -14,6 +14,7 @@ use super::pass::{Facts, GasSource, pass};
 use super::prior::{Prior, Scales};
 use super::record::Source;
 use super::residuals::{Fitted, Looked, look};
+use super::tied::Ties;
 use super::{IdentifyError, Options, Progress, Sight, support};
 use crate::model::{Chosen, Class, End, Estimate, Model, Output, Pair, Provenance, Structure};
 
@@ -156,6 +157,22 @@ pub fn identify(
         })
         .collect();
 
+    let (choices, against_ties) = if options.tie {
+        let ties = Ties {
+            designs: &designs,
+            folds: &passed.folds,
+            scales: &scales,
+            first_drives: &first_drives,
+            parts: &parts.iter().map(|part| (part.input, part.class)).collect::<Vec<_>>(),
+            sees: &|output, bank: usize| parts[bank].is_seen_by(output),
+        };
+        let tied = ties.tie(choices);
+        reasons.push(tied.reason);
+        (tied.choices, tied.warning)
+    } else {
+        (choices, None)
+    };
+
     // Residuals: outputs that chose the same design share a reading.
     let mut looks: Vec<Option<(usize, Looked)>> = (0..choices.len()).map(|_| None).collect();
     for output in 0..choices.len() {
@@ -190,6 +207,7 @@ pub fn identify(
     let looks: Vec<(usize, Looked)> = looks.into_iter().flatten().collect();
 
     let mut warnings = support::warnings(&survey, facts);
+    warnings.extend(against_ties);
     let outputs: Vec<Output> = choices
         .iter()
         .enumerate()
@@ -326,7 +344,7 @@ pub(super) fn in_columns(choice: &Choice, width: usize) -> Vec<f64> {
 }
 
 /// Resistances of one bank with their standard errors.
-fn class_of(choice: &Choice, bank: usize) -> Class {
+pub(super) fn class_of(choice: &Choice, bank: usize) -> Class {
     let solution = &choice.solution;
     let of = |wanted: &dyn Fn(&Role) -> bool| -> Vec<usize> {
         (0..choice.terms.len()).filter(|&term| wanted(&choice.terms[term].role)).collect()
@@ -361,7 +379,7 @@ pub(super) fn decays(design: &Design, amplitudes: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// What cross-validation and standard errors say against an output's model.
-fn doubts(name: &str, choice: &Choice, facts: &Facts, output: usize, duration_s: f64, pairs: &[Pair]) -> Vec<String> {
+pub(super) fn doubts(name: &str, choice: &Choice, facts: &Facts, output: usize, duration_s: f64, pairs: &[Pair]) -> Vec<String> {
     let mut doubts = Vec::new();
     let spread = facts.output_sd(output);
     let error = choice.trial.score.overall().sqrt();

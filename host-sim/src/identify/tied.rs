@@ -134,15 +134,16 @@ impl Ties<'_> {
         });
         let trial = trial.clone();
         let rest = parts.into_iter().zip(solved).zip(singles).zip(scores);
-        let of = |(choice, (((part, solution), single), score)): (&Choice, (((Part, Solution), Vec<f64>), Score))| Choice {
-            trial: Trial { score: Score { single, ..score }, ..trial.clone() },
-            terms: part.terms,
-            penalty: part.penalty,
-            positive: part.positive.contains(&true).then_some(part.positive),
-            solution,
-            rivals: choice.rivals.clone(),
-            sign_reason: choice.sign_reason.clone(),
-        };
+        let of =
+            |(choice, (((part, solution), single), score)): (&Choice, (((Part, Solution), Vec<f64>), Score))| Choice {
+                trial: Trial { score: Score { single, ..score }, ..trial.clone() },
+                terms: part.terms,
+                penalty: part.penalty,
+                positive: part.positive.contains(&true).then_some(part.positive),
+                solution,
+                rivals: choice.rivals.clone(),
+                sign_reason: choice.sign_reason.clone(),
+            };
         Tied { choices: choices.iter().zip(rest).map(of).collect(), reason, warning }
     }
 

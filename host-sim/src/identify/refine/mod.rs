@@ -53,7 +53,9 @@ pub fn refuse(poles: usize, options: &Options) -> Result<(), String> {
         return Err("free poles are for structure `symbol`; `anemo reduce` makes any model smaller".to_owned());
     }
     if options.cross.is_some() {
-        return Err("with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh".to_owned());
+        return Err(
+            "with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh".to_owned()
+        );
     }
     Ok(())
 }
@@ -70,11 +72,8 @@ pub fn refine(
     refuse(poles, options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
     let survey = source.survey().clone();
     let (rows, period_s) = (survey.rows, survey.sample_period_s);
-    let (thesis_rad_s, nyquist) = dr_core::model::mesh::thesis_edges_rad_s(
-        rows as f64 * period_s,
-        period_s,
-        mesh.classes.len() as u32,
-    );
+    let (thesis_rad_s, nyquist) =
+        dr_core::model::mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, mesh.classes.len() as u32);
     let mut searches = Vec::new();
     for (output, of) in mesh.outputs.iter().enumerate() {
         let setup = setup(mesh, &of.name, output, options);
@@ -251,13 +250,7 @@ fn settled(mut search: Search, outputs: &[Output], poles: usize, first_drives: &
     }
     let score = score(&point.folds, &point.total, &point.penalty, point.positive.as_deref());
     let beginning = search.setup.beginning.unwrap_or(Beginning::Free);
-    let trial = Trial {
-        mesh: 0,
-        beginning,
-        feed_through: search.setup.feed_through,
-        prior: search.setup.prior,
-        score,
-    };
+    let trial = Trial { mesh: 0, beginning, feed_through: search.setup.feed_through, prior: search.setup.prior, score };
     // Terms of the plain design stand in the order of θ; the rates' own behind them weigh no column.
     let design = search.setup.design(rates);
     let mut terms = search.setup.terms(&design, beginning, first_drives);

@@ -167,6 +167,9 @@ fn numbers_that_the_board_does_not_carry_are_refused_before_anything_is_read() {
     let made = made(100, &THREE, 0.0, 0.0, 1);
     for poles in [0, 9] {
         let sentence = fitted(&made, poles, Options::default()).unwrap_err().to_string();
-        assert!(sentence.ends_with(&format!("free poles are 1 to 8, as many as the board carries, not {poles}")), "{sentence}");
+        assert!(
+            sentence.ends_with(&format!("free poles are 1 to 8, as many as the board carries, not {poles}")),
+            "{sentence}"
+        );
     }
 }

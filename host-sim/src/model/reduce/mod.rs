@@ -95,7 +95,7 @@ fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result
         let rates_rad_s: Vec<f64> = pair.mesh_rad_s.iter().copied().take(1).collect();
         Fit { r_k_per_w: vec![vec![0.0]; classes.len()], rates_rad_s, cost: 0.0 }
     } else {
-        search(pair, order, rates, period_s, &target, &poles)?
+        search(pair.non_negative, order, rates, period_s, &target, &poles)?
     };
     let mut rounded: Vec<f64> = found.rates_rad_s.iter().map(|rate| f64::from(*rate as f32)).collect();
     rounded.dedup();
@@ -111,8 +111,24 @@ fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result
     Ok(Pair { mesh_rad_s: rounded, se_rate_rad_s: None, classes, ..pair.clone() })
 }
 
+/// The free rates of at most `order` poles that reproduce several symbols on one mesh best.
+pub fn free_rates(
+    mesh_rad_s: &[f64],
+    symbols: &[&[f64]],
+    non_negative: bool,
+    order: usize,
+    period_s: f64,
+) -> Result<Vec<f64>, String> {
+    let poles = weights(mesh_rad_s, symbols);
+    if poles.is_empty() {
+        return Ok(Vec::new());
+    }
+    let target = Target::new(mesh_rad_s, symbols, period_s);
+    Ok(search(non_negative, order, Rates::Free, period_s, &target, &poles)?.rates_rad_s)
+}
+
 fn search(
-    pair: &Pair,
+    non_negative: bool,
     order: usize,
     rates: Rates,
     period_s: f64,
@@ -122,7 +138,7 @@ fn search(
     let (slowest, fastest) = (poles[0].0, poles[poles.len() - 1].0);
     let nyquist = std::f64::consts::PI / period_s;
     let bounds_rad_s = (slowest / 10.0, 3.0 * fastest.max(nyquist));
-    let problem = Problem { target, non_negative: pair.non_negative, bounds_rad_s };
+    let problem = Problem { target, non_negative, bounds_rad_s };
     let geometric = |order: usize| -> Vec<f64> {
         (0..order).map(|k| dr_core::model::mesh::rate_rad_s(slowest, fastest, k, order)).collect()
     };
