@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
+use super::fits::Fits;
+use super::model_summary::summary;
 use crate::identify::candidates::{Beginning, Given};
 use crate::identify::choose::Signs;
 use crate::identify::record::{Selection, Source, Stream};
 use crate::identify::{GasGiven, IdentifyError, Options, identify};
-use crate::model::{Model, Structure};
+use crate::model::Structure;
 
 /// Identify a diffusive model from a record: thermal resistances on a mesh of rates, with standard errors.
 ///
@@ -23,7 +25,7 @@ Examples:
   anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
   anemo identify heater.csv -o small.json --free-poles 3
   anemo identify heads.csv --input power_w:0 power_w:1 --output temperature_c:0 temperature_c:1 --tie -o model.json
-  anemo identify winds.csv --event wind -o model.json
+  anemo identify winds.csv --event wind -o model.json --plot model.svg
   anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
@@ -71,6 +73,9 @@ pub struct Arguments {
     /// Samples by which the output answers late.
     #[arg(long, value_name = "SAMPLES")]
     dead_time: Option<usize>,
+    /// Draw symbol, fit, residuals, frequency response and structure function into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Fit so many rates (1 to 8) an output freely, from the mesh solution on, for a model that is small.
     #[arg(long, value_name = "K", conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
     free_poles: Option<usize>,
@@ -236,81 +241,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (selection, gas) = arguments.selection();
     let mut stream = Stream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;
-    let model = identify(&mut stream, &options, &mut progress_bar(), &mut |_| {})?;
+    let mut fits = Fits::new(arguments.plot.as_deref(), stream.survey())?;
+    let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
     if let Some(path) = &arguments.output_file {
         model.write(path).map_err(Failure::work)?;
     }
+    let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
+    fits.draw(&model, &whiteness)?;
     if arguments.json {
         return super::print_json(&model);
     }
     super::print(&summary(&model, &stream.survey().notes, arguments.output_file.as_deref()))
-}
-
-/// The model for people.
-fn summary(model: &Model, notes: &[String], written: Option<&std::path::Path>) -> String {
-    use std::fmt::Write as _;
-    let mut text = String::new();
-    let provenance = &model.provenance;
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "{}: {} rows, {:.6} s apart, {:.6} s in all",
-        provenance.records.join(", "),
-        provenance.rows,
-        model.sample_period_s,
-        provenance.duration_s
-    );
-    for note in notes {
-        let _ = writeln!(text, "  {note}");
-    }
-    for pair in &model.pairs {
-        for (label, class) in &pair.classes {
-            let label = if model.classes.len() > 1 { format!(", {label}") } else { String::new() };
-            let _ = writeln!(text, "\n{} → {}{label}", pair.input, pair.output);
-            let _ = writeln!(text, "  {:>12} {:>12} {:>12} {:>11}", "rate rad/s", "tau s", "R", "± se");
-            for ((rate, resistance), se) in pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w) {
-                let _ = writeln!(text, "  {rate:>12.4e} {:>12.4e} {resistance:>12.5} {se:>11.2}", 1.0 / rate);
-            }
-            if class.feed_through_k_per_w != 0.0 {
-                let _ = writeln!(
-                    text,
-                    "  {:>12} {:>12} {:>12.5} {:>11.2}",
-                    "at once", "", class.feed_through_k_per_w, class.se_feed_through_k_per_w
-                );
-            }
-            let _ =
-                writeln!(text, "  steady gain {:.5} ± {:.2}", class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
-        }
-    }
-    text.push('\n');
-    for output in &model.outputs {
-        let _ = write!(
-            text,
-            "{}: fit {:.2} %, residual {:.4} rms, offset {:.4} ± {:.2}",
-            output.name, output.fit_percent, output.residual_rms, output.offset_c, output.se_offset_c
-        );
-        if let Some(white) = &output.whiteness {
-            let verdict = if white.p_value >= 0.01 {
-                format!("residuals white (p = {:.2})", white.p_value)
-            } else {
-                format!("residuals coloured: true standard errors are about {:.1} times those stated", white.inflation)
-            };
-            let _ = write!(text, "; {verdict}");
-        }
-        text.push('\n');
-    }
-    if let Some(error) = &model.chosen.cross_validation {
-        let _ = writeln!(text, "held-out blocks: {:.4} ± {:.2} rms", error.value, error.se);
-    }
-    text.push_str("\nchosen:\n");
-    for reason in &model.chosen.reasons {
-        let _ = writeln!(text, "  {reason}");
-    }
-    for warning in &model.warnings {
-        let _ = writeln!(text, "\nwarning: {warning}");
-    }
-    if let Some(path) = written {
-        let _ = writeln!(text, "\nmodel written to {}", path.display());
-    }
-    text
 }

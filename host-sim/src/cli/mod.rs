@@ -11,8 +11,10 @@
 mod check;
 mod example;
 mod export;
+mod fits;
 mod identify;
 mod merge;
+mod model_summary;
 mod plot;
 mod reduce;
 mod run;

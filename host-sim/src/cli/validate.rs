@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::Failure;
+use super::fits::Fits;
 use super::identify::Columns;
-use crate::identify::record::{Selection, Stream};
+use crate::identify::record::{Selection, Source as _, Stream};
 use crate::identify::validate::{Start, ValidateError, Validated, validate};
 use crate::model::{Gas, Model, ModelError};
 
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// What the model starts from.
     #[arg(long, value_enum, default_value = "estimate")]
     start: StartName,
+    /// Draw measured and predicted, residuals, and the model into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -75,7 +79,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         StartName::Continue => Start::Continue,
         StartName::Rest => Start::Rest,
     };
-    let validated = validate(&model, &mut stream, start, &mut |_| {})?;
+    let mut fits = Fits::new(arguments.plot.as_deref(), stream.survey())?;
+    let validated = validate(&model, &mut stream, start, &mut |seen| fits.see(seen))?;
+    let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
+    fits.draw(&model, &whiteness)?;
     if arguments.json {
         return super::print_json(&json(&validated));
     }

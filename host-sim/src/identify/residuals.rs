@@ -28,6 +28,7 @@ pub struct Seen<'a> {
     pub row: u64,
     pub class: usize,
     pub measured: &'a [f64],
+    /// NaN for an output that is looked at in a reading of its own.
     pub predicted: &'a [f64],
 }
 
@@ -131,7 +132,8 @@ pub fn look(
     let weights: Vec<Vec<Lanes>> = fitted.iter().map(|fitted| in_lanes(&fitted.theta)).collect();
     let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
     let mut residuals = vec![Residuals::default(); outputs];
-    let (mut input_row, mut output_row, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
+    let (mut input_row, mut output_row, mut predicted) =
+        (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
     let (mut count, mut next_time_s) = (0, 0.0);
     let longest = design.longest_delay();
     let mut pending = VecDeque::with_capacity(longest + 1);
