@@ -2,6 +2,7 @@
 
 pub mod fake_board;
 pub mod records;
+pub mod speed;
 
 use host_sim::experiment::Experiment;
 use host_sim::instrument::emulated::{Emulated, Path as Way};

@@ -25,17 +25,15 @@ impl Gram {
         Self { sums: DMatrix::zeros(width, width), rows: 0 }
     }
 
-    /// Of the tiles on and above the diagonal.
+    /// Of the tiles in their places.
     fn of(tiles: &[Tile], width: usize, rows: u64) -> Self {
         let mut gram = Self { rows, ..Self::empty(width) };
-        let count = panels::panels(width);
-        let places = (0..count).flat_map(|p| (p..count).map(move |q| (p, q)));
-        for ((p, q), tile) in places.zip(tiles) {
+        for ((p, q), tile) in panels::places(panels::panels(width)).zip(tiles) {
             for (i, lanes) in tile.iter().enumerate() {
                 for (j, &sum) in lanes.iter().enumerate() {
                     let (i, j) = (LANES * p + i, LANES * q + j);
                     // The last panel may have lanes to spare.
-                    if i <= j && j < width {
+                    if i < width && j < width {
                         gram.sums[(i, j)] = sum;
                         gram.sums[(j, i)] = sum;
                     }
@@ -98,7 +96,7 @@ impl Accumulator {
                 rows = rows.min((border - self.row) as usize);
             }
             self.rows.fill(block, gas, from, rows, &mut self.panels);
-            panels::add_products(&self.panels, rows, &mut self.tiles);
+            panels::add_products(&self.panels, self.rows.width(), rows, &mut self.tiles);
             from += rows;
             self.row += rows as u64;
             self.fold_rows += rows as u64;

@@ -33,6 +33,7 @@ pub mod record;
 pub mod refine;
 pub mod residuals;
 pub mod rows;
+mod spread;
 pub mod support;
 pub mod symbol;
 pub mod tied;

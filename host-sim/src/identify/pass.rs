@@ -3,6 +3,7 @@
 use super::design::Design;
 use super::gram::{Accumulator, Gram};
 use super::record::{Block, RecordError, Source};
+use super::spread::Spread;
 
 /// Sums over inputs and outputs, in one class and in all.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,14 +51,11 @@ impl Facts {
             self.first_class = block.class[0] as usize;
         }
         self.rows += block.len() as u64;
-        for (range, values) in self.input_range.iter_mut().zip(&block.inputs) {
-            widen(range, values);
-        }
         for (output, values) in block.outputs.iter().enumerate() {
-            widen(&mut self.output_range[output], values);
-            let (sum, squares) = sums(values, self.output_first[output]);
-            self.output_sum[output] += sum;
-            self.output_squares[output] += squares;
+            let spread = Spread::of(values, self.output_first[output]);
+            widen(&mut self.output_range[output], &spread);
+            self.output_sum[output] += spread.sum;
+            self.output_squares[output] += spread.squares;
         }
         let inputs = block.inputs.len();
         let mut from = 0;
@@ -71,9 +69,10 @@ impl Facts {
             }
             self.class_rows[class] += stretch.len() as u64;
             for input in 0..inputs {
-                let (sum, squares) = sums(&block.inputs[input][from..to], self.first_inputs[input]);
-                self.class_sum[class][input] += sum;
-                self.class_squares[class][input] += squares;
+                let spread = Spread::of(&block.inputs[input][from..to], self.first_inputs[input]);
+                widen(&mut self.input_range[input], &spread);
+                self.class_sum[class][input] += spread.sum;
+                self.class_squares[class][input] += spread.squares;
             }
             from = to;
         }
@@ -121,39 +120,8 @@ impl Facts {
     }
 }
 
-/// Values that are gone through side by side: one sum after the other would wait for its addition.
-const ABREAST: usize = 8;
-
-fn widen(range: &mut [f64; 2], values: &[f64]) {
-    let (mut least, mut greatest) = ([range[0]; ABREAST], [range[1]; ABREAST]);
-    let (groups, rest) = values.as_chunks::<ABREAST>();
-    for group in groups {
-        for lane in 0..ABREAST {
-            // Records hold finite values only, so that NaN needs no thought.
-            least[lane] = if group[lane] < least[lane] { group[lane] } else { least[lane] };
-            greatest[lane] = if group[lane] > greatest[lane] { group[lane] } else { greatest[lane] };
-        }
-    }
-    range[0] = least.iter().chain(rest).copied().fold(range[0], f64::min);
-    range[1] = greatest.iter().chain(rest).copied().fold(range[1], f64::max);
-}
-
-/// Σ(v − from) and Σ(v − from)²
-fn sums(values: &[f64], from: f64) -> (f64, f64) {
-    let (mut sum, mut squares) = ([0.0; ABREAST], [0.0; ABREAST]);
-    let (groups, rest) = values.as_chunks::<ABREAST>();
-    for group in groups {
-        for lane in 0..ABREAST {
-            let moved = group[lane] - from;
-            sum[lane] += moved;
-            squares[lane] += moved * moved;
-        }
-    }
-    for (lane, value) in rest.iter().enumerate() {
-        sum[lane] += value - from;
-        squares[lane] += (value - from).powi(2);
-    }
-    (sum.iter().sum(), squares.iter().sum())
+fn widen(range: &mut [f64; 2], spread: &Spread) {
+    *range = [range[0].min(spread.least), range[1].max(spread.greatest)];
 }
 
 fn deviation(sum: f64, squares: f64, rows: u64) -> f64 {
