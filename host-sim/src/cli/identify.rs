@@ -156,7 +156,9 @@ impl Arguments {
             return Err(Failure::usage("--order must be at least 1"));
         }
         if let Some(poles @ (0 | 9..)) = self.free_poles {
-            return Err(Failure::usage(format!("--free-poles must be 1 to 8, as many as the board carries, not {poles}")));
+            return Err(Failure::usage(format!(
+                "--free-poles must be 1 to 8, as many as the board carries, not {poles}"
+            )));
         }
         if self.ridge.is_some_and(|ridge| !(ridge.is_finite() && ridge >= 0.0)) {
             return Err(Failure::usage("--ridge must be a number of at least 0"));
