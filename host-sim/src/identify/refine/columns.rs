@@ -32,6 +32,7 @@ pub struct Part {
 }
 
 /// What stays while rates move.
+#[derive(Clone)]
 pub struct Setup {
     pub parts: Vec<Part>,
     pub feed_through: bool,

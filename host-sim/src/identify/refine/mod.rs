@@ -43,6 +43,8 @@ use crate::model::{Chosen, End, Estimate, Model, Output, Pair, Structure, reduce
 pub const MOST_POLES: usize = dr_core::model::ORDER;
 
 const WEAK: f64 = 1e-12;
+/// Resistances below this share of the greatest do not say where poles are.
+const MATTERS: f64 = 0.03;
 
 /// Refuses a number of poles, and what free poles are not for, before anything is read.
 pub fn refuse(poles: usize, options: &Options) -> Result<(), String> {
@@ -77,8 +79,9 @@ pub fn refine(
     let mut searches = Vec::new();
     for (output, of) in mesh.outputs.iter().enumerate() {
         let setup = setup(mesh, &of.name, output, options);
-        let start = start(mesh, &setup, poles).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
-        searches.push(Search::new(setup, &start, (thesis_rad_s / 100.0, 3.0 * nyquist)));
+        for start in starts(mesh, &setup, poles).map_err(|sentence| IdentifyError::unfit(source, sentence))? {
+            searches.push(Search::new(setup.clone(), &start, (thesis_rad_s / 100.0, 3.0 * nyquist)));
+        }
     }
 
     let mut last = None;
@@ -97,12 +100,19 @@ pub fn refine(
         last = Some((passed.facts, passed.output_shift));
     }
     let Some((facts, shift)) = last else { return Err(IdentifyError::unfit(source, "has no output")) };
-    let mut found = Vec::new();
+    let mut found: Vec<Result<Found, String>> = Vec::new();
     for search in searches {
         let (_, first_drives) = known(&search.setup, mesh, &facts, thesis_rad_s);
-        let settled = settled(search, &mesh.outputs, poles, &first_drives);
-        found.push(settled.map_err(|sentence| IdentifyError::unfit(source, sentence))?);
+        let output = search.setup.output;
+        let new = settled(search, &mesh.outputs, poles, &first_drives);
+        match found.get_mut(output) {
+            None => found.push(new),
+            Some(old) if is_better(&new, old) => *old = new,
+            Some(_) => {}
+        }
     }
+    let found = found.into_iter().collect::<Result<Vec<_>, _>>();
+    let found = found.map_err(|sentence| IdentifyError::unfit(source, sentence))?;
     model(source, mesh, &survey, &facts, &shift, &found, thesis_rad_s, sight)
 }
 
@@ -112,6 +122,15 @@ struct Found {
     choice: Choice,
     point: Point,
     warnings: Vec<String>,
+}
+
+/// Whether what another start led to leaves less of the record, or leads anywhere at all.
+fn is_better(new: &Result<Found, String>, old: &Result<Found, String>) -> bool {
+    match (new, old) {
+        (Ok(new), Ok(old)) => new.point.cost < old.point.cost,
+        (Ok(_), Err(_)) => true,
+        (Err(_), _) => false,
+    }
 }
 
 fn setup(mesh: &Model, name: &str, output: usize, options: &Options) -> Setup {
@@ -142,8 +161,9 @@ fn setup(mesh: &Model, name: &str, output: usize, options: &Options) -> Setup {
     }
 }
 
-/// The mesh model's symbols of one output, reduced to as many poles.
-fn start(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<f64>, String> {
+/// Where the search begins, as it finds the minimum next to its start: at the mesh model's symbols of one output, reduced to as many
+/// poles, and at poles that are spread evenly over the rates that matter to it.
+fn starts(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, String> {
     let pairs: Vec<&Pair> = setup.parts.iter().map(|part| &mesh.pairs[part.pair]).collect();
     let rates = &pairs[0].mesh_rad_s;
     let symbols: Vec<&[f64]> = pairs
@@ -166,7 +186,16 @@ fn start(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<f64>, String> 
             None => start.push(3.0 * start[start.len() - 1]),
         }
     }
-    Ok(start)
+    let weight = |k: usize| symbols.iter().map(|r| r[k].abs()).sum::<f64>();
+    let greatest = (0..rates.len()).map(weight).fold(0.0, f64::max);
+    let matters: Vec<f64> = (0..rates.len()).filter(|&k| weight(k) > MATTERS * greatest).map(|k| rates[k]).collect();
+    let mut starts = vec![start];
+    if let [first, .., last] = matters[..]
+        && poles > 1
+    {
+        starts.push((0..poles).map(|k| dr_core::model::mesh::rate_rad_s(first, last, k, poles)).collect());
+    }
+    Ok(starts)
 }
 
 /// Scales of the prior, and what drove each bank in the first row.
