@@ -56,8 +56,11 @@ fn resistances(text: &mut String, model: &Model, pair: &Pair, label: &str, class
     let _ = writeln!(text, "\n{} → {}{label}", pair.input, pair.output);
     let _ = writeln!(text, "  {:>11} {:>11}   R ± standard error", "rate rad/s", "1/rate s");
     let rows = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
-    for ((rate, resistance), se) in rows {
-        let _ = writeln!(text, "  {:>11} {:>11}   {}", brief(*rate), brief(1.0 / rate), estimate(*resistance, *se));
+    for (k, ((rate, resistance), se)) in rows.enumerate() {
+        let fitted = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k));
+        let fitted = fitted.map_or(String::new(), |se| format!("   at {} rad/s", estimate(*rate, *se)));
+        let resistance = estimate(*resistance, *se);
+        let _ = writeln!(text, "  {:>11} {:>11}   {resistance}{fitted}", brief(*rate), brief(1.0 / rate));
     }
     if class.feed_through_k_per_w != 0.0 {
         let at_once = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);

@@ -133,9 +133,11 @@ impl Ties<'_> {
             )
         });
         let trial = trial.clone();
-        let rest = parts.into_iter().zip(solved).zip(singles).zip(scores);
-        let of =
-            |(choice, (((part, solution), single), score)): (&Choice, (((Part, Solution), Vec<f64>), Score))| Choice {
+        let mut tied = Vec::with_capacity(parts.len());
+        for ((((part, solution), single), score), choice) in
+            parts.into_iter().zip(solved).zip(singles).zip(scores).zip(&choices)
+        {
+            tied.push(Choice {
                 trial: Trial { score: Score { single, ..score }, ..trial.clone() },
                 terms: part.terms,
                 penalty: part.penalty,
@@ -143,8 +145,9 @@ impl Ties<'_> {
                 solution,
                 rivals: choice.rivals.clone(),
                 sign_reason: choice.sign_reason.clone(),
-            };
-        Tied { choices: choices.iter().zip(rest).map(of).collect(), reason, warning }
+            });
+        }
+        Tied { choices: tied, reason, warning }
     }
 
     /// Every output's part for one trial.

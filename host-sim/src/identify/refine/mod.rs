@@ -13,31 +13,30 @@
 //! |---|---|
 //! | columns of rates and of their derivatives; the problem in both | [`columns`] |
 //! | moving the rates, one reading of the record a trial | [`search`] |
-//! | start, choice of the beginning, the model | here |
+//! | starts, choice of the beginning, what the searches ended with | here |
+//! | the model | [`report`] |
 //!
 //! Standard errors are those of the problem linearised in ln ξ: a rate that is known to ±20 % or worse has a less regular law than they
 //! say. So has the held-out error: rates are fitted to each training set, to first order.
 
 pub mod columns;
+pub mod report;
 pub mod search;
 
-use std::collections::BTreeMap;
-
 use self::columns::{Part, Point, Setup};
+use self::report::Known;
 use self::search::{LEAST_RATIO, MOST_READINGS, Search, State};
 use super::candidates::Beginning;
-use super::choose::{Choice, Trial, change};
+use super::choose::{Choice, Trial};
 use super::design::{Drive, Role};
 use super::folds::{FOLDS, Score, score};
 use super::gram::Gram;
 use super::pass::{Facts, GasSource, pass};
 use super::prior::{Prior, Scales};
 use super::problem::Problem;
-use super::record::{Source, Survey};
-use super::residuals::{Fitted, look};
-use super::symbol::{class_of, decays, doubts, in_columns};
-use super::{IdentifyError, Options, Progress, Sight, support};
-use crate::model::{Chosen, End, Estimate, Model, Output, Pair, Structure, reduce};
+use super::record::Source;
+use super::{IdentifyError, Options, Progress, Sight};
+use crate::model::{Model, Output, Pair, Structure, reduce};
 
 /// As many as the board carries.
 pub const MOST_POLES: usize = dr_core::model::ORDER;
@@ -113,11 +112,12 @@ pub fn refine(
     }
     let found = found.into_iter().collect::<Result<Vec<_>, _>>();
     let found = found.map_err(|sentence| IdentifyError::unfit(source, sentence))?;
-    model(source, mesh, &survey, &facts, &shift, &found, thesis_rad_s, sight)
+    let known = Known { mesh, survey: &survey, facts: &facts, output_shift: &shift, thesis_rad_s };
+    report::model(source, &known, &found, sight)
 }
 
 /// One output's poles.
-struct Found {
+pub struct Found {
     search: Search,
     choice: Choice,
     point: Point,
@@ -294,111 +294,6 @@ fn settled(mut search: Search, outputs: &[Output], poles: usize, first_drives: &
         sign_reason: String::new(),
     };
     Ok(Found { search, choice, point, warnings })
-}
-
-#[allow(clippy::too_many_arguments, reason = "one call, at the end of `refine`, whose locals they are")]
-fn model(
-    source: &mut dyn Source,
-    mesh: &Model,
-    survey: &Survey,
-    facts: &Facts,
-    shift: &[f64],
-    found: &[Found],
-    thesis_rad_s: f64,
-    sight: &mut Sight<'_>,
-) -> Result<Model, IdentifyError> {
-    let mut outputs = mesh.outputs.clone();
-    let mut pairs = mesh.pairs.clone();
-    let mut warnings = support::warnings(survey, facts);
-    let mut end = End::default();
-    for (output, found) in found.iter().enumerate() {
-        let (setup, rates) = (&found.search.setup, &found.point.rates_rad_s);
-        let design = setup.design(rates);
-        let choice = &found.choice;
-        let fitted = Fitted { output, theta: in_columns(choice, design.width()), shift: shift[output] };
-        let looked = look(source, &design, GasSource::Constant(0.0), &[fitted], sight)?;
-        let residuals = &looked.residuals[output];
-        let offset = choice.terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
-        outputs[output] = Output {
-            name: outputs[output].name.clone(),
-            offset_c: choice.solution.theta[offset] + shift[output],
-            se_offset_c: choice.solution.covariance[(offset, offset)].max(0.0).sqrt(),
-            residual_rms: residuals.rms(),
-            fit_percent: residuals.fit_percent(),
-            whiteness: residuals.whiteness(),
-        };
-        let mut by_pair: BTreeMap<usize, BTreeMap<String, crate::model::Class>> = BTreeMap::new();
-        for (bank, part) in setup.parts.iter().enumerate() {
-            let label = mesh.classes[part.class].clone();
-            by_pair.entry(part.pair).or_default().insert(label, class_of(choice, bank));
-        }
-        let se: Vec<f64> = (0..rates.len()).map(|k| rates[k] * found.point.log_se(k)).collect();
-        for (pair, classes) in by_pair {
-            let of = &mut pairs[pair];
-            (of.mesh_rad_s, of.se_rate_rad_s, of.classes) = (rates.clone(), Some(se.clone()), classes);
-        }
-        end.next_time_s = looked.next_time_s;
-        end.decays.push(decays(&design, &looked.end[0]));
-        if looked.pending.len() >= end.pending_class.len() {
-            end.pending = (0..mesh.inputs.len())
-                .map(|input| looked.pending.iter().map(|(inputs, _)| inputs[input]).collect())
-                .collect();
-            end.pending_class = looked.pending.iter().map(|(_, class)| *class).collect();
-        }
-    }
-    let duration_s = facts.rows as f64 * survey.sample_period_s;
-    for (output, found) in found.iter().enumerate() {
-        warnings.extend(doubts(&outputs[output].name, &found.choice, facts, output, duration_s, &pairs));
-        warnings.extend(found.warnings.clone());
-    }
-    Ok(Model {
-        offset_c: outputs[0].offset_c,
-        residual_rms: outputs[0].residual_rms,
-        fit_percent: outputs[0].fit_percent,
-        supported: warnings.is_empty(),
-        warnings,
-        chosen: chosen(mesh, found, thesis_rad_s),
-        end: Some(end),
-        outputs,
-        pairs,
-        ..mesh.clone()
-    })
-}
-
-fn chosen(mesh: &Model, found: &[Found], thesis_rad_s: f64) -> Chosen {
-    let (first, trial) = (&found[0], &found[0].choice.trial);
-    let rates = &first.point.rates_rad_s;
-    let (value, se) = trial.score.rms_and_se();
-    let mut reasons: Vec<String> =
-        mesh.chosen.reasons.iter().map(|reason| format!("mesh, before poles were free: {reason}")).collect();
-    for (output, found) in mesh.outputs.iter().zip(found) {
-        let (own, _) = found.choice.trial.score.rms_and_se();
-        let against = mesh.chosen.cross_validation.filter(|_| output.name == mesh.outputs[0].name);
-        let against = against.map_or(String::new(), |of_mesh| {
-            let ratio = (own / of_mesh.value.max(f64::MIN_POSITIVE)).powi(2);
-            format!(", against {:.4} of the mesh of {} rates ({})", of_mesh.value, mesh.chosen.order, change(ratio))
-        });
-        reasons.push(format!(
-            "{} free poles for `{}`, in {} readings, beginning {}: held-out error {own:.4}{against}",
-            rates.len(),
-            output.name,
-            found.search.readings,
-            found.choice.trial.beginning.name()
-        ));
-    }
-    Chosen {
-        order: rates.len(),
-        first_rate_rad_s: rates[0],
-        last_rate_rad_s: rates[rates.len() - 1],
-        lower_edge_factor: rates[0] / (thesis_rad_s),
-        prior: trial.prior.name().to_owned(),
-        ridge: trial.prior.weight(),
-        feed_through: trial.feed_through,
-        initial_state: trial.beginning.name().to_owned(),
-        cross_validation: Some(Estimate { value, se }),
-        reasons,
-        ..mesh.chosen.clone()
-    }
 }
 
 #[cfg(test)]
