@@ -19,6 +19,8 @@
 mod report;
 mod solver;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 
@@ -92,16 +94,23 @@ pub fn identify(
         thesis_rad_s,
     };
     let mut trials: Vec<Trial> = Vec::new();
-    for (index, (mesh, design)) in meshes.iter().zip(&designs).enumerate() {
+    for (index, design) in designs.iter().enumerate() {
         let roles = design.roles();
         let total = Gram::total(&passed.folds[index]);
-        let mut start =
-            Winds { conductance: vec![vec![0.0; classes.len()]; elements], gas_c: gas_guess(options, &passed) };
         for beginning in beginnings(options) {
+            let mut start =
+                Winds { conductance: vec![vec![0.0; classes.len()]; elements], gas_c: gas_guess(options, &passed) };
             for prior in priors(options) {
                 let places = Places { roles: &roles, elements, classes: classes.len(), reference, gates };
                 let outputs = survey.outputs.len();
-                let solver = Solver { places, scales: scales(design), prior, beginning, outputs };
+                let solver = Solver {
+                    places,
+                    scales: scales(design),
+                    prior,
+                    beginning,
+                    outputs,
+                    sample_period_s: survey.sample_period_s,
+                };
                 let winds = solver.solve(&total, start.clone());
                 // The next prior is near: so is its answer.
                 start.clone_from(&winds);
@@ -117,7 +126,6 @@ pub fn identify(
                 trials.push(Trial { mesh: index, beginning, prior, winds, scores });
             }
         }
-        let _ = mesh;
     }
     let best = trials
         .iter()
@@ -141,6 +149,7 @@ pub fn identify(
         prior: best.prior,
         beginning: best.beginning,
         outputs: survey.outputs.len(),
+        sample_period_s: survey.sample_period_s,
     };
     let step = solver.step(&total, &best.winds);
     let terms = solver.places.terms(best.beginning, &best.winds);
@@ -252,6 +261,9 @@ fn check(
     if options.given.delay.is_some_and(|delay| delay > 0) || options.given.feed_through == Some(true) {
         return unfit("structure `conductance` knows no dead time and no feed-through: the loss goes with the very temperature that is measured".to_owned());
     }
+    if options.gas == GasGiven::Column && survey.gas_column.is_none() {
+        return unfit("has no gas column, from which the temperature of the gas was to come: name one, or give the temperature as a number (--gas-temperature)".to_owned());
+    }
     match &options.reference {
         None => Ok((0, false)),
         Some(label) => match classes.iter().position(|known| known == label) {
@@ -278,7 +290,9 @@ fn beginnings(options: &Options) -> Vec<Beginning> {
 
 fn priors(options: &Options) -> Vec<Prior> {
     options.given.ridge.map_or_else(
-        || [1e-5, 1e-7, 1e-9, 1e-11, 1e-13].map(Prior::Tapered).to_vec(),
+        // The weakest first, as each starts from the last one's answer: a prior holds resistances down and not conductances, so
+        // that a strong one likes small resistances with great conductances, a poor place to start from.
+        || [1e-13, 1e-11, 1e-9, 1e-7, 1e-5].map(Prior::Tapered).to_vec(),
         |ridge| vec![Prior::Columns(ridge)],
     )
 }

@@ -1,5 +1,6 @@
 //! Gauss–Newton on resistances and winds at once, on the normal equations of one reading.
 
+use dr_core::model::mesh;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::candidates::Beginning;
@@ -30,6 +31,7 @@ pub(super) struct Solver<'a> {
     pub(super) prior: Prior,
     pub(super) beginning: Beginning,
     pub(super) outputs: usize,
+    pub(super) sample_period_s: f64,
 }
 
 impl Solver<'_> {
@@ -125,7 +127,7 @@ impl Solver<'_> {
             .iter()
             .map(|(projected, solution)| &solution.covariance + projected * &covariance * projected.transpose())
             .collect();
-        Step { thetas: parts.into_iter().map(|(_, solution)| solution.theta).collect(), change, covariance, own}
+        Step { thetas: parts.into_iter().map(|(_, solution)| solution.theta).collect(), change, covariance, own }
     }
 
     /// Winds after a share of a step.
@@ -145,8 +147,29 @@ impl Solver<'_> {
     }
 
     /// The least penalised error, summed over outputs by their logarithms.
+    ///
+    /// Infinite where a kelvin would take more than a kelvin by the next row: a loss that is held so long no longer stands for one
+    /// that goes with the temperature.
     pub(super) fn cost(&self, gram: &Gram, winds: &Winds) -> f64 {
-        self.linear(gram, winds).2.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum()
+        let (terms, thetas, errors) = self.linear(gram, winds);
+        let is_held =
+            |(element, theta): (usize, &DVector<f64>)| self.held_loop_gain(element, &terms, theta, winds) < 1.0;
+        if !thetas.iter().enumerate().all(is_held) {
+            return f64::INFINITY;
+        }
+        errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum()
+    }
+
+    /// Σ_k R_k g_k · max |ΔG|: what a kelvin of an element takes from it by the next row.
+    fn held_loop_gain(&self, element: usize, terms: &[Term], theta: &DVector<f64>, winds: &Winds) -> f64 {
+        let own = terms.iter().zip(theta.iter()).filter_map(|(term, resistance)| match term.role {
+            Role::Relaxation { bank, rate_rad_s, .. } if bank == element => {
+                Some(resistance * mesh::gain(rate_rad_s, self.sample_period_s))
+            }
+            _ => None,
+        });
+        let greatest = winds.conductance[element].iter().fold(0.0_f64, |most, taken| most.max(taken.abs()));
+        own.sum::<f64>().abs() * greatest
     }
 
     pub(super) fn solve(&self, gram: &Gram, start: Winds) -> Winds {

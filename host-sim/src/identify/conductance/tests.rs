@@ -1,0 +1,147 @@
+//! The linear algebra of wind as feedback, on a record small enough to be gone through by hand.
+
+use nalgebra::DVector;
+
+use super::*;
+use crate::identify::record::Table;
+
+const PERIOD_S: f64 = 0.1;
+const ROWS: usize = 400;
+const GAS_C: f64 = 17.0;
+
+struct Case {
+    powers_w: Vec<Vec<f64>>,
+    temperatures_c: Vec<Vec<f64>>,
+    class: Vec<usize>,
+    winds: Winds,
+}
+
+/// Two elements and three classes; temperatures are any numbers, since the columns do not ask where they come from.
+fn case() -> Case {
+    let wave = |at: usize, n: usize, low: f64, swing: f64| low + swing * (0.37 * (at + 1) as f64 * n as f64).sin();
+    let columns = |low: f64, swing: f64, from: usize| -> Vec<Vec<f64>> {
+        (from..from + 2).map(|at| (0..ROWS).map(|n| wave(at, n, low, swing)).collect()).collect()
+    };
+    Case {
+        powers_w: columns(0.04, 0.03, 0),
+        temperatures_c: columns(25.0, 4.0, 2),
+        class: (0..ROWS).map(|n| (n / 23 + n / 41) % 3).collect(),
+        winds: Winds { conductance: vec![vec![0.0, 8e-4, 1.6e-3], vec![0.0, 3e-4, -2e-4]], gas_c: GAS_C },
+    }
+}
+
+fn passed(case: &Case, design: &Design, gas: GasSource) -> Passed {
+    let named = |name: &str, columns: &[Vec<f64>]| -> Vec<(String, Vec<f64>)> {
+        columns.iter().enumerate().map(|(at, values)| (format!("{name}:{at}"), values.clone())).collect()
+    };
+    let labels = ["a", "b", "c"];
+    let events: Vec<&str> = case.class.iter().map(|&class| labels[class]).collect();
+    let mut table = Table::new(PERIOD_S, named("power", &case.powers_w), named("temperature", &case.temperatures_c))
+        .and_then(|table| table.with_events(&events))
+        .unwrap();
+    pass(&mut table, std::slice::from_ref(design), 2, gas, u64::MAX, &mut |_| {}).unwrap()
+}
+
+fn small_mesh() -> Mesh {
+    candidates::dense(PERIOD_S * ROWS as f64, PERIOD_S, 1.0, 1.5)
+}
+
+fn solver<'a>(roles: &'a [Role], design: &Design, gates: bool) -> Solver<'a> {
+    Solver {
+        places: Places { roles, elements: 2, classes: 3, reference: 0, gates },
+        scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
+        prior: Prior::Tapered(1e-9),
+        beginning: Beginning::Rest,
+        outputs: 2,
+        sample_period_s: PERIOD_S,
+    }
+}
+
+/// States of w = u − ΔG (y − T_gas), stepped directly: rows by relaxations of both elements.
+fn states_of_w(case: &Case, rates_rad_s: &[f64]) -> Vec<Vec<f64>> {
+    let mut states = Vec::new();
+    for element in 0..2 {
+        for &rate in rates_rad_s {
+            let gain = -(-rate * PERIOD_S).exp_m1();
+            let (mut x, mut column) = (0.0, Vec::with_capacity(ROWS));
+            for n in 0..ROWS {
+                column.push(x);
+                let taken = case.winds.conductance[element][case.class[n]];
+                let w = case.powers_w[element][n] - taken * (case.temperatures_c[element][n] - case.winds.gas_c);
+                x += gain * (w - x);
+            }
+            states.push(column);
+        }
+    }
+    states
+}
+
+#[test]
+fn sums_of_the_terms_are_those_of_states_that_w_drives() {
+    let mesh = small_mesh();
+    for gates in [false, true] {
+        // Gas known: it is in the drive, and nothing is added to it. Unknown: it is in the terms.
+        let gas = GasSource::Constant(if gates { 0.0 } else { GAS_C });
+        let case = case();
+        let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
+        let design = design(&mesh, 2, 3, 0, gates);
+        let passed = passed(&case, &design, gas);
+        let total = Gram::total(&passed.folds[0]);
+        let roles = design.roles();
+        let solver = solver(&roles, &design, gates);
+        let terms = solver.places.terms(Beginning::Rest, &winds);
+        let mut columns = states_of_w(&case, &mesh.rates_rad_s);
+        columns.push(vec![1.0; ROWS]);
+        assert_eq!(terms.len(), columns.len());
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for output in 0..2 {
+            let problem = Problem::of(&total, &terms, 2, output);
+            let y: Vec<f64> =
+                case.temperatures_c[output].iter().map(|value| value - passed.output_shift[output]).collect();
+            for (i, left) in columns.iter().enumerate() {
+                // Sums of 400 products: rounding is 1e-13 of the largest that cancel in them, losses of at most 0.02 W beside 0.07 W.
+                let scale = dot(left, left).sqrt();
+                assert!(
+                    (problem.b[i] - dot(left, &y)).abs() < 1e-10 * scale * dot(&y, &y).sqrt(),
+                    "b {i}, gates {gates}"
+                );
+                for (j, right) in columns.iter().enumerate() {
+                    let bound = 1e-10 * scale * dot(right, right).sqrt();
+                    assert!((problem.g[(i, j)] - dot(left, right)).abs() < bound, "{i} {j}, gates {gates}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn slopes_are_differences_of_the_prediction() {
+    let mesh = small_mesh();
+    let case = case();
+    for gates in [false, true] {
+        let design = design(&mesh, 2, 3, 0, gates);
+        let roles = design.roles();
+        let solver = solver(&roles, &design, gates);
+        let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
+        let terms = solver.places.terms(Beginning::Rest, &winds);
+        let theta = DVector::from_fn(terms.len(), |k, _| 3.0 + (k as f64).cos());
+        // A prediction is a weight for every column, so its derivative is one as well.
+        let prediction = |winds: &Winds| {
+            DVector::from_vec(weights(&solver.places.terms(Beginning::Rest, winds), &theta, design.width()))
+        };
+        let slopes = solver.slopes(&terms, &theta, &winds);
+        assert_eq!(slopes.len(), 4 + usize::from(gates));
+        for (at, slope) in slopes.iter().enumerate() {
+            // Bilinear in ΔG and T_gas: central differences are exact but for rounding.
+            let h = if at == 4 { 1.0 } else { 1e-3 };
+            let unit = DVector::from_fn(slopes.len(), |row, _| if row == at { h } else { 0.0 });
+            let ahead = prediction(&solver.moved(&winds, &unit, 1.0));
+            let behind = prediction(&solver.moved(&winds, &unit, -1.0));
+            let difference = (ahead - behind) / (2.0 * h);
+            let stated =
+                DVector::from_vec(weights(std::slice::from_ref(slope), &DVector::from_element(1, 1.0), design.width()));
+            assert!((&difference - &stated).norm() < 1e-9 * difference.norm(), "slope {at}, gates {gates}");
+            assert!(stated.norm() > 0.0);
+        }
+    }
+}
