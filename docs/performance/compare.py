@@ -65,7 +65,7 @@ def main():
             start = time.perf_counter()
             theta = route(u, y, order)
             theirs_s.append(time.perf_counter() - start)
-            answer = subprocess.run([program, data.name, str(order), "5"], check=True, capture_output=True, text=True)
+            answer = subprocess.run([program, data.name, str(order), "100"], check=True, capture_output=True, text=True)
             reports.append(json.loads(answer.stdout))
     ours = np.array(reports[0]["r_k_per_w"] + [reports[0]["offset_c"]])
     apart = np.max(np.abs(ours - theta)) / np.max(np.abs(theta))

@@ -369,7 +369,8 @@ fn what_cannot_be_identified_is_answered_in_a_sentence() {
     assert!(refused(table(&constant), &known()).contains("never changes"));
 
     let two = [record.power_w.clone(), record.gas_c.clone()];
-    let two = Table::new(0.05, named("power", &two), named("temperature", &[record.temperature_c.clone()])).unwrap();
+    let two = Table::new(0.05, named("power", &two), named("temperature", std::slice::from_ref(&record.temperature_c)))
+        .unwrap();
     let two = with_labels(two, &record.class, &record.labels);
     assert!(refused(two, &known()).contains("2 inputs and 1 outputs"));
 

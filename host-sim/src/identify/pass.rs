@@ -59,8 +59,7 @@ impl Facts {
         }
         let inputs = block.inputs.len();
         let mut from = 0;
-        // A class holds for many rows, as a rule.
-        for stretch in block.class.chunk_by(|before, after| before == after) {
+        for stretch in stretches(&block.class) {
             let (class, to) = (stretch[0] as usize, from + stretch.len());
             while self.class_rows.len() <= class {
                 self.class_rows.push(0);
@@ -120,6 +119,19 @@ impl Facts {
     }
 }
 
+/// Stretches of rows of one class. As a rule that is the whole block, which is told faster than where a stretch ends.
+fn stretches(class: &[u32]) -> impl Iterator<Item = &[u32]> {
+    let alike = class.iter().fold(true, |alike, of| alike & (*of == class[0]));
+    let mut rest = class;
+    std::iter::from_fn(move || {
+        let first = rest.first()?;
+        let other = if alike { None } else { rest.iter().position(|of| of != first) };
+        let (stretch, behind) = rest.split_at(other.unwrap_or(rest.len()));
+        rest = behind;
+        Some(stretch)
+    })
+}
+
 fn widen(range: &mut [f64; 2], spread: &Spread) {
     *range = [range[0].min(spread.least), range[1].max(spread.greatest)];
 }
@@ -168,10 +180,11 @@ pub fn pass(
             let of = |design| Accumulator::new(design, sample_period_s, expected, folds, &output_shift);
             accumulators = designs.iter().map(of).collect();
         }
-        facts.add(block);
+        // In this order, rows come from memory while there is much to do with those before.
         for accumulator in &mut accumulators {
             accumulator.push(block, gas);
         }
+        facts.add(block);
         progress(facts.rows);
         if facts.rows >= rows {
             break;

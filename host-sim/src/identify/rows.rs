@@ -18,6 +18,10 @@ use super::panels::{BATCH, LANES, Lanes, Panel, panels};
 use super::pass::GasSource;
 use super::record::Block;
 
+/// States that have decayed below this are 0 from the next batch on: they would end as denormal numbers, with which processors are
+/// slow, and no sum has digits for them.
+const NOTHING: f64 = 1e-100;
+
 /// The state between two rows.
 pub struct Rows {
     lanes: Vec<States>,
@@ -205,7 +209,7 @@ fn steps<'a, const Q: usize>(
             }
         }
         for (states, x) in group.iter_mut().zip(x) {
-            states.x = x;
+            states.x = x.map(|x| if x.abs() < NOTHING { 0.0 } else { x });
         }
     }
     (lanes_left, panels_left)

@@ -190,7 +190,7 @@ pub fn identify(
             })
             .collect();
         let mut row = |seen: &super::residuals::Seen<'_>| {
-            if seen.row % 65_536 == 0 {
+            if seen.row.is_multiple_of(65_536) {
                 progress("residuals", seen.row, rows);
             }
             sight(seen);
@@ -379,7 +379,14 @@ pub(super) fn decays(design: &Design, amplitudes: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// What cross-validation and standard errors say against an output's model.
-pub(super) fn doubts(name: &str, choice: &Choice, facts: &Facts, output: usize, duration_s: f64, pairs: &[Pair]) -> Vec<String> {
+pub(super) fn doubts(
+    name: &str,
+    choice: &Choice,
+    facts: &Facts,
+    output: usize,
+    duration_s: f64,
+    pairs: &[Pair],
+) -> Vec<String> {
     let mut doubts = Vec::new();
     let spread = facts.output_sd(output);
     let error = choice.trial.score.overall().sqrt();

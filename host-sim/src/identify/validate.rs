@@ -218,9 +218,7 @@ fn run(
     let mut row = 0;
     // Which of the model's classes each of the record's is.
     let mut classes: Vec<usize> = Vec::new();
-    loop {
-        let Some(block) = source.next_block()? else { break };
-        let block = block.clone();
+    while let Some(block) = source.next_block()?.cloned() {
         for label in source.classes().iter().skip(classes.len()) {
             let known = model.classes.iter().position(|known| known == label);
             if known.is_none() && model.classes.len() > 1 {

@@ -165,7 +165,7 @@ pub fn identify(
         })
         .collect();
     let mut row = |seen: &super::residuals::Seen<'_>| {
-        if seen.row % 65_536 == 0 {
+        if seen.row.is_multiple_of(65_536) {
             progress("residuals", seen.row, survey.rows);
         }
         sight(seen);
