@@ -117,6 +117,23 @@ pub fn identify(
         let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
         return refine::refine(source, &mesh, poles, options, progress, sight);
     }
+    if let Some(delay) = options.given.delay.filter(|&delay| delay as u64 > rows / 4) {
+        let sentence =
+            format!("has {rows} rows: a dead time of {delay} samples leaves too few to learn from (at most a quarter)");
+        return Err(IdentifyError::unfit(source, sentence));
+    }
+    let period_s = source.survey().sample_period_s;
+    if let Some((first, last)) = options.given.edges_rad_s {
+        // Far beyond what the record shows, rates cannot be told from feed-through or from an offset.
+        let (least, most) = (1e-4 / (rows as f64 * period_s), 1e3 / period_s);
+        if first < least || last > most {
+            let sentence = format!(
+                "lasts {:.4} s in steps of {period_s:.4} s: a mesh from {first:e} to {last:e} rad/s reaches far beyond what it shows; stay within {least:.1e} to {most:.1e}",
+                rows as f64 * period_s
+            );
+            return Err(IdentifyError::unfit(source, sentence));
+        }
+    }
     match options.structure {
         Some(Structure::Conductance) => conductance::identify(source, options, progress, sight),
         Some(Structure::Symbol) | None => symbol::identify(source, options, progress, sight),

@@ -144,8 +144,11 @@ impl Scaled {
             if let Some(factor) = Cholesky::new(raised.clone()) {
                 return Self { h: raised, b, scale, factor };
             }
-            // Directions that the sums do not resolve: a little more than rounding always ends this.
+            // Directions that the sums do not resolve: a little more than rounding ends this, unless they are not numbers.
             floor *= 10.0;
+            if floor > 1.0 {
+                h = DMatrix::identity(n, n);
+            }
         }
     }
 

@@ -3,8 +3,19 @@
 use super::pass::Facts;
 use super::record::Survey;
 
+/// Beyond it, squares and sums of squares are no longer numbers.
+const GREATEST: f64 = 1e100;
+
 /// Refuses what no model can come of.
 pub fn refuse(survey: &Survey, facts: &Facts, classes: &[String], gated: bool, from_rest: bool) -> Result<(), String> {
+    let columns = survey.inputs.iter().zip(&facts.input_range).chain(survey.outputs.iter().zip(&facts.output_range));
+    for (name, [least, most]) in columns {
+        if most.abs().max(least.abs()) > GREATEST {
+            return Err(format!(
+                "column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"
+            ));
+        }
+    }
     for (input, name) in survey.inputs.iter().enumerate() {
         let [value, _] = facts.input_range[input];
         // From rest, a constant is a step at the first row.

@@ -85,6 +85,9 @@ impl Model {
             if !self.inputs.contains(&pair.input) || !self.outputs.iter().any(|output| output.name == pair.output) {
                 return Err(format!("{name} names an input or output that the model does not have"));
             }
+            if pair.dead_time_samples > 1_000_000 {
+                return Err(format!("{name}: `dead_time_samples` is {}, more than a million", pair.dead_time_samples));
+            }
             let mut before = 0.0;
             for &rate in &pair.mesh_rad_s {
                 if !(rate.is_finite() && rate > before) {

@@ -4,14 +4,14 @@
 //! *measured*. So the structure under the reference wind is one model, and the wind stands in its input, element by element:
 //!
 //! ```text
-//! y_o = offset_o + Σ_i Σ_k R_k^{oi} x_k[w_i] + what was stored,    w_i = u_i − ΔG_i,class(t) · (y_i − T_gas)
+//! y_o = offset_o + Σ_i Σ_k R_k^{oi} x_k(w_i) + what was stored,    w_i = u_i − ΔG_i,class(t) · (y_i − T_gas)
 //! ```
 //!
-//! x[·] is linear, so x[w_i] = x[u_i] − Σ_c ΔG_ic (x[gate_c · y_i] − T_gas x[gate_c]): all that any ΔG or T_gas could ask for stands
+//! x(·) is linear, so x(w_i) = x(u_i) − Σ_c ΔG_ic (x(gate_c · y_i) − T_gas x(gate_c)): all that any ΔG or T_gas could ask for stands
 //! in the normal equations of *one* reading, of banks driven by inputs, by gated outputs and by gates. The resistances are linear
 //! for given ΔG; the few ΔG (and T_gas, if it is not known) are found by variable projection, as Gauss–Newton on both at once, whose
 //! steps in ΔG are the projected ones (Ruhe and Wedin 1980, *SIAM Review* 22, 318): the derivative of y by ΔG_ic is one more column,
-//! −Σ_k R_k x_k[gate_c (y_i − T_gas)]. Its joint covariance gives the standard errors.
+//! −Σ_k R_k x_k(gate_c (y_i − T_gas)). Its joint covariance gives the standard errors.
 //!
 //! Limits: the loss is taken at the start of each sample and held; noise of y enters w, but only through the relaxations, which
 //! pass Γ·ΔG·Ts of it (under a percent for a sensor sampled fast enough to be identified).
