@@ -59,7 +59,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     cross_mesh: Option<(f64, f64)>,
     /// Ridge on columns of unit norm; 0 for plain least squares.
-    #[arg(long, value_name = "EPSILON")]
+    #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
     /// Which resistances may not be negative: `auto`, `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
@@ -152,6 +152,16 @@ impl Arguments {
     }
 
     fn options(&self, source: &dyn Source, gas: GasGiven) -> Result<Options, Failure> {
+        let is_conductance = matches!(self.structure, Some(StructureName::Conductance));
+        for (name, is_given) in
+            [("--gas-temperature", self.gas_temperature.is_some()), ("--reference", self.reference.is_some())]
+        {
+            if is_given && !is_conductance {
+                return Err(Failure::usage(format!(
+                    "{name} belongs to --structure conductance: add it, or leave {name} out"
+                )));
+            }
+        }
         if self.order == Some(0) || self.cross_order == Some(0) {
             return Err(Failure::usage("--order must be at least 1"));
         }

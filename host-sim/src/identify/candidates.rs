@@ -3,7 +3,7 @@
 //! | family | mesh | begins | prior |
 //! |---|---|---|---|
 //! | any beginning | from ξ_T or ξ_T/2 to π/Ts, 1.5 to 3 rates a decade | free, settled or at rest | tapered |
-//! | known beginning | from ξ_T/3, 3 rates a decade | settled or at rest | tapered |
+//! | known beginning | from 0.3 ξ_T, 3 or 4 rates a decade | settled or at rest | tapered |
 //! | smooth | guard rates on both sides of ξ_T … π/Ts | settled or at rest | smooth |
 //!
 //! ξ_T = 2πJ/T is the thesis' lower edge. Below it, a free beginning and a slow pole explain the same drift, so that records with
@@ -51,6 +51,8 @@ pub struct Mesh {
     pub smooth: bool,
     /// Whether a free beginning is tried with it.
     pub free: bool,
+    /// Whether it is so fine and slow that it must leave half the error of others to be taken.
+    pub fine: bool,
 }
 
 /// What the user fixed.
@@ -87,6 +89,7 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
         factor: first / (std::f64::consts::TAU * classes as f64 / duration_s),
         smooth: false,
         free: true,
+        fine: false,
     };
     match (given.order, given.edges_rad_s) {
         (Some(order), Some((first, last))) => vec![single(first, last, order)],
@@ -108,7 +111,9 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
                 smooth: true,
                 ..single(low, high, order_for(low, high, SMOOTH_PER_DECADE))
             });
-            meshes.push(Mesh { free: false, ..single(slow, last, order_for(slow, last, 3.0)) });
+            for (per_decade, fine) in [(3.0, false), (4.0, true)] {
+                meshes.push(Mesh { free: false, fine, ..single(slow, last, order_for(slow, last, per_decade)) });
+            }
             meshes
         }
     }
@@ -119,7 +124,7 @@ pub fn dense(duration_s: f64, sample_period_s: f64, factor: f64, per_decade: f64
     let (first, last) = mesh::thesis_edges_rad_s(duration_s, sample_period_s, 1);
     let first = factor * first;
     let rates_rad_s = geometric(first, last, order_for(first, last, per_decade));
-    Mesh { rates_rad_s, factor, smooth: false, free: true }
+    Mesh { rates_rad_s, factor, smooth: false, free: true, fine: false }
 }
 
 /// Priors to try on a mesh, the most cautious first: from the strongest to the weakest, or the other way round on a mesh that the

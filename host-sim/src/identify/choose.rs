@@ -103,6 +103,7 @@ impl Field<'_> {
             }
         }
         let mut taken = best(&trials, self.meshes).clone();
+        let ordinary = taken.score.clone();
         // Poles far slower than the record are told from drift only if the beginning is known: if, on such a mesh, rest (or settled)
         // predicts as well as a beginning that may be anything.
         for index in (0..self.meshes.len()).filter(|&index| !self.meshes[index].free) {
@@ -114,9 +115,13 @@ impl Field<'_> {
             let free = free.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall())).cloned();
             for slow in trials[first..].iter().filter(|trial| trial.beginning != Beginning::Free) {
                 let is_known = free.as_ref().is_none_or(|free| slow.score.is_as_good_as(&free.score, 1.1));
+                // Or it is evident: half the error of all ordinary meshes or less, and the free beginning not half of that again.
+                let halves = |own: &Score, other: &Score| own.overall() <= 0.25 * other.overall();
+                let is_evident = halves(&slow.score, &ordinary)
+                    && !free.as_ref().is_some_and(|free| halves(&free.score, &slow.score));
                 let is_better =
                     slow.score.overall() < taken.score.overall() && !taken.score.is_as_good_as(&slow.score, 1.1);
-                if is_known && is_better {
+                if (is_evident || is_known && !self.meshes[index].fine) && is_better {
                     taken = slow.clone();
                 }
             }
