@@ -67,10 +67,10 @@ pub struct Arguments {
     /// What the record began with.
     #[arg(long, value_enum)]
     initial_state: Option<BeginningName>,
-    /// Whether the output may follow its input at once.
+    /// Whether the output may follow its input at once; searched for, unless both --order and --mesh are given.
     #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
     feed_through: Option<bool>,
-    /// Samples by which the output answers late.
+    /// Samples by which the output answers late; searched for, unless both --order and --mesh are given.
     #[arg(long, value_name = "SAMPLES")]
     dead_time: Option<usize>,
     /// Draw symbol, fit, residuals, frequency response and structure function into this .svg file.

@@ -100,8 +100,9 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
         (None, None) => {
             let mut meshes = Vec::new();
             for factor in [1.0, 0.5] {
-                for per_decade in [1.5, 2.0, 3.0] {
-                    meshes.push(single(factor * first, last, order_for(factor * first, last, per_decade)));
+                for (per_decade, fine) in [(1.5, false), (2.0, false), (3.0, false), (5.0, true)] {
+                    let order = order_for(factor * first, last, per_decade);
+                    meshes.push(Mesh { fine, ..single(factor * first, last, order) });
                 }
             }
             let slow = 0.3 * first;

@@ -13,6 +13,9 @@ use super::gram::Gram;
 use super::prior::{Prior, Scales};
 use super::problem::{Problem, Solution, Term};
 
+/// Candidates whose held-out error is at most that many times the choice's may be the truth as well.
+const PLAUSIBLE: f64 = 1.05;
+
 /// A candidate of one mesh, taken or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
@@ -34,6 +37,10 @@ pub struct Choice {
     pub solution: Solution,
     pub rivals: Vec<Trial>,
     pub sign_reason: String,
+    /// By bank: how far candidates that predict about as well differ from it in the steady gain, median, K/W.
+    pub gain_spread: Vec<f64>,
+    /// Why it is not the first choice, if it is not.
+    pub reason: Option<String>,
 }
 
 /// Which resistances may not be negative.
@@ -129,6 +136,19 @@ impl Field<'_> {
         self.settle(taken, trials, given, signs, output)
     }
 
+    /// Slow rates and a beginning that may be anything explain the same drift: such candidates are for comparison only.
+    fn is_fit(&self, trial: &Trial) -> bool {
+        self.meshes[trial.mesh].free || trial.beginning != Beginning::Free
+    }
+
+    /// The candidate that predicted held-out stretches best of all, if it is not the choice.
+    pub fn best_rival(&self, choice: &Choice, given: &Given, signs: &Signs, output: usize) -> Option<Choice> {
+        let fit = choice.rivals.iter().filter(|trial| self.is_fit(trial));
+        let best = fit.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let is_other = best.score.overall() < choice.trial.score.overall();
+        is_other.then(|| self.settle(best.clone(), choice.rivals.clone(), given, signs, output))
+    }
+
     fn try_priors(
         &self,
         trials: &mut Vec<Trial>,
@@ -159,6 +179,37 @@ impl Field<'_> {
         }
     }
 
+    /// Steady gains by bank, and their variances.
+    fn gains(&self, terms: &[Term], solution: &Solution) -> Vec<(f64, f64)> {
+        let of = |bank: usize| {
+            let is_its = |&index: &usize| match terms[index].role {
+                Role::Relaxation { bank: own, .. } | Role::FeedThrough { bank: own } => own == bank,
+                Role::Initial { .. } | Role::Offset => false,
+            };
+            let its: Vec<usize> = (0..terms.len()).filter(is_its).collect();
+            let pairs = its.iter().flat_map(|&i| its.iter().map(move |&j| (i, j)));
+            let variance: f64 = pairs.map(|at| solution.covariance[at]).sum();
+            (its.iter().map(|&i| solution.theta[i]).sum(), variance.max(0.0))
+        };
+        (0..self.bank_input.len()).map(of).collect()
+    }
+
+    /// Those that are for comparison only count as well: what a record leaves open is open. But what a rival is itself unsure of
+    /// is not held against the choice.
+    fn gain_spread(&self, taken: &Trial, own: &[(f64, f64)], rivals: &[Trial], output: usize) -> Vec<f64> {
+        let plausible = |rival: &&Trial| *rival != taken && rival.score.is_plausible_beside(&taken.score, PLAUSIBLE);
+        let mut squares = vec![Vec::new(); own.len()];
+        for rival in rivals.iter().filter(plausible) {
+            let terms = self.terms(rival.mesh, rival.beginning, rival.feed_through);
+            let total = Problem::of(&Gram::total(&self.folds[rival.mesh]), &terms, self.outputs, output);
+            let solution = total.solve(&self.scales.penalty(rival.prior, &terms, &total), None);
+            for ((squares, (gain, variance)), own) in squares.iter_mut().zip(self.gains(&terms, &solution)).zip(own) {
+                squares.push(((gain - own.0).powi(2) - variance).max(0.0));
+            }
+        }
+        squares.into_iter().map(|squares| median(squares).sqrt()).collect()
+    }
+
     fn problems(&self, mesh: usize, terms: &[Term], output: usize) -> Vec<Problem> {
         self.folds[mesh].iter().map(|fold| Problem::of(fold, terms, self.outputs, output)).collect()
     }
@@ -183,8 +234,13 @@ impl Field<'_> {
                 (Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned())
             }
             Signs::Choose => {
-                let free = score(&folds, &total, &penalty, None).overall();
-                let price = |held: &Vec<bool>| score(&folds, &total, &penalty, Some(held)).overall() / free.max(1e-300);
+                let free = score(&folds, &total, &penalty, None);
+                // The dearer of all questions together and of interpolation, which knows best what noise there is.
+                let price = |held: &Vec<bool>| {
+                    let own = score(&folds, &total, &penalty, Some(held));
+                    let all = own.overall() / free.overall().max(1e-300);
+                    all.max(own.mean_single() / free.mean_single().max(1e-300))
+                };
                 let all = mask(&|_| true);
                 let own = mask(&|input| input == output);
                 let price_of_all = price(&all);
@@ -198,6 +254,7 @@ impl Field<'_> {
             }
         };
         let solution = total.solve(&penalty, positive.as_deref());
+        let gain_spread = self.gain_spread(&trial, &self.gains(&terms, &solution), &rivals, output);
         // From rest, an output that may as well have begun at zero did: one parameter less, and the steady gain is surer.
         let offset = terms.iter().position(|term| term.role == Role::Offset);
         if let (Some(offset), Beginning::Rest, false) = (offset, trial.beginning, given.mesh_is_fixed()) {
@@ -215,28 +272,45 @@ impl Field<'_> {
                     covariance: known.covariance.insert_row(offset, 0.0).insert_column(offset, 0.0),
                     ..known
                 };
-                return Choice { trial, terms, penalty, positive, solution, rivals, sign_reason };
+                return Choice {
+                    trial,
+                    terms,
+                    penalty,
+                    positive,
+                    solution,
+                    rivals,
+                    sign_reason,
+                    gain_spread,
+                    reason: None,
+                };
             }
         }
-        Choice { trial, terms, penalty, positive, solution, rivals, sign_reason }
+        Choice { trial, terms, penalty, positive, solution, rivals, sign_reason, gain_spread, reason: None }
     }
 }
 
-/// The most cautious trial on a mesh for any beginning that is as good as the best.
+/// The most cautious trial on a mesh for any beginning that is as good as the best. Fine meshes are left to a second opinion.
 ///
 /// The lower edge first: the thesis' is kept unless its held-out error is more than a tenth greater. Then, among those of that edge,
 /// the first within one percent, if the folds do not agree that it is worse.
 fn best<'t>(trials: &'t [Trial], meshes: &[Mesh]) -> &'t Trial {
+    let is_of = |trial: &&Trial, edge: f64| meshes[trial.mesh].factor >= edge && !meshes[trial.mesh].fine;
     let least = |edge: f64| {
-        let of_edge = trials.iter().filter(|trial| meshes[trial.mesh].factor >= edge);
+        let of_edge = trials.iter().filter(|trial| is_of(trial, edge));
         of_edge.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall())).unwrap_or(&trials[0])
     };
     let bar = 1.1 * 1.1 * least(0.0).score.overall();
-    let good = trials.iter().filter(|trial| trial.score.overall() <= bar);
+    let good = trials.iter().filter(|trial| is_of(trial, 0.0) && trial.score.overall() <= bar);
     let edge = good.map(|trial| meshes[trial.mesh].factor).fold(0.0, f64::max);
     let best = least(edge);
-    let cautious = |trial: &&Trial| meshes[trial.mesh].factor >= edge && trial.score.is_as_good_as(&best.score, 1.01);
+    let cautious = |trial: &&Trial| is_of(trial, edge) && trial.score.is_as_good_as(&best.score, 1.01);
     trials.iter().find(cautious).unwrap_or(best)
+}
+
+/// 0 for none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// A ratio of mean squared errors as a change of the root in percent.

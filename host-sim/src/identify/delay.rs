@@ -22,6 +22,8 @@ pub struct Path {
     pub delay: usize,
     pub feed_through: bool,
     pub reason: String,
+    /// Held-out error against neither, in percent.
+    pub change: String,
 }
 
 /// Finds delay and feed-through common to all inputs, judged by the outputs together.
@@ -93,7 +95,7 @@ pub fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<
             format!(": held-out error {} against neither", super::choose::change(gain))
         }
     );
-    Ok(Path { delay: taken.0, feed_through: taken.1, reason })
+    Ok(Path { delay: taken.0, feed_through: taken.1, reason, change: super::choose::change(gain) })
 }
 
 /// How well single folds are bridged: a few samples do not show in how a model carries on. Outputs may have different units: each counts by its logarithm.

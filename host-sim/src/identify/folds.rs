@@ -43,11 +43,18 @@ impl Score {
     /// Whether the root mean square is at most `ratio` times the other's, and the folds do not agree that it is greater: their
     /// paired differences, in which the noise of a fold cancels, are within one standard error of zero.
     pub fn is_as_good_as(&self, other: &Self, ratio: f64) -> bool {
-        let differences: Vec<f64> = self.single.iter().zip(&other.single).map(|(own, other)| own - other).collect();
-        let n = differences.len() as f64;
-        let mean = differences.iter().sum::<f64>() / n;
-        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        self.overall() <= ratio * ratio * other.overall() && mean <= (variance / n).sqrt()
+        let (mean, sd) = mean_and_sd(self.single.iter().zip(&other.single).map(|(own, other)| own - other));
+        self.overall() <= ratio * ratio * other.overall() && mean <= sd / (self.single.len() as f64).sqrt()
+    }
+
+    /// Whether it may be the truth where the other is taken for it: at most `ratio` times the root mean square, the folds within two
+    /// standard errors, and the first fold, which shows a wrong beginning, within three standard deviations of how folds differ.
+    pub fn is_plausible_beside(&self, other: &Self, ratio: f64) -> bool {
+        let log = |own: f64, other: f64| (own.max(1e-300) / other.max(1e-300)).ln();
+        let (mean, sd) = mean_and_sd(self.single.iter().zip(&other.single).map(|(own, other)| log(*own, *other)));
+        self.overall() <= ratio * ratio * other.overall()
+            && mean <= 2.0 * sd / (self.single.len() as f64).sqrt()
+            && log(self.begin, other.begin) <= mean + 3.0 * sd
     }
 
     pub fn mean_single(&self) -> f64 {
@@ -62,6 +69,12 @@ impl Score {
         // d√m = dm / 2√m
         (rms, (variance / count).sqrt() / (2.0 * rms).max(f64::MIN_POSITIVE))
     }
+}
+
+fn mean_and_sd(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    (mean, (values.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt())
 }
 
 /// Scores a penalty on the normal equations of all folds. `total` is their sum.

@@ -12,7 +12,7 @@
 //! | [`folds`], [`choose`] | block cross-validation, and the choice |
 //! | [`symbol`], [`conductance`] | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | [`refine`], [`tied`] | a few free rates in place of a mesh; reciprocal pairs |
-//! | [`residuals`], [`support`] | what is left, and whether the record could carry the model |
+//! | [`residuals`], [`looks`], `whiter`, [`support`] | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose answer is known exactly |
 
@@ -24,6 +24,7 @@ pub mod delay;
 pub mod design;
 pub mod folds;
 pub mod gram;
+pub mod looks;
 pub mod nonnegative;
 pub mod panels;
 pub mod pass;
@@ -38,6 +39,7 @@ pub mod support;
 pub mod symbol;
 pub mod tied;
 pub mod validate;
+mod whiter;
 
 use crate::model::{Model, Structure};
 use candidates::Given;

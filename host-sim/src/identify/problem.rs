@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! minimise ‖Aθ − y‖² + θᵀPθ,     θ = (G + P)⁻¹ b,     G = AᵀA,  b = Aᵀy
-//! cov θ = σ² (G + P)⁻¹,          σ² = rss / (n − tr G(G + P)⁻¹)
+//! cov θ = (G + P)⁻¹ (σ² G + β² P) (G + P)⁻¹,     σ² = rss / (n − tr G(G + P)⁻¹),   β² = max(σ², θᵀPθ / p)
 //! ```
 //!
-//! The covariance is that of the posterior for which P/σ² is the prior's precision: it holds the prior's bias as well as the noise
-//! (Wahba 1983, *J. R. Stat. Soc. B* 45, 133), and is the ordinary one without a prior. It takes the residuals for white.
+//! σ² G is the noise, which is taken for white; β² P is what the prior may have pulled θ by. If P/σ² were the precision that θ was
+//! drawn with, β would be σ, and the covariance σ² (G + P)⁻¹, the posterior's (Wahba 1983, *J. R. Stat. Soc. B* 45, 133); without a
+//! prior it is the ordinary one. A prior that is stronger than the θ found warrant shows by θᵀPθ, which has the expectation β² p for
+//! p penalised parameters: then its pull counts as large as they are.
 //! Everything is solved by Cholesky in columns scaled to unit norm.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -109,7 +111,12 @@ impl Problem {
         let degrees = self.g.component_mul(&inverse).sum();
         let rss = self.squared_error(&theta);
         let noise_variance = rss / (self.rows - degrees).max(1.0);
-        Solution { covariance: inverse * noise_variance, theta, rss, degrees, noise_variance }
+        let penalised = penalty.diagonal().iter().filter(|weight| **weight > 0.0).count();
+        let drawn = theta.dot(&(penalty * &theta)) / penalised.max(1) as f64;
+        let excess = (drawn - noise_variance).max(0.0);
+        // (G + P)⁻¹ (σ² G + β² P) (G + P)⁻¹ = σ² (G + P)⁻¹ + (β² − σ²) (G + P)⁻¹ P (G + P)⁻¹
+        let pulled = &inverse * penalty * &inverse;
+        Solution { covariance: inverse * noise_variance + pulled * excess, theta, rss, degrees, noise_variance }
     }
 }
 

@@ -10,11 +10,12 @@ use super::choose::{Choice, Field, change};
 use super::delay;
 use super::design::{Bank, Design, Drive, Role};
 use super::folds::{FOLDS, Score};
+use super::looks::look_at_all;
 use super::pass::{Facts, GasSource, pass};
 use super::prior::{Prior, Scales};
 use super::record::Source;
-use super::residuals::{Fitted, Looked, look};
 use super::tied::Ties;
+use super::whiter::prefer_white;
 use super::{IdentifyError, Options, Progress, Sight, support};
 use crate::model::{Chosen, Class, End, Estimate, Model, Output, Pair, Provenance, Structure};
 
@@ -69,13 +70,20 @@ pub fn identify(
 
     let mut reasons = Vec::new();
     let searched = options.given.delay.is_none() || options.given.feed_through.is_none();
-    let (lag, feed_through) = if searched && !options.given.mesh_is_fixed() {
+    let plain = (options.given.delay.unwrap_or(0), options.given.feed_through.unwrap_or(false));
+    let (lag, feed_through) = if searched {
         let inputs: Vec<Drive> = (0..survey.inputs.len()).map(Drive::Input).collect();
         let path = delay::find(source, &inputs, &options.given)?;
-        reasons.push(path.reason);
-        (path.delay, path.feed_through)
+        // Who gives the mesh wants these columns and no others; but should know what they lack.
+        let is_left_out = options.given.mesh_is_fixed() && (path.delay, path.feed_through) != plain;
+        reasons.push(if is_left_out {
+            format!("as the mesh is given, neither dead time nor feed-through; with --dead-time {} --feed-through {} the held-out error of the first rows would change by {}", path.delay, if path.feed_through { "yes" } else { "no" }, path.change)
+        } else {
+            path.reason
+        });
+        if is_left_out { plain } else { (path.delay, path.feed_through) }
     } else {
-        (options.given.delay.unwrap_or(0), options.given.feed_through.unwrap_or(false))
+        plain
     };
 
     let mut meshes = candidates::meshes(duration_s, survey.sample_period_s, classes.len(), &options.given);
@@ -139,23 +147,34 @@ pub fn identify(
         (true, Some(_)) => &[true],
     };
     progress("choosing", 0, 1);
-    let choices: Vec<Choice> = (0..survey.outputs.len())
+    let sights: Vec<_> = (0..survey.outputs.len())
         .map(|output| {
-            let field = Field {
-                meshes: &meshes,
-                designs: &designs,
-                folds: &passed.folds,
-                scales: &scales,
-                first_drives: &first_drives,
-                bank_input: &bank_input,
-                outputs: survey.outputs.len(),
-                output_shift: &passed.output_shift,
-                sees: &|bank: usize| parts[bank].is_seen_by(output),
-                feed_through: with_or_without,
-            };
-            field.choose(&options.given, &options.signs, output)
+            let parts = &parts;
+            move |bank: usize| parts[bank].is_seen_by(output)
         })
         .collect();
+    let field = |output: usize| Field {
+        meshes: &meshes,
+        designs: &designs,
+        folds: &passed.folds,
+        scales: &scales,
+        first_drives: &first_drives,
+        bank_input: &bank_input,
+        outputs: survey.outputs.len(),
+        output_shift: &passed.output_shift,
+        sees: &sights[output],
+        feed_through: with_or_without,
+    };
+    let choose = |output| field(output).choose(&options.given, &options.signs, output);
+    let choices: Vec<Choice> = (0..survey.outputs.len()).map(choose).collect();
+    let choices = prefer_white(
+        source,
+        &designs,
+        &passed.output_shift,
+        choices,
+        &|output, choice| field(output).best_rival(choice, &options.given, &options.signs, output),
+        &mut |row| tell_now_and_then(progress, "looking at residuals", row, rows),
+    )?;
 
     let (choices, against_ties) = if options.tie {
         let ties = Ties {
@@ -173,38 +192,11 @@ pub fn identify(
         (choices, None)
     };
 
-    // Residuals: outputs that chose the same design share a reading.
-    let mut looks: Vec<Option<(usize, Looked)>> = (0..choices.len()).map(|_| None).collect();
-    for output in 0..choices.len() {
-        if looks[output].is_some() {
-            continue;
-        }
-        let mesh = choices[output].trial.mesh;
-        let alike: Vec<usize> = (output..choices.len()).filter(|&other| choices[other].trial.mesh == mesh).collect();
-        let fitted: Vec<Fitted> = alike
-            .iter()
-            .map(|&output| Fitted {
-                output,
-                theta: in_columns(&choices[output], designs[mesh].width()),
-                shift: passed.output_shift[output],
-            })
-            .collect();
-        let mut row = |seen: &super::residuals::Seen<'_>| {
-            if seen.row.is_multiple_of(65_536) {
-                progress("residuals", seen.row, rows);
-            }
-            sight(seen);
-        };
-        let looked = look(source, &designs[mesh], GasSource::Constant(0.0), &fitted, &mut row)?;
-        for (place, &other) in alike.iter().enumerate().skip(1) {
-            looks[other] = Some((
-                place,
-                Looked { residuals: looked.residuals.clone(), end: looked.end.clone(), ..looked_head(&looked) },
-            ));
-        }
-        looks[output] = Some((0, looked));
-    }
-    let looks: Vec<(usize, Looked)> = looks.into_iter().flatten().collect();
+    let mut row = |seen: &super::residuals::Seen<'_>| {
+        tell_now_and_then(progress, "residuals", seen.row, rows);
+        sight(seen);
+    };
+    let looks = look_at_all(source, &designs, &passed.output_shift, &choices, &mut row)?;
 
     let mut warnings = support::warnings(&survey, facts);
     warnings.extend(against_ties);
@@ -212,7 +204,7 @@ pub fn identify(
         .iter()
         .enumerate()
         .map(|(output, choice)| {
-            let residuals = &looks[output].1.residuals[output];
+            let residuals = &looks[output].looked.residuals[output];
             let offset = choice.terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
             Output {
                 name: survey.outputs[output].clone(),
@@ -256,15 +248,15 @@ pub fn identify(
         warnings.extend(doubts(&survey.outputs[output], choice, facts, output, duration_s, &pairs));
     }
     let chosen = chosen(&choices[0], &meshes, lag, reasons, &options.given);
-    let looked = &looks[0].1;
+    let looked = &looks[0].looked;
     let end = End {
         next_time_s: looked.next_time_s,
         decays: choices
             .iter()
             .enumerate()
             .map(|(output, choice)| {
-                let (place, looked) = &looks[output];
-                decays(&designs[choice.trial.mesh], &looked.end[*place])
+                let look = &looks[output];
+                decays(&designs[choice.trial.mesh], &look.looked.end[look.place])
             })
             .collect(),
         pending: (0..survey.inputs.len())
@@ -322,25 +314,10 @@ fn cross_rates(given: &Given, meshes: &[Mesh], duration_s: f64, sample_period_s:
     candidates::meshes(duration_s, sample_period_s, classes, &given).remove(0).rates_rad_s
 }
 
-fn looked_head(looked: &Looked) -> Looked {
-    Looked {
-        residuals: Vec::new(),
-        end: Vec::new(),
-        next_time_s: looked.next_time_s,
-        pending: looked.pending.clone(),
-        rows: looked.rows,
+fn tell_now_and_then(progress: &mut Progress<'_>, what: &'static str, row: u64, rows: u64) {
+    if row.is_multiple_of(65_536) {
+        progress(what, row, rows);
     }
-}
-
-/// Parameters as weights of the design's columns.
-pub(super) fn in_columns(choice: &Choice, width: usize) -> Vec<f64> {
-    let mut weights = vec![0.0; width];
-    for (term, theta) in choice.terms.iter().zip(choice.solution.theta.iter()) {
-        for &(column, weight) in &term.of {
-            weights[column] += weight * theta;
-        }
-    }
-    weights
 }
 
 /// Resistances of one bank with their standard errors.
@@ -359,7 +336,7 @@ pub(super) fn class_of(choice: &Choice, bank: usize) -> Class {
         r_k_per_w: relaxations.iter().map(|&term| solution.theta[term]).collect(),
         se_k_per_w: relaxations.iter().map(|&term| se(term)).collect(),
         steady_gain_k_per_w: all.iter().map(|&term| solution.theta[term]).sum(),
-        se_steady_gain_k_per_w: variance.max(0.0).sqrt(),
+        se_steady_gain_k_per_w: variance.max(0.0).sqrt().hypot(choice.gain_spread.get(bank).copied().unwrap_or(0.0)),
         feed_through_k_per_w: feed.first().map_or(0.0, |&term| solution.theta[term]),
         se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| se(term)),
     }
@@ -397,16 +374,35 @@ pub(super) fn doubts(
     }
     for pair in pairs.iter().filter(|pair| pair.output == name) {
         for (label, class) in &pair.classes {
-            if class.se_steady_gain_k_per_w > 0.25 * class.steady_gain_k_per_w.abs() && spread > 0.0 {
+            let subject = format!("`{}` → `{name}`, class `{label}`", pair.input);
+            let gain = class.steady_gain_k_per_w;
+            if class.se_steady_gain_k_per_w > 0.25 * gain.abs() && spread > 0.0 {
                 let slowest_s = 1.0 / pair.mesh_rad_s[0];
                 doubts.push(format!(
-                    "`{}` → `{name}`, class `{label}`: the steady gain {:.4} is known to ±{:.2} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge",
-                    pair.input, class.steady_gain_k_per_w, class.se_steady_gain_k_per_w
+                    "{subject}: the steady gain {gain:.4} is known to ±{:.2} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge",
+                    class.se_steady_gain_k_per_w
+                ));
+            } else if slow_share(pair, class, duration_s) > 0.5 {
+                let known_s = duration_s / std::f64::consts::PI;
+                doubts.push(format!(
+                    "{subject}: most of the answer is slower than 1/rate = {known_s:.0} s, which a record of {duration_s:.0} s is too short to tell from slower still: the steady gain {gain:.4} may be far off; record for several of the slowest time constants",
                 ));
             }
         }
     }
     doubts
+}
+
+/// What part of the answer stands at rates up to π/T, half the thesis' lower edge: decays that a record of length T shows little of.
+/// Of Σ|R| or of the steady gain, whichever is more: slow rates of both signs are no better known.
+fn slow_share(pair: &Pair, class: &Class, duration_s: f64) -> f64 {
+    let slow_rad_s = 1.01 * std::f64::consts::PI / duration_s;
+    let slow = pair.mesh_rad_s.iter().take_while(|rate| **rate <= slow_rad_s).count();
+    let (slow, all) = (&class.r_k_per_w[..slow], &class.r_k_per_w);
+    let size = |resistances: &[f64]| resistances.iter().map(|r| r.abs()).sum::<f64>();
+    let of_size = size(slow) / size(all).max(f64::MIN_POSITIVE);
+    let of_gain = slow.iter().sum::<f64>().abs() / class.steady_gain_k_per_w.abs().max(f64::MIN_POSITIVE);
+    of_size.max(of_gain)
 }
 
 fn chosen(choice: &Choice, meshes: &[Mesh], lag: usize, mut reasons: Vec<String>, given: &Given) -> Chosen {
@@ -433,6 +429,7 @@ fn chosen(choice: &Choice, meshes: &[Mesh], lag: usize, mut reasons: Vec<String>
     reasons.extend(against(&what, best_of(&|rival| rival.beginning != trial.beginning)));
     let what = format!("prior: {} of weight {:.1e}", trial.prior.name(), trial.prior.weight());
     reasons.extend(against(&what, best_of(&|rival| rival.mesh == trial.mesh && rival.prior != trial.prior)));
+    reasons.extend(choice.reason.clone());
     reasons.push(choice.sign_reason.clone());
     Chosen {
         non_negative: choice.positive.is_some(),

@@ -145,6 +145,8 @@ impl Ties<'_> {
                 solution,
                 rivals: choice.rivals.clone(),
                 sign_reason: choice.sign_reason.clone(),
+                gain_spread: Vec::new(),
+                reason: None,
             });
         }
         Tied { choices: tied, reason, warning }

@@ -292,6 +292,8 @@ fn settled(mut search: Search, outputs: &[Output], poles: usize, first_drives: &
         solution: point.solution(),
         rivals: Vec::new(),
         sign_reason: String::new(),
+        gain_spread: Vec::new(),
+        reason: None,
     };
     Ok(Found { search, choice, point, warnings })
 }

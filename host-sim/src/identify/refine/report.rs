@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use super::super::choose::change;
 use super::super::design::Role;
+use super::super::looks::in_columns;
 use super::super::pass::{Facts, GasSource};
 use super::super::record::{Source, Survey};
 use super::super::residuals::{Fitted, look};
-use super::super::symbol::{class_of, decays, doubts, in_columns};
+use super::super::symbol::{class_of, decays, doubts};
 use super::super::{IdentifyError, Sight, support};
 use super::Found;
 use crate::model::{Chosen, Class, End, Estimate, Model, Output};
