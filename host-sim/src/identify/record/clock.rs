@@ -71,7 +71,8 @@ impl Clock {
         let before = last_s.into_iter().chain(time_s.iter().copied());
         let skipped = usize::from(last_s.is_none());
         let mut steps = before.zip(&time_s[skipped..]).enumerate();
-        steps.find_map(|(at, (last_s, &now_s))| self.step_fault(column, from + (at + skipped) as u64 + 1, last_s, now_s))
+        steps
+            .find_map(|(at, (last_s, &now_s))| self.step_fault(column, from + (at + skipped) as u64 + 1, last_s, now_s))
     }
 
     /// What is wrong with one step, whatever the mean period.
