@@ -117,6 +117,57 @@ fn a_record_far_too_short_for_its_slowest_time_constant_is_marked() {
 }
 
 #[test]
+fn an_input_that_is_on_in_a_row_or_two_is_marked() {
+    for (seed, noise_k) in [(1, 0.0001), (2, 0.05)] {
+        let noise = anemo_tests::records::Noise::white(noise_k);
+        let measured_c = noise.read(&vec![20.0; 1000], &mut anemo_tests::records::random(seed, 0));
+        let (mut rise_k, gain) = (0.0, 1.0 - f64::exp(-0.1));
+        let row = |(n, measured_c): (usize, f64)| {
+            let power_w = if (300..302).contains(&n) { 0.05 } else { 0.0 };
+            let row = [n as f64 * 0.1, power_w, measured_c + rise_k];
+            // One pole of 1 rad/s and 100 K/W.
+            rise_k += gain * (100.0 * power_w - rise_k);
+            row
+        };
+        let rows: Vec<[f64; 3]> = measured_c.into_iter().enumerate().map(row).collect();
+        Table::new(&csv(&rows)).is_doubted(&[], &["`power` leaves its first value for no more than 2.0 rows"]);
+    }
+}
+
+#[test]
+fn a_model_of_nothing_is_marked() {
+    // The output falls as power rises, which resistances that may not be negative leave alone.
+    let mut rows = sound(1000);
+    rows.iter_mut().for_each(|row| row[2] = 40.0 - row[2]);
+    Table::new(&csv(&rows)).is_doubted(&["--non-negative", "all"], &["no input explains any of it"]);
+}
+
+#[test]
+fn a_mesh_far_beyond_what_samples_show_is_marked_and_farther_refused() {
+    let table = Table::new(&csv(&sound(400)));
+    // π/Ts is 31 rad/s.
+    table.is_doubted(&["--mesh", "0.1:1000"], &["samples every 0.1 s show nothing beyond 3.1e1"]);
+    table.is_refused(&["--mesh", "0.1:100000"], &["reaches far beyond"]);
+    table.is_refused(&["--mesh", "0.1:100000", "--free-poles", "2"], &["reaches far beyond"]);
+}
+
+#[test]
+fn whose_heat_is_whose_is_told() {
+    let rows = |columns: usize| -> Vec<Vec<String>> {
+        let (first, second) = (sound(600), Foster { rows: 600, seed: 77, ..Foster::default() }.simulate());
+        let of = |n: usize| [first[n][0], first[n][1], second.input_w[n], first[n][2], second.output_c[n]];
+        (0..600).map(|n| of(n)[..columns].iter().map(f64::to_string).collect()).collect()
+    };
+    let table = Table::new(&text("time_s,p,q,x,y", &rows(5)));
+    let output =
+        table.desk.anemo(&["identify", "r.csv", "--input", "p,q", "--output", "y,x", "--cross-order", "2"], &[]);
+    let summary = String::from_utf8(output.stdout).unwrap();
+    assert!(summary.contains("own heat, by the order of the columns: `p` → `y`, `q` → `x`; every other"), "{summary}");
+    let single = ["--input", "p", "--output", "x", "--cross-order", "2"];
+    table.is_refused(&single, &["one input, `p`, and one output, `x`", "leave out --cross-order"]);
+}
+
+#[test]
 fn inputs_that_move_together_are_marked() {
     let rows: Vec<Vec<String>> =
         sound(1000).iter().map(|[t, u, y]| [*t, *u, 2.0 * u + 0.01, *y].map(|v| v.to_string()).to_vec()).collect();
@@ -168,6 +219,7 @@ fn time_that_runs_backwards_or_jumps_is_refused_with_its_row() {
         change(&mut rows);
         Table::new(&csv(&rows))
     };
+    with(|rows| rows[100..].iter_mut().for_each(|row| row[0] += 3.0)).is_refused(&[], &["row 101", "by 3.1 s"]);
     with(|rows| rows.swap(80, 81)).is_refused(&[], &["row 8", "time"]);
     with(|rows| rows[100][0] = rows[99][0]).is_refused(&[], &["row 101"]);
     with(|rows| rows[120..].iter_mut().for_each(|row| row[0] += 3.0)).is_refused(&[], &["row ", "time_s"]);
@@ -189,6 +241,9 @@ fn columns_that_are_missing_or_double_are_named() {
 fn options_that_cannot_be_are_refused() {
     let table = Table::new(&csv(&sound(200)));
     table.is_refused(&["--order", "0"], &["--order"]);
+    for option in ["--order", "--cross-order", "--free-poles", "--dead-time"] {
+        table.is_refused(&[option, "-1"], &[option, "`-1` is no whole number"]);
+    }
     table.is_refused(&["--mesh", "10:1"], &["10:1"]);
     table.is_refused(&["--mesh", "nan:1"], &["nan:1"]);
     table.is_refused(&["--ridge", "-1"], &["--ridge"]);
@@ -220,5 +275,43 @@ fn a_model_that_does_not_fit_is_refused() {
     std::fs::write(&path, &good).unwrap();
     // The record that it was made from does not go on where it ended.
     let (code, sentence) = table.desk.refused(&["validate", "m.json", "r.csv", "--start", "continue"], &[]);
-    assert!(code == 1 && sentence.contains("goes on at 40"), "{sentence}");
+    assert!(code == 1 && sentence.contains("goes on at 40 s"), "{sentence}");
+}
+
+#[test]
+fn a_validation_that_says_nothing_says_so() {
+    let table = Table::new(&csv(&sound(400)));
+    let path = table.desk.path().join("m.json");
+    assert!(table.desk.anemo(&["identify", "r.csv", "-o", "m.json"], &[]).status.success());
+    let write = |rows: &[[f64; 3]]| std::fs::write(table.desk.path().join("v.csv"), csv(rows)).unwrap();
+    let told = |options: &[&str]| {
+        let arguments = [&["validate", "m.json", "v.csv", "--json"], options].concat();
+        let output = table.desk.anemo(&arguments, &[]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    let mut constant = sound(100);
+    constant.iter_mut().for_each(|row| row[2] = 21.5);
+    write(&constant);
+    let json = told(&[]);
+    assert!(json["fit_percent"].is_null() && json["rmse"].is_f64(), "{json}");
+    assert!(json["warnings"][0].as_str().unwrap().contains("is 21.5 in all rows"), "{json}");
+
+    write(&sound(5));
+    let (code, sentence) = table.desk.refused(&["validate", "m.json", "v.csv"], &[]);
+    assert!(code == 1 && sentence.contains("has 5 rows") && sentence.contains("--start rest"), "{sentence}");
+    let json = told(&["--start", "rest"]);
+    assert!(json["warnings"][0].as_str().unwrap().starts_with("5 rows say next to nothing"), "{json}");
+
+    let mut huge = sound(100);
+    huge.iter_mut().for_each(|row| row[1] *= 1e200);
+    write(&huge);
+    let (code, sentence) = table.desk.refused(&["validate", "m.json", "v.csv"], &[]);
+    assert!(code == 1 && sentence.contains("too large to compute with"), "{sentence}");
+
+    let mut model: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    assert!(model.as_object_mut().unwrap().remove("end").is_some());
+    std::fs::write(&path, model.to_string()).unwrap();
+    let (code, sentence) = table.desk.refused(&["validate", "m.json", "r.csv", "--start", "continue"], &[]);
+    assert!(code == 1 && sentence.contains("does not hold where its record ended"), "{sentence}");
 }

@@ -47,15 +47,15 @@ pub struct Arguments {
     #[arg(long, value_name = "LABEL")]
     reference: Option<String>,
     /// Number of rates.
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     order: Option<usize>,
     /// Edges of the mesh of rates, rad/s.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     mesh: Option<(f64, f64)>,
-    /// Number of rates of pairs whose input is not the output's own.
-    #[arg(long, value_name = "K")]
+    /// Number of rates of pairs whose input is not the output's own: the first input is the first output's, and so on.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     cross_order: Option<usize>,
-    /// Edges of the mesh of such pairs, rad/s.
+    /// Edges of the mesh of such pairs, rad/s; the order of --input and --output says which they are.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     cross_mesh: Option<(f64, f64)>,
     /// Ridge on columns of unit norm; 0 for plain least squares.
@@ -71,15 +71,16 @@ pub struct Arguments {
     #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
     feed_through: Option<bool>,
     /// Samples by which the output answers late; searched for, unless both --order and --mesh are given.
-    #[arg(long, value_name = "SAMPLES")]
+    #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
     /// Draw symbol, fit, residuals, frequency response and structure function into this .svg file.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Fit so many rates (1 to 8) an output freely, from the mesh solution on, for a model that is small.
-    #[arg(long, value_name = "K", conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
     free_poles: Option<usize>,
-    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i.
+    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i, in the order of --input and
+    /// --output.
     #[arg(long)]
     tie: bool,
     /// Print the model as one JSON object instead of the summary.
@@ -124,6 +125,15 @@ fn edges(text: &str) -> Result<(f64, f64), String> {
     if first > 0.0 && last > first && last.is_finite() { Ok((first, last)) } else { Err(wrong()) }
 }
 
+fn at_least_one(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|&count: &usize| count > 0);
+    count.ok_or_else(|| format!("`{text}` is no whole number of at least 1"))
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("`{text}` is no whole number of samples, 0 or more"))
+}
+
 fn yes_or_no(text: &str) -> Result<bool, String> {
     match text {
         "yes" => Ok(true),
@@ -162,10 +172,7 @@ impl Arguments {
                 )));
             }
         }
-        if self.order == Some(0) || self.cross_order == Some(0) {
-            return Err(Failure::usage("--order must be at least 1"));
-        }
-        if let Some(poles @ (0 | 9..)) = self.free_poles {
+        if let Some(poles @ 9..) = self.free_poles {
             return Err(Failure::usage(format!(
                 "--free-poles must be 1 to 8, as many as the board carries, not {poles}"
             )));
@@ -236,7 +243,9 @@ impl Arguments {
 /// A bar on a terminal, nothing elsewhere.
 pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
     let bar = ProgressBar::new(1);
-    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} %") {
+    // Choosing cannot tell how far it is, and may take minutes with many event classes: the clock shows that it goes on.
+    bar.enable_steady_tick(std::time::Duration::from_millis(500));
+    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} % {elapsed}") {
         bar.set_style(style);
     }
     move |what, done, all| {

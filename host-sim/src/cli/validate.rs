@@ -6,7 +6,7 @@ use super::Failure;
 use super::fits::Fits;
 use super::identify::Columns;
 use crate::identify::record::{Selection, Source as _, Stream};
-use crate::identify::validate::{Start, ValidateError, Validated, validate};
+use crate::identify::validate::{Scored, Start, ValidateError, Validated, validate};
 use crate::model::{Gas, Model, ModelError};
 
 /// Predict a record with a model, and say how well.
@@ -90,11 +90,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn json(validated: &Validated) -> serde_json::Value {
-    let of = |scored: &crate::identify::validate::Scored| {
+    let of = |scored: &Scored| {
         serde_json::json!({
             "name": scored.name,
             "rmse": scored.rmse,
-            "fit_percent": scored.fit_percent,
+            "fit_percent": fit_percent(scored),
             "offset_c": scored.offset_c,
             "whiteness": scored.whiteness,
         })
@@ -102,12 +102,18 @@ fn json(validated: &Validated) -> serde_json::Value {
     let first = &validated.outputs[0];
     serde_json::json!({
         "rmse": first.rmse,
-        "fit_percent": first.fit_percent,
+        "fit_percent": fit_percent(first),
         "offset_c": first.offset_c,
         "n": validated.rows,
         "start": start(validated.start),
+        "warnings": validated.warnings,
         "outputs": validated.outputs.iter().map(of).collect::<Vec<_>>(),
     })
+}
+
+/// A constant output has none.
+fn fit_percent(scored: &Scored) -> Option<f64> {
+    scored.constant.is_none().then_some(scored.fit_percent)
 }
 
 fn start(start: Start) -> &'static str {
@@ -126,10 +132,11 @@ fn summary(validated: &Validated) -> String {
     };
     let mut text = format!("{} rows, {from}\n", validated.rows);
     for scored in &validated.outputs {
-        text.push_str(&format!(
-            "{}: fit {:.2} %, rmse {:.4}, offset {:.4}\n",
-            scored.name, scored.fit_percent, scored.rmse, scored.offset_c
-        ));
+        let fit = fit_percent(scored).map_or("no fit".to_owned(), |percent| format!("fit {percent:.2} %"));
+        text.push_str(&format!("{}: {fit}, rmse {:.4}, offset {:.4}\n", scored.name, scored.rmse, scored.offset_c));
+    }
+    for warning in &validated.warnings {
+        text.push_str(&format!("\nwarning: {warning}\n"));
     }
     text
 }

@@ -7,6 +7,7 @@
 //! | [`record`] | any uniformly sampled record, block by block |
 //! | [`design`], [`rows`] | which columns the regression has, and their rows: exact states of relaxations |
 //! | [`panels`], [`gram`], [`pass`] | one reading of the record: normal equations, fold by fold |
+//! | `asked` | whether what is asked for can be had of such a record |
 //! | [`candidates`], [`delay`] | the models that are tried |
 //! | [`prior`], [`problem`], [`nonnegative`] | penalised least squares on the sums, and how sure its answer is |
 //! | [`folds`], [`choose`] | block cross-validation, and the choice |
@@ -16,6 +17,7 @@
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose answer is known exactly |
 
+mod asked;
 pub mod candidates;
 pub mod choose;
 pub mod cole_cole;
@@ -107,37 +109,18 @@ pub fn identify(
     progress: &mut Progress<'_>,
     sight: &mut Sight<'_>,
 ) -> Result<Model, IdentifyError> {
-    let rows = source.survey().rows;
-    if rows < LEAST_ROWS {
-        return Err(IdentifyError::unfit(source, format!("has {rows} rows: a model takes at least {LEAST_ROWS}")));
-    }
-    if options.tie {
-        tied::refuse(source.survey(), options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
-    }
-    if let Some(poles) = options.free_poles {
-        refine::refuse(poles, options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
-        let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
-        return refine::refine(source, &mesh, poles, options, progress, sight);
-    }
-    if let Some(delay) = options.given.delay.filter(|&delay| delay as u64 > rows / 4) {
-        let sentence =
-            format!("has {rows} rows: a dead time of {delay} samples leaves too few to learn from (at most a quarter)");
-        return Err(IdentifyError::unfit(source, sentence));
-    }
-    let period_s = source.survey().sample_period_s;
-    if let Some((first, last)) = options.given.edges_rad_s {
-        // Far beyond what the record shows, rates cannot be told from feed-through or from an offset.
-        let (least, most) = (1e-4 / (rows as f64 * period_s), 1e3 / period_s);
-        if first < least || last > most {
-            let sentence = format!(
-                "lasts {:.4} s in steps of {period_s:.4} s: a mesh from {first:e} to {last:e} rad/s reaches far beyond what it shows; stay within {least:.1e} to {most:.1e}",
-                rows as f64 * period_s
-            );
-            return Err(IdentifyError::unfit(source, sentence));
+    asked::refuse(source.survey(), options).map_err(|sentence| IdentifyError::unfit(source, sentence))?;
+    let mut model = match (options.free_poles, options.structure) {
+        (Some(poles), _) => {
+            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+            refine::refine(source, &mesh, poles, options, progress, sight)
         }
-    }
-    match options.structure {
-        Some(Structure::Conductance) => conductance::identify(source, options, progress, sight),
-        Some(Structure::Symbol) | None => symbol::identify(source, options, progress, sight),
-    }
+        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, sight),
+        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, sight),
+    }?;
+    model.chosen.reasons.extend(asked::pairing(source.survey(), options));
+    model.warnings.extend(asked::warnings(source.survey(), options));
+    model.warnings.extend(support::silent(&model));
+    model.supported = model.warnings.is_empty();
+    Ok(model)
 }

@@ -96,6 +96,13 @@ impl Facts {
         if sd > 0.0 { sd } else { self.first_inputs[input].abs().max(f64::MIN_POSITIVE) }
     }
 
+    /// For how many rows an input would have to stand at its greatest departure from its first value for the same sum of squares.
+    pub fn full_rows(&self, input: usize) -> f64 {
+        let ([least, most], first) = (self.input_range[input], self.first_inputs[input]);
+        let greatest = (most - first).abs().max((least - first).abs());
+        if greatest > 0.0 { self.input_sums(input).1 / (greatest * greatest) } else { 0.0 }
+    }
+
     /// Standard deviation of an input in the rows of a class.
     pub fn class_input_sd(&self, class: usize, input: usize) -> f64 {
         deviation(self.class_sum[class][input], self.class_squares[class][input], self.class_rows[class])

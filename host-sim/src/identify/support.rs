@@ -1,10 +1,15 @@
 //! Whether a record can carry the model that is asked of it, and what it lacks if not.
 
+use super::folds::FOLDS;
 use super::pass::Facts;
 use super::record::Survey;
+use crate::model::{Model, Output};
 
 /// Beyond it, squares and sums of squares are no longer numbers.
 const GREATEST: f64 = 1e100;
+
+/// An input that is not at its first value in fewer rows than this, counted as rows of its greatest departure, excites too little.
+const FEW_ROWS: f64 = 5.0;
 
 /// Refuses what no model can come of.
 pub fn refuse(survey: &Survey, facts: &Facts, classes: &[String], gated: bool, from_rest: bool) -> Result<(), String> {
@@ -52,6 +57,14 @@ pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
             ));
         }
     }
+    for (input, name) in survey.inputs.iter().enumerate() {
+        let full = facts.full_rows(input);
+        if full > 0.0 && full < FEW_ROWS {
+            warnings.push(format!(
+                "`{name}` leaves its first value for no more than {full:.1} rows' worth: what little heat that is tells next to nothing of slow rates; excite it all through the record"
+            ));
+        }
+    }
     for i in 0..survey.inputs.len() {
         for j in 0..i {
             let correlation = facts.correlation(i, j);
@@ -64,4 +77,49 @@ pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
         }
     }
     warnings
+}
+
+/// Outputs that the model leaves as they are: an answer of nothing has no standard error that would give it away.
+pub fn silent(model: &Model) -> Vec<String> {
+    let is_nothing = |name: &str| {
+        let mut classes = model.pairs.iter().filter(|pair| pair.output == name).flat_map(|pair| pair.classes.values());
+        classes.all(|class| class.r_k_per_w.iter().chain([&class.feed_through_k_per_w]).all(|value| *value == 0.0))
+    };
+    let outputs = model.outputs.iter().filter(|output| output.residual_rms > 0.0 && is_nothing(&output.name));
+    let sentence = |output: &Output| {
+        format!(
+            "`{}`: no input explains any of it, and all resistances are zero: are these the right columns, and was the element heated?",
+            output.name
+        )
+    };
+    outputs.map(sentence).collect()
+}
+
+/// Most memory for the sums of all meshes together, bytes.
+const MOST_BYTES: f64 = 4e9;
+
+/// Refuses more unknowns than any machine should be asked for. `unknowns`: of every mesh that would be tried.
+pub fn affordable(unknowns: &[usize], inputs: usize, classes: usize) -> Result<(), String> {
+    let bytes: f64 = unknowns.iter().map(|&count| 8.0 * FOLDS as f64 * (count as f64).powi(2)).sum();
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let most = unknowns.iter().copied().max().unwrap_or(0);
+    Err(format!(
+        "has {inputs} inputs and {classes} event classes, which make up to {most} unknowns and {:.0} GB of sums: join classes, name fewer inputs, or ask for fewer rates with --order",
+        bytes / 1e9
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknowns_beyond_the_memory_of_machines_are_refused() {
+        assert_eq!(affordable(&[500, 800], 1, 60), Ok(()));
+        // 8 bytes, ten folds, 20 000²: 32 GB.
+        let sentence = affordable(&[500, 20_000], 10, 64).unwrap_err();
+        assert!(sentence.starts_with("has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
+    }
 }

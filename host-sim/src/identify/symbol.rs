@@ -98,6 +98,9 @@ pub fn identify(
     if few > 0 {
         meshes.retain(|mesh| unknowns(mesh) as u64 * 3 <= rows);
     }
+    let all: Vec<usize> = meshes.iter().map(unknowns).collect();
+    support::affordable(&all, survey.inputs.len(), classes.len())
+        .map_err(|sentence| IdentifyError::unfit(source, sentence))?;
     let (parts, cross) = match &options.cross {
         None => (parts_of(Kind::Any), None),
         Some(given) => {

@@ -28,13 +28,18 @@ pub struct Validated {
     pub outputs: Vec<Scored>,
     pub rows: u64,
     pub start: Start,
+    /// Why the figures say little, if they do: sentences for the user.
+    pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scored {
     pub name: String,
     pub rmse: f64,
+    /// 0 where the output is the same in all rows, as there is nothing to fit.
     pub fit_percent: f64,
+    /// The output's value, if it is the same in all rows.
+    pub constant: Option<f64>,
     pub offset_c: f64,
     pub whiteness: Option<Whiteness>,
 }
@@ -80,17 +85,30 @@ pub fn validate(
                 (Some(end), Some(gap_s)) if gap_s.abs() < 0.5 * survey.sample_period_s => {
                     forward = Forward::going_on(model, end);
                 }
-                _ => {
-                    let when = model.end.as_ref().map_or(f64::NAN, |end| end.next_time_s);
+                (Some(end), _) => {
                     let sentence = format!(
-                        "begins at {} s, but the identified record goes on at {when} s: only the row that follows it can be continued",
-                        survey.first_time_s
+                        "begins at {} s, but the identified record goes on at {} s: only the row that follows it can be continued",
+                        shown_s(survey.first_time_s),
+                        shown_s(end.next_time_s)
                     );
                     return Err(unfit(source, sentence));
+                }
+                (None, _) => {
+                    let sentence = "cannot be continued: the model does not hold where its record ended, as none does that was merged; say --start estimate or --start rest";
+                    return Err(unfit(source, sentence.to_owned()));
                 }
             }
         }
         Start::Estimate => {
+            let unknowns =
+                (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max().unwrap_or(1);
+            if survey.rows <= unknowns as u64 {
+                let sentence = format!(
+                    "has {} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest",
+                    survey.rows
+                );
+                return Err(unfit(source, sentence));
+            }
             let mut decays = vec![Vec::new(); model.outputs.len()];
             // Once for linear models; wind takes heat by the predicted temperature, which the decays change, so it goes around.
             let rounds = if model.wind.is_some() { 4 } else { 1 };
@@ -105,20 +123,56 @@ pub fn validate(
         }
     }
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
+    let mut constant: Vec<Option<f64>> = vec![None; model.outputs.len()];
     run(model, source, &mut forward, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
             residuals.push(*measured, *predicted);
         }
+        for (constant, &measured) in constant.iter_mut().zip(seen.measured) {
+            *constant = if seen.row == 0 { Some(measured) } else { constant.filter(|first| *first == measured) };
+        }
         sight(seen);
     })?;
-    let outputs = model.outputs.iter().zip(&residuals).zip(&offsets).map(|((output, residuals), &offset_c)| Scored {
-        name: output.name.clone(),
-        rmse: residuals.rms(),
-        fit_percent: residuals.fit_percent(),
-        offset_c,
-        whiteness: residuals.whiteness(),
-    });
-    Ok(Validated { outputs: outputs.collect(), rows: survey.rows, start })
+    let scored = |output: usize| Scored {
+        name: model.outputs[output].name.clone(),
+        rmse: residuals[output].rms(),
+        fit_percent: if constant[output].is_some() { 0.0 } else { residuals[output].fit_percent() },
+        constant: constant[output],
+        offset_c: offsets[output],
+        whiteness: residuals[output].whiteness(),
+    };
+    let outputs: Vec<Scored> = (0..model.outputs.len()).map(scored).collect();
+    let is_none = |scored: &&Scored| !(scored.rmse.is_finite() && scored.fit_percent.is_finite());
+    if let Some(scored) = outputs.iter().find(is_none) {
+        let sentence = format!(
+            "what the model predicts for `{}` is too large to compute with: are the inputs in the units of the model's record?",
+            scored.name
+        );
+        return Err(unfit(source, sentence));
+    }
+    let warnings = warnings(&outputs, survey.rows);
+    Ok(Validated { outputs, rows: survey.rows, start, warnings })
+}
+
+/// Why figures say less than they seem to.
+fn warnings(outputs: &[Scored], rows: u64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (scored, value) in outputs.iter().filter_map(|scored| Some((scored, scored.constant?))) {
+        warnings.push(format!(
+            "`{}` is {value} in all rows, so there is no fit to tell: is it the right column, and is the sensor connected?",
+            scored.name
+        ));
+    }
+    if rows < super::LEAST_ROWS {
+        let least = super::LEAST_ROWS;
+        warnings.push(format!("{rows} rows say next to nothing of a model: give a record of {least} at least"));
+    }
+    warnings
+}
+
+/// A time without the digits that come of adding periods up.
+fn shown_s(time_s: f64) -> f64 {
+    format!("{time_s:.9e}").parse().unwrap_or(time_s)
 }
 
 /// Adds to decays and offsets what the present prediction leaves.

@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Model, Structure};
+use super::Model;
 use crate::recording::{Temporary, one_line};
 
 /// Counts changes that an older reader would misunderstand.
 pub const VERSION: u32 = 1;
 
 pub const FORMAT: &str = "anemo-model";
+
+/// Beyond it, squares and products of a model's numbers are no longer numbers.
+const GREATEST: f64 = 1e100;
 
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
@@ -36,6 +39,8 @@ impl Model {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
+        // Some editors put a byte order mark before a text that they save.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| format!("is no JSON, or cut short: {error}"))?;
         if value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT) {
@@ -50,7 +55,7 @@ impl Model {
             }
             None => return Err("has no `version`: identify it again".to_owned()),
         }
-        if let Some(key) = beyond_f64(&value) {
+        if let Some(key) = too_large(&value) {
             return Err(format!("`{key}` is a number too large to compute with"));
         }
         let model: Self = serde_json::from_value(value).map_err(|error| format!("is not a whole model: {error}"))?;
@@ -69,88 +74,20 @@ impl Model {
             reason: error.to_string(),
         })
     }
-
-    /// What types alone do not say.
-    fn check(&self) -> Result<(), String> {
-        let positive = |key: &str, value: f64| {
-            let good = value.is_finite() && value > 0.0;
-            if good { Ok(()) } else { Err(format!("`{key}` must be a number greater than zero, and is {value}")) }
-        };
-        positive("sample_period_s", self.sample_period_s)?;
-        if self.inputs.is_empty() || self.outputs.is_empty() || self.pairs.is_empty() || self.classes.is_empty() {
-            return Err("must have at least one input, output, pair and class".to_owned());
-        }
-        for pair in &self.pairs {
-            let name = format!("pair {} → {}", pair.input, pair.output);
-            if !self.inputs.contains(&pair.input) || !self.outputs.iter().any(|output| output.name == pair.output) {
-                return Err(format!("{name} names an input or output that the model does not have"));
-            }
-            if pair.dead_time_samples > 1_000_000 {
-                return Err(format!("{name}: `dead_time_samples` is {}, more than a million", pair.dead_time_samples));
-            }
-            let mut before = 0.0;
-            for &rate in &pair.mesh_rad_s {
-                if !(rate.is_finite() && rate > before) {
-                    return Err(format!(
-                        "{name}: `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
-                    ));
-                }
-                before = rate;
-            }
-            if pair.se_rate_rad_s.as_ref().is_some_and(|se| se.len() != pair.mesh_rad_s.len()) {
-                return Err(format!(
-                    "{name}: `se_rate_rad_s` must have one value for each of the {} rates, or be absent",
-                    pair.mesh_rad_s.len()
-                ));
-            }
-            if pair.classes.is_empty() {
-                return Err(format!("{name} has no class"));
-            }
-            for (label, class) in &pair.classes {
-                if !self.classes.contains(label) {
-                    return Err(format!("{name}: class `{label}` is none of the model's `classes`"));
-                }
-                if class.r_k_per_w.len() != pair.mesh_rad_s.len() || class.se_k_per_w.len() != pair.mesh_rad_s.len() {
-                    return Err(format!(
-                        "{name}, class `{label}`: `r_k_per_w` and `se_k_per_w` must have one value for each of the {} rates",
-                        pair.mesh_rad_s.len()
-                    ));
-                }
-                let mut values =
-                    class.r_k_per_w.iter().chain([&class.feed_through_k_per_w, &class.steady_gain_k_per_w]);
-                if let Some(value) = values.find(|value| !value.is_finite()) {
-                    return Err(format!("{name}, class `{label}`: {value} is no resistance"));
-                }
-            }
-        }
-        match (self.structure, &self.wind) {
-            (Structure::Symbol, None) => Ok(()),
-            (Structure::Symbol, Some(_)) => Err("has `wind`, which structure `symbol` does not".to_owned()),
-            (Structure::Conductance, None) => Err("has structure `conductance` but no `wind`".to_owned()),
-            (Structure::Conductance, Some(wind)) => {
-                let elements = wind.elements.len();
-                if elements != self.inputs.len() || elements != self.outputs.len() {
-                    return Err(
-                        "structure `conductance` needs one input, one output and one set of conductances an element"
-                            .to_owned(),
-                    );
-                }
-                let missing = self.classes.iter().find(|label| wind.elements.iter().any(|of| !of.contains_key(*label)));
-                missing.map_or(Ok(()), |label| Err(format!("`wind` has no conductance for class `{label}`")))
-            }
-        }
-    }
 }
 
-/// The key of a number that f64 cannot hold, such as 1e999, which the parser would make infinite.
-fn beyond_f64(value: &serde_json::Value) -> Option<String> {
+/// The key of a number whose products are none any more, or that f64 does not hold, such as 1e999.
+fn too_large(value: &serde_json::Value) -> Option<String> {
     use serde_json::Value;
     let below = |key: String, value| {
-        let rest = beyond_f64(value)?;
+        let rest = too_large(value)?;
         Some(if rest.is_empty() || rest.starts_with('[') { key + &rest } else { format!("{key}.{rest}") })
     };
     match value {
-        Value::Number(number) => (!number.as_f64().is_some_and(f64::is_finite)).then(String::new),
+        Value::Number(number) => {
+            let good = number.as_f64().is_some_and(|number| number.abs() <= GREATEST);
+            (!good).then(String::new)
+        }
         Value::Array(items) => items.iter().enumerate().find_map(|(at, item)| below(format!("[{at}]"), item)),
         Value::Object(keys) => keys.iter().find_map(|(key, item)| below(key.clone(), item)),
         Value::Null | Value::Bool(_) | Value::String(_) => None,

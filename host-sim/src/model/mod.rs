@@ -12,6 +12,7 @@
 //!
 //! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n − 1.
 
+mod check;
 pub mod export;
 mod file;
 mod forward;

@@ -75,6 +75,22 @@ pub(super) fn extent(path: &Path, time: usize) -> Result<Extent, RecordError> {
     Ok(Extent { clock: Clock::new(first_s, period_s, step_s), rows, last_s })
 }
 
+/// The first step in the whole record that is off the usual one, as a sentence.
+pub(super) fn gap(path: &Path, time: usize, name: &str, clock: &Clock) -> Result<Option<String>, RecordError> {
+    let mut reader = Reader::open(path)?;
+    reader.select(&[time]);
+    let (mut rows, mut last_s) = (0, None);
+    loop {
+        let more = times(&mut reader, path, name)?;
+        let Some(&last) = more.last() else { return Ok(None) };
+        if let Some(sentence) = clock.gap(name, rows, last_s, &more) {
+            return Ok(Some(sentence));
+        }
+        rows += more.len() as u64;
+        last_s = Some(last);
+    }
+}
+
 /// The times of the next chunk; empty after the last.
 fn times(reader: &mut Reader, path: &Path, name: &str) -> Result<Vec<f64>, RecordError> {
     match reader.next_chunk()?.and_then(|mut columns| columns.pop()).map(|column| column.values) {

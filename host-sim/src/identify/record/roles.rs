@@ -5,7 +5,8 @@
 //! | ours (`power_w:<element>` beside `temperature_c:<element>`) | powers that vary | temperatures of the same elements |
 //! | any other | the numeric columns before the last, as far as they vary | the last numeric column |
 //!
-//! Time is the column `time_s`, or the first. The event class is in the column `event` if that holds text. A power varies if its
+//! Time is the column `time_s`, or the first. The event class is in the column `event` if that holds text; in a record that is not
+//! ours, also in a column that is called as classes are and holds a few whole numbers. A power varies if its
 //! range is above 1 % of the largest one's: the current that only measures heats a little, and by the element's resistance.
 
 use std::path::Path;
@@ -16,6 +17,11 @@ use crate::toml_file::suggest;
 
 /// The part of the largest power's range below which an element is only measured.
 const MEASURED_ONLY: f64 = 0.01;
+
+/// What people call the columns in which they number conditions.
+const CLASS_NAMES: [&str; 6] = ["event", "class", "wind", "condition", "phase", "label"];
+/// Different numbers that such a column holds at most.
+const MOST_CLASSES: usize = 16;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Roles {
@@ -93,7 +99,10 @@ impl Roles {
             column == roles.time || Some(column) == roles.event || Some(column) == roles.gas
         };
         let by_default = |&column: &usize| !columns.text[column] && !taken(self, column);
-        let free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
+        let mut free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
+        if self.event.is_none() {
+            self.choose_numbered_classes(columns, &mut free)?;
+        }
         let (no_inputs, no_outputs) = (self.inputs.is_empty(), self.outputs.is_empty());
         if no_outputs {
             let last = free.iter().rev().find(|column| !self.inputs.contains(column));
@@ -124,6 +133,26 @@ impl Roles {
             (false, true) => self.notes.push(format!("{outputs} taken: the last column of numbers")),
             (false, false) => {}
         }
+        Ok(())
+    }
+
+    /// Takes a column of numbered conditions for the event class, if an input and an output are left without it.
+    fn choose_numbered_classes(&mut self, columns: &Columns, free: &mut Vec<usize>) -> Result<(), RecordError> {
+        let named = |column: &usize| self.inputs.contains(column) || self.outputs.contains(column);
+        let is_called = |column: usize| CLASS_NAMES.iter().any(|name| columns.names[column].eq_ignore_ascii_case(name));
+        let called: Vec<usize> = free.iter().copied().filter(|column| is_called(*column) && !named(column)).collect();
+        let missing = usize::from(self.inputs.is_empty()) + usize::from(self.outputs.is_empty());
+        let others = free.iter().filter(|column| !named(column)).count();
+        let &[column] = &called[..] else { return Ok(()) };
+        if missing == 0 || others <= missing || !columns.holds_few_whole_numbers(column)? {
+            return Ok(());
+        }
+        free.retain(|free| *free != column);
+        self.event = Some(column);
+        self.notes.push(format!(
+            "`{name}` holds a few whole numbers and is taken for the event class; if it is none, name inputs and outputs with --input and --output",
+            name = columns.names[column]
+        ));
         Ok(())
     }
 
@@ -187,6 +216,24 @@ impl<'a> Columns<'a> {
             let known: Vec<&str> = elements.chain(columns).collect();
             self.refuse(format!("there is no column `{name}`; {}", suggest(name, known)))
         })
+    }
+
+    /// Whether a column numbers conditions, as far as its first rows tell.
+    fn holds_few_whole_numbers(&self, column: usize) -> Result<bool, RecordError> {
+        let mut reader = Reader::open(self.path)?;
+        reader.select(&[column]);
+        let Some(chunk) = reader.next_chunk()? else { return Ok(false) };
+        let Some(Values::Numbers(numbers)) = chunk.first().map(|column| &column.values) else { return Ok(false) };
+        let mut met: Vec<f64> = Vec::new();
+        for &number in numbers {
+            if number.fract() != 0.0 || met.len() > MOST_CLASSES {
+                return Ok(false);
+            }
+            if !met.contains(&number) {
+                met.push(number);
+            }
+        }
+        Ok(met.len() > 1 && met.len() <= MOST_CLASSES)
     }
 
     fn all_named(&self, names: &[String], prefix: &str) -> Result<Vec<usize>, RecordError> {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::classes::Classes;
-use super::clock::Clock;
-use super::extent::extent;
+use super::clock::{Clock, Fault};
+use super::extent::{extent, gap};
 use super::roles::{Roles, shown};
 use super::{Block, RecordError, Selection, Source, Survey, finite};
 use crate::recording::{Column, Reader, Values, Words};
@@ -78,9 +78,12 @@ impl Stream {
 
         match &chunk[slot(self.roles.time)].values {
             Values::Numbers(time_s) => {
-                self.clock
-                    .pass(&self.survey.time_column, time_s)
-                    .map_err(|sentence| RecordError::content(path, sentence))?;
+                let name = &self.survey.time_column;
+                if let Err(Fault { sentence, is_drift }) = self.clock.pass(name, time_s) {
+                    // A gap further on stretches the mean period, by which the rows before it seem to drift.
+                    let gap = if is_drift { gap(path, self.roles.time, name, &self.clock)? } else { None };
+                    return Err(RecordError::content(path, gap.unwrap_or(sentence)));
+                }
                 self.block.time_s = (time_s[0], time_s[rows - 1]);
             }
             Values::Words(words) => return Err(text(path, &self.survey.time_column, words, first_row)),

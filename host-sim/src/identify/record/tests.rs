@@ -234,6 +234,27 @@ fn a_table_of_arrays_is_checked_as_a_file_is() {
 }
 
 /// A table longer than a chunk, with what stands below its last row.
+#[test]
+fn numbered_conditions_are_told_by_their_name_if_input_and_output_are_left() {
+    let table = |name: &str, class: fn(usize) -> f64| {
+        let rows = (0..60).map(|n| format!("{n},{},{},{}\n", n % 2, n * n, class(n)));
+        rows.fold(format!("t,u,y,{name}\n"), |table, row| table + &row)
+    };
+    let event = |table: &str| read(table, &Selection::default()).unwrap().0.event_column;
+    assert_eq!(event(&table("Wind", |n| (n / 20) as f64)), Some("Wind".to_owned()));
+    let (survey, _, classes) = read(&table("class", |n| (n / 20) as f64), &Selection::default()).unwrap();
+    assert_eq!((survey.inputs, survey.outputs, classes.len()), (names(&["u"]), names(&["y"]), 3));
+    assert!(survey.notes[0].starts_with("`class` holds a few whole numbers and is taken for the event class"));
+    // A measured wind, more numbers than conditions, another name; and a name that the user gives.
+    assert_eq!(event(&table("wind", |n| n as f64 / 8.0)), None);
+    assert_eq!(event(&table("wind", |n| n as f64)), None);
+    assert_eq!(event(&table("level", |n| (n / 20) as f64)), None);
+    let as_input = Selection { inputs: names(&["wind"]), outputs: names(&["y"]), ..Selection::default() };
+    assert_eq!(read(&table("wind", |n| (n / 20) as f64), &as_input).unwrap().0.event_column, None);
+    // The only input there is.
+    assert_eq!(event("t,wind,y\n0,0,1\n1,1,2\n2,0,3\n"), None);
+}
+
 fn long(rows: usize, time: impl Fn(usize) -> String, below: &str) -> Temp {
     let mut table = String::from("# head: h\n\"t\",u,event,y\r\n");
     for n in 0..rows {

@@ -173,3 +173,22 @@ fn numbers_that_the_board_does_not_carry_are_refused_before_anything_is_read() {
         );
     }
 }
+
+#[test]
+fn of_outputs_that_are_not_in_a_reading_nothing_is_predicted() {
+    let (first, second) = (made(600, &THREE[..1], 0.0, 0.01, 1), made(600, &THREE[1..2], 0.0, 0.01, 2));
+    let inputs = vec![("u".into(), first.u), ("v".into(), second.u)];
+    let outputs = vec![("x".into(), first.y), ("y".into(), second.y)];
+    let mut table = Table::new(PERIOD_S, inputs, outputs).unwrap();
+    let (mut rows, mut seen_of) = (0, [0, 0]);
+    let options = Options { free_poles: Some(1), ..Options::default() };
+    identify(&mut table, &options, &mut |_, _, _| {}, &mut |seen| {
+        rows += 1;
+        for (count, predicted) in seen_of.iter_mut().zip(seen.predicted) {
+            *count += usize::from(predicted.is_finite());
+        }
+    })
+    .unwrap();
+    // A reading for each output, in which the other's prediction is not a number that a picture could take for one.
+    assert_eq!((rows, seen_of), (1200, [600, 600]));
+}

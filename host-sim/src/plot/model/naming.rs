@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::words::shortened;
+use crate::model::export::part::element;
 use crate::model::{Class, Model, Pair};
 
 /// Curves that can be told apart in one chart.
@@ -16,11 +17,6 @@ pub fn gain_unit(model: &Model, output: &str) -> String {
     }
     let input = if let [input] = inputs.as_slice() { shortened(input, 12.0, 130.0) } else { "the input".to_owned() };
     format!("unit of {} / unit of {input}", shortened(output, 12.0, 130.0))
-}
-
-/// What stands behind the quantity in a column's name.
-pub fn element(column: &str) -> &str {
-    column.split_once(':').map_or(column, |(_, element)| element)
 }
 
 /// A pair and class in the legend of their output's chart: only what tells them apart.

@@ -3,10 +3,10 @@
 use super::bode::bode;
 use super::chart::Lines;
 use super::fit::{FitSeries, autocorrelation};
-use super::naming::element;
 use super::structure::structure;
 use super::symbol::symbol;
 use super::words::brief;
+use crate::model::export::part::element;
 use crate::model::{Model, Structure};
 use crate::plot::PlotError;
 

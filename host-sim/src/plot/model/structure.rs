@@ -2,7 +2,8 @@
 
 use super::Scale;
 use super::chart::{Chart, Series};
-use super::naming::{CURVES, element, gain_unit, left_out, parts};
+use super::naming::{CURVES, gain_unit, left_out, parts};
+use crate::model::export::part::element;
 use crate::model::export::structure_function;
 use crate::model::{Model, Pair};
 

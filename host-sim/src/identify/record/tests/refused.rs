@@ -98,6 +98,17 @@ fn a_rate_that_drifts_is_refused_though_every_step_is_near_the_usual_one() {
 }
 
 #[test]
+fn a_gap_is_named_where_it_is_though_the_rows_before_it_seem_to_drift() {
+    // Thirty rows are missing behind the hundredth: the mean step is 1.15 s, and row 5 is already half a period off its place.
+    let mut table = String::from("t,u,y\n");
+    (0..200).for_each(|n| table += &format!("{},{n},2\n", if n < 100 { n } else { n + 30 }));
+    assert_eq!(
+        refused(&table),
+        "r.csv: row 101: `t` moves on by 31 s, by 1 s elsewhere; resample the record or cut it there"
+    );
+}
+
+#[test]
 fn a_column_of_measured_values_is_no_event_column() {
     let mut table = String::from("t,u,e,y\n");
     (0..100).for_each(|n| table += &format!("{n},{n},{},2\n", f64::from(n) / 8.0));

@@ -1,0 +1,75 @@
+//! Whether what is asked for can be had of a record of such a length, period and columns: told before its rows are read.
+
+use std::f64::consts::PI;
+
+use super::record::Survey;
+use super::{LEAST_ROWS, Options, refine, tied};
+use crate::recording::tidy;
+
+/// A mesh's last rate in units of π/Ts, the record's fastest, beyond which it is marked, or refused.
+const MARKED: f64 = 10.0;
+const REFUSED: f64 = 1e3 / PI;
+
+/// Refuses what cannot be had.
+pub fn refuse(survey: &Survey, options: &Options) -> Result<(), String> {
+    let (rows, period_s) = (survey.rows, survey.sample_period_s);
+    if rows < LEAST_ROWS {
+        return Err(format!("has {rows} rows: a model takes at least {LEAST_ROWS}"));
+    }
+    if options.tie {
+        tied::refuse(survey, options)?;
+    }
+    if let Some(poles) = options.free_poles {
+        refine::refuse(poles, options)?;
+    }
+    if options.cross.is_some() && survey.inputs.len() == 1 && survey.outputs.len() == 1 {
+        return Err(format!(
+            "has one input, `{}`, and one output, `{}`, so no heat crosses from one element to another: leave out --cross-order and --cross-mesh, or name more columns with --input and --output",
+            survey.inputs[0], survey.outputs[0]
+        ));
+    }
+    if let Some(delay) = options.given.delay.filter(|&delay| delay as u64 > rows / 4) {
+        return Err(format!(
+            "has {rows} rows: a dead time of {delay} samples leaves too few to learn from (at most a quarter)"
+        ));
+    }
+    for (first, last) in edges(options) {
+        // Far beyond what the record shows, rates cannot be told from feed-through or from an offset.
+        let (least, most) = (1e-4 / (rows as f64 * period_s), REFUSED * PI / period_s);
+        if first < least || last > most {
+            return Err(format!(
+                "lasts {:.4} s in steps of {period_s:.4} s: a mesh from {first:e} to {last:e} rad/s reaches far beyond what it shows; stay within {least:.1e} to {most:.1e}",
+                rows as f64 * period_s
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What was granted, and should not have been asked for.
+pub fn warnings(survey: &Survey, options: &Options) -> Vec<String> {
+    let fastest = PI / survey.sample_period_s;
+    let far = edges(options).filter(|(_, last)| *last > MARKED * fastest);
+    let sentence = |(_, last): (f64, f64)| {
+        format!(
+            "the mesh reaches to {last:.1e} rad/s, but samples every {} s show nothing beyond {fastest:.1e} (π/Ts): its fastest resistances are hardly more than the prior's; lower the last edge",
+            tidy(survey.sample_period_s)
+        )
+    };
+    far.map(sentence).collect()
+}
+
+/// Which input is whose own, where that matters: the order of the columns decides it.
+pub fn pairing(survey: &Survey, options: &Options) -> Option<String> {
+    let own: Vec<String> =
+        survey.inputs.iter().zip(&survey.outputs).map(|(input, output)| format!("`{input}` → `{output}`")).collect();
+    let matters = options.cross.is_some() || options.tie;
+    matters.then(|| {
+        format!("own heat, by the order of the columns: {}; every other pair is cross-heating", own.join(", "))
+    })
+}
+
+fn edges(options: &Options) -> impl Iterator<Item = (f64, f64)> {
+    let cross = options.cross.as_ref().and_then(|cross| cross.edges_rad_s);
+    options.given.edges_rad_s.into_iter().chain(cross)
+}
