@@ -121,6 +121,26 @@ impl Forward {
     ///
     /// `class` is the row's index into the model's classes, `gas_c` the gas temperature (for structure `conductance` only).
     pub fn row(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
+        self.predict(inputs, class, outputs);
+        self.hold(class, gas_c, outputs);
+    }
+
+    /// The same, but the wind takes what the measured temperatures say, as in identification. Outputs are then linear in offsets and
+    /// decays, and what those are can be read off them at once.
+    pub fn row_of_measured(
+        &mut self,
+        inputs: &[f64],
+        class: usize,
+        gas_c: f64,
+        measured_c: &[f64],
+        outputs: &mut [f64],
+    ) {
+        self.predict(inputs, class, outputs);
+        self.hold(class, gas_c, measured_c);
+    }
+
+    /// Outputs at t_n; the inputs wait to be held.
+    fn predict(&mut self, inputs: &[f64], class: usize, outputs: &mut [f64]) {
         outputs.copy_from_slice(&self.offset_c);
         for decay in &mut self.decays {
             outputs[decay.output] += decay.amplitude_k;
@@ -142,9 +162,13 @@ impl Forward {
                 }
             }
         }
-        // Wind takes what the outputs of this row say.
+    }
+
+    /// Holds the inputs over [t_n, t_{n+1}), less what the wind takes from elements of these temperatures.
+    fn hold(&mut self, class: usize, gas_c: f64, temperatures_c: &[f64]) {
+        let last = self.past.len() - 1;
         for (element, conductance) in self.conductance.iter().enumerate() {
-            let rise_k = outputs.get(element).copied().unwrap_or(gas_c) - gas_c;
+            let rise_k = temperatures_c.get(element).copied().unwrap_or(gas_c) - gas_c;
             let taken = conductance.get(class).copied().unwrap_or(0.0) * rise_k;
             self.past[last].0[element] -= taken;
         }
