@@ -42,6 +42,18 @@ pub fn table(record: &RodRecord) -> Table {
     without_gas(record).with_gas(&record.gas_c).unwrap()
 }
 
+/// Rows of a record, as if it had begun and ended there.
+pub fn cut(record: &RodRecord, rows: std::ops::Range<usize>) -> RodRecord {
+    RodRecord {
+        power_w: record.power_w[rows.clone()].to_vec(),
+        class: record.class[rows.clone()].to_vec(),
+        gas_c: record.gas_c[rows.clone()].to_vec(),
+        temperature_c: record.temperature_c[rows.clone()].to_vec(),
+        clean_c: record.clean_c[rows].to_vec(),
+        ..record.clone()
+    }
+}
+
 /// All heads of a record, and their winds.
 pub fn heads_table(record: &HeadsRecord) -> Table {
     let (power, temperature) = (named("power", &record.power_w), named("temperature", &record.temperature_c));

@@ -2,7 +2,7 @@
 
 use anemo_tests::records::Excitation;
 use anemo_tests::records::rod::{Rod, RodRecord};
-use anemo_tests::winds::{NOISE_K, found, known, table};
+use anemo_tests::winds::{NOISE_K, cut, found, known, table};
 use host_sim::identify::validate::{Start, validate};
 use host_sim::model::Model;
 
@@ -32,18 +32,6 @@ fn predicts_other_winds_at_other_times_at_the_noise() {
     let four = Rod { winds_w_per_k: vec![6e-4, 1e-3, 2.2e-3, 3e-3], ..other }.simulate();
     let refused = validate(&model, &mut table(&four), Start::Rest, &mut |_| {}).unwrap_err().to_string();
     assert!(refused.contains("no class `wind 3`"), "{refused}");
-}
-
-/// Rows of a record, as if it had begun and ended there.
-fn cut(record: &RodRecord, rows: std::ops::Range<usize>) -> RodRecord {
-    RodRecord {
-        power_w: record.power_w[rows.clone()].to_vec(),
-        class: record.class[rows.clone()].to_vec(),
-        gas_c: record.gas_c[rows.clone()].to_vec(),
-        temperature_c: record.temperature_c[rows.clone()].to_vec(),
-        clean_c: record.clean_c[rows].to_vec(),
-        ..record.clone()
-    }
 }
 
 fn estimated(model: &Model, record: &RodRecord) -> f64 {

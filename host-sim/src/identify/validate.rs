@@ -70,6 +70,13 @@ pub fn validate(
         );
         return Err(unfit(source, sentence));
     }
+    if let Some(Gas::Column(name)) = model.wind.as_ref().map(|wind| &wind.gas)
+        && survey.gas_column.is_none()
+    {
+        let sentence =
+            format!("has no gas column: the model needs the temperature of the gas, which was column `{name}`");
+        return Err(unfit(source, sentence));
+    }
     let mut forward = Forward::at_rest(model, survey.sample_period_s);
     let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
     match start {
@@ -177,6 +184,14 @@ fn estimate(model: &Model, source: &mut dyn Source, forward: &mut Forward) -> Re
 /// For every rate of an output, how much its stored heat may amount to, K.
 fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
     let mut widths: Vec<(f64, f64)> = Vec::new();
+    let mut widen = |rate: f64, greatest: f64| {
+        if greatest > 0.0 {
+            match widths.iter_mut().find(|(known, _)| *known == rate) {
+                Some((_, width)) => *width = width.hypot(greatest),
+                None => widths.push((rate, greatest)),
+            }
+        }
+    };
     for pair in model.pairs.iter().filter(|pair| pair.output == model.outputs[output].name) {
         let input = model.inputs.iter().position(|name| *name == pair.input).unwrap_or(0);
         let range = model
@@ -186,13 +201,13 @@ fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
             .map_or(1.0, |[least, most]| most.abs().max(least.abs()).max(most - least));
         for (k, &rate) in pair.mesh_rad_s.iter().enumerate() {
             let greatest = pair.classes.values().map(|class| class.r_k_per_w[k].abs()).fold(0.0, f64::max) * range;
-            if greatest > 0.0 {
-                match widths.iter_mut().find(|(known, _)| *known == rate) {
-                    Some((_, width)) => *width = width.hypot(greatest),
-                    None => widths.push((rate, greatest)),
-                }
-            }
+            widen(rate, greatest);
         }
+    }
+    if let Some(following) = model.wind.as_ref().and_then(|wind| wind.following.as_ref()) {
+        let range_k = following.range_c[1] - following.range_c[0];
+        let own = following.mesh_rad_s.iter().zip(&following.outputs[output].f_k_per_k);
+        own.for_each(|(&rate, f_k_per_k)| widen(rate, f_k_per_k.abs() * range_k));
     }
     widths
 }

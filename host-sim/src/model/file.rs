@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Model, Structure};
+use super::{Following, Gas, Model, Structure};
 use crate::recording::{Temporary, one_line};
 
 /// Counts changes that an older reader would misunderstand.
@@ -88,15 +88,7 @@ impl Model {
             if pair.dead_time_samples > 1_000_000 {
                 return Err(format!("{name}: `dead_time_samples` is {}, more than a million", pair.dead_time_samples));
             }
-            let mut before = 0.0;
-            for &rate in &pair.mesh_rad_s {
-                if !(rate.is_finite() && rate > before) {
-                    return Err(format!(
-                        "{name}: `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
-                    ));
-                }
-                before = rate;
-            }
+            ascending(&name, &pair.mesh_rad_s)?;
             if pair.se_rate_rad_s.as_ref().is_some_and(|se| se.len() != pair.mesh_rad_s.len()) {
                 return Err(format!(
                     "{name}: `se_rate_rad_s` must have one value for each of the {} rates, or be absent",
@@ -136,10 +128,56 @@ impl Model {
                     );
                 }
                 let missing = self.classes.iter().find(|label| wind.elements.iter().any(|of| !of.contains_key(*label)));
-                missing.map_or(Ok(()), |label| Err(format!("`wind` has no conductance for class `{label}`")))
+                if let Some(label) = missing {
+                    return Err(format!("`wind` has no conductance for class `{label}`"));
+                }
+                wind.following.as_ref().map_or(Ok(()), |following| following.check(&wind.gas, self.outputs.len()))
             }
         }
     }
+}
+
+impl Following {
+    fn check(&self, gas: &Gas, outputs: usize) -> Result<(), String> {
+        let name = "`wind.following`";
+        if !matches!(gas, Gas::Column(_)) {
+            return Err(format!("{name} needs the gas as a column, which outputs could follow"));
+        }
+        ascending(name, &self.mesh_rad_s)?;
+        if self.outputs.len() != outputs {
+            return Err(format!(
+                "{name}: `outputs` has {} entries for the model's {outputs} outputs",
+                self.outputs.len()
+            ));
+        }
+        let rates = self.mesh_rad_s.len();
+        if self.outputs.iter().any(|of| of.f_k_per_k.len() != rates || of.se_k_per_k.len() != rates) {
+            return Err(format!(
+                "{name}: `f_k_per_k` and `se_k_per_k` must have one value for each of the {rates} rates"
+            ));
+        }
+        let [least, most] = self.range_c;
+        if !(least <= self.from_c && self.from_c <= most) {
+            return Err(format!(
+                "{name}: `from_c` is {}, which is not within `range_c`, {least} to {most}",
+                self.from_c
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn ascending(name: &str, mesh_rad_s: &[f64]) -> Result<(), String> {
+    let mut before = 0.0;
+    for &rate in mesh_rad_s {
+        if !(rate.is_finite() && rate > before) {
+            return Err(format!(
+                "{name}: `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
+            ));
+        }
+        before = rate;
+    }
+    Ok(())
 }
 
 /// The key of a number that f64 cannot hold, such as 1e999, which the parser would make infinite.
@@ -154,5 +192,43 @@ fn beyond_f64(value: &serde_json::Value) -> Option<String> {
         Value::Array(items) => items.iter().enumerate().find_map(|(at, item)| below(format!("[{at}]"), item)),
         Value::Object(keys) => keys.iter().find_map(|(key, item)| below(key.clone(), item)),
         Value::Null | Value::Bool(_) | Value::String(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::export::testing;
+    use super::*;
+
+    fn model() -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        testing::follow_gas(&mut model, 18.0);
+        model
+    }
+
+    #[test]
+    fn a_model_that_follows_its_gas_is_read_as_it_was_written() {
+        assert_eq!(Model::from_json(&model().to_json()).unwrap(), model());
+    }
+
+    #[test]
+    fn what_does_not_fit_the_gas_is_refused_by_its_key() {
+        let refused = |change: &dyn Fn(&mut Following)| {
+            let mut model = model();
+            change(model.wind.as_mut().unwrap().following.as_mut().unwrap());
+            Model::from_json(&model.to_json()).unwrap_err()
+        };
+        for (sentence, key) in [
+            (refused(&|following| following.mesh_rad_s[0] = 0.0), "`mesh_rad_s` must hold ascending"),
+            (refused(&|following| following.outputs.clear()), "`outputs` has 0 entries for the model's 1"),
+            (refused(&|following| following.outputs[0].f_k_per_k.clear()), "one value for each of the 1 rates"),
+            (refused(&|following| following.from_c = 30.0), "`from_c` is 30, which is not within `range_c`, 17 to 19"),
+        ] {
+            assert!(sentence.starts_with("`wind.following`") && sentence.contains(key), "{sentence}");
+        }
+        let mut constant = model();
+        constant.wind.as_mut().unwrap().gas = Gas::ConstantC(18.0);
+        assert!(Model::from_json(&constant.to_json()).unwrap_err().contains("needs the gas as a column"));
     }
 }

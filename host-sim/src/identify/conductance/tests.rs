@@ -3,6 +3,9 @@
 use nalgebra::DVector;
 
 use super::*;
+use crate::identify::candidates::{self, Mesh};
+use crate::identify::pass::Passed;
+use crate::identify::prior::Prior;
 use crate::identify::record::Table;
 
 const PERIOD_S: f64 = 0.1;
@@ -42,13 +45,17 @@ fn passed(case: &Case, design: &Design, gas: GasSource) -> Passed {
     pass(&mut table, std::slice::from_ref(design), 2, gas, u64::MAX, &mut |_| {}).unwrap()
 }
 
+fn banks(gates: bool) -> GasBanks {
+    if gates { GasBanks::Gates } else { GasBanks::None }
+}
+
 fn small_mesh() -> Mesh {
     candidates::dense(PERIOD_S * ROWS as f64, PERIOD_S, 1.0, 1.5)
 }
 
 fn solver<'a>(roles: &'a [Role], design: &Design, gates: bool) -> Solver<'a> {
     Solver {
-        places: Places { roles, elements: 2, classes: 3, reference: 0, gates },
+        places: Places { roles, elements: 2, classes: 3, reference: 0, gates, follows: false },
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-9),
         beginning: Beginning::Rest,
@@ -84,7 +91,7 @@ fn sums_of_the_terms_are_those_of_states_that_w_drives() {
         let gas = GasSource::Constant(if gates { 0.0 } else { GAS_C });
         let case = case();
         let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
-        let design = design(&mesh, 2, 3, 0, gates);
+        let design = design(&mesh, 2, 3, 0, banks(gates));
         let passed = passed(&case, &design, gas);
         let total = Gram::total(&passed.folds[0]);
         let roles = design.roles();
@@ -119,7 +126,7 @@ fn slopes_are_differences_of_the_prediction() {
     let mesh = small_mesh();
     let case = case();
     for gates in [false, true] {
-        let design = design(&mesh, 2, 3, 0, gates);
+        let design = design(&mesh, 2, 3, 0, banks(gates));
         let roles = design.roles();
         let solver = solver(&roles, &design, gates);
         let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
