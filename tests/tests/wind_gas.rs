@@ -102,3 +102,23 @@ fn a_gas_that_only_seems_to_move_costs_nothing() {
     let rmse = validate(&model, &mut table(&other), Start::Rest, &mut |_| {}).unwrap().outputs[0].rmse;
     assert!(rmse < 1.1 * NOISE_K, "{rmse}");
 }
+
+#[test]
+fn a_wrong_number_for_the_gas_is_contradicted_and_the_right_one_is_not() {
+    for (seed, rows_before) in [(1, 0), (2, 0), (3, 20_000)] {
+        let record = Rod { seed, rows_before, ..Rod::default() }.simulate();
+        let warning = |given_c: f64| {
+            let model = found(&record, &options(GasGiven::ConstantC(given_c)));
+            println!("{given_c}: {:.3} of the noise, {:?}", model.residual_rms / NOISE_K, model.warnings);
+            model.warnings.into_iter().find(|warning| warning.contains("gas temperature was given"))
+        };
+        assert_eq!(warning(18.0), None);
+        for wrong_c in [13.0, 23.0] {
+            let sentence = warning(wrong_c).unwrap();
+            assert!(sentence.contains(&format!("given as {wrong_c} °C")), "{sentence}");
+            let found = sentence.split("the record says some ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+            // Mesh and prior are those of the wrong number: of 5 K of mistake, half may be left.
+            assert!((found.parse::<f64>().unwrap() - 18.0).abs() < 2.5, "{sentence}");
+        }
+    }
+}

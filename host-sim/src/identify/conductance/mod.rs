@@ -19,6 +19,7 @@
 //! Limits: the loss is taken at the start of each sample and held; noise of y enters w, but only through the relaxations, which
 //! pass Γ·ΔG·Ts of it (under a percent for a sensor sampled fast enough to be identified).
 
+mod gas;
 mod plan;
 mod report;
 mod solver;
@@ -201,6 +202,11 @@ pub fn identify(
     wind.following = best.follows.then(|| following(&solver, &terms, &step, &passed));
     let mut warnings = support::warnings(&survey, &passed.facts);
     warnings.extend(doubts(&wind, &outputs, best, &passed, options));
+    if let GasGiven::ConstantC(given_c) = options.gas {
+        progress("gas", 0, 1);
+        let mesh = &meshes[best.mesh];
+        warnings.extend(gas::contradiction(source, given_c, best, mesh, reference, thesis_rad_s)?);
+    }
     let chosen =
         chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons(&trials, best, &meshes));
     let end = End {
