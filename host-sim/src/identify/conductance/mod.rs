@@ -111,7 +111,7 @@ pub fn identify(
     };
     let roles: Vec<Vec<Role>> = designs.iter().map(Design::roles).collect();
     let mut trials: Vec<Trial> = Vec::new();
-    for index in 0..designs.len() {
+    for (index, roles) in roles.iter().enumerate() {
         let total = Gram::total(&passed.folds[index]);
         let kinds = beginnings(options)
             .into_iter()
@@ -120,7 +120,7 @@ pub fn identify(
             let mut start =
                 Winds { conductance: vec![vec![0.0; classes.len()]; elements], gas_c: gas_guess(options, &passed) };
             for prior in priors(options) {
-                let solver = solver(index, &roles[index], beginning, prior, follows);
+                let solver = solver(index, roles, beginning, prior, follows);
                 let winds = solver.solve(&total, start.clone());
                 // The next prior is near: so is its answer.
                 start.clone_from(&winds);
