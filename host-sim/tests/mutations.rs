@@ -7,7 +7,8 @@ use std::path::Path;
 
 use host_sim::identify::record::{RecordError, Selection, Source as _, Stream};
 use host_sim::model::{
-    Chosen, Class, End, Estimate, FORMAT, Gas, Model, Output, Pair, Provenance, Structure, VERSION, Whiteness, Wind,
+    Chosen, Class, End, Estimate, FORMAT, Followed, Following, Gas, Model, Output, Pair, Provenance, Structure,
+    VERSION, Whiteness, Wind,
 };
 use host_sim::recording::{Layout, Metadata, RecordingWriter, Row};
 use rand_chacha::ChaCha8Rng;
@@ -224,8 +225,19 @@ fn model() -> Model {
         conductance_w_per_k: of_classes(0.002),
         wind: Some(Wind {
             reference: "calm".to_owned(),
-            gas: Gas::EstimatedC(estimate(19.5)),
+            gas: Gas::Column("gas_c".to_owned()),
             elements: vec![of_classes(0.002)],
+            following: Some(Following {
+                from_c: 19.5,
+                range_c: [18.5, 21.5],
+                mesh_rad_s: vec![0.3, 3.0],
+                outputs: vec![Followed {
+                    f_k_per_k: vec![0.75, 0.25],
+                    se_k_per_k: vec![0.02, 0.03],
+                    steady_gain_k_per_k: 1.0,
+                    se_steady_gain_k_per_k: 0.04,
+                }],
+            }),
         }),
         offset_c: 20.0,
         residual_rms: 0.005,

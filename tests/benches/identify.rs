@@ -5,15 +5,21 @@
 
 use std::time::Duration;
 
+use anemo_tests::records::rod::Rod;
 use anemo_tests::speed::{bytes_a_second, design, flops_a_row, flops_a_second, record, solve};
+use anemo_tests::winds::{self, options, run};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use host_sim::identify::candidates::Given;
 use host_sim::identify::record::Table;
-use host_sim::identify::{Options, identify};
+use host_sim::identify::{GasGiven, Options, identify};
 
 const ROWS: usize = 2_000_000;
 
 /// Rows for the sizes that are tried at a fixed length.
 const FEWER_ROWS: usize = 200_000;
+
+/// Rows of a record in winds: 50 min at 20 Hz.
+const WIND_ROWS: usize = 60_000;
 
 fn everything(criterion: &mut Criterion) {
     eprintln!("limits: {:.1} Gflop/s, {:.1} GB/s on one core", flops_a_second() / 1e9, bytes_a_second() / 1e9);
@@ -47,6 +53,23 @@ fn everything(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("rows", FEWER_ROWS), |b| {
         b.iter(|| identify(&mut table, &Options::default(), &mut |_, _, _| {}, &mut |_| {}));
     });
+    group.finish();
+
+    // A head on a rod in three winds; from one reading of the record to the last residual.
+    let mut group = criterion.benchmark_group("wind as feedback, K = 14, 3 classes");
+    group.sample_size(10).warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
+    let mut winds = winds::table(&Rod { rows: WIND_ROWS, ..Rod::default() }.simulate());
+    let given = Given { order: Some(14), ..Given::default() };
+    group.throughput(Throughput::Elements(WIND_ROWS as u64));
+    let ways = [
+        ("gas constant", GasGiven::ConstantC(18.0)),
+        ("gas in a column", GasGiven::Column),
+        ("gas unknown", GasGiven::Unknown),
+    ];
+    for (name, gas) in ways {
+        let options = Options { given: given.clone(), ..options(gas) };
+        group.bench_function(BenchmarkId::new(name, WIND_ROWS), |b| b.iter(|| run(&mut winds, &options)));
+    }
     group.finish();
 }
 

@@ -3,6 +3,7 @@
 pub mod fake_board;
 pub mod records;
 pub mod speed;
+pub mod winds;
 
 use host_sim::experiment::Experiment;
 use host_sim::instrument::emulated::{Emulated, Path as Way};

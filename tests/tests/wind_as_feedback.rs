@@ -4,97 +4,19 @@
 //! white noise. What the method itself leaves there, on a record without noise: 0.13 mK, and some 10⁻⁴ of ΔG.
 
 use anemo_tests::records::excitation::{fraction, runs, uniform};
-use anemo_tests::records::heads::{Heads, HeadsRecord};
-use anemo_tests::records::rod::{Gas, Rod, RodRecord};
+use anemo_tests::records::heads::Heads;
+use anemo_tests::records::rod::Rod;
 use anemo_tests::records::{Excitation, Noise, random};
+use anemo_tests::winds::{
+    NOISE_K, all_finite, errors, found, heads_table, known, named, numbers, options, p_value, refused, run, table,
+    with_labels, without_gas, worst,
+};
 use dr_core::model::mesh;
 use host_sim::identify::candidates::{Beginning, Given};
 use host_sim::identify::record::Table;
 use host_sim::identify::validate::{Start, validate};
-use host_sim::identify::{GasGiven, Options, identify};
-use host_sim::model::{Estimate, Gas as ModelGas, Model, Structure};
-
-const NOISE_K: f64 = 0.005;
-
-fn options(gas: GasGiven) -> Options {
-    Options { structure: Some(Structure::Conductance), gas, ..Options::default() }
-}
-
-/// The gas of [`Rod::default`], given as a number.
-fn known() -> Options {
-    options(GasGiven::ConstantC(18.0))
-}
-
-fn named(name: &str, columns: &[Vec<f64>]) -> Vec<(String, Vec<f64>)> {
-    columns.iter().enumerate().map(|(at, values)| (format!("{name}:{at}"), values.clone())).collect()
-}
-
-fn with_labels(table: Table, class: &[usize], labels: &[String]) -> Table {
-    table.with_events(&class.iter().map(|&class| labels[class].as_str()).collect::<Vec<_>>()).unwrap()
-}
-
-fn without_gas(record: &RodRecord) -> Table {
-    let (power, temperature) = ([record.power_w.clone()], [record.temperature_c.clone()]);
-    let table = Table::new(record.sample_period_s, named("power", &power), named("temperature", &temperature)).unwrap();
-    with_labels(table, &record.class, &record.labels)
-}
-
-fn table(record: &RodRecord) -> Table {
-    without_gas(record).with_gas(&record.gas_c).unwrap()
-}
-
-fn heads_table(record: &HeadsRecord) -> Table {
-    let (power, temperature) = (named("power", &record.power_w), named("temperature", &record.temperature_c));
-    with_labels(Table::new(record.sample_period_s, power, temperature).unwrap(), &record.class, &record.labels)
-}
-
-fn run(table: &mut Table, options: &Options) -> Result<Model, String> {
-    identify(table, options, &mut |_, _, _| {}, &mut |_| {}).map_err(|error| error.to_string())
-}
-
-fn found(record: &RodRecord, options: &Options) -> Model {
-    let model = run(&mut table(record), options).unwrap();
-    all_finite(&model);
-    model
-}
-
-fn refused(mut table: Table, options: &Options) -> String {
-    let sentence = run(&mut table, options).unwrap_err();
-    assert!(sentence.starts_with("the table") && sentence.lines().count() == 1, "{sentence}");
-    sentence
-}
-
-/// NaN and infinity would be `null` in the file.
-fn all_finite(model: &Model) {
-    let text = serde_json::to_string(model).unwrap();
-    assert!(!text.contains("null"), "{text}");
-}
-
-/// Errors of ΔG relative to the truth, class by class without the reference.
-fn errors(record: &RodRecord, model: &Model) -> Vec<f64> {
-    let wind = model.wind.as_ref().unwrap();
-    let truth = |label: &str| {
-        let class = record.labels.iter().position(|known| known == label).unwrap();
-        record.conductance_w_per_k[class]
-    };
-    let others = wind.elements[0].iter().filter(|(label, _)| **label != wind.reference);
-    others.map(|(label, estimate)| estimate.value / (truth(label) - truth(&wind.reference)) - 1.0).collect()
-}
-
-fn worst(errors: &[f64]) -> f64 {
-    errors.iter().fold(0.0, |most, error| most.max(error.abs()))
-}
-
-fn p_value(model: &Model) -> f64 {
-    model.outputs[0].whiteness.as_ref().unwrap().p_value
-}
-
-/// Free numbers: resistances, conductances and offset.
-fn numbers(model: &Model) -> usize {
-    let resistances: usize =
-        model.pairs.iter().flat_map(|pair| pair.classes.values()).map(|class| class.r_k_per_w.len()).sum();
-    resistances + model.conductance_w_per_k.len().saturating_sub(1) + 1
-}
+use host_sim::identify::{GasGiven, Options};
+use host_sim::model::{Estimate, Gas as ModelGas};
 
 #[test]
 fn finds_conductances_to_half_a_percent_and_leaves_the_noise_however_the_gas_is_given() {
@@ -135,28 +57,6 @@ fn a_beginning_that_is_unknown_costs_little_and_with_an_unknown_gas_is_warned_of
         assert!(worst(&errors) < 0.1, "{errors:?}");
         assert!(unknown.warnings.iter().any(|warning| warning.contains("gas temperature was estimated")));
     }
-}
-
-#[test]
-fn a_gas_that_swings_needs_its_column_and_a_wrong_constant_scales_the_loss() {
-    // Half a kelvin around the head: what the gas does to the head in the reference's wind is no part of the model, and more of it
-    // would be seen.
-    let gas = Gas { mean_c: 18.0, swing_k: 0.5, swing_period_s: 600.0, around_the_rod: false };
-    let record = Rod { gas, ..Rod::default() }.simulate();
-    let with_column = errors(&record, &found(&record, &options(GasGiven::Column)));
-    let without = errors(&record, &found(&record, &known()));
-    println!("swing: {with_column:?} with the column, {without:?} without");
-    assert!(worst(&with_column) < 5e-3, "{with_column:?}");
-    assert!(without.iter().all(|error| error.abs() > 2.0 * worst(&with_column)), "{without:?}");
-
-    // A gas said to be 1 K too warm: the same loss ΔG (T − T_gas) is explained by more ΔG. Of slow changes, for which the mean
-    // overheat counts, by 1/(T − T_gas − 1); of fast ones, by nothing.
-    let record = Rod::default().simulate();
-    let rows = record.clean_c.len() as f64;
-    let overheat_k = record.clean_c.iter().sum::<f64>() / rows - 18.0;
-    let wrong = errors(&record, &found(&record, &options(GasGiven::ConstantC(19.0))));
-    println!("1 K too warm at {overheat_k:.1} K: {wrong:?}");
-    assert!(wrong.iter().all(|error| (0.02..1.2 / (overheat_k - 1.0)).contains(error)), "{wrong:?}");
 }
 
 /// A record that is a model: relaxations on the mesh that is asked for, and the very feedback of the structure, slow enough that
@@ -232,34 +132,6 @@ fn leaves_white_noise_where_a_symbol_a_wind_leaves_twenty_times_as_much() {
     assert!(p_value(&model) > 0.01, "{}", p_value(&model));
     assert!(numbers(&model) <= numbers(&symbol), "{} numbers, {}", numbers(&model), numbers(&symbol));
     assert!(symbol.residual_rms > 20.0 * NOISE_K, "{}", symbol.residual_rms);
-}
-
-#[test]
-fn predicts_other_winds_at_other_times_at_the_noise() {
-    let model = found(&Rod::default().simulate(), &known());
-    let other = Rod { seed: 99, rows_per_wind: [100, 1500], rows: 30_000, ..Rod::default() };
-    let steps = Excitation::Steps { least_rows: 200, most_rows: 2000 };
-    let rmse = |model: &Model, rod: &Rod, start: Start| {
-        validate(model, &mut table(&rod.simulate()), start, &mut |_| {}).unwrap().outputs[0].rmse
-    };
-    for rod in [other.clone(), Rod { excitation: steps, ..other.clone() }] {
-        for start in [Start::Rest, Start::Estimate] {
-            let rmse = rmse(&model, &rod, start);
-            assert!(rmse < 1.1 * NOISE_K, "{start:?}: {rmse}");
-        }
-    }
-    // A conductance is a number: a wind between those that were identified, or beyond, is predicted as well.
-    let between = Rod { winds_w_per_k: vec![6e-4, 1e-3, 2.6e-3], ..other.clone() };
-    let mut told = model.clone();
-    for (label, conductance) in [("wind 1", 4e-4), ("wind 2", 2e-3)] {
-        told.wind.as_mut().unwrap().elements[0].get_mut(label).unwrap().value = conductance;
-    }
-    assert!(rmse(&told, &between, Start::Rest) < 1.1 * NOISE_K);
-    assert!(rmse(&model, &between, Start::Rest) > 20.0 * NOISE_K);
-
-    let four = Rod { winds_w_per_k: vec![6e-4, 1e-3, 2.2e-3, 3e-3], ..other }.simulate();
-    let refused = validate(&model, &mut table(&four), Start::Rest, &mut |_| {}).unwrap_err().to_string();
-    assert!(refused.contains("no class `wind 3`"), "{refused}");
 }
 
 #[test]

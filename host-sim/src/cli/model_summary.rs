@@ -83,6 +83,10 @@ fn conductances(text: &mut String, model: &Model, wind: &Wind) {
             let _ = writeln!(text, "  {label:<12} {}{of}", estimate(value.value, value.se));
         }
     }
+    for (followed, output) in wind.following.iter().flat_map(|following| following.outputs.iter().zip(&model.outputs)) {
+        let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
+        let _ = writeln!(text, "{} follows the gas, in the end by {gain} K/K", output.name);
+    }
 }
 
 fn fit(text: &mut String, output: &Output) {

@@ -58,7 +58,7 @@ pub fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<
         let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
         let input_of = |drive: &Drive| match drive {
             Drive::Input(input) | Drive::Gated { input, .. } => *input,
-            Drive::Loss { .. } | Drive::Gate { .. } => 0,
+            Drive::Loss { .. } | Drive::Gate { .. } | Drive::Gas => 0,
         };
         let scales = Scales {
             drive: drives.iter().map(|drive| passed.facts.input_scale(input_of(drive))).collect(),

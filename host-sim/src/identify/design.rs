@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A bank is driven by an input, by an input gated to one event class (thesis 2.19), or, for wind as feedback (theory 12), by an
-//! output gated to a class, or by the gate alone.
+//! output gated to a class, by the gate alone, or by the gas.
 
 /// What drives a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub enum Drive {
     Loss { output: usize, class: usize },
     /// 1 in the intervals of one class.
     Gate { class: usize },
+    /// Gas temperature minus that of the first row.
+    Gas,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -155,6 +155,7 @@ mod tests {
                 bank(Drive::Gated { input: 1, class: 1 }, &rates[..2], 0, false),
                 bank(Drive::Loss { output: 0, class: 0 }, &rates[1..], 0, true),
                 bank(Drive::Gate { class: 1 }, &rates[..1], 0, false),
+                bank(Drive::Gas, &rates[..1], 0, false),
             ],
             initial_rad_s: vec![0.1],
             outputs: 1,
@@ -171,6 +172,7 @@ mod tests {
         let late: Vec<f64> = [0.0; 5].into_iter().chain(first).take(377).collect();
         let gated: Vec<f64> = second.iter().zip(&class).map(|(u, class)| u * class).collect();
         let loss: Vec<f64> = (0..377).map(|n| (output[n] - gas[n]) * (1.0 - class[n])).collect();
+        let moved: Vec<f64> = gas.iter().map(|gas_c| gas_c - gas[0]).collect();
         let row = |n: usize| {
             let mut row: Vec<f64> = rates.iter().map(|&rate| state(rate, &late, n)).collect();
             row.push(late[n]);
@@ -178,6 +180,7 @@ mod tests {
             row.extend(rates[1..].iter().map(|&rate| state(rate, &loss, n)));
             row.push(loss[n]);
             row.push(state(rates[0], &class, n));
+            row.push(state(rates[0], &moved, n));
             row.extend([(-0.1 * n as f64).exp(), 1.0, output[n] - 20.0]);
             nalgebra::DVector::from_vec(row)
         };

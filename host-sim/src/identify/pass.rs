@@ -18,6 +18,11 @@ pub struct Facts {
     pub output_first: Vec<f64>,
     output_sum: Vec<f64>,
     output_squares: Vec<f64>,
+    /// Least and greatest temperature of the gas, °C; `None` without a gas column.
+    pub gas_range: Option<[f64; 2]>,
+    pub gas_first: f64,
+    gas_sum: f64,
+    gas_squares: f64,
     /// By class: rows, and by input Σ(u − u_0) and Σ(u − u_0)².
     pub class_rows: Vec<u64>,
     class_sum: Vec<Vec<f64>>,
@@ -37,6 +42,10 @@ impl Facts {
             output_first: Vec::new(),
             output_sum: vec![0.0; outputs],
             output_squares: vec![0.0; outputs],
+            gas_range: None,
+            gas_first: 0.0,
+            gas_sum: 0.0,
+            gas_squares: 0.0,
             class_rows: Vec::new(),
             class_sum: Vec::new(),
             class_squares: Vec::new(),
@@ -56,6 +65,15 @@ impl Facts {
             widen(&mut self.output_range[output], &spread);
             self.output_sum[output] += spread.sum;
             self.output_squares[output] += spread.squares;
+        }
+        if let Some(&first) = block.gas.first() {
+            if self.gas_range.is_none() {
+                self.gas_first = first;
+            }
+            let spread = Spread::of(&block.gas, self.gas_first);
+            widen(self.gas_range.get_or_insert([f64::INFINITY, f64::NEG_INFINITY]), &spread);
+            self.gas_sum += spread.sum;
+            self.gas_squares += spread.squares;
         }
         let inputs = block.inputs.len();
         let mut from = 0;
@@ -110,6 +128,11 @@ impl Facts {
 
     pub fn output_sd(&self, output: usize) -> f64 {
         deviation(self.output_sum[output], self.output_squares[output], self.rows)
+    }
+
+    /// Standard deviation of the gas temperature, K; 0 without a gas column.
+    pub fn gas_sd(&self) -> f64 {
+        deviation(self.gas_sum, self.gas_squares, self.rows)
     }
 
     /// Correlation of two inputs.

@@ -48,6 +48,8 @@ struct States {
 
 struct Source {
     drive: Drive,
+    /// Gas temperature of the first row, °C.
+    first_gas_c: Option<f64>,
     /// Drives that have not arrived yet, oldest at `next`.
     late: Vec<f64>,
     next: usize,
@@ -85,7 +87,12 @@ impl Rows {
             column += 1;
         }
         put(column, 1.0, 0.0, 1.0, 0);
-        let source = |bank: &super::design::Bank| Source { drive: bank.drive, late: vec![0.0; bank.delay], next: 0 };
+        let source = |bank: &super::design::Bank| Source {
+            drive: bank.drive,
+            first_gas_c: None,
+            late: vec![0.0; bank.delay],
+            next: 0,
+        };
         Self {
             lanes,
             banks: design.banks.iter().map(source).collect(),
@@ -151,6 +158,10 @@ impl Source {
                     GasSource::Column => values.iter_mut().zip(&block.gas[rows]).for_each(|(value, gas)| *value -= gas),
                 }
                 gate(values, class);
+            }
+            Drive::Gas => {
+                let first_c = *self.first_gas_c.get_or_insert(block.gas[from]);
+                values.iter_mut().zip(&block.gas[rows]).for_each(|(value, gas_c)| *value = gas_c - first_c);
             }
             Drive::Gate { class } => {
                 values.fill(1.0);

@@ -75,6 +75,13 @@ pub fn validate(
         );
         return Err(unfit(source, sentence));
     }
+    if let Some(Gas::Column(name)) = model.wind.as_ref().map(|wind| &wind.gas)
+        && survey.gas_column.is_none()
+    {
+        let sentence =
+            format!("has no gas column: the model needs the temperature of the gas, which was column `{name}`");
+        return Err(unfit(source, sentence));
+    }
     let mut forward = Forward::at_rest(model, survey.sample_period_s);
     let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
     match start {
@@ -109,22 +116,18 @@ pub fn validate(
                 );
                 return Err(unfit(source, sentence));
             }
-            let mut decays = vec![Vec::new(); model.outputs.len()];
-            // Once for linear models; wind takes heat by the predicted temperature, which the decays change, so it goes around.
-            let rounds = if model.wind.is_some() { 4 } else { 1 };
-            for _ in 0..rounds {
-                estimate(model, source, &mut forward, &mut decays, &mut offsets)?;
-                forward = Forward::at_rest(model, survey.sample_period_s);
-                for (output, decays) in decays.iter().enumerate() {
-                    forward.set_offset(output, offsets[output]);
-                    forward.add_decays(output, decays, survey.sample_period_s);
-                }
+            let beginnings = estimate(model, source, &mut forward)?;
+            forward = Forward::at_rest(model, survey.sample_period_s);
+            for (output, beginning) in beginnings.iter().enumerate() {
+                offsets[output] += beginning.offset_k;
+                forward.set_offset(output, offsets[output]);
+                forward.add_decays(output, &beginning.decays, survey.sample_period_s);
             }
         }
     }
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
     let mut constant: Vec<Option<f64>> = vec![None; model.outputs.len()];
-    run(model, source, &mut forward, &mut |seen| {
+    run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
             residuals.push(*measured, *predicted);
         }
@@ -175,14 +178,19 @@ fn shown_s(time_s: f64) -> f64 {
     format!("{time_s:.9e}").parse().unwrap_or(time_s)
 }
 
-/// Adds to decays and offsets what the present prediction leaves.
-fn estimate(
-    model: &Model,
-    source: &mut dyn Source,
-    forward: &mut Forward,
-    decays: &mut [Vec<(f64, f64)>],
-    offsets: &mut [f64],
-) -> Result<(), ValidateError> {
+/// What an output's record began with.
+struct Beginning {
+    /// To be added to the model's offset.
+    offset_k: f64,
+    /// (rate in rad/s, amplitude in K at the first row)
+    decays: Vec<(f64, f64)>,
+}
+
+/// What a model at rest leaves of the record, as offsets and decays.
+///
+/// The wind takes heat by the measured temperatures here, as in identification: then what is left is linear in offsets and decays,
+/// and one problem of least squares has the answer. By the predicted ones, the loss would follow the decays that are sought.
+fn estimate(model: &Model, source: &mut dyn Source, forward: &mut Forward) -> Result<Vec<Beginning>, ValidateError> {
     let period_s = source.survey().sample_period_s;
     let widths: Vec<Vec<(f64, f64)>> = (0..model.outputs.len()).map(|output| prior_widths(model, output)).collect();
     let mut columns: Vec<Vec<f64>> = widths.iter().map(|rates| vec![1.0; rates.len() + 1]).collect();
@@ -193,7 +201,7 @@ fn estimate(
     let empty =
         |count: usize| Problem { g: DMatrix::zeros(count, count), b: DVector::zeros(count), yy: 0.0, rows: 0.0 };
     let mut problems: Vec<Problem> = columns.iter().map(|columns| empty(columns.len())).collect();
-    run(model, source, forward, &mut |seen| {
+    run(model, source, forward, Losses::Measured, &mut |seen| {
         for (output, problem) in problems.iter_mut().enumerate() {
             let rest = seen.measured[output] - seen.predicted[output];
             let column = &mut columns[output];
@@ -210,6 +218,7 @@ fn estimate(
             }
         }
     })?;
+    let mut beginnings = Vec::new();
     for (output, problem) in problems.iter_mut().enumerate() {
         problem.g.fill_upper_triangle_with_lower_triangle();
         let variance = model.outputs[output].residual_rms.powi(2);
@@ -218,20 +227,25 @@ fn estimate(
             penalty[(i, i)] = variance / (width * width).max(f64::MIN_POSITIVE);
         }
         let theta = problem.estimate(&penalty, None);
-        offsets[output] += theta[widths[output].len()];
-        for (i, &(rate, _)) in widths[output].iter().enumerate() {
-            match decays[output].iter_mut().find(|(known, _)| *known == rate) {
-                Some((_, amplitude)) => *amplitude += theta[i],
-                None => decays[output].push((rate, theta[i])),
-            }
-        }
+        beginnings.push(Beginning {
+            offset_k: theta[widths[output].len()],
+            decays: widths[output].iter().zip(theta.iter()).map(|(&(rate, _), &amplitude)| (rate, amplitude)).collect(),
+        });
     }
-    Ok(())
+    Ok(beginnings)
 }
 
 /// For every rate of an output, how much its stored heat may amount to, K.
 fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
     let mut widths: Vec<(f64, f64)> = Vec::new();
+    let mut widen = |rate: f64, greatest: f64| {
+        if greatest > 0.0 {
+            match widths.iter_mut().find(|(known, _)| *known == rate) {
+                Some((_, width)) => *width = width.hypot(greatest),
+                None => widths.push((rate, greatest)),
+            }
+        }
+    };
     for pair in model.pairs.iter().filter(|pair| pair.output == model.outputs[output].name) {
         let input = model.inputs.iter().position(|name| *name == pair.input).unwrap_or(0);
         let range = model
@@ -241,15 +255,22 @@ fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
             .map_or(1.0, |[least, most]| most.abs().max(least.abs()).max(most - least));
         for (k, &rate) in pair.mesh_rad_s.iter().enumerate() {
             let greatest = pair.classes.values().map(|class| class.r_k_per_w[k].abs()).fold(0.0, f64::max) * range;
-            if greatest > 0.0 {
-                match widths.iter_mut().find(|(known, _)| *known == rate) {
-                    Some((_, width)) => *width = width.hypot(greatest),
-                    None => widths.push((rate, greatest)),
-                }
-            }
+            widen(rate, greatest);
         }
     }
+    if let Some(following) = model.wind.as_ref().and_then(|wind| wind.following.as_ref()) {
+        let range_k = following.range_c[1] - following.range_c[0];
+        let own = following.mesh_rad_s.iter().zip(&following.outputs[output].f_k_per_k);
+        own.for_each(|(&rate, f_k_per_k)| widen(rate, f_k_per_k.abs() * range_k));
+    }
     widths
+}
+
+/// By whose temperatures the wind takes heat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Losses {
+    Predicted,
+    Measured,
 }
 
 /// Runs the model over the record from its first row.
@@ -257,6 +278,7 @@ fn run(
     model: &Model,
     source: &mut dyn Source,
     forward: &mut Forward,
+    losses: Losses,
     seen: &mut dyn FnMut(&super::residuals::Seen<'_>),
 ) -> Result<(), ValidateError> {
     source.restart()?;
@@ -293,7 +315,10 @@ fn run(
             }
             let class = classes[block.class[at] as usize];
             let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
-            forward.row(&input_row, class, gas_c, &mut predicted);
+            match losses {
+                Losses::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
+                Losses::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
+            }
             seen(&super::residuals::Seen { row, class, measured: &measured, predicted: &predicted });
             row += 1;
         }

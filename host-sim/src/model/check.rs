@@ -1,6 +1,6 @@
 //! What must hold in a model that was read from a file, and types alone do not say: whoever computes with a model relies on it.
 
-use super::{End, Model, Pair, Structure};
+use super::{End, Following, Gas, Model, Pair, Structure};
 use crate::recording::tidy;
 
 /// Sample periods that a record can have, s.
@@ -46,26 +46,7 @@ impl Model {
             return Err(format!(": `dead_time_samples` is {}, more than a million", pair.dead_time_samples));
         }
         let rates = pair.mesh_rad_s.len();
-        if rates == 0 {
-            return Err(": `mesh_rad_s` has no rate, and needs one at least".to_owned());
-        }
-        let mut before = 0.0;
-        for &rate in &pair.mesh_rad_s {
-            if !(rate.is_finite() && rate > before) {
-                return Err(format!(
-                    ": `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
-                ));
-            }
-            let (least, most) = RATE_TIMES_PERIOD;
-            let (least, most) = (least / self.sample_period_s, most / self.sample_period_s);
-            if rate < least || rate > most {
-                return Err(format!(
-                    ": `mesh_rad_s` has {rate:e} rad/s, which samples every {} s cannot show; rates must be from {least:.0e} to {most:.0e}",
-                    tidy(self.sample_period_s)
-                ));
-            }
-            before = rate;
-        }
+        self.check_mesh(&pair.mesh_rad_s)?;
         if pair.se_rate_rad_s.as_ref().is_some_and(|se| se.len() != rates) {
             return Err(format!(": `se_rate_rad_s` must have one value for each of the {rates} rates, or be absent"));
         }
@@ -89,6 +70,31 @@ impl Model {
         Ok(())
     }
 
+    /// The rest of a sentence that begins with what has the mesh.
+    fn check_mesh(&self, mesh_rad_s: &[f64]) -> Result<(), String> {
+        if mesh_rad_s.is_empty() {
+            return Err(": `mesh_rad_s` has no rate, and needs one at least".to_owned());
+        }
+        let (least, most) = RATE_TIMES_PERIOD;
+        let (least, most) = (least / self.sample_period_s, most / self.sample_period_s);
+        let mut before = 0.0;
+        for &rate in mesh_rad_s {
+            if !(rate.is_finite() && rate > before) {
+                return Err(format!(
+                    ": `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
+                ));
+            }
+            if rate < least || rate > most {
+                return Err(format!(
+                    ": `mesh_rad_s` has {rate:e} rad/s, which samples every {} s cannot show; rates must be from {least:.0e} to {most:.0e}",
+                    tidy(self.sample_period_s)
+                ));
+            }
+            before = rate;
+        }
+        Ok(())
+    }
+
     fn check_wind(&self) -> Result<(), String> {
         match (self.structure, &self.wind) {
             (Structure::Symbol, None) => Ok(()),
@@ -103,9 +109,38 @@ impl Model {
                     );
                 }
                 let missing = self.classes.iter().find(|label| wind.elements.iter().any(|of| !of.contains_key(*label)));
-                missing.map_or(Ok(()), |label| Err(format!("`wind` has no conductance for class `{label}`")))
+                if let Some(label) = missing {
+                    return Err(format!("`wind` has no conductance for class `{label}`"));
+                }
+                let following = wind.following.as_ref();
+                following.map_or(Ok(()), |following| {
+                    let checked = self.check_following(following, &wind.gas);
+                    checked.map_err(|sentence| format!("`wind.following`{sentence}"))
+                })
             }
         }
+    }
+
+    /// The rest of a sentence that begins with the key.
+    fn check_following(&self, following: &Following, gas: &Gas) -> Result<(), String> {
+        if !matches!(gas, Gas::Column(_)) {
+            return Err(" needs the gas as a column, which outputs could follow".to_owned());
+        }
+        self.check_mesh(&following.mesh_rad_s)?;
+        let (has, outputs) = (following.outputs.len(), self.outputs.len());
+        if has != outputs {
+            return Err(format!(": `outputs` has {has} entries for the model's {outputs} outputs"));
+        }
+        let rates = following.mesh_rad_s.len();
+        if following.outputs.iter().any(|of| of.f_k_per_k.len() != rates || of.se_k_per_k.len() != rates) {
+            return Err(format!(": `f_k_per_k` and `se_k_per_k` must have one value for each of the {rates} rates"));
+        }
+        let [least, most] = following.range_c;
+        if !(least <= following.from_c && following.from_c <= most) {
+            let from_c = following.from_c;
+            return Err(format!(": `from_c` is {from_c}, which is not within `range_c`, {least} to {most}"));
+        }
+        Ok(())
     }
 
     fn check_end(&self, end: &End) -> Result<(), String> {

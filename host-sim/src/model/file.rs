@@ -93,3 +93,41 @@ fn too_large(value: &serde_json::Value) -> Option<String> {
         Value::Null | Value::Bool(_) | Value::String(_) => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::export::testing;
+    use super::*;
+
+    fn model() -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        testing::follow_gas(&mut model, 18.0);
+        model
+    }
+
+    #[test]
+    fn a_model_that_follows_its_gas_is_read_as_it_was_written() {
+        assert_eq!(Model::from_json(&model().to_json()).unwrap(), model());
+    }
+
+    #[test]
+    fn what_does_not_fit_the_gas_is_refused_by_its_key() {
+        let refused = |change: &dyn Fn(&mut Following)| {
+            let mut model = model();
+            change(model.wind.as_mut().unwrap().following.as_mut().unwrap());
+            Model::from_json(&model.to_json()).unwrap_err()
+        };
+        for (sentence, key) in [
+            (refused(&|following| following.mesh_rad_s[0] = 0.0), "`mesh_rad_s` must hold ascending"),
+            (refused(&|following| following.outputs.clear()), "`outputs` has 0 entries for the model's 1"),
+            (refused(&|following| following.outputs[0].f_k_per_k.clear()), "one value for each of the 1 rates"),
+            (refused(&|following| following.from_c = 30.0), "`from_c` is 30, which is not within `range_c`, 17 to 19"),
+        ] {
+            assert!(sentence.starts_with("`wind.following`") && sentence.contains(key), "{sentence}");
+        }
+        let mut constant = model();
+        constant.wind.as_mut().unwrap().gas = Gas::ConstantC(18.0);
+        assert!(Model::from_json(&constant.to_json()).unwrap_err().contains("needs the gas as a column"));
+    }
+}

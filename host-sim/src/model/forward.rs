@@ -9,7 +9,7 @@
 
 use dr_core::model::mesh;
 
-use super::{End, Model, Structure};
+use super::{End, Following, Model, Structure};
 
 /// What one output's memory is made of: relaxations of one pair and class, or decays that no input drives.
 struct Bank {
@@ -31,6 +31,42 @@ struct Decay {
     amplitude_k: f64,
 }
 
+/// What all outputs have of a gas that moves.
+struct Gas {
+    from_c: f64,
+    rate_rad_s: Vec<f64>,
+    gain: Vec<f64>,
+    /// By output.
+    f_k_per_k: Vec<Vec<f64>>,
+    /// `None` until the first row says where the gas rests.
+    x: Option<Vec<f64>>,
+}
+
+impl Gas {
+    fn of(following: &Following, sample_period_s: f64) -> Self {
+        Self {
+            from_c: following.from_c,
+            rate_rad_s: following.mesh_rad_s.clone(),
+            gain: following.mesh_rad_s.iter().map(|&rate| mesh::gain(rate, sample_period_s)).collect(),
+            f_k_per_k: following.outputs.iter().map(|output| output.f_k_per_k.clone()).collect(),
+            x: None,
+        }
+    }
+
+    fn add(&mut self, gas_c: f64, outputs: &mut [f64]) {
+        let x = self.x.get_or_insert_with(|| vec![gas_c - self.from_c; self.gain.len()]);
+        for (output, f_k_per_k) in outputs.iter_mut().zip(&self.f_k_per_k) {
+            *output += x.iter().zip(f_k_per_k).map(|(x, f_k_per_k)| x * f_k_per_k).sum::<f64>();
+        }
+    }
+
+    fn hold(&mut self, gas_c: f64) {
+        for (x, gain) in self.x.iter_mut().flatten().zip(&self.gain) {
+            *x += gain * (gas_c - self.from_c - *x);
+        }
+    }
+}
+
 /// A model in motion.
 pub struct Forward {
     banks: Vec<Bank>,
@@ -38,12 +74,13 @@ pub struct Forward {
     offset_c: Vec<f64>,
     /// ΔG by element and class; empty for structure `symbol`.
     conductance: Vec<Vec<f64>>,
+    gas: Option<Gas>,
     /// The inputs' last values (newest last) and their class, as far back as the longest dead time.
     past: Vec<(Vec<f64>, usize)>,
 }
 
 impl Forward {
-    /// A model at rest, to be stepped every `sample_period_s`. Dead times are whole periods of the model's own record, so they
+    /// A model at rest, and in balance with the gas of its first row, to be stepped every `sample_period_s`. Dead times are whole periods of the model's own record, so they
     /// are kept in time and rounded to the new period.
     pub fn at_rest(model: &Model, sample_period_s: f64) -> Self {
         let class_of = |label: &str| model.classes.iter().position(|known| known == label);
@@ -74,11 +111,13 @@ impl Forward {
             };
             wind.elements.iter().map(|element| model.classes.iter().map(|label| of(label, element)).collect()).collect()
         });
+        let following = model.wind.as_ref().and_then(|wind| wind.following.as_ref());
         Self {
             banks,
             decays: Vec::new(),
             offset_c: model.outputs.iter().map(|output| output.offset_c).collect(),
             conductance,
+            gas: following.map(|following| Gas::of(following, sample_period_s)),
             past: vec![(vec![0.0; model.inputs.len()], 0); longest],
         }
     }
@@ -88,6 +127,10 @@ impl Forward {
         let mut forward = Self::at_rest(model, model.sample_period_s);
         for (output, decays) in end.decays.iter().enumerate() {
             forward.add_decays(output, decays, model.sample_period_s);
+        }
+        if let Some(gas) = &mut forward.gas {
+            // What the gas has done so far is in the decays.
+            gas.x = Some(vec![0.0; gas.gain.len()]);
         }
         let longest = forward.past.len();
         for (slot, at) in (0..longest).enumerate() {
@@ -121,6 +164,26 @@ impl Forward {
     ///
     /// `class` is the row's index into the model's classes, `gas_c` the gas temperature (for structure `conductance` only).
     pub fn row(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
+        self.predict(inputs, class, gas_c, outputs);
+        self.hold(class, gas_c, outputs);
+    }
+
+    /// The same, but the wind takes what the measured temperatures say, as in identification. Outputs are then linear in offsets and
+    /// decays, and what those are can be read off them at once.
+    pub fn row_of_measured(
+        &mut self,
+        inputs: &[f64],
+        class: usize,
+        gas_c: f64,
+        measured_c: &[f64],
+        outputs: &mut [f64],
+    ) {
+        self.predict(inputs, class, gas_c, outputs);
+        self.hold(class, gas_c, measured_c);
+    }
+
+    /// Outputs at t_n; the inputs wait to be held.
+    fn predict(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
         outputs.copy_from_slice(&self.offset_c);
         for decay in &mut self.decays {
             outputs[decay.output] += decay.amplitude_k;
@@ -129,6 +192,9 @@ impl Forward {
         for bank in &self.banks {
             outputs[bank.output] +=
                 bank.x.iter().zip(&bank.resistance).map(|(x, resistance)| x * resistance).sum::<f64>();
+        }
+        if let Some(gas) = &mut self.gas {
+            gas.add(gas_c, outputs);
         }
         let newest = (inputs.to_vec(), class);
         self.past.push(newest);
@@ -142,11 +208,18 @@ impl Forward {
                 }
             }
         }
-        // Wind takes what the outputs of this row say.
+    }
+
+    /// Holds the inputs over [t_n, t_{n+1}), less what the wind takes from elements of these temperatures.
+    fn hold(&mut self, class: usize, gas_c: f64, temperatures_c: &[f64]) {
+        let last = self.past.len() - 1;
         for (element, conductance) in self.conductance.iter().enumerate() {
-            let rise_k = outputs.get(element).copied().unwrap_or(gas_c) - gas_c;
+            let rise_k = temperatures_c.get(element).copied().unwrap_or(gas_c) - gas_c;
             let taken = conductance.get(class).copied().unwrap_or(0.0) * rise_k;
             self.past[last].0[element] -= taken;
+        }
+        if let Some(gas) = &mut self.gas {
+            gas.hold(gas_c);
         }
         for bank in &mut self.banks {
             let (values, class) = &self.past[last - bank.delay];
@@ -170,6 +243,72 @@ impl Forward {
             let own = mesh.iter().zip(&bank.x).zip(&bank.resistance);
             all[bank.output].extend(own.map(|((&rate, x), resistance)| (rate, x * resistance)));
         }
+        if let Some((gas, x)) = self.gas.as_ref().and_then(|gas| Some((gas, gas.x.as_ref()?))) {
+            for (decays, f_k_per_k) in all.iter_mut().zip(&gas.f_k_per_k) {
+                let own = gas.rate_rad_s.iter().zip(x).zip(f_k_per_k);
+                decays.extend(own.map(|((&rate, x), f_k_per_k)| (rate, x * f_k_per_k)));
+            }
+        }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::export::testing;
+    use super::*;
+
+    /// One pole of 10 K/W at 0.5 rad/s, no wind, and a gas that is followed in full with 0.1 rad/s.
+    fn model() -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        testing::follow_gas(&mut model, 18.0);
+        model
+    }
+
+    fn still(model: &Model) -> usize {
+        model.classes.iter().position(|label| label == "still").unwrap()
+    }
+
+    #[test]
+    fn a_model_rests_in_balance_with_the_gas_of_its_first_row_and_follows_its_steps() {
+        let model = model();
+        let mut forward = Forward::at_rest(&model, 0.1);
+        let mut row = |gas_c: f64| {
+            let mut outputs = [0.0];
+            forward.row(&[0.0], still(&model), gas_c, &mut outputs);
+            outputs[0]
+        };
+        // The offset belongs to 18 °C, and the gas begins 3 K above.
+        let rest: Vec<f64> = (0..50).map(|_| row(21.0)).collect();
+        assert!(rest.iter().all(|y| (y - (model.offset_c + 3.0)).abs() < 1e-12), "{rest:?}");
+        // A step by 2 K, seen from the next row on: 2 (1 − e^(−ξt)).
+        for n in 0..100 {
+            let truth = model.offset_c + 3.0 + 2.0 * (1.0 - (-0.1 * 0.1 * f64::from(n)).exp());
+            assert!((row(23.0) - truth).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn decays_of_the_whole_state_go_on_as_the_model_would_have() {
+        let model = model();
+        let gas_c = |n: usize| 18.0 + (0.05 * n as f64).sin();
+        let power_w = |n: usize| 0.1 + 0.05 * (0.3 * n as f64).cos();
+        let mut outputs = [0.0];
+        let mut forward = Forward::at_rest(&model, model.sample_period_s);
+        (0..200).for_each(|n| forward.row(&[power_w(n)], still(&model), gas_c(n), &mut outputs));
+        let end = End {
+            next_time_s: 200.0 * model.sample_period_s,
+            decays: forward.decays(&model),
+            pending: vec![Vec::new()],
+            pending_class: Vec::new(),
+        };
+        let mut other = Forward::going_on(&model, &end);
+        for n in 200..400 {
+            let mut continued = [0.0];
+            forward.row(&[power_w(n)], still(&model), gas_c(n), &mut outputs);
+            other.row(&[power_w(n)], still(&model), gas_c(n), &mut continued);
+            assert!((outputs[0] - continued[0]).abs() < 1e-10, "{n}: {} {}", outputs[0], continued[0]);
+        }
     }
 }

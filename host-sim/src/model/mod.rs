@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Structure `symbol` (thesis 2.19): a class's R_k weigh the heat that was injected while that class held. Structure `conductance`
-//! (wind as feedback): one class of R_k, and the wind in the input, w = u − ΔG_class · (y − T_gas), element by element.
+//! (wind as feedback): one class of R_k, and the wind in the input, w = u − ΔG_class · (y − T_gas), element by element; where the
+//! gas moved, outputs follow it as well ([`Following`]).
 //!
 //! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n − 1.
 
@@ -147,6 +148,34 @@ pub struct Wind {
     pub gas: Gas,
     /// Element by element: input i heats output i.
     pub elements: Vec<BTreeMap<String, Estimate>>,
+    /// Absent where the gas stood still, was not measured, or moved nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub following: Option<Following>,
+}
+
+/// How outputs follow the gas in the reference's wind: y_o += Σ_k F_k^o x_k, dx_k/dt = ξ_k (T_gas − from − x_k).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Following {
+    /// The gas temperature to which the offsets belong: that of the record's first row, °C.
+    pub from_c: f64,
+    /// Least and greatest in the record, °C.
+    pub range_c: [f64; 2],
+    /// Ascending rates, rad/s.
+    pub mesh_rad_s: Vec<f64>,
+    /// One an output, in order.
+    pub outputs: Vec<Followed>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Followed {
+    /// F_k: kelvins of the output a kelvin of the gas.
+    pub f_k_per_k: Vec<f64>,
+    pub se_k_per_k: Vec<f64>,
+    /// Σ F_k: 1 where nothing but this gas surrounds the structure.
+    pub steady_gain_k_per_k: f64,
+    pub se_steady_gain_k_per_k: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

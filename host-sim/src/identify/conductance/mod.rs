@@ -7,6 +7,9 @@
 //! y_o = offset_o + Σ_i Σ_k R_k^{oi} x_k(w_i) + what was stored,    w_i = u_i − ΔG_i,class(t) · (y_i − T_gas)
 //! ```
 //!
+//! Under the reference wind, too, the structure follows the gas. If its temperature was measured and moved, every output has
+//! Σ_k F_k^o x_k(T_gas − T_gas(0)) as well, F in K/K, which add up to 1 where nothing but the gas surrounds the structure.
+//!
 //! x(·) is linear, so x(w_i) = x(u_i) − Σ_c ΔG_ic (x(gate_c · y_i) − T_gas x(gate_c)): all that any ΔG or T_gas could ask for stands
 //! in the normal equations of *one* reading, of banks driven by inputs, by gated outputs and by gates. The resistances are linear
 //! for given ΔG; the few ΔG (and T_gas, if it is not known) are found by variable projection, as Gauss–Newton on both at once, whose
@@ -16,6 +19,8 @@
 //! Limits: the loss is taken at the start of each sample and held; noise of y enters w, but only through the relaxations, which
 //! pass Γ·ΔG·Ts of it (under a percent for a sensor sampled fast enough to be identified).
 
+mod gas;
+mod plan;
 mod report;
 mod solver;
 mod terms;
@@ -24,11 +29,11 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use super::candidates::{self, Beginning, Mesh};
-use super::design::{Bank, Design, Drive, Role};
+use super::candidates::Beginning;
+use super::design::{Design, Role};
 use super::folds::{FOLDS, Score, score};
 use super::gram::Gram;
-use super::pass::{GasSource, Passed, pass};
+use super::pass::{GasSource, pass};
 use super::prior::{Prior, Scales};
 use super::problem::Problem;
 use super::record::{Source, Survey};
@@ -36,7 +41,8 @@ use super::residuals::{Fitted, look};
 use super::symbol::{self, chosen_by};
 use super::{GasGiven, IdentifyError, Options, Progress, Sight, support};
 use crate::model::{End, Model, Output, Pair, Provenance, Structure};
-use report::{doubts, reasons, resistances, weights, wind};
+use plan::{GasBanks, beginnings, design, drive_scale, followings, gas_guess, meshes, priors};
+use report::{doubts, following, reasons, resistances, weights, wind};
 use solver::Solver;
 use terms::{Places, Winds};
 
@@ -45,6 +51,7 @@ struct Trial {
     mesh: usize,
     beginning: Beginning,
     prior: Prior,
+    follows: bool,
     winds: Winds,
     scores: Vec<Score>,
 }
@@ -67,7 +74,7 @@ pub fn identify(
     let (reference, known_reference) = check(source, options, &survey, &classes)?;
     let duration_s = survey.rows as f64 * survey.sample_period_s;
     let elements = survey.inputs.len();
-    let gates = options.gas == GasGiven::Unknown;
+    let banks = GasBanks::of(options, &survey);
     let gas = match options.gas {
         GasGiven::Unknown => GasSource::Constant(0.0),
         GasGiven::ConstantC(gas_c) => GasSource::Constant(gas_c),
@@ -75,7 +82,7 @@ pub fn identify(
     };
     let meshes = meshes(duration_s, survey.sample_period_s, options);
     let designs: Vec<Design> =
-        meshes.iter().map(|mesh| design(mesh, elements, classes.len(), reference, gates)).collect();
+        meshes.iter().map(|mesh| design(mesh, elements, classes.len(), reference, banks)).collect();
     let unknowns = designs.iter().map(|design| design.roles().len()).min().unwrap_or(0);
     if unknowns as u64 >= survey.rows {
         let sentence =
@@ -93,24 +100,27 @@ pub fn identify(
         drive: design.banks.iter().map(|bank| drive_scale(bank, &passed)).collect(),
         thesis_rad_s,
     };
+    let outputs = survey.outputs.len();
+    let solver = |index: usize, roles, beginning, prior, follows| Solver {
+        places: Places { roles, elements, classes: classes.len(), reference, gates: banks == GasBanks::Gates, follows },
+        scales: scales(&designs[index]),
+        prior,
+        beginning,
+        outputs,
+        sample_period_s: survey.sample_period_s,
+    };
+    let roles: Vec<Vec<Role>> = designs.iter().map(Design::roles).collect();
     let mut trials: Vec<Trial> = Vec::new();
-    for (index, design) in designs.iter().enumerate() {
-        let roles = design.roles();
+    for (index, roles) in roles.iter().enumerate() {
         let total = Gram::total(&passed.folds[index]);
-        for beginning in beginnings(options) {
+        let kinds = beginnings(options)
+            .into_iter()
+            .flat_map(|beginning| followings(banks, &passed).into_iter().map(move |follows| (beginning, follows)));
+        for (beginning, follows) in kinds {
             let mut start =
                 Winds { conductance: vec![vec![0.0; classes.len()]; elements], gas_c: gas_guess(options, &passed) };
             for prior in priors(options) {
-                let places = Places { roles: &roles, elements, classes: classes.len(), reference, gates };
-                let outputs = survey.outputs.len();
-                let solver = Solver {
-                    places,
-                    scales: scales(design),
-                    prior,
-                    beginning,
-                    outputs,
-                    sample_period_s: survey.sample_period_s,
-                };
+                let solver = solver(index, roles, beginning, prior, follows);
                 let winds = solver.solve(&total, start.clone());
                 // The next prior is near: so is its answer.
                 start.clone_from(&winds);
@@ -123,7 +133,7 @@ pub fn identify(
                         score(&folds, &whole, &solver.penalty(&terms, &whole), None)
                     })
                     .collect();
-                trials.push(Trial { mesh: index, beginning, prior, winds, scores });
+                trials.push(Trial { mesh: index, beginning, prior, follows, winds, scores });
             }
         }
     }
@@ -140,17 +150,8 @@ pub fn identify(
     }
 
     let design = &designs[best.mesh];
-    let roles = design.roles();
     let total = Gram::total(&passed.folds[best.mesh]);
-    let places = Places { roles: &roles, elements, classes: classes.len(), reference, gates };
-    let solver = Solver {
-        places,
-        scales: scales(design),
-        prior: best.prior,
-        beginning: best.beginning,
-        outputs: survey.outputs.len(),
-        sample_period_s: survey.sample_period_s,
-    };
+    let solver = solver(best.mesh, &roles[best.mesh], best.beginning, best.prior, best.follows);
     let step = solver.step(&total, &best.winds);
     let terms = solver.places.terms(best.beginning, &best.winds);
 
@@ -197,9 +198,15 @@ pub fn identify(
             });
         }
     }
-    let wind = wind(&solver, &step, &best.winds, options, &survey, &classes);
+    let mut wind = wind(&solver, &step, &best.winds, options, &survey, &classes);
+    wind.following = best.follows.then(|| following(&solver, &terms, &step, &passed));
     let mut warnings = support::warnings(&survey, &passed.facts);
     warnings.extend(doubts(&wind, &outputs, best, &passed, options));
+    if let GasGiven::ConstantC(given_c) = options.gas {
+        progress("gas", 0, 1);
+        let mesh = &meshes[best.mesh];
+        warnings.extend(gas::contradiction(source, given_c, best, mesh, reference, thesis_rad_s)?);
+    }
     let chosen =
         chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons(&trials, best, &meshes));
     let end = End {
@@ -270,59 +277,6 @@ fn check(
             Some(class) => Ok((class, true)),
             None => unfit(format!("has no class `{label}` for a reference; there are {}", classes.join(", "))),
         },
-    }
-}
-
-fn meshes(duration_s: f64, sample_period_s: f64, options: &Options) -> Vec<Mesh> {
-    if options.given.order.is_some() || options.given.edges_rad_s.is_some() {
-        return candidates::meshes(duration_s, sample_period_s, 1, &options.given);
-    }
-    // The wind is in the input, so that the structure's own slow poles show: denser and slower than a symbol a class could be.
-    [(1.0, 2.0), (0.5, 2.0), (0.5, 3.0), (0.5, 4.0), (0.3, 3.0), (0.3, 5.0)]
-        .into_iter()
-        .map(|(factor, per_decade)| candidates::dense(duration_s, sample_period_s, factor, per_decade))
-        .collect()
-}
-
-fn beginnings(options: &Options) -> Vec<Beginning> {
-    options.given.beginning.map_or_else(|| vec![Beginning::Rest, Beginning::Free], |beginning| vec![beginning])
-}
-
-fn priors(options: &Options) -> Vec<Prior> {
-    options.given.ridge.map_or_else(
-        // The weakest first, as each starts from the last one's answer: a prior holds resistances down and not conductances, so
-        // that a strong one likes small resistances with great conductances, a poor place to start from.
-        || [1e-13, 1e-11, 1e-9, 1e-7, 1e-5].map(Prior::Tapered).to_vec(),
-        |ridge| vec![Prior::Columns(ridge)],
-    )
-}
-
-fn design(mesh: &Mesh, elements: usize, classes: usize, reference: usize, gates: bool) -> Design {
-    let bank = |drive| Bank { drive, rates_rad_s: mesh.rates_rad_s.clone(), delay: 0, feed_through: false };
-    let winds = || (0..classes).filter(move |&class| class != reference);
-    let mut banks: Vec<Bank> = (0..elements).map(|element| bank(Drive::Input(element))).collect();
-    for element in 0..elements {
-        banks.extend(winds().map(|class| bank(Drive::Loss { output: element, class })));
-    }
-    if gates {
-        banks.extend(winds().map(|class| bank(Drive::Gate { class })));
-    }
-    Design { banks, initial_rad_s: mesh.rates_rad_s.clone(), outputs: elements }
-}
-
-/// Priors speak of resistances against powers, whichever bank: only inputs' banks carry parameters.
-fn drive_scale(bank: &Bank, passed: &Passed) -> f64 {
-    match bank.drive {
-        Drive::Input(input) | Drive::Gated { input, .. } => passed.facts.input_scale(input),
-        Drive::Loss { .. } | Drive::Gate { .. } => 1.0,
-    }
-}
-
-/// Where the search for the gas temperature starts: a little below the coldest that was measured.
-fn gas_guess(options: &Options, passed: &Passed) -> f64 {
-    match options.gas {
-        GasGiven::Unknown => passed.facts.output_range.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min),
-        GasGiven::ConstantC(_) | GasGiven::Column => 0.0,
     }
 }
 

@@ -14,7 +14,7 @@ use super::super::{GasGiven, Options};
 use super::Trial;
 use super::solver::{Solver, Step};
 use super::terms::Winds;
-use crate::model::{Class, Estimate, Gas, Output, Wind};
+use crate::model::{Class, Estimate, Followed, Following, Gas, Output, Wind};
 
 pub(super) fn weights(terms: &[Term], theta: &DVector<f64>, width: usize) -> Vec<f64> {
     let mut weights = vec![0.0; width];
@@ -26,10 +26,10 @@ pub(super) fn weights(terms: &[Term], theta: &DVector<f64>, width: usize) -> Vec
     weights
 }
 
-pub(super) fn resistances(terms: &[Term], theta: &DVector<f64>, covariance: &DMatrix<f64>, element: usize) -> Class {
-    let of = |(at, term): (usize, &Term)| {
-        matches!(term.role, Role::Relaxation { bank, .. } if bank == element).then_some(at)
-    };
+/// Of one bank, to one output.
+pub(super) fn resistances(terms: &[Term], theta: &DVector<f64>, covariance: &DMatrix<f64>, wanted: usize) -> Class {
+    let of =
+        |(at, term): (usize, &Term)| matches!(term.role, Role::Relaxation { bank, .. } if bank == wanted).then_some(at);
     let own: Vec<usize> = terms.iter().enumerate().filter_map(of).collect();
     let variance: f64 = own.iter().flat_map(|&i| own.iter().map(move |&j| (i, j))).map(|at| covariance[at]).sum();
     Class {
@@ -68,7 +68,31 @@ pub(super) fn wind(
         GasGiven::Column => Gas::Column(survey.gas_column.clone().unwrap_or_default()),
         GasGiven::Unknown => Gas::EstimatedC(Estimate { value: winds.gas_c, se: se(at) }),
     };
-    Wind { reference: classes[places.reference].clone(), gas, elements }
+    Wind { reference: classes[places.reference].clone(), gas, elements, following: None }
+}
+
+pub(super) fn following(solver: &Solver<'_>, terms: &[Term], step: &Step, passed: &Passed) -> Following {
+    let bank = solver.places.gas_bank();
+    let rate = |term: &Term| match term.role {
+        Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank => Some(rate_rad_s),
+        _ => None,
+    };
+    let outputs = step.thetas.iter().zip(&step.own).map(|(theta, covariance)| {
+        // The same sums as those of resistances, of a bank whose drive is in kelvins.
+        let class = resistances(terms, theta, covariance, bank);
+        Followed {
+            f_k_per_k: class.r_k_per_w,
+            se_k_per_k: class.se_k_per_w,
+            steady_gain_k_per_k: class.steady_gain_k_per_w,
+            se_steady_gain_k_per_k: class.se_steady_gain_k_per_w,
+        }
+    });
+    Following {
+        from_c: passed.facts.gas_first,
+        range_c: passed.facts.gas_range.unwrap_or([passed.facts.gas_first; 2]),
+        mesh_rad_s: terms.iter().filter_map(rate).collect(),
+        outputs: outputs.collect(),
+    }
 }
 
 pub(super) fn doubts(wind: &Wind, outputs: &[Output], best: &Trial, passed: &Passed, options: &Options) -> Vec<String> {
@@ -112,6 +136,8 @@ pub(super) fn reasons(trials: &[Trial], best: &Trial, meshes: &[Mesh]) -> Vec<St
     reasons.extend(against(what, &|trial| trial.mesh != best.mesh));
     let what = format!("beginning: {}", best.beginning.name());
     reasons.extend(against(what, &|trial| trial.beginning != best.beginning));
+    let what = format!("the gas is {}", if best.follows { "followed" } else { "not followed by itself" });
+    reasons.extend(against(what, &|trial| trial.follows != best.follows));
     let what = format!("prior: {} of weight {:.0e}", best.prior.name(), best.prior.weight());
     reasons.extend(against(what, &|trial| trial.mesh == best.mesh && trial.prior != best.prior));
     reasons

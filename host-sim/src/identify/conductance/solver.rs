@@ -161,7 +161,7 @@ impl Solver<'_> {
     }
 
     /// Σ_k R_k g_k · max |ΔG|: what a kelvin of an element takes from it by the next row.
-    fn held_loop_gain(&self, element: usize, terms: &[Term], theta: &DVector<f64>, winds: &Winds) -> f64 {
+    pub(super) fn held_loop_gain(&self, element: usize, terms: &[Term], theta: &DVector<f64>, winds: &Winds) -> f64 {
         let own = terms.iter().zip(theta.iter()).filter_map(|(term, resistance)| match term.role {
             Role::Relaxation { bank, rate_rad_s, .. } if bank == element => {
                 Some(resistance * mesh::gain(rate_rad_s, self.sample_period_s))

@@ -21,6 +21,8 @@ pub(super) struct Places<'a> {
     pub(super) reference: usize,
     /// Whether gates have banks, for a gas temperature that is estimated.
     pub(super) gates: bool,
+    /// Whether outputs follow the gas, which then has a bank.
+    pub(super) follows: bool,
 }
 
 impl Places<'_> {
@@ -35,6 +37,11 @@ impl Places<'_> {
 
     pub(super) fn gate_bank(&self, class: usize) -> usize {
         self.elements * self.classes + self.slot(class)
+    }
+
+    /// In the place of the gates: no gas is both estimated and measured.
+    pub(super) fn gas_bank(&self) -> usize {
+        self.elements * self.classes
     }
 
     pub(super) fn slot(&self, class: usize) -> usize {
@@ -74,6 +81,9 @@ impl Places<'_> {
                         );
                     }
                     terms.push(Term { of, role });
+                }
+                Role::Relaxation { bank, .. } if self.follows && bank == self.gas_bank() => {
+                    terms.push(Term { of: vec![(column, 1.0)], role });
                 }
                 Role::Initial { .. } if beginning == Beginning::Free => {
                     terms.push(Term { of: vec![(column, 1.0)], role })

@@ -3,6 +3,9 @@
 use nalgebra::DVector;
 
 use super::*;
+use crate::identify::candidates::{self, Mesh};
+use crate::identify::pass::Passed;
+use crate::identify::prior::Prior;
 use crate::identify::record::Table;
 
 const PERIOD_S: f64 = 0.1;
@@ -42,13 +45,17 @@ fn passed(case: &Case, design: &Design, gas: GasSource) -> Passed {
     pass(&mut table, std::slice::from_ref(design), 2, gas, u64::MAX, &mut |_| {}).unwrap()
 }
 
+fn banks(gates: bool) -> GasBanks {
+    if gates { GasBanks::Gates } else { GasBanks::None }
+}
+
 fn small_mesh() -> Mesh {
     candidates::dense(PERIOD_S * ROWS as f64, PERIOD_S, 1.0, 1.5)
 }
 
 fn solver<'a>(roles: &'a [Role], design: &Design, gates: bool) -> Solver<'a> {
     Solver {
-        places: Places { roles, elements: 2, classes: 3, reference: 0, gates },
+        places: Places { roles, elements: 2, classes: 3, reference: 0, gates, follows: false },
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-9),
         beginning: Beginning::Rest,
@@ -84,7 +91,7 @@ fn sums_of_the_terms_are_those_of_states_that_w_drives() {
         let gas = GasSource::Constant(if gates { 0.0 } else { GAS_C });
         let case = case();
         let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
-        let design = design(&mesh, 2, 3, 0, gates);
+        let design = design(&mesh, 2, 3, 0, banks(gates));
         let passed = passed(&case, &design, gas);
         let total = Gram::total(&passed.folds[0]);
         let roles = design.roles();
@@ -119,7 +126,7 @@ fn slopes_are_differences_of_the_prediction() {
     let mesh = small_mesh();
     let case = case();
     for gates in [false, true] {
-        let design = design(&mesh, 2, 3, 0, gates);
+        let design = design(&mesh, 2, 3, 0, banks(gates));
         let roles = design.roles();
         let solver = solver(&roles, &design, gates);
         let winds = Winds { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
@@ -142,6 +149,66 @@ fn slopes_are_differences_of_the_prediction() {
                 DVector::from_vec(weights(std::slice::from_ref(slope), &DVector::from_element(1, 1.0), design.width()));
             assert!((&difference - &stated).norm() < 1e-9 * difference.norm(), "slope {at}, gates {gates}");
             assert!(stated.norm() > 0.0);
+        }
+    }
+}
+
+/// A record of one element that is the structure itself, without noise, and what a kelvin of it takes from the next row.
+fn held(loop_gain: f64) -> (Table, Mesh, Winds) {
+    let (resistances, rates_rad_s) = ([100.0, 50.0], vec![0.05, 0.5]);
+    let gains: Vec<f64> = rates_rad_s.iter().map(|rate: &f64| -(-rate * PERIOD_S).exp_m1()).collect();
+    let of_a_watt: f64 = resistances.iter().zip(&gains).map(|(resistance, gain)| resistance * gain).sum();
+    let taken = [0.0, loop_gain / of_a_watt];
+    let (mut x, mut powers_w, mut temperatures_c, mut events) = ([0.0; 2], Vec::new(), Vec::new(), Vec::new());
+    for n in 0..ROWS {
+        let (class, power_w) = ((n / 23) % 2, 0.04 + 0.03 * (0.37 * (n * n % 101) as f64).sin());
+        let rise_k = x[0] * resistances[0] + x[1] * resistances[1];
+        powers_w.push(power_w);
+        temperatures_c.push(GAS_C + rise_k);
+        events.push(["a", "b"][class]);
+        for (x, gain) in x.iter_mut().zip(&gains) {
+            *x += gain * (power_w - taken[class] * rise_k - *x);
+        }
+    }
+    let table =
+        Table::new(PERIOD_S, vec![("power".to_owned(), powers_w)], vec![("temperature".to_owned(), temperatures_c)])
+            .and_then(|table| table.with_events(&events))
+            .unwrap();
+    (table, Mesh { rates_rad_s, ..small_mesh() }, Winds { conductance: vec![taken.to_vec()], gas_c: 0.0 })
+}
+
+#[test]
+fn a_loss_that_takes_more_than_a_kelvin_of_a_kelvin_by_the_next_row_is_never_chosen() {
+    for loop_gain in [0.9, 1.1] {
+        let (mut table, mesh, winds) = held(loop_gain);
+        let design = design(&mesh, 1, 2, 0, GasBanks::None);
+        let gas = GasSource::Constant(GAS_C);
+        let passed = pass(&mut table, std::slice::from_ref(&design), 1, gas, u64::MAX, &mut |_| {}).unwrap();
+        let total = Gram::total(&passed.folds[0]);
+        let roles = design.roles();
+        let solver = Solver {
+            places: Places { roles: &roles, elements: 1, classes: 2, reference: 0, gates: false, follows: false },
+            scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
+            prior: Prior::Tapered(1e-13),
+            beginning: Beginning::Rest,
+            outputs: 1,
+            sample_period_s: PERIOD_S,
+        };
+        // The truth explains all either way: only what it would do from row to row tells them apart.
+        let (terms, thetas, errors) = solver.linear(&total, &winds);
+        let swing = passed.facts.output_sd(0).powi(2) * ROWS as f64;
+        assert!(errors[0] < 1e-6 * swing, "{} of {swing}", errors[0]);
+        let found = solver.held_loop_gain(0, &terms, &thetas[0], &winds);
+        assert!((found - loop_gain).abs() < 1e-3, "{found}, true {loop_gain}");
+        assert_eq!(solver.cost(&total, &winds).is_finite(), loop_gain < 1.0);
+
+        let start = Winds { conductance: vec![vec![0.0; 2]], gas_c: 0.0 };
+        let solved = solver.solve(&total, start);
+        let (terms, thetas, _) = solver.linear(&total, &solved);
+        let gain = solver.held_loop_gain(0, &terms, &thetas[0], &solved);
+        assert!(gain < 1.0, "{gain}");
+        if loop_gain < 1.0 {
+            assert!((solved.conductance[0][1] / winds.conductance[0][1] - 1.0).abs() < 1e-3, "{solved:?}");
         }
     }
 }

@@ -202,7 +202,7 @@ fn starts(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, St
 fn known(setup: &Setup, mesh: &Model, facts: &Facts, thesis_rad_s: f64) -> (Scales, Vec<f64>) {
     let input = |part: &Part| match part.drive {
         Drive::Input(input) | Drive::Gated { input, .. } => input,
-        Drive::Loss { .. } | Drive::Gate { .. } => 0,
+        Drive::Loss { .. } | Drive::Gate { .. } | Drive::Gas => 0,
     };
     let first = |part: &Part| match mesh.classes.len() > 1 && facts.first_class != part.class {
         true => 0.0,

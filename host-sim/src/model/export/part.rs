@@ -69,10 +69,20 @@ impl<'a> Part<'a> {
         output.map_or(self.model.offset_c, |output| output.offset_c)
     }
 
-    /// What a reader of an export must know, if the record could not support the model.
+    /// What a reader of an export must know: that the record could not support the model, or what the export leaves out.
     pub(super) fn warning(&self) -> Option<String> {
         let warnings = self.model.warnings.join("; ");
-        (!self.model.supported).then(|| format!("the record does not support this model: {warnings}"))
+        let unsupported =
+            (!self.model.supported).then(|| format!("the record does not support this model: {warnings}"));
+        let following = self.model.wind.as_ref().and_then(|wind| wind.following.as_ref());
+        let still = following.map(|following| {
+            format!(
+                "the model follows its gas, and this is its answer to power only: the offset belongs to a gas that stays at {} °C",
+                following.from_c
+            )
+        });
+        let both: Vec<String> = unsupported.into_iter().chain(still).collect();
+        (!both.is_empty()).then(|| both.join("; "))
     }
 
     pub fn dead_time_s(&self) -> f64 {
@@ -166,5 +176,15 @@ mod tests {
         let part = Part::find(&model, None, Some("gust")).unwrap();
         assert_eq!((part.wind_w_per_k, part.class.r_k_per_w[0]), (Some(0.2), 10.0));
         assert!(part.own_symbol().unwrap_err().contains("that of `still` with 0.2 W/K of wind"));
+    }
+
+    #[test]
+    fn what_follows_a_gas_is_exported_with_the_gas_that_its_offset_belongs_to() {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        assert_eq!(Part::find(&model, None, None).unwrap().warning(), None);
+        testing::follow_gas(&mut model, 18.5);
+        let warning = Part::find(&model, None, None).unwrap().warning().unwrap();
+        assert!(warning.contains("a gas that stays at 18.5 °C"), "{warning}");
     }
 }

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::model::{Chosen, Class, Estimate, Gas, Model, Output, Pair, Provenance, Structure, VERSION, Wind};
+use crate::model::{
+    Chosen, Class, Estimate, Followed, Following, Gas, Model, Output, Pair, Provenance, Structure, VERSION, Wind,
+};
 
 /// One input `power_w:a`, one output `temperature_c:a`, class `all`, sampled every 0.1 s, offset 20 °C.
 pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
@@ -67,5 +69,26 @@ pub fn add_wind(model: &mut Model, label: &str, conductance_w_per_k: f64) {
     let elements =
         BTreeMap::from([("still".to_owned(), estimate(0.0)), (label.to_owned(), estimate(conductance_w_per_k))]);
     model.conductance_w_per_k.clone_from(&elements);
-    model.wind = Some(Wind { reference: "still".to_owned(), gas: Gas::ConstantC(20.0), elements: vec![elements] });
+    model.wind = Some(Wind {
+        reference: "still".to_owned(),
+        gas: Gas::ConstantC(20.0),
+        elements: vec![elements],
+        following: None,
+    });
+}
+
+/// Lets the outputs of a model with a wind follow a gas column in full, with 0.1 rad/s.
+pub fn follow_gas(model: &mut Model, from_c: f64) {
+    let followed = Followed {
+        f_k_per_k: vec![1.0],
+        se_k_per_k: vec![0.01],
+        steady_gain_k_per_k: 1.0,
+        se_steady_gain_k_per_k: 0.01,
+    };
+    let outputs = vec![followed; model.outputs.len()];
+    if let Some(wind) = &mut model.wind {
+        wind.gas = Gas::Column("gas_c".to_owned());
+        wind.following =
+            Some(Following { from_c, range_c: [from_c - 1.0, from_c + 1.0], mesh_rad_s: vec![0.1], outputs });
+    }
 }

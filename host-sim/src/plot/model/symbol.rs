@@ -56,6 +56,10 @@ pub fn symbol(model: &Model, output: &str) -> Chart {
         for (class, conductance) in element.iter().filter(|(class, _)| **class != wind.reference) {
             chart = chart.note(format!("ΔG {class} {} W/K", estimate(conductance.value, conductance.se)));
         }
+        if let Some(followed) = wind.following.as_ref().and_then(|following| following.outputs.get(place)) {
+            let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
+            chart = chart.note(format!("follows the gas by {gain} K/K"));
+        }
     }
     left_out(chart, parts.len())
 }
