@@ -6,4 +6,5 @@
 
 pub mod drivers;
 pub mod inbox;
+pub mod margins;
 pub mod outbox;

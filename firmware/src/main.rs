@@ -24,10 +24,11 @@ mod app {
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Command, Controller, Refusal, RunState};
     use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
+    use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use heapless::spsc::{Consumer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, Sample, ToBoard, encode};
+    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, ToBoard, encode};
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
     const CONTROL: Interrupt = Interrupt::EXTI4;
@@ -40,6 +41,7 @@ mod app {
     static QUESTIONS: Questions = Questions::new();
     static UNSENT: Unsent = Unsent::new();
     static CHECK_INS: CheckIns = CheckIns::new();
+    static MARGINS: MarginBoard = MarginBoard::new();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
@@ -137,7 +139,7 @@ mod app {
                 outbox.put(answer);
             }
             if QUESTIONS.wants_sample(tick.tick) {
-                outbox.put(FromBoard::Sample(Sample::from(&tick)));
+                outbox.put(FromBoard::of_tick(&tick));
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
@@ -169,6 +171,7 @@ mod app {
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
         let reply = controller.handle(command)?;
+        MARGINS.put(&controller.margins());
         // Not before: a start that is refused must not disturb the run.
         if let Command::Start = command {
             front_end.restart();
@@ -240,6 +243,7 @@ mod app {
                 late_ticks: LATE_TICKS.load(Relaxed),
                 control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
                 tick_cycles: TICK_CYCLES.load(Relaxed),
+                margins: MARGINS.read(),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
         }

@@ -164,7 +164,7 @@ fn damaged(name: &str, whole: &[u8], seed: u64) -> usize {
 fn ours(name: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    let layout = Layout { elements: vec!["u".to_owned(), "y".to_owned()], wind: false };
+    let layout = Layout { elements: vec!["u".to_owned(), "y".to_owned()], wind: false, observed: Vec::new() };
     let metadata: Metadata = vec![("head".to_owned(), "name = \"B\"\nx = 1".to_owned())];
     let mut writer = RecordingWriter::create(&path, layout, &metadata).unwrap();
     for n in 0..40_u16 {
@@ -173,6 +173,7 @@ fn ours(name: &str) -> Vec<u8> {
             time_s: f64::from(n) / 100.0,
             temperature_c: &[-23.0 + x, 1.0 / (1.0 + x)],
             power_w: &[f32::from(n % 2), 0.042],
+            equivalent_power_w: &[],
             heaters: n % 4,
             event: ["calm", "2 m/s, \"gusts\""][usize::from(n > 20)],
             state: "running",

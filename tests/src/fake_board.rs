@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use wire::{
-    BoardKind, ELEMENTS, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Sample, Status, ToBoard,
+    BoardKind, ELEMENTS, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard,
 };
 
 /// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because nobody may be reading.
@@ -240,7 +240,7 @@ impl Life {
                 let tick = controller.tick(&sphere.codes().map(Reading::Code));
                 sphere.advance(tick.heaters.0);
                 if questions.wants_sample(tick.tick) {
-                    outbox.put(FromBoard::Sample(Sample::from(&tick)));
+                    outbox.put(FromBoard::of_tick(&tick));
                 }
             }
 
@@ -269,6 +269,7 @@ impl Life {
                     late_ticks,
                     control_cycles_max,
                     tick_cycles,
+                    margins: controller.margins(),
                 }));
             }
         }

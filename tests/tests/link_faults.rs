@@ -93,7 +93,7 @@ fn readings_that_are_missing_are_borne_once_and_then_trip() {
     let experiment = experiment("gusts.toml");
     let mut board = anemo_tests::started(&experiment, Emulated::start(&firmware(), Way::Fifo).unwrap());
     let mut sphere = sphere(&experiment);
-    let heaters = board.body_mut().exchange(&sphere.codes().map(Reading::Code)).unwrap().heaters;
+    let heaters = board.body_mut().exchange(&sphere.codes().map(Reading::Code)).unwrap().sample.heaters;
     // The others must read as their level makes them, or they would trip for another reason.
     let mut without_one = |heaters: Heaters| {
         sphere.advance(heaters.0);

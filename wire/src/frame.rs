@@ -76,9 +76,10 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::{
-        BoardKind, ELEMENTS, FromBoard, Identity, LinkCounters, Name, Readings, ResetCause, Sample, Status, ToBoard,
+        BoardKind, ELEMENTS, FromBoard, Identity, LinkCounters, Name, ObservedSample, Readings, ResetCause, Sample,
+        Status, ToBoard,
     };
-    use dr_core::control::{Command, Controller, Drive, ElementConfig, Heaters, Limits, Refusal, RunState};
+    use dr_core::control::{Command, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState};
     use dr_core::model::{Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
@@ -98,10 +99,12 @@ mod tests {
             temperature_c: [-1.7e38; ELEMENTS],
             power_w: [1.7e38; ELEMENTS],
         };
+        let observed = ObservedSample { sample, equivalent_power_w: [-1.7e38; ELEMENTS] };
         std::println!(
-            "frame bytes: model {}, sample {}, readings {}",
+            "frame bytes: model {}, sample {}, observed {}, readings {}",
             bytes(u16::MAX, &ToBoard::Command(Command::Model { element: 255, model })).len(),
             bytes(u16::MAX, &FromBoard::Sample(sample)).len(),
+            bytes(u16::MAX, &FromBoard::Observed(observed)).len(),
             bytes(9, &ToBoard::Readings(Readings::new(&[Reading::Code(-8_000_000); ELEMENTS]))).len()
         );
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
@@ -124,12 +127,15 @@ mod tests {
             late_ticks: u32::MAX,
             control_cycles_max: u32::MAX,
             tick_cycles: u32::MAX,
+            margins: [Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); ELEMENTS],
         };
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
         for message in [
             FromBoard::Identity(identity),
             FromBoard::Status(status),
+            FromBoard::Sample(sample),
+            FromBoard::Observed(observed),
             FromBoard::Reply { to: u16::MAX, result: Err(refusal) },
         ] {
             let mut frame = bytes(u16::MAX, &message);
@@ -189,11 +195,45 @@ mod tests {
     #[test]
     fn another_version_is_named() {
         // The version is the first byte behind the first COBS code; the checksum has to be made to fit.
-        let mut content = std::vec![VERSION + 1, 0, 0, 0];
-        content.extend(CRC.checksum(&content).to_le_bytes());
-        let mut frame = std::vec![0; 16];
-        let length = cobs::encode(&content, &mut frame);
-        assert_eq!(decode::<ToBoard>(&mut frame[..length]), Err(FrameError::Version(VERSION + 1)));
+        for version in [VERSION - 1, VERSION + 1] {
+            let mut content = std::vec![version, 0, 0, 0];
+            content.extend(CRC.checksum(&content).to_le_bytes());
+            let mut frame = std::vec![0; 16];
+            let length = cobs::encode(&content, &mut frame);
+            assert_eq!(decode::<ToBoard>(&mut frame[..length]), Err(FrameError::Version(version)));
+        }
+    }
+
+    /// Byte by byte as version 1 had it, but for the version: a client of then needs only new numbers, not new code, for what is old.
+    #[test]
+    fn a_sample_without_observers_has_not_grown() {
+        let sample = Sample {
+            tick: 5,
+            heaters: Heaters(3),
+            valid: 7,
+            state: RunState::Running,
+            temperature_c: [1.0; ELEMENTS],
+            power_w: [0.5; ELEMENTS],
+        };
+        let mut expected = std::vec![2, 5, 3, 7, 1];
+        expected.extend([1.0_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
+        expected.extend([0.5_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
+        let mut space = [0; MAX_FRAME];
+        assert_eq!(postcard::to_slice(&FromBoard::Sample(sample), &mut space).unwrap(), expected);
+        let observed = FromBoard::Observed(ObservedSample { sample, equivalent_power_w: [0.25; ELEMENTS] });
+        expected[0] = 6;
+        expected.extend([0.25_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
+        assert_eq!(postcard::to_slice(&observed, &mut space).unwrap(), expected);
+    }
+
+    #[test]
+    fn the_command_to_observe_is_number_nine_and_comes_back() {
+        let message = ToBoard::Command(Command::Observe { on: true });
+        let mut space = [0; 8];
+        assert_eq!(postcard::to_slice(&message, &mut space).unwrap(), [1, 9, 1]);
+        let mut frame = bytes(4, &message);
+        frame.pop();
+        assert_eq!(decode::<ToBoard>(&mut frame), Ok((4, message)));
     }
 
     #[test]

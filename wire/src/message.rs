@@ -1,7 +1,7 @@
 //! Every message, on one screen.
 
 use crate::receiver::LinkCounters;
-use dr_core::control::{Command, Heaters, Refusal, Reply, RunState, Tick};
+use dr_core::control::{Command, Heaters, Margins, Refusal, Reply, RunState, Tick};
 use dr_core::sensor::Reading;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,19 @@ pub enum FromBoard {
     Event(Event),
     /// Levels for the simulated front end. Sent by the virtual board only.
     Heaters(HeaterFrame),
+    /// One tick, in place of `Sample` while the observers run.
+    Observed(ObservedSample),
+}
+
+impl FromBoard {
+    /// A tick, with what the observers say of it where they run.
+    pub fn of_tick(tick: &Tick<ELEMENTS>) -> Self {
+        let sample = Sample::from(tick);
+        match tick.equivalent_power_w {
+            None => Self::Sample(sample),
+            Some(equivalent_power_w) => Self::Observed(ObservedSample { sample, equivalent_power_w }),
+        }
+    }
 }
 
 /// Who the board is.
@@ -167,8 +180,17 @@ impl From<&Tick<ELEMENTS>> for Sample {
     }
 }
 
+/// A [`Sample`] and what the observers see at its tick. A message of its own, so that a board without observers sends nothing more.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ObservedSample {
+    /// The tick.
+    pub sample: Sample,
+    /// Equivalent control at the tick, W: what the element's structure takes, by its model. 0 for an element without one.
+    pub equivalent_power_w: [f32; ELEMENTS],
+}
+
 /// Health, once a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Seconds since the start.
     pub uptime_s: u32,
@@ -184,6 +206,8 @@ pub struct Status {
     pub control_cycles_max: u32,
     /// Processor cycles in a tick; 0 until the sample period is set.
     pub tick_cycles: u32,
+    /// By element that holds a temperature and has a model: what is left to its low and its high level, W.
+    pub margins: [Option<Margins>; ELEMENTS],
 }
 
 /// A change of the run state.

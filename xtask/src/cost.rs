@@ -26,7 +26,7 @@ struct Kernel {
 }
 
 /// Budgets lie a few per cent above what the pinned compiler makes of the code, so that a change of cost is noticed and said.
-const KERNELS: [Kernel; 7] = [
+const KERNELS: [Kernel; 8] = [
     Kernel {
         symbol: "relaxations_8_poles",
         operation: "8 relaxations, compensated, with output",
@@ -37,8 +37,9 @@ const KERNELS: [Kernel; 7] = [
         symbol: "control_6_elements",
         operation: "control tick: 6 elements, all drives, with models",
         poles: None,
-        budget: 2000,
+        budget: 2080,
     },
+    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 2600 },
     Kernel { symbol: "platinum_linear", operation: "resistance to temperature, linear", poles: None, budget: 16 },
     Kernel { symbol: "platinum_iec60751", operation: "resistance to temperature, IEC 60751", poles: None, budget: 135 },
     Kernel { symbol: "prbs_step", operation: "pseudo-random bit", poles: None, budget: 20 },

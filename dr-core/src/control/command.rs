@@ -1,7 +1,7 @@
 //! What a host may ask of the controller, and why it may say no.
 //!
 //! Commands set an instrument up in `Standby`; drives may be changed while it runs. The order that a host follows:
-//! `Clear`, `SamplePeriod`, `Guard`, `Element` and `Model` for each element, `Drive` for each element, `Start`.
+//! `Clear`, `SamplePeriod`, `Guard`, `Observe`, `Element` and `Model` for each element, `Drive` for each element, `Start`.
 
 use super::controller::ElementConfig;
 use super::drive::Drive;
@@ -50,6 +50,12 @@ pub enum Command {
     Stop,
     /// From tripped to standby.
     Acknowledge,
+    /// Whether the models of the elements are held on the measured temperatures, and what their structures take is told beside each
+    /// tick. In standby; off after `Clear`.
+    Observe {
+        /// On or off.
+        on: bool,
+    },
 }
 
 /// An answer to a command that was carried out.

@@ -1,7 +1,7 @@
 //! The controller of N elements: one entry a tick, no clock, no pins.
 //!
 //! ```text
-//! readings ──► guard ──► temperatures ──► drives ──► heater levels ──► powers ──► models
+//! readings ──► guard ──► temperatures ──► drives ──► heater levels ──► powers ──► models, or their observers
 //!                └── a bad reading trips all heaters to the low level in the same tick, until acknowledged
 //! ```
 //!
@@ -11,11 +11,11 @@
 //! States: `Standby` → `Running` → `Standby`, and `Tripped` from anywhere. Heaters are low in `Standby` and `Tripped`.
 
 use super::command::{Command, Refusal, Reply};
-use super::digest::Digest;
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, Judgement, Limits, Trip};
-use crate::error::{self, ConfigError, Parameter};
-use crate::model::{ORDER, Reachability, RelaxationState, SelfHeating};
+use super::targets::{self, Margins};
+use crate::error::{self, Parameter};
+use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
 
 /// What the instrument is doing.
@@ -66,6 +66,8 @@ pub struct Tick<const N: usize> {
     pub temperature_c: [f32; N],
     /// Heating power held until the next tick, W.
     pub power_w: [f32; N],
+    /// What the elements' structures take at this tick by their observers, W; 0 for elements without a model. Only while observing.
+    pub equivalent_power_w: Option<[f32; N]>,
     /// The state after this tick.
     pub state: RunState,
     /// The trip that happened in this very tick.
@@ -77,6 +79,8 @@ pub struct Tick<const N: usize> {
 struct Element {
     config: ElementConfig,
     model: Option<SelfHeating>,
+    /// Holds the model's states on the measured temperature; in use while the controller observes.
+    observer: Option<Observer<ORDER>>,
     drive: Drive,
 }
 
@@ -92,6 +96,7 @@ struct ElementState {
     /// Ticks in a row that the drive was saturated.
     saturated_ticks: u32,
     model: RelaxationState<ORDER>,
+    observer: ObserverState,
 }
 
 /// Everything that decides, for an instrument of up to N elements.
@@ -99,6 +104,7 @@ struct ElementState {
 pub struct Controller<const N: usize> {
     sample_period_s: Option<f32>,
     guard: GuardConfig,
+    observing: bool,
     elements: [Option<Element>; N],
     states: [ElementState; N],
     state: RunState,
@@ -120,6 +126,7 @@ impl<const N: usize> Controller<N> {
         Self {
             sample_period_s: None,
             guard: GuardConfig::default(),
+            observing: false,
             elements: [None; N],
             states: [ElementState::default(); N],
             state: RunState::Standby,
@@ -142,10 +149,18 @@ impl<const N: usize> Controller<N> {
         self.sample_period_s
     }
 
-    /// What an element's model says its temperature is, °C, if it has one.
+    /// What an element's model says its temperature is, °C, if it has one. While observing it is held on the measured one.
     pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
         let model = self.elements.get(element)?.as_ref()?.model.as_ref()?;
         Some(model.temperature_c(&self.states.get(element)?.model))
+    }
+
+    /// How far each element that holds a temperature stays from either level, by its model.
+    pub fn margins(&self) -> [Option<Margins>; N] {
+        self.elements.each_ref().map(|element| {
+            let element = element.as_ref()?;
+            targets::margins(&element.drive, &element.config, element.model.as_ref()?)
+        })
     }
 
     /// One tick.
@@ -161,13 +176,14 @@ impl<const N: usize> Controller<N> {
         if self.state != RunState::Running {
             self.states.iter_mut().for_each(|state| state.level = Level::Low);
         }
-        let power_w = self.heat();
+        let (power_w, equivalent_power_w) = self.heat(valid);
         let output = Tick {
             tick: self.tick,
             heaters: Heaters(mask(&self.states, |state| state.level == Level::High)),
             valid,
             temperature_c: self.states.map(|state| state.temperature_c),
             power_w,
+            equivalent_power_w: self.observing.then_some(equivalent_power_w),
             state: self.state,
             trip,
         };
@@ -226,17 +242,28 @@ impl<const N: usize> Controller<N> {
         trip
     }
 
-    /// Works out the power of every element and lets the models live through the tick.
-    fn heat(&mut self) -> [f32; N] {
-        let mut power_w = [0.0; N];
-        for ((element, state), power) in self.elements.iter().zip(&mut self.states).zip(&mut power_w) {
+    /// Works out the power of every element and lets the models live through the tick; beside it what the observers see.
+    fn heat(&mut self, valid: u16) -> ([f32; N], [f32; N]) {
+        let (mut powers_w, mut equivalents_w) = ([0.0; N], [0.0; N]);
+        let states = self.states.iter_mut().zip(&mut powers_w).zip(&mut equivalents_w);
+        for (i, (element, ((state, power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
             let Some(element) = element else { continue };
-            *power = element.config.channel.power_w(state.resistance_ohm, state.level);
-            if let Some(model) = &element.model {
-                model.step(&mut state.model, *power);
+            *power_w = element.config.channel.power_w(state.resistance_ohm, state.level);
+            let Some(model) = &element.model else { continue };
+            let mut input_w = *power_w;
+            if let Some(observer) = &element.observer {
+                let measured_c = (valid >> i & 1 == 1).then_some(state.temperature_c);
+                if let (0, Some(first_c)) = (self.tick, measured_c) {
+                    // Before a run elements only sense, mostly for long: a better guess than no heat at all.
+                    state.model = model.in_balance(first_c);
+                }
+                let seen = model.observe(observer, &mut state.observer, &state.model, measured_c);
+                *equivalent_w = seen.equivalent_power_w;
+                input_w += seen.correction_w;
             }
+            model.step(&mut state.model, input_w);
         }
-        power_w
+        (powers_w, equivalents_w)
     }
 
     /// Carries out a command.
@@ -254,7 +281,9 @@ impl<const N: usize> Controller<N> {
                 let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
                 self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
                 // Their gains were for the old period.
-                self.elements.iter_mut().flatten().for_each(|element| element.model = None);
+                for element in self.elements.iter_mut().flatten() {
+                    (element.model, element.observer) = (None, None);
+                }
             }
             Command::Guard(config) => {
                 self.in_standby()?;
@@ -268,15 +297,18 @@ impl<const N: usize> Controller<N> {
                     channel: config.channel.checked().map_err(invalid)?,
                     limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
                 };
-                *slot = Some(Element { config, model: None, drive: Drive::Passive });
+                *slot = Some(Element { config, model: None, observer: None, drive: Drive::Passive });
             }
             Command::Model { element, model } => {
                 self.in_standby()?;
                 let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
-                let model = SelfHeating::new(&model, sample_period_s);
-                let model = model.map_err(|error| Refusal::Invalid { element: Some(element), error })?;
-                self.element_mut(element)?.model = Some(model);
+                let invalid = |error| Refusal::Invalid { element: Some(element), error };
+                let model = SelfHeating::new(&model, sample_period_s).map_err(invalid)?;
+                let observer = self.observing.then(|| model.observer()).transpose().map_err(invalid)?;
+                let slot = self.element_mut(element)?;
+                (slot.model, slot.observer) = (Some(model), observer);
             }
+            Command::Observe { on } => self.observe(on)?,
             Command::Drive { element, drive } => self.set_drive(element, drive)?,
             Command::Start => return self.start(),
             Command::Stop => {
@@ -308,6 +340,20 @@ impl<const N: usize> Controller<N> {
         slot.as_mut().ok_or(Refusal::NotConfigured { element })
     }
 
+    /// Gives every model its observer, or takes it away. All or none: a model that cannot be observed changes nothing.
+    fn observe(&mut self, on: bool) -> Result<(), Refusal> {
+        self.in_standby()?;
+        let mut elements = self.elements;
+        for (i, element) in elements.iter_mut().enumerate() {
+            let Some(element) = element else { continue };
+            let observer = element.model.filter(|_| on).map(|model| model.observer()).transpose();
+            element.observer = observer.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
+        }
+        self.elements = elements;
+        self.observing = on;
+        Ok(())
+    }
+
     fn set_drive(&mut self, element: u8, drive: Drive) -> Result<(), Refusal> {
         if let RunState::Tripped(trip) = self.state {
             return Err(Refusal::Tripped(trip));
@@ -315,8 +361,8 @@ impl<const N: usize> Controller<N> {
         let slot = self.element_mut(element)?;
         let invalid = |error| Refusal::Invalid { element: Some(element), error };
         let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
-        check_power(&drive, &slot.config).map_err(invalid)?;
-        check_targets(element, &drive, slot)?;
+        targets::check_power(&drive, &slot.config).map_err(invalid)?;
+        targets::check(element, &drive, &slot.config, slot.model.as_ref())?;
         slot.drive = drive;
         if let Some(of) = self.states.get_mut(usize::from(element)) {
             of.drive = state;
@@ -339,7 +385,7 @@ impl<const N: usize> Controller<N> {
             let drive = start.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
             if element.drive.target_range_c().is_some() {
                 // The model may have been loaded after the drive.
-                check_targets(i as u8, &element.drive, element)?;
+                targets::check(i as u8, &element.drive, &element.config, element.model.as_ref())?;
                 *(if element.model.is_some() { &mut judged } else { &mut unjudged }) += 1;
             }
             *state = ElementState {
@@ -354,65 +400,12 @@ impl<const N: usize> Controller<N> {
         self.state = RunState::Running;
         Ok(Reply::Started { judged, unjudged })
     }
-
-    /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state. Of the
-    /// configuration it says nothing.
-    pub fn fold(&self, tick: &Tick<N>, digest: &mut Digest) {
-        digest.word(tick.tick);
-        digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
-        digest.word(match tick.state {
-            RunState::Standby => 0,
-            RunState::Running => 1,
-            RunState::Tripped(trip) => 2 | (trip.cause as u32) << 8 | u32::from(trip.element) << 16,
-        });
-        for (state, power_w) in self.states.iter().zip(tick.power_w) {
-            digest.number(state.temperature_c);
-            digest.number(state.resistance_ohm);
-            digest.word(state.absent_ticks);
-            digest.word(state.saturated_ticks);
-            digest.word(state.drive.ticks_left);
-            digest.word(state.drive.level as u32 | (state.drive.saturated as u32) << 1 | (state.level as u32) << 2);
-            digest.number(power_w);
-            digest.number(state.drive.modulator.accumulator);
-            digest.number(state.drive.target_c);
-            digest.word(state.drive.register.map_or(0, |register| register.register()));
-            state.model.x.iter().chain(&state.model.excess).for_each(|&number| digest.number(number));
-        }
-    }
-}
-
-/// A mean power must lie where at least some plausible resistance could give it off.
-fn check_power(drive: &Drive, config: &ElementConfig) -> Result<(), ConfigError> {
-    if let Drive::Power { power_w } = *drive {
-        let least = config.channel.power_w(config.limits.resistance_min_ohm, Level::Low);
-        let most = config.channel.power_w(config.limits.resistance_max_ohm, Level::High);
-        error::within(Parameter::PowerW, power_w, least, most)?;
-    }
-    Ok(())
-}
-
-/// Set-points must stay under the temperature limit and, where there is a model, within what it says can be held.
-fn check_targets(index: u8, drive: &Drive, element: &Element) -> Result<(), Refusal> {
-    let Some((low_c, high_c)) = drive.target_range_c() else { return Ok(()) };
-    let (coldest_c, _) = element.config.channel.platinum().range_c();
-    let parameter = if low_c < high_c { Parameter::HighC } else { Parameter::TargetC };
-    error::within(parameter, high_c, coldest_c, element.config.limits.temperature_max_c)
-        .map_err(|error| Refusal::Invalid { element: Some(index), error })?;
-    let Some(model) = &element.model else { return Ok(()) };
-    for target_c in [low_c, high_c] {
-        let channel = &element.config.channel;
-        let power_w = |level| channel.power_w(channel.platinum().resistance_ohm(target_c), level);
-        let verdict = model.reachability(target_c, power_w(Level::Low), power_w(Level::High));
-        if !matches!(verdict, Reachability::Reachable { .. }) {
-            return Err(Refusal::Unreachable { element: index, target_c, verdict });
-        }
-    }
-    Ok(())
 }
 
 fn mask<T>(items: &[T], is_set: impl Fn(&T) -> bool) -> u16 {
     items.iter().enumerate().fold(0, |mask, (i, item)| mask | u16::from(is_set(item)) << i)
 }
 
+mod fold;
 #[cfg(test)]
 mod tests;

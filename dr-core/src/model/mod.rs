@@ -1,12 +1,14 @@
 //! Diffusive models: a structure with memory as K relaxations on a geometric mesh of rates (thesis ch. 2).
 
 pub mod mesh;
+pub mod observer;
 pub mod real;
 pub mod relaxation;
 pub mod self_heating;
 pub mod sliding;
 pub mod symbol;
 
+pub use observer::{Observed, Observer, ObserverState};
 pub use real::Real;
 pub use relaxation::{RelaxationState, Relaxations};
 pub use self_heating::{ORDER, SelfHeating, SelfHeatingConfig};

@@ -3,7 +3,8 @@
 //! T = T_ref + Σ R_k x_k, with the x_k driven by the element's heating power. The controller steps it beside the element
 //! and judges set-points by it; order 8 at the most, the rest of the weights being zero.
 
-use super::{RelaxationState, Relaxations, Symbol, reachability, sliding::Reachability};
+use super::symbol::pairwise_sum;
+use super::{Observed, Observer, ObserverState, Reachability, RelaxationState, Relaxations, Symbol, reachability};
 use crate::error::{self, ConfigError, Parameter};
 
 /// Order of the models that the controller carries.
@@ -24,6 +25,8 @@ pub struct SelfHeatingConfig {
 /// A model made ready for one sample period. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelfHeating {
+    mesh_rad_s: [f32; ORDER],
+    sample_period_s: f32,
     relaxations: Relaxations<ORDER>,
     symbol: Symbol<ORDER>,
     reference_c: f32,
@@ -36,6 +39,8 @@ impl SelfHeating {
     /// Names what is not finite, not positive or not ascending.
     pub fn new(config: &SelfHeatingConfig, sample_period_s: f32) -> Result<Self, ConfigError> {
         Ok(Self {
+            mesh_rad_s: config.mesh_rad_s,
+            sample_period_s,
             relaxations: Relaxations::new(&config.mesh_rad_s, sample_period_s)?,
             symbol: Symbol::new(config.r_k_per_w)?,
             reference_c: error::finite(Parameter::ReferenceC, config.reference_c)?,
@@ -52,6 +57,34 @@ impl SelfHeating {
     #[inline]
     pub fn temperature_c(&self, state: &RelaxationState<ORDER>) -> f32 {
         self.reference_c + self.symbol.output(state)
+    }
+
+    /// An observer of this model's states.
+    ///
+    /// # Errors
+    /// If the model is none of a passive body: a resistance is negative, or all are zero.
+    pub fn observer(&self) -> Result<Observer<ORDER>, ConfigError> {
+        Observer::new(&self.mesh_rad_s, &self.symbol, self.sample_period_s)
+    }
+
+    /// The states of an element that has had `temperature_c` for long, by a constant power.
+    pub fn in_balance(&self, temperature_c: f32) -> RelaxationState<ORDER> {
+        let power_w = (temperature_c - self.reference_c) / self.symbol.steady_gain_k_per_w();
+        RelaxationState { x: [power_w; ORDER], ..RelaxationState::default() }
+    }
+
+    /// Holds the states beside a measured temperature in °C, if there is one; to be called before the tick's [`step`](Self::step).
+    #[inline]
+    pub fn observe(
+        &self,
+        observer: &Observer<ORDER>,
+        remembered: &mut ObserverState,
+        state: &RelaxationState<ORDER>,
+        measured_c: Option<f32>,
+    ) -> Observed {
+        let weighted_k = self.symbol.weighted(state);
+        let measured_rise_k = measured_c.map(|measured_c| measured_c - self.reference_c);
+        observer.look(remembered, &weighted_k, pairwise_sum(weighted_k), measured_rise_k)
     }
 
     /// Whether `target_c` can be held between two levels in W.

@@ -38,7 +38,13 @@ impl<const K: usize> Symbol<K> {
     /// The temperature rise in K that the states amount to.
     #[inline]
     pub fn output(&self, state: &RelaxationState<K>) -> f32 {
-        pairwise_sum::<K>(core::array::from_fn(|k| self.r_k_per_w[k] * state.x[k]))
+        pairwise_sum(self.weighted(state))
+    }
+
+    /// The share z_k = R_k x_k of each state in that rise, K.
+    #[inline]
+    pub fn weighted(&self, state: &RelaxationState<K>) -> [f32; K] {
+        core::array::from_fn(|k| self.r_k_per_w[k] * state.x[k])
     }
 
     /// Σ R_k, K/W: the rise that one watt ends in.
@@ -54,7 +60,7 @@ impl<const K: usize> Symbol<K> {
 
 /// The sum in a fixed order, by halves: it loses less than a running sum, and neighbours do not wait for each other.
 #[inline]
-fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
+pub(super) fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
     let mut length = K;
     while length > 1 {
         let half = length / 2;

@@ -93,7 +93,12 @@ enum LinkName {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = super::read_experiment(&arguments.experiment)?;
     let simulated = !matches!(arguments.on, On::Serial(_));
-    let layout = Layout { elements: experiment.head.names().into_iter().map(str::to_owned).collect(), wind: simulated };
+    let names = experiment.head.names();
+    let layout = Layout {
+        elements: names.iter().copied().map(str::to_owned).collect(),
+        wind: simulated,
+        observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
+    };
     let known = metadata(&experiment, &arguments.on);
 
     // All that could be wrong with the outputs shows before anything runs.
@@ -180,7 +185,10 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("title", experiment.title.clone()),
         ("instrument", instrument),
         ("sample_period_s", experiment.sample_period_s.to_string()),
-        ("units", "time_s: s; temperature_c: °C; power_w: W; heater: 0 or 1; wind: m/s".to_owned()),
+        (
+            "units",
+            "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned(),
+        ),
         ("head_name", experiment.head.name.clone()),
         ("experiment", experiment.source.text.clone()),
         ("head", experiment.head.source.text.clone()),

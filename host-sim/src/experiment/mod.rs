@@ -2,7 +2,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `title`, `head` and optionally `models` (paths from this file), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
+//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
@@ -45,6 +45,8 @@ pub struct Experiment {
     pub head: Head,
     /// How its elements heat themselves under these conditions.
     pub models: Option<Models>,
+    /// Whether the models are held on the measured temperatures while it runs, and what the structures take is recorded.
+    pub observe: bool,
     pub sample_period_s: f64,
     pub ticks: u32,
     pub seed: u64,
@@ -91,6 +93,7 @@ impl Experiment {
             title: table.title,
             head,
             models,
+            observe: table.observe,
             sample_period_s,
             ticks,
             seed: table.seed,
@@ -102,6 +105,11 @@ impl Experiment {
             drives: Vec::new(),
             source: source.clone(),
         };
+        if experiment.observe && experiment.observed().is_empty() {
+            let sentence =
+                "needs a model to observe, and no element has one: name a file with `models`, or leave it out";
+            return Err(source.refuse("observe", sentence));
+        }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
         experiment.drives = drives(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
@@ -111,6 +119,12 @@ impl Experiment {
     /// The model of an element, by its place in the head.
     pub fn model(&self, element: usize) -> Option<SelfHeatingConfig> {
         *self.models.as_ref()?.elements.get(element)?
+    }
+
+    /// Places in the head of the elements that are observed.
+    pub fn observed(&self) -> Vec<usize> {
+        let all = 0..self.head.elements.len();
+        all.filter(|&element| self.observe && self.model(element).is_some()).collect()
     }
 
     /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.

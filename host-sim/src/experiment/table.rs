@@ -14,6 +14,8 @@ pub(super) struct ExperimentTable {
     pub title: String,
     pub head: PathBuf,
     pub models: Option<PathBuf>,
+    #[serde(default)]
+    pub observe: bool,
     pub sample_period_s: f64,
     pub duration_s: f64,
     #[serde(default)]

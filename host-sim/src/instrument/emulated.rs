@@ -8,14 +8,14 @@ mod process;
 mod stream;
 
 use super::link::{Link, PATIENCE, Persistence, Stream};
-use super::{Account, Body, InstrumentError};
+use super::{Account, Body, InstrumentError, TickReport};
 use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
 use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
 pub use stream::Pipe;
-use wire::{ELEMENTS, FromBoard, HeaterFrame, Identity, Readings, Sample, Status, ToBoard};
+use wire::{ELEMENTS, FromBoard, HeaterFrame, Identity, Readings, Status, ToBoard};
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
@@ -51,7 +51,7 @@ pub struct Emulated {
     identity: Identity,
     digest: u64,
     answer: Option<HeaterFrame>,
-    sample: Option<Sample>,
+    sample: Option<TickReport>,
     status: Option<Status>,
     /// Exchanges since the host link was last read.
     unattended: u32,
@@ -142,13 +142,16 @@ impl Emulated {
     }
 
     /// The sample of the exchange just answered: it comes by the host link.
-    fn sample(&mut self, levels: Heaters) -> Result<Sample, InstrumentError> {
+    fn sample(&mut self, levels: Heaters) -> Result<TickReport, InstrumentError> {
         loop {
-            if let Some(sample) = self.sample.take() {
-                return if sample.heaters == levels {
-                    Ok(sample)
+            if let Some(report) = self.sample.take() {
+                return if report.sample.heaters == levels {
+                    Ok(report)
                 } else {
-                    Err(InstrumentError::Protocol(format!("levels {levels:?} came with the sample {sample:?}")))
+                    Err(InstrumentError::Protocol(format!(
+                        "levels {levels:?} came with the sample {:?}",
+                        report.sample
+                    )))
                 };
             }
             let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
@@ -160,7 +163,7 @@ impl Emulated {
     fn hear(&mut self, message: FromBoard) {
         match message {
             FromBoard::Heaters(answer) => self.answer = Some(answer),
-            FromBoard::Sample(sample) => self.sample = Some(sample),
+            FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(&message),
             FromBoard::Status(status) => self.status = Some(status),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
             FromBoard::Event(_) | FromBoard::Identity(_) | FromBoard::Reply { .. } => {}
@@ -182,7 +185,7 @@ impl Body for Emulated {
         reply.map_err(|error| self.process.explain(error))
     }
 
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError> {
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError> {
         let answer = self.exchange_levels(readings)?;
         self.sample(answer.heaters).map_err(|error| self.process.explain(error))
     }

@@ -1,6 +1,6 @@
 //! The controller in this process: the fastest body, and the one that the others are held against.
 
-use super::{Account, Body, InstrumentError};
+use super::{Account, Body, InstrumentError, TickReport};
 use dr_core::control::{Command, Controller, Digest, Reply};
 use dr_core::sensor::Reading;
 use wire::{BoardKind, ELEMENTS, Identity, Name, ResetCause, Sample};
@@ -56,10 +56,10 @@ impl Body for InProcess {
         Ok(reply)
     }
 
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError> {
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError> {
         let tick = self.controller.tick(readings);
         self.controller.fold(&tick, &mut self.digest);
-        Ok(Sample::from(&tick))
+        Ok(TickReport { sample: Sample::from(&tick), equivalent_power_w: tick.equivalent_power_w })
     }
 
     fn digest(&self) -> u64 {

@@ -4,11 +4,11 @@
 //! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sphere advances to t_{n+1}
 //! ```
 
-use super::{Account, Instrument, InstrumentError, Observation};
+use super::{Account, Instrument, InstrumentError, Observation, TickReport};
 use crate::sensor::{Sphere, Truth};
 use dr_core::control::{Command, Reply};
 use dr_core::sensor::Reading;
-use wire::{ELEMENTS, Identity, Sample};
+use wire::{ELEMENTS, Identity};
 
 /// A controller that is given readings and answers with levels.
 pub trait Body {
@@ -25,7 +25,7 @@ pub trait Body {
     ///
     /// # Errors
     /// If the body cannot be reached.
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<Sample, InstrumentError>;
+    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError>;
 
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     fn digest(&self) -> u64;
@@ -75,10 +75,11 @@ impl<B: Body> Instrument for LockStep<B> {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let sample = self.body.exchange(&self.sphere.codes().map(Reading::Code))?;
+        let TickReport { sample, equivalent_power_w } = self.body.exchange(&self.sphere.codes().map(Reading::Code))?;
         self.sphere.advance(sample.heaters.0);
         Ok(Observation {
             sample,
+            equivalent_power_w,
             wind_m_s: Some(self.sphere.wind_m_s()),
             extrapolated: self.sphere.wind_extrapolated(),
         })

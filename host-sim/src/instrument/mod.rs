@@ -22,13 +22,36 @@ use dr_core::control::{Command, Refusal, Reply};
 use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
-use wire::{Identity, LinkCounters, Sample, Status};
+use wire::{ELEMENTS, FromBoard, Identity, LinkCounters, ObservedSample, Sample, Status};
+
+/// What a controller says of one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TickReport {
+    pub sample: Sample,
+    /// What the elements' structures take by their observers, W; where these run.
+    pub equivalent_power_w: Option<[f32; ELEMENTS]>,
+}
+
+impl TickReport {
+    /// The tick that a message tells of, if it does.
+    pub fn of(message: &FromBoard) -> Option<Self> {
+        match *message {
+            FromBoard::Sample(sample) => Some(Self { sample, equivalent_power_w: None }),
+            FromBoard::Observed(ObservedSample { sample, equivalent_power_w }) => {
+                Some(Self { sample, equivalent_power_w: Some(equivalent_power_w) })
+            }
+            _ => None,
+        }
+    }
+}
 
 /// What one tick of an instrument brought.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
     /// What the board says.
     pub sample: Sample,
+    /// What the elements' structures take by their observers, W; where these run.
+    pub equivalent_power_w: Option<[f32; ELEMENTS]>,
     /// Wind over the tick that follows the sample, m/s, where it is known.
     pub wind_m_s: Option<[f64; 3]>,
     /// The wind is beyond what the simulation has been computed for.

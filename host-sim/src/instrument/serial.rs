@@ -5,13 +5,13 @@
 //! run with an error.
 
 use super::link::{Link, Persistence, Stream};
-use super::{Account, Instrument, InstrumentError, Observation};
+use super::{Account, Instrument, InstrumentError, Observation, TickReport};
 use dr_core::control::{Command, Reply, RunState};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
-use wire::{FromBoard, Identity, ResetCause, Sample, Status, ToBoard};
+use wire::{FromBoard, Identity, ResetCause, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -62,7 +62,7 @@ impl Stream for Port {
 /// What the board has said by itself.
 #[derive(Default)]
 struct Heard {
-    samples: VecDeque<Sample>,
+    samples: VecDeque<TickReport>,
     status: Option<Status>,
     restarted: bool,
 }
@@ -70,7 +70,7 @@ struct Heard {
 impl Heard {
     fn take(&mut self, message: FromBoard) {
         match message {
-            FromBoard::Sample(sample) => self.samples.push_back(sample),
+            FromBoard::Sample(_) | FromBoard::Observed(_) => self.samples.extend(TickReport::of(&message)),
             FromBoard::Status(status) => {
                 self.restarted |= self.status.is_some_and(|before| status.uptime_s <= before.uptime_s);
                 self.status = Some(status);
@@ -86,9 +86,11 @@ impl Heard {
             // A board answers before it sends the first sample of the run.
             Reply::Started { .. } => self.samples.len(),
             // The answer got lost, and the run has begun meanwhile.
-            Reply::Done => {
-                self.samples.iter().rposition(|sample| sample.state == RunState::Standby).map_or(0, |last| last + 1)
-            }
+            Reply::Done => self
+                .samples
+                .iter()
+                .rposition(|report| report.sample.state == RunState::Standby)
+                .map_or(0, |last| last + 1),
         };
         self.samples.drain(..standby);
     }
@@ -146,8 +148,8 @@ impl Instrument for Serial {
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         let deadline = Instant::now() + self.silence;
         loop {
-            if let Some(sample) = self.heard.samples.pop_front() {
-                return Ok(Observation { sample, wind_m_s: None, extrapolated: false });
+            if let Some(TickReport { sample, equivalent_power_w }) = self.heard.samples.pop_front() {
+                return Ok(Observation { sample, equivalent_power_w, wind_m_s: None, extrapolated: false });
             }
             if self.heard.restarted {
                 let identity = self.link.hello(HELLO_PATIENCE)?;

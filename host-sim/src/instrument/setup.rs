@@ -11,6 +11,8 @@ pub struct Setup {
     pub sample_period_s: f32,
     /// Patience of the guard.
     pub guard: GuardConfig,
+    /// Whether the models are held on what is measured, and told of.
+    pub observe: bool,
     /// The elements, in order.
     pub elements: Vec<ElementSetup>,
 }
@@ -41,6 +43,9 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
     instrument.command(Command::Clear)?;
     instrument.command(Command::SamplePeriod { sample_period_s: setup.sample_period_s })?;
     instrument.command(Command::Guard(setup.guard))?;
+    if setup.observe {
+        instrument.command(Command::Observe { on: true })?;
+    }
     for (element, of) in (0_u8..).zip(&setup.elements) {
         instrument.command(Command::Element { element, config: of.config })?;
         if let Some(model) = of.model {

@@ -25,7 +25,8 @@ impl Collector {
     pub fn push(&mut self, row: &Row) -> Result<(), RecordingError> {
         self.layout.check(row)?;
         let heaters = (0..self.layout.elements.len()).map(|i| f64::from(row.heaters >> i & 1));
-        let readings = row.temperature_c.iter().chain(row.power_w).map(|&number| f64::from(number));
+        let readings =
+            row.temperature_c.iter().chain(row.power_w).chain(row.equivalent_power_w).map(|&number| f64::from(number));
         // The columns stand in the order of the layout, in which each kind keeps the order of the row.
         let mut numbers =
             std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.wind_m_s.into_iter().flatten());

@@ -44,7 +44,7 @@ impl Writer {
         let _ = write!(self.field, "{}", row.time_s);
         self.csv.write_field(&self.field)?;
         let wind = row.wind_m_s.map(|wind| wind.map(|component| component as f32));
-        for &number in row.temperature_c.iter().chain(row.power_w) {
+        for &number in row.temperature_c.iter().chain(row.power_w).chain(row.equivalent_power_w) {
             self.number(number)?;
         }
         for element in 0..self.elements {

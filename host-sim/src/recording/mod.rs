@@ -5,6 +5,7 @@
 //! | `time_s` | t_n of row n | s |
 //! | `temperature_c:<element>` | temperature at t_n | °C |
 //! | `power_w:<element>` | heating power held over [t_n, t_{n+1}) | W |
+//! | `equivalent_power_w:<element>` | what the element's structure takes at t_n by its observer; only where one ran | W |
 //! | `heater:<element>` | 1 while the element is held at its high level over [t_n, t_{n+1}) | 0 or 1 |
 //! | `event` | label of the conditions | text |
 //! | `state` | `standby`, `running` or `tripped:<cause>:<element>` | text |
@@ -39,6 +40,7 @@ pub const WIND: [&str; 3] = ["wind_x_m_s", "wind_y_m_s", "wind_z_m_s"];
 /// What comes before the element's name in a column's name.
 pub const TEMPERATURE: &str = "temperature_c:";
 pub const POWER: &str = "power_w:";
+pub const EQUIVALENT_POWER: &str = "equivalent_power_w:";
 pub const HEATER: &str = "heater:";
 
 /// Ordered pairs of key and value; a key stands once.

@@ -3,7 +3,7 @@ use super::*;
 const ELEMENTS: [&str; 2] = ["sector1", "core1"];
 
 fn layout(wind: bool) -> Layout {
-    Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind }
+    Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind, observed: Vec::new() }
 }
 
 fn metadata(pairs: &[(&str, &str)]) -> Metadata {
@@ -17,6 +17,7 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
         time_s: n as f64 / 100.0,
         temperature_c: &[-23.1 + x * 1e-3, if n == 1 { f32::NAN } else { -x }],
         power_w: &[1.5e-3 + x * 1e-6, 0.042],
+        equivalent_power_w: &[],
         heaters: (n % 4) as u16,
         event: ["", "ruhig, 2 m/s", "\"böig\" ≥ 5 m/s\nzweite Zeile"][n / 3 % 3],
         state: if n < 10 { "running" } else { "tripped:over_temperature:sector1" },
@@ -82,6 +83,7 @@ fn a_collected_recording_is_the_one_that_would_be_read() {
         time_s: 0.5,
         temperature_c: &[1.5, -2.0],
         power_w: &[0.25, 0.125],
+        equivalent_power_w: &[],
         heaters: 0b10,
         event: "gust",
         state: "running",
@@ -125,7 +127,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(create(Path::new("out.xlsx"), layout(false)), "out.xlsx: a recording's name ends in .parquet or .csv");
     assert!(create(Path::new("no/such/folder/out.csv"), layout(false)).contains("there is no folder `no/such/folder`"));
-    let twins = Layout { elements: vec!["core".into(), "core".into()], wind: false };
+    let twins = Layout { elements: vec!["core".into(), "core".into()], wind: false, observed: Vec::new() };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c:core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -138,6 +140,7 @@ fn a_row_that_does_not_fit_is_refused() {
         time_s: 0.5,
         temperature_c: &[1.0],
         power_w: &[1.0, 2.0],
+        equivalent_power_w: &[],
         heaters: 0,
         event: "",
         state: "",
@@ -242,5 +245,44 @@ fn a_flipped_byte_never_panics() {
         let _ = Recording::read(&bad);
         // Writing over a file is slow where the file system flushes it then.
         std::fs::remove_file(&bad).unwrap();
+    }
+}
+
+#[test]
+fn what_observers_see_has_columns_only_where_they_ran() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "a.parquet"] {
+        let path = folder.path().join(name);
+        let layout = Layout { observed: vec!["core1".to_owned()], ..layout(true) };
+        let row = Row {
+            time_s: 0.0,
+            temperature_c: &[1.0, 2.0],
+            power_w: &[3.0, 4.0],
+            equivalent_power_w: &[5.0],
+            heaters: 0b10,
+            event: "",
+            state: "running",
+            wind_m_s: Some([6.0, 7.0, 8.0]),
+        };
+        let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
+        writer.push(&row).unwrap();
+        let without = Row { equivalent_power_w: &[], ..row };
+        let error = writer.push(&without).unwrap_err().to_string();
+        assert!(error.contains("0 equivalent powers for 1 observed elements"), "{error}");
+        writer.finish(&Metadata::new()).unwrap();
+        let mut collector = Collector::new(layout, &Metadata::new());
+        collector.push(&row).unwrap();
+        let (read, kept) = (Recording::read(&path).unwrap(), collector.finish(&Metadata::new()));
+        assert_eq!(read.columns, kept.columns);
+        let number = |name: &str| match &read.columns.iter().find(|column| column.name == name).unwrap().values {
+            Values::Numbers(numbers) => numbers[0],
+            Values::Words(_) => panic!("{name} holds words"),
+        };
+        assert_eq!(
+            (number("equivalent_power_w:core1"), number("power_w:core1"), number("wind_x_m_s")),
+            (5.0, 4.0, 6.0)
+        );
+        assert_eq!((number("heater:sector1"), number("heater:core1")), (0.0, 1.0));
+        assert!(!read.columns.iter().any(|column| column.name == "equivalent_power_w:sector1"));
     }
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    EVENT, Format, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE, TIME, Temporary, WIND, comma,
-    duplicate, parquet,
+    EQUIVALENT_POWER, EVENT, Format, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE, TIME, Temporary,
+    WIND, comma, duplicate, parquet,
 };
 
 /// What a recording's rows consist of.
@@ -14,6 +14,8 @@ pub struct Layout {
     pub elements: Vec<String>,
     /// Whether the rows carry the true wind.
     pub wind: bool,
+    /// Names of the elements whose rows carry what an observer sees.
+    pub observed: Vec<String>,
 }
 
 /// One tick.
@@ -24,6 +26,8 @@ pub struct Row<'a> {
     pub temperature_c: &'a [f32],
     /// Held until the next row, one an element.
     pub power_w: &'a [f32],
+    /// At `time_s`, one an observed element.
+    pub equivalent_power_w: &'a [f32],
     /// Bit i set: element i is held at its high level until the next row.
     pub heaters: u16,
     pub event: &'a str,
@@ -47,6 +51,8 @@ impl Layout {
         let mut columns = vec![(TIME.to_owned(), Kind::Time)];
         columns.extend(of_elements(TEMPERATURE, Kind::Number));
         columns.extend(of_elements(POWER, Kind::Number));
+        let observed = self.observed.iter().map(|element| (format!("{EQUIVALENT_POWER}{element}"), Kind::Number));
+        columns.extend(observed);
         columns.extend(of_elements(HEATER, Kind::Bit));
         columns.extend([(EVENT.to_owned(), Kind::Text), (STATE.to_owned(), Kind::Text)]);
         if self.wind {
@@ -62,6 +68,10 @@ impl Layout {
             if given != wanted {
                 return refuse(format!("{given} {what} for {wanted} elements"));
             }
+        }
+        let (given, wanted) = (row.equivalent_power_w.len(), self.observed.len());
+        if given != wanted {
+            return refuse(format!("{given} equivalent powers for {wanted} observed elements"));
         }
         if row.wind_m_s.is_some() != self.wind {
             return refuse("the wind belongs in every row or in none".to_owned());

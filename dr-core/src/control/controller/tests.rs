@@ -1,10 +1,13 @@
 extern crate std;
 
 use super::*;
+use crate::control::Digest;
 use crate::model::SelfHeatingConfig;
 use crate::model::mesh;
 use crate::sensor::Platinum;
 use std::vec::Vec;
+
+mod observing;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 
@@ -386,6 +389,14 @@ fn the_digest_sees_every_part_of_the_state() {
         change(&mut changed.states[1]);
         assert_ne!(digest(&changed, &tick), plain, "change {i}");
     }
+    // What an observer remembers counts while there is one; without, a run has the digest that it always had.
+    let mut changed = controller;
+    changed.states[1].observer.added_w += 1e-9;
+    assert_eq!(digest(&changed, &tick), plain);
+    let observed = Tick { equivalent_power_w: Some([0.0; 2]), ..tick };
+    assert_ne!(digest(&changed, &observed), digest(&controller, &observed));
+    let other = Tick { equivalent_power_w: Some([0.0, 1.0]), ..tick };
+    assert_ne!(digest(&controller, &observed), digest(&controller, &other));
     let trip = Trip { cause: Cause::Open, element: 1 };
     for other in [
         Tick { heaters: Heaters(2), ..tick },

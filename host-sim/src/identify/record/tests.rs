@@ -116,7 +116,8 @@ fn a_column_called_event_is_the_event_column_unless_another_is_named() {
 /// A recording of ours: `core` is only measured, `s1` is heated from the start, `s2` from row `late` on.
 fn ours(name: &str, rows: usize, late: usize) -> Temp {
     let temp = file(name, "");
-    let layout = Layout { elements: ["core", "s1", "s2"].map(str::to_owned).to_vec(), wind: false };
+    let layout =
+        Layout { elements: ["core", "s1", "s2"].map(str::to_owned).to_vec(), wind: false, observed: Vec::new() };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     for n in 0..rows {
         let x = n as f32;
@@ -124,6 +125,7 @@ fn ours(name: &str, rows: usize, late: usize) -> Temp {
             time_s: n as f64 / 100.0,
             temperature_c: &[-23.0, x, -x],
             power_w: &[1e-4 + 1e-7 * (n % 2) as f32, (n % 2) as f32 * 0.02, if n >= late { 0.02 } else { 0.001 }],
+            equivalent_power_w: &[],
             heaters: 0,
             event: ["calm", "gust"][usize::from(n > rows / 2)],
             state: if n < 3 { "standby" } else { "running" },

@@ -85,7 +85,7 @@ fn peak_memory_kb() -> u64 {
 fn a_long_recording_passes_in_the_memory_of_some_blocks() {
     const ROWS: u64 = 100_000_000;
     let temp = file("long.parquet", "");
-    let layout = Layout { elements: vec!["a".to_owned()], wind: false };
+    let layout = Layout { elements: vec!["a".to_owned()], wind: false, observed: Vec::new() };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
     for n in 0..ROWS {
@@ -94,6 +94,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
             time_s: n as f64 / 1000.0,
             temperature_c: &[noise as f32 / 1e9],
             power_w: &[0.04 * (noise >> 31) as f32],
+            equivalent_power_w: &[],
             heaters: 0,
             event: "",
             state: "running",

@@ -1,0 +1,76 @@
+//! What a drive asks for, judged by its element: powers by what it can give off, set-points by its limits and its model.
+//!
+//! With a model of the gas around it a set-point ΔT takes u_Q = ΔT/ΣR_k in the end (thesis 2.51). What no level reaches is refused;
+//! what is left to either level is told, since a wind that the model does not know eats into it: it raises u_Q.
+
+use super::command::Refusal;
+use super::controller::ElementConfig;
+use super::drive::Drive;
+use crate::error::{self, ConfigError, Parameter};
+use crate::model::{Reachability, SelfHeating, sliding_margins_w};
+use crate::sensor::Level;
+
+/// How far the power that holds an element's set-point lies from its levels, in W, in the model's own wind. Of random set-points it is
+/// the coldest that comes near the low level and the hottest that comes near the high one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Margins {
+    /// u_Q − P_low.
+    pub above_low_w: f32,
+    /// P_high − u_Q: what a wind may take beyond the model's.
+    pub below_high_w: f32,
+}
+
+/// A mean power must lie where at least some plausible resistance could give it off.
+pub(super) fn check_power(drive: &Drive, config: &ElementConfig) -> Result<(), ConfigError> {
+    if let Drive::Power { power_w } = *drive {
+        let least = config.channel.power_w(config.limits.resistance_min_ohm, Level::Low);
+        let most = config.channel.power_w(config.limits.resistance_max_ohm, Level::High);
+        error::within(Parameter::PowerW, power_w, least, most)?;
+    }
+    Ok(())
+}
+
+/// Set-points must stay under the temperature limit and, where there is a model, within what it says can be held.
+pub(super) fn check(
+    index: u8,
+    drive: &Drive,
+    config: &ElementConfig,
+    model: Option<&SelfHeating>,
+) -> Result<(), Refusal> {
+    let Some((low_c, high_c)) = drive.target_range_c() else { return Ok(()) };
+    let (coldest_c, _) = config.channel.platinum().range_c();
+    let parameter = if low_c < high_c { Parameter::HighC } else { Parameter::TargetC };
+    error::within(parameter, high_c, coldest_c, config.limits.temperature_max_c)
+        .map_err(|error| Refusal::Invalid { element: Some(index), error })?;
+    let Some(model) = model else { return Ok(()) };
+    for target_c in [low_c, high_c] {
+        let (power_low_w, power_high_w) = levels_w(config, target_c);
+        let verdict = model.reachability(target_c, power_low_w, power_high_w);
+        if !matches!(verdict, Reachability::Reachable { .. }) {
+            return Err(Refusal::Unreachable { element: index, target_c, verdict });
+        }
+    }
+    Ok(())
+}
+
+/// The margins of a drive that holds a temperature; none where a set-point is out of reach.
+pub(super) fn margins(drive: &Drive, config: &ElementConfig, model: &SelfHeating) -> Option<Margins> {
+    let (low_c, high_c) = drive.target_range_c()?;
+    let at = |target_c| {
+        let (power_low_w, power_high_w) = levels_w(config, target_c);
+        match model.reachability(target_c, power_low_w, power_high_w) {
+            Reachability::Reachable { steady_power_w } => {
+                Some(sliding_margins_w(steady_power_w, power_low_w, power_high_w))
+            }
+            Reachability::LowLevelTooWarm { .. } | Reachability::HighLevelTooCold { .. } => None,
+        }
+    };
+    Some(Margins { above_low_w: at(low_c)?.0, below_high_w: at(high_c)?.1 })
+}
+
+/// What the two levels give off in an element that has `temperature_c`, W.
+fn levels_w(config: &ElementConfig, temperature_c: f32) -> (f32, f32) {
+    let resistance_ohm = config.channel.platinum().resistance_ohm(temperature_c);
+    (config.channel.power_w(resistance_ohm, Level::Low), config.channel.power_w(resistance_ohm, Level::High))
+}
