@@ -19,7 +19,7 @@ use super::pass::{GasSource, pass};
 use super::prior::Scales;
 use super::record::Source;
 use super::tied::Ties;
-use super::whiter::prefer_white;
+use super::whiter::{is_white, prefer_white};
 use super::{IdentifyError, Options, Progress, Sight, support};
 use crate::model::{Model, Provenance, Structure};
 use layout::{Kind, Layout, Part, cross_rates};
@@ -147,7 +147,7 @@ pub fn identify(
     for (output, choice) in choices.iter().enumerate() {
         warnings.extend(doubts(&survey.outputs[output], choice, facts, output, duration_s, &pairs));
     }
-    let chosen = chosen(&choices[0], &meshes, lag, reasons, &options.given);
+    let chosen = chosen(&choices[0], is_white(&looks[0], 0), &meshes, lag, reasons, &options.given);
     Ok(Model {
         format: crate::model::FORMAT.to_owned(),
         version: crate::model::VERSION,

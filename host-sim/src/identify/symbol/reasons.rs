@@ -57,16 +57,33 @@ fn slow_share(pair: &Pair, class: &Class, duration_s: f64) -> f64 {
     of_size.max(of_gain)
 }
 
-pub fn chosen(choice: &Choice, meshes: &[Mesh], lag: usize, mut reasons: Vec<String>, given: &Given) -> Chosen {
+/// `is_white`: whether the choice leaves white residuals.
+pub fn chosen(
+    choice: &Choice,
+    is_white: bool,
+    meshes: &[Mesh],
+    lag: usize,
+    mut reasons: Vec<String>,
+    given: &Given,
+) -> Chosen {
     let trial = &choice.trial;
     let mesh = &meshes[trial.mesh];
+    // What is for comparison only could not have been taken.
+    let is_fit = |rival: &&Trial| meshes[rival.mesh].free || rival.beginning != Beginning::Free;
     let best_of = |wanted: &dyn Fn(&Trial) -> bool| {
-        let worst = choice.rivals.iter().filter(|rival| wanted(rival)).map(|rival| rival.score.overall());
-        worst.min_by(f64::total_cmp)
+        let others = choice.rivals.iter().filter(is_fit).filter(|rival| wanted(rival));
+        others.map(|rival| rival.score.overall()).min_by(f64::total_cmp)
     };
     let own = trial.score.overall();
     let against = |what: &str, rival: Option<f64>| {
-        rival.map(|rival| format!("{what}: held-out error {} for the best other", change(rival / own.max(1e-300))))
+        let ratio = rival? / own.max(1e-300);
+        // Less by a percent or two is chance; more needs a word.
+        let but = match (ratio.sqrt() < 0.98, is_white) {
+            (false, _) => "",
+            (true, true) => "; not taken: less cautious, and what is left is white as it is",
+            (true, false) => "; not taken: less cautious, and its residuals are not white either",
+        };
+        Some(format!("{what}: held-out error {} for the best other{but}", change(ratio)))
     };
     let rates = mesh.rates_rad_s.len();
     if given.mesh_is_fixed() {
