@@ -267,9 +267,12 @@ impl Field<'_> {
                     held
                 });
                 let known = less.solve(&penalty, held.as_deref());
+                let with_known = |of: DMatrix<f64>| of.insert_row(offset, 0.0).insert_column(offset, 0.0);
                 let solution = Solution {
                     theta: known.theta.insert_row(offset, -self.output_shift[output]),
-                    covariance: known.covariance.insert_row(offset, 0.0).insert_column(offset, 0.0),
+                    covariance: with_known(known.covariance),
+                    inverse: with_known(known.inverse),
+                    pulled: with_known(known.pulled),
                     ..known
                 };
                 return Choice {

@@ -18,16 +18,44 @@ const WINDOW: u64 = 40_000;
 const DELAYS: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48];
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct Path {
+struct Path {
+    delay: usize,
+    feed_through: bool,
+    reason: String,
+    /// Held-out error against neither, in percent.
+    change: String,
+}
+
+/// What a model's dead time and feed-through will be: as given, or searched for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
     pub delay: usize,
     pub feed_through: bool,
-    pub reason: String,
-    /// Held-out error against neither, in percent.
-    pub change: String,
+    /// `None` if nothing was to be decided.
+    pub reason: Option<String>,
+}
+
+/// Who gives the mesh wants its columns and no others; but hears of what they lack.
+pub fn decide(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<Decision, RecordError> {
+    let plain = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
+    if given.delay.is_some() && given.feed_through.is_some() {
+        return Ok(Decision { delay: plain.0, feed_through: plain.1, reason: None });
+    }
+    let path = find(source, drives, given)?;
+    if !given.mesh_is_fixed() || (path.delay, path.feed_through) == plain {
+        return Ok(Decision { delay: path.delay, feed_through: path.feed_through, reason: Some(path.reason) });
+    }
+    let reason = format!(
+        "as the mesh is given, nothing is added to it; --dead-time {} --feed-through {} would change the held-out error of the first rows by {}",
+        path.delay,
+        if path.feed_through { "yes" } else { "no" },
+        path.change
+    );
+    Ok(Decision { delay: plain.0, feed_through: plain.1, reason: Some(reason) })
 }
 
 /// Finds delay and feed-through common to all inputs, judged by the outputs together.
-pub fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<Path, RecordError> {
+fn find(source: &mut dyn Source, drives: &[Drive], given: &Given) -> Result<Path, RecordError> {
     let survey = source.survey();
     let rows = survey.rows.min(WINDOW);
     let (outputs, period_s) = (survey.outputs.len(), survey.sample_period_s);

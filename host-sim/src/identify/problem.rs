@@ -45,6 +45,10 @@ pub struct Problem {
 pub struct Solution {
     pub theta: DVector<f64>,
     pub covariance: DMatrix<f64>,
+    /// (G + P)⁻¹
+    pub inverse: DMatrix<f64>,
+    /// What the covariance has beyond σ² (G + P)⁻¹.
+    pub pulled: DMatrix<f64>,
     /// Residual sum of squares.
     pub rss: f64,
     /// tr G(G + P)⁻¹: parameters that the data, not the prior, decide.
@@ -115,8 +119,9 @@ impl Problem {
         let drawn = theta.dot(&(penalty * &theta)) / penalised.max(1) as f64;
         let excess = (drawn - noise_variance).max(0.0);
         // (G + P)⁻¹ (σ² G + β² P) (G + P)⁻¹ = σ² (G + P)⁻¹ + (β² − σ²) (G + P)⁻¹ P (G + P)⁻¹
-        let pulled = &inverse * penalty * &inverse;
-        Solution { covariance: inverse * noise_variance + pulled * excess, theta, rss, degrees, noise_variance }
+        let pulled = &inverse * penalty * &inverse * excess;
+        let covariance = &inverse * noise_variance + &pulled;
+        Solution { covariance, inverse, pulled, theta, rss, degrees, noise_variance }
     }
 }
 

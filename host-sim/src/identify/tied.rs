@@ -233,14 +233,14 @@ fn joint<'p>(parts: &'p [Part], variances: &[f64], of: impl Fn(&'p Part) -> &'p 
 fn split(parts: &[Part], variances: &[f64], joint: &Solution) -> Vec<Solution> {
     let of = |(part, variance): (&Part, &f64)| {
         let theta = DVector::from_iterator(part.index.len(), part.index.iter().map(|&at| joint.theta[at]));
-        let covariance = DMatrix::from_fn(part.index.len(), part.index.len(), |i, j| {
-            joint.covariance[(part.index[i], part.index[j])]
-        });
+        let size = part.index.len();
+        let block = |of: &DMatrix<f64>| DMatrix::from_fn(size, size, |i, j| of[(part.index[i], part.index[j])]);
+        let (covariance, inverse, pulled) = (block(&joint.covariance), block(&joint.inverse), block(&joint.pulled));
         let rss = part.total.squared_error(&theta);
         // Of the parameters that outputs share, each counts those that its own rows decide.
-        let degrees = part.total.g.component_mul(&covariance).sum() / (variance * joint.noise_variance);
+        let degrees = part.total.g.component_mul(&inverse).sum() / variance;
         let noise_variance = rss / (part.total.rows - degrees).max(1.0);
-        Solution { theta, covariance, rss, degrees, noise_variance }
+        Solution { theta, covariance, inverse, pulled, rss, degrees, noise_variance }
     };
     parts.iter().zip(variances).map(of).collect()
 }

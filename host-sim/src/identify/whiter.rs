@@ -53,6 +53,7 @@ pub fn prefer_white(
     Ok(choices.into_iter().zip(second).enumerate().map(pick).collect())
 }
 
-fn is_white(look: &Look, output: usize) -> bool {
+/// Whether an output's residuals show no memory that would make standard errors larger by a tenth.
+pub fn is_white(look: &Look, output: usize) -> bool {
     look.looked.residuals[output].whiteness().is_none_or(|whiteness| whiteness.inflation < COLOURED)
 }

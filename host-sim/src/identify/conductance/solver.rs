@@ -104,8 +104,7 @@ impl Solver<'_> {
             let solution = plain.solve(&penalty, None);
             // The winds with the resistances projected out: the Schur complement.
             let cross = problem.g.view((0, own), (own, shared)).into_owned();
-            let inverse = &solution.covariance / solution.noise_variance.max(f64::MIN_POSITIVE);
-            let projected = &inverse * &cross;
+            let projected = &solution.inverse * &cross;
             let schur = problem.g.view((own, own), (shared, shared)) - cross.tr_mul(&projected);
             let gradient = problem.b.rows(own, shared) - cross.tr_mul(&solution.theta);
             let weight = 1.0 / solution.noise_variance.max(f64::MIN_POSITIVE);

@@ -195,7 +195,9 @@ impl Point {
         let noise_variance = self.rss / (self.total.rows - self.joint.degrees).max(1.0);
         Solution {
             theta: self.theta.clone().resize_vertically(self.joint.theta.len(), 0.0),
-            covariance: &self.joint.covariance * (noise_variance / self.joint.noise_variance.max(f64::MIN_POSITIVE)),
+            covariance: &self.joint.inverse * noise_variance + &self.joint.pulled,
+            inverse: self.joint.inverse.clone(),
+            pulled: self.joint.pulled.clone(),
             rss: self.rss,
             degrees: self.joint.degrees,
             noise_variance,
