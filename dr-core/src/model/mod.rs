@@ -1,12 +1,14 @@
 //! Diffusive models: a structure with memory as K relaxations on a geometric mesh of rates (thesis ch. 2).
 
 pub mod mesh;
+pub mod real;
 pub mod relaxation;
 pub mod self_heating;
 pub mod sliding;
 pub mod symbol;
 
+pub use real::Real;
 pub use relaxation::{RelaxationState, Relaxations};
 pub use self_heating::{ORDER, SelfHeating, SelfHeatingConfig};
-pub use sliding::{Reachability, reachability};
+pub use sliding::{Reachability, equivalent_control, reachability, sliding_margins_w};
 pub use symbol::Symbol;
