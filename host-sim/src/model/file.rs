@@ -97,6 +97,7 @@ fn too_large(value: &serde_json::Value) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::export::testing;
+    use super::super::{Following, Gas};
     use super::*;
 
     fn model() -> Model {
