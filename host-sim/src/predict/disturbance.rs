@@ -62,6 +62,23 @@ pub fn change(from: &Plane, to: &Plane, rise_k: f64) -> Change {
     }
 }
 
+/// From a steady state that holds `rise_k` in one wind to another where the wind takes power from the heated surface itself
+/// (structure `conductance`): `taken_w` in W before and after.
+///
+/// Such a disturbance Ξ = −η·Δ(taken) enters where the power does: all of it is matched, no pole notices it, and the power answers at once.
+pub fn change_of_conductance(structure: &Plane, rise_k: f64, taken_w: (f64, f64)) -> Change {
+    let into_the_structure_w = rise_k / structure.steady_gain_k_per_w();
+    let matched = structure.eta_k_per_j().iter().map(|eta| -eta * (taken_w.1 - taken_w.0)).collect();
+    Change {
+        before_w: into_the_structure_w + taken_w.0,
+        at_once_w: into_the_structure_w + taken_w.1,
+        finally_w: into_the_structure_w + taken_w.1,
+        matched_k_per_s: matched,
+        mismatched_k_per_s: vec![0.0; structure.order()],
+        decays: Decays::default(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
