@@ -9,6 +9,7 @@
 //! | [`instrument`] | what runs an experiment: in this process, in the emulator, at a serial port |
 //! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |
+//! | [`predict`] | what a closed loop will do, from a model |
 //! | [`cli`] | the command line |
 
 pub mod cli;
@@ -18,6 +19,7 @@ pub mod identify;
 pub mod instrument;
 pub mod model;
 pub mod plot;
+pub mod predict;
 pub mod recording;
 pub mod run;
 pub mod sensor;

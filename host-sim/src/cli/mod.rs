@@ -8,6 +8,8 @@
 //!
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr, one sentence that begins with `anemo:`.
 
+mod analyse;
+mod analysis_summary;
 mod check;
 mod example;
 mod export;
@@ -59,6 +61,7 @@ enum Command {
     Example(example::Arguments),
     Export(export::Arguments),
     Reduce(reduce::Arguments),
+    Analyse(analyse::Arguments),
 }
 
 /// Why the command ends, and with which exit code.
@@ -122,6 +125,7 @@ pub fn main() -> ExitCode {
         Command::Example(arguments) => example::execute(&arguments),
         Command::Export(arguments) => export::execute(&arguments),
         Command::Reduce(arguments) => reduce::execute(&arguments),
+        Command::Analyse(arguments) => analyse::execute(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,6 +5,7 @@
 
 mod bode;
 mod chart;
+pub mod closed_loop;
 mod columns;
 mod fit;
 mod head;

@@ -1,0 +1,128 @@
+//! The analysis of a loop in words.
+
+use std::fmt::Write as _;
+
+use dr_core::model::Reachability;
+
+use super::analyse::Found;
+use crate::predict::analysis::{Analysis, Held, SETTLED};
+
+/// For people. Writing to a string cannot fail.
+pub fn summary(found: &Found) -> String {
+    let analysis = &found.analysis;
+    let mut text = format!("{}, class {}\n", found.pair, analysis.label);
+    for note in &found.notes {
+        let _ = writeln!(text, "  {note}");
+    }
+    let _ = writeln!(
+        text,
+        "\nsteady gain {} K/W, high-frequency gain {} K/J, {} °C without heating",
+        brief(analysis.steady_gain_k_per_w),
+        brief(analysis.gamma_k_per_j),
+        brief(analysis.unheated_c)
+    );
+    if let Some(held) = &analysis.held {
+        set_point(&mut text, held);
+    }
+    for other in found.others.iter().filter(|other| other.held.is_some()) {
+        let _ = writeln!(text, "  in class {}: {}", other.label, other.held.as_ref().map_or(String::new(), verdict));
+    }
+    poles_and_zeros(&mut text, analysis);
+    for (to, change) in &found.changes {
+        let settled = change.settled_s(SETTLED).map_or("never".to_owned(), |time_s| format!("in {} s", brief(time_s)));
+        let _ = writeln!(
+            text,
+            "\n{} → {to}: {} W before, {} W at once, {} W in the end; within 2 % {settled}\n  {:.1} % of the disturbance is mismatched",
+            analysis.label,
+            brief(change.before_w),
+            brief(change.at_once_w),
+            brief(change.finally_w),
+            100.0 * change.mismatched_share()
+        );
+    }
+    let _ = writeln!(text, "\n{}", found.verdict);
+    text
+}
+
+fn set_point(text: &mut String, held: &Held) {
+    let conditions = &held.conditions;
+    let _ = writeln!(
+        text,
+        "set-point {} °C, {} K up, between {} and {} W every {} s: {}",
+        brief(conditions.target_c),
+        brief(held.rise_k),
+        brief(conditions.power_low_w),
+        brief(conditions.power_high_w),
+        brief(conditions.sample_period_s),
+        verdict(held)
+    );
+    if let (Some(time_s), Some(arrival_w)) = (held.reaching_time_s, held.arrival_w) {
+        let _ = writeln!(text, "  reached from rest after {} s, then with {} W", brief(time_s), brief(arrival_w));
+    }
+    if let Some(chatter) = held.chatter {
+        let _ = writeln!(
+            text,
+            "  readings stay between {} mK below and {} mK above it",
+            brief(1e3 * chatter.below_k),
+            brief(1e3 * chatter.above_k)
+        );
+    }
+}
+
+fn verdict(held: &Held) -> String {
+    match held.verdict {
+        Reachability::Reachable { steady_power_w } => format!(
+            "held with {} W, {} W above the low level and {} W below the high one",
+            brief(steady_power_w),
+            brief(held.margins_w.0),
+            brief(held.margins_w.1)
+        ),
+        Reachability::LowLevelTooWarm { least_rise_k } => {
+            format!("OUT OF REACH: even the low level ends {} K up", brief(least_rise_k))
+        }
+        Reachability::HighLevelTooCold { most_rise_k } => {
+            format!("OUT OF REACH: the high level ends {} K up, and must end above the set-point", brief(most_rise_k))
+        }
+    }
+}
+
+fn poles_and_zeros(text: &mut String, analysis: &Analysis) {
+    let poles: Vec<String> = analysis.poles_rad_s.iter().map(|rate| brief(*rate)).collect();
+    let _ = writeln!(text, "\npoles, rad/s: {}", poles.join(", "));
+    if analysis.zeros.is_empty() {
+        text.push_str("no zeros: the loop has no time constant of its own\n");
+        return;
+    }
+    let _ = writeln!(text, "  {:>11} {:>11}   weight in the power, of its steady value", "zero rad/s", "1/zero s");
+    for (rate, weight) in &analysis.zeros {
+        let both = |number: nalgebra::Complex<f64>| match number.im {
+            0.0 => brief(number.re),
+            imaginary => {
+                format!("{} {} {}i", brief(number.re), if imaginary < 0.0 { '−' } else { '+' }, brief(imaginary.abs()))
+            }
+        };
+        let _ = writeln!(text, "  {:>11} {:>11}   {}", both(*rate), brief(1.0 / rate.re), both(*weight));
+    }
+}
+
+/// Four digits.
+pub fn brief(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{number:.3e}");
+    }
+    let digits = if size == 0.0 { 0 } else { (3 - size.log10().floor() as i32).clamp(0, 6) as usize };
+    let text = format!("{number:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::brief;
+
+    #[test]
+    fn numbers_have_four_digits_and_no_idle_zeros() {
+        let written = [0.0, 1.0, 0.02, 1234.5678, 12.345_678, 1.5e-5, -0.5, 2.0e7].map(brief);
+        assert_eq!(written, ["0", "1", "0.02", "1235", "12.35", "1.500e-5", "-0.5", "2.000e7"]);
+    }
+}

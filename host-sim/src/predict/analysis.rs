@@ -1,0 +1,263 @@
+//! All that is to be said of one element's closed loop from its model: `anemo analyse`.
+
+use dr_core::model::{Reachability, mesh, sliding_margins_w};
+use nalgebra::Complex;
+
+use super::chatter::{Chatter, chatter};
+use super::decays::Decays;
+use super::disturbance::{Change, change, change_of_conductance};
+use super::reaching::reaching_time_s;
+use super::windy::Windy;
+use super::zeros::decays_of_a_lift;
+
+/// What counts as settled: within this share of a step.
+pub const SETTLED: f64 = 0.02;
+/// A loop is fast if it settles in this share of the time that the structure takes by itself.
+const FAST: f64 = 0.1;
+
+/// Under which conditions the loop runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// Temperature to hold, °C.
+    pub target_c: f64,
+    pub power_low_w: f64,
+    pub power_high_w: f64,
+    pub sample_period_s: f64,
+}
+
+/// How one class answers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analysis {
+    pub label: String,
+    /// Rates that this class heats, rad/s.
+    pub poles_rad_s: Vec<f64>,
+    /// μ_j in rad/s, and by how much of the steady power u_eq exceeds it on that zero after the rise was lifted at once.
+    pub zeros: Vec<(Complex<f64>, Complex<f64>)>,
+    pub steady_gain_k_per_w: f64,
+    pub gamma_k_per_j: f64,
+    pub unheated_c: f64,
+    /// Time to within 2 % of a step of power, open loop, s.
+    pub open_settling_s: Option<f64>,
+    /// Time to within 2 % of the steady power after a step of the set-point, closed loop, s; `None` if the loop runs away.
+    pub closed_settling_s: Option<f64>,
+    /// u_eq over its steady value after such a step.
+    pub lift: Decays,
+    pub held: Option<Held>,
+}
+
+/// The loop at its set-point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    pub conditions: Conditions,
+    /// ΔT over the temperature without heating in this class, K.
+    pub rise_k: f64,
+    pub verdict: Reachability<f64>,
+    /// From u_Q to the low level, and to the high level, W. Below zero where the set-point is out of reach.
+    pub margins_w: (f64, f64),
+    /// From rest under the high level.
+    pub reaching_time_s: Option<f64>,
+    /// u_eq on arrival, W.
+    pub arrival_w: Option<f64>,
+    pub chatter: Option<Chatter>,
+}
+
+/// Analyses one class; the loop itself only where conditions are given.
+pub fn analyse(windy: &Windy, conditions: Option<Conditions>) -> Analysis {
+    let plane = &windy.plane;
+    let steady_w_per_k = 1.0 / plane.steady_gain_k_per_w();
+    let lift = decays_of_a_lift(plane);
+    let mut open = Decays::default();
+    for (rate, r) in plane.rates_rad_s().iter().zip(plane.r_k_per_w()) {
+        open.push((*rate).into(), (*r).into());
+    }
+    let heated = plane.rates_rad_s().iter().zip(plane.r_k_per_w()).filter(|(_, r)| **r != 0.0);
+    Analysis {
+        label: windy.label.clone(),
+        poles_rad_s: heated.map(|(rate, _)| *rate).collect(),
+        zeros: lift.terms().iter().map(|(rate, weight)| (*rate, weight / steady_w_per_k)).collect(),
+        steady_gain_k_per_w: plane.steady_gain_k_per_w(),
+        gamma_k_per_j: plane.gamma_k_per_j(),
+        unheated_c: windy.unheated_c,
+        open_settling_s: open.settled_s(SETTLED * plane.steady_gain_k_per_w()),
+        closed_settling_s: lift.settled_s(SETTLED * steady_w_per_k),
+        lift,
+        held: conditions.map(|conditions| held(windy, conditions)),
+    }
+}
+
+fn held(windy: &Windy, conditions: Conditions) -> Held {
+    let Conditions { target_c, power_low_w: low_w, power_high_w: high_w, sample_period_s } = conditions;
+    let plane = &windy.plane;
+    let rise_k = target_c - windy.unheated_c;
+    let verdict = plane.reachability(rise_k, low_w, high_w);
+    let steady_w = rise_k / plane.steady_gain_k_per_w();
+    let reachable = matches!(verdict, Reachability::Reachable { .. });
+    let reaching_time_s = if reachable { reaching_time_s(plane, rise_k, high_w) } else { None };
+    let arrival = |time_s: f64| {
+        let poles = plane.rates_rad_s().iter().zip(plane.r_k_per_w());
+        let z: Vec<f64> = poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect();
+        plane.equivalent_control_w(&z)
+    };
+    Held {
+        conditions,
+        rise_k,
+        verdict,
+        margins_w: sliding_margins_w(steady_w, low_w, high_w),
+        reaching_time_s,
+        arrival_w: reaching_time_s.map(arrival),
+        chatter: reachable.then(|| chatter(plane, sample_period_s, steady_w, low_w, high_w)),
+    }
+}
+
+/// From one class to another of the same pair at a temperature in °C; `None` where their rates differ, as they do not in one model.
+pub fn change_between(from: &Windy, to: &Windy, target_c: f64) -> Option<Change> {
+    if from.structure.rates_rad_s() != to.structure.rates_rad_s() {
+        return None;
+    }
+    if from.gas_c.is_some() || to.gas_c.is_some() {
+        // Both have the structure of the reference, and so its temperature without heating.
+        let reference_c = if from.conductance_w_per_k == 0.0 { from.unheated_c } else { reference_c(from) };
+        let taken_w = (from.taken_w(target_c), to.taken_w(target_c));
+        return Some(change_of_conductance(&from.structure, target_c - reference_c, taken_w));
+    }
+    Some(change(&from.plane, &to.plane, target_c - from.unheated_c))
+}
+
+/// What a class of a conductance has without heating and without its wind: T_w = T_0 − G ΔG (T_0 − T_gas) turned round, by
+/// 1 − G ΔG = 1/(1 + ΔG·ΣR).
+fn reference_c(windy: &Windy) -> f64 {
+    let share = 1.0 - windy.plane.steady_gain_k_per_w() * windy.conductance_w_per_k;
+    windy.gas_c.map_or(windy.unheated_c, |gas_c| gas_c + (windy.unheated_c - gas_c) / share)
+}
+
+impl Analysis {
+    /// Whether a zero has no positive real part: on the surface the states would run away.
+    pub fn runs_away(&self) -> bool {
+        self.zeros.iter().any(|(rate, _)| rate.re <= 0.0)
+    }
+
+    /// Whether it settles in a tenth of the structure's own time, after a step of the set-point and after all changes.
+    pub fn is_fast(&self, changes: &[Change]) -> bool {
+        let (Some(open_s), Some(worst_s)) = (self.open_settling_s, self.worst_s(changes)) else { return false };
+        worst_s <= FAST * open_s
+    }
+
+    /// The longest settling: of changes of the wind where there are some, else of the set-point.
+    fn worst_s(&self, changes: &[Change]) -> Option<f64> {
+        if changes.is_empty() {
+            return self.closed_settling_s;
+        }
+        changes.iter().map(|change| change.settled_s(SETTLED)).try_fold(0.0, |worst: f64, next| Some(worst.max(next?)))
+    }
+
+    /// One sentence: fast, or with a tail, and how long that is.
+    pub fn verdict(&self, changes: &[Change]) -> String {
+        let seconds = |time_s: Option<f64>| time_s.map_or("for ever".to_owned(), |time_s| format!("{time_s:.3} s"));
+        let open = seconds(self.open_settling_s);
+        if self.runs_away() {
+            return "A zero lies in the right half plane: held at its set-point, the structure would run away inside, and no loop can hold it for long.".to_owned();
+        }
+        if self.zeros.is_empty() {
+            return format!(
+                "Answers at once: with one significant pole every disturbance is matched, and the power follows within sample periods, where the structure by itself takes {open} to within 2 %."
+            );
+        }
+        let what = if changes.is_empty() { "a step of the set-point" } else { "a change of the wind" };
+        match self.worst_s(changes) {
+            Some(worst_s) if self.is_fast(changes) => format!(
+                "Answers fast: after {what} the power is within 2 % of its final value in {}, where the structure by itself takes {open}.{}",
+                seconds(Some(worst_s)),
+                self.set_point_too(changes)
+            ),
+            worst_s => format!(
+                "Answers with a tail: after {what} the power takes {} to within 2 % of its final value, and the structure by itself {open}; the slowest time constant of the loop is {:.3} s.",
+                seconds(worst_s),
+                1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min)
+            ),
+        }
+    }
+
+    fn set_point_too(&self, changes: &[Change]) -> String {
+        match self.closed_settling_s {
+            Some(time_s) if !changes.is_empty() && !self.is_fast(&[]) => {
+                format!(" After a step of the set-point there is a tail of {time_s:.3} s.")
+            }
+            _ => String::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::export::part::Part;
+    use crate::model::export::testing;
+
+    const CONDITIONS: Conditions =
+        Conditions { target_c: 30.0, power_low_w: 0.1, power_high_w: 2.0, sample_period_s: 0.01 };
+
+    fn windy(rates: &[f64], r: &[f64]) -> Windy {
+        let model = testing::model(rates, r);
+        Windy::of(&Part::find(&model, None, None).unwrap(), None).unwrap()
+    }
+
+    #[test]
+    fn one_pole_is_instantaneous_and_says_so() {
+        let found = analyse(&windy(&[0.5], &[10.0]), Some(CONDITIONS));
+        assert!(found.zeros.is_empty() && found.is_fast(&[]));
+        assert!(found.verdict(&[]).starts_with("Answers at once"));
+        let held = found.held.unwrap();
+        assert_eq!(held.verdict, Reachability::Reachable { steady_power_w: 1.0 });
+        // 20 (1 − e^(−t/2)) = 10
+        assert!((held.reaching_time_s.unwrap() - 2.0 * 2_f64.ln()).abs() < 1e-14);
+        assert!((held.arrival_w.unwrap() - 1.0).abs() < 1e-14);
+        // ln 50 / ξ
+        assert!((found.open_settling_s.unwrap() - 50_f64.ln() / 0.5).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_set_point_on_the_boundary_is_out_of_reach_and_nothing_is_no_number() {
+        for target_c in [40.0, 21.0, 50.0, 20.0, 10.0] {
+            let found = analyse(&windy(&[0.5, 3.0], &[9.0, 1.0]), Some(Conditions { target_c, ..CONDITIONS }));
+            let held = found.held.unwrap();
+            assert!(!matches!(held.verdict, Reachability::Reachable { .. }), "{target_c}");
+            assert_eq!((held.reaching_time_s, held.arrival_w, held.chatter), (None, None, None));
+            assert!(held.margins_w.0.is_finite() && held.margins_w.1.is_finite());
+        }
+    }
+
+    #[test]
+    fn a_weak_slow_pole_leaves_a_tail_and_weak_fast_ones_do_not() {
+        let slow = analyse(&windy(&[0.01, 1.0], &[5.0, 10.0]), None);
+        assert!(slow.verdict(&[]).starts_with("Answers with a tail"), "{}", slow.verdict(&[]));
+        let fast = analyse(&windy(&[0.01, 100.0], &[10.0, 1e-4]), None);
+        assert!(fast.verdict(&[]).starts_with("Answers fast"), "{}", fast.verdict(&[]));
+    }
+
+    #[test]
+    fn wind_on_the_surface_is_answered_at_once_whatever_the_poles() {
+        let mut model = testing::model(&[0.01, 1.0], &[5.0, 10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        let of = |class| Windy::of(&Part::find(&model, None, Some(class)).unwrap(), Some(18.0)).unwrap();
+        let (still, gust) = (of("still"), of("gust"));
+        let change = change_between(&still, &gust, 30.0).unwrap();
+        assert_eq!((change.mismatched_share(), change.settled_s(SETTLED)), (0.0, Some(0.0)));
+        assert!((change.finally_w - change.before_w - 0.2 * 12.0).abs() < 1e-12);
+        // The same from the other side, and as the steady power of the class by itself.
+        let back = change_between(&gust, &still, 30.0).unwrap();
+        assert!((back.before_w - change.finally_w).abs() < 1e-12);
+        let steady = |windy: &Windy| (30.0 - windy.unheated_c) / windy.plane.steady_gain_k_per_w();
+        assert!((steady(&gust) - change.finally_w).abs() < 1e-12);
+        let verdict = analyse(&still, None).verdict(&[change]);
+        assert!(verdict.starts_with("Answers fast") && verdict.contains("set-point there is a tail"), "{verdict}");
+    }
+
+    #[test]
+    fn a_zero_in_the_right_half_plane_runs_away_in_words() {
+        // Numerator 25 s² − 10 s + 45.
+        let found = analyse(&windy(&[1.0, 2.0, 3.0], &[40.0, -82.5, 50.0]), None);
+        assert!(found.runs_away(), "{:?}", found.zeros);
+        assert!(found.verdict(&[]).contains("run away"));
+        assert_eq!(found.closed_settling_s, None);
+    }
+}

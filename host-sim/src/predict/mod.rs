@@ -1,0 +1,25 @@
+//! What a closed loop will do, said from an open-loop model before the loop is closed (thesis 2.3, sliding mode).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`plane`] | the sliding surface of one symbol: Γ, D, equivalent control, steady state |
+//! | [`secular`], [`zeros`] | transmission zeros: the time constants of the closed loop, and their weights |
+//! | [`decays`] | sums of exponentials, and when they have settled |
+//! | [`reaching`], [`chatter`] | how the loop arrives, and how it swings |
+//! | [`disturbance`] | what a change of the wind asks of it |
+//! | [`windy`], [`analysis`] | one class of a model, and all that there is to say of it |
+//!
+//! The limit of infinitely fast sampling is exact for a linear model; equations that the board needs as well are
+//! [`dr_core::model::sliding`]'s.
+
+pub mod analysis;
+pub mod chatter;
+pub mod decays;
+pub mod disturbance;
+pub mod plane;
+pub mod reaching;
+pub mod secular;
+pub mod windy;
+pub mod zeros;
+
+pub use plane::{Plane, PlaneError};
