@@ -13,6 +13,7 @@
 //! | [`cli`] | the command line |
 
 pub mod cli;
+pub mod design;
 pub mod experiment;
 pub mod head;
 pub mod identify;

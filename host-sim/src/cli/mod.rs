@@ -11,6 +11,7 @@
 mod analyse;
 mod analysis_summary;
 mod check;
+mod design;
 mod example;
 mod export;
 mod fits;
@@ -54,6 +55,7 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
+    Design(design::Arguments),
     Identify(identify::Arguments),
     Merge(merge::Arguments),
     Validate(validate::Arguments),
@@ -118,6 +120,7 @@ pub fn main() -> ExitCode {
     let outcome = match arguments.command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
+        Command::Design(arguments) => design::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
         Command::Validate(arguments) => validate::execute(&arguments),

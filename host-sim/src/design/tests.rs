@@ -1,0 +1,106 @@
+use super::*;
+use crate::model::export::part::Part;
+use crate::model::export::testing;
+use crate::predict::chatter::chatter;
+
+const WISH: Wish = Wish {
+    rise_k: (20.0, 20.0),
+    power_low_w: None,
+    power_high_w: None,
+    margin: 0.5,
+    ripple_k: 0.1,
+    response_s: None,
+    reach_s: None,
+};
+
+/// A sector in still gas (153.4 K/W) and in two winds on its surface.
+fn winds() -> Vec<Windy> {
+    let mut model = testing::model(&[0.02, 0.1, 1.0, 60.0], &[60.0, 90.0, 3.0, 0.4]);
+    testing::add_wind(&mut model, "gust", 0.005);
+    let still = Part::find(&model, None, Some("still")).unwrap();
+    let gust = Part::find(&model, None, Some("gust")).unwrap();
+    let breeze = Part { label: "breeze", wind_w_per_k: Some(0.002), ..gust };
+    [still, breeze, gust].iter().map(|part| Windy::of(part, None).unwrap()).collect()
+}
+
+#[test]
+fn levels_enclose_every_wind_and_the_trial_is_what_was_predicted() {
+    let design = design(&winds(), &Wish { reach_s: Some(60.0), ..WISH }).unwrap();
+    // u_Q = ΔT (1/ΣR + ΔG)
+    let (still_w, gust_w) = (20.0 / 153.4, 20.0 / 153.4 + 20.0 * 0.005);
+    assert!((design.power_low_w / (0.5 * still_w) - 1.0).abs() < 1e-9);
+    assert!(design.power_high_w >= 1.5 * gust_w * (1.0 - 1e-9));
+    for wind in &design.winds {
+        assert!(wind.margins_w.0 > 0.0 && wind.margins_w.1 > 0.0);
+        // The loop notices at the first tick after it has arrived.
+        let late_s = wind.trial.reaching_time_s.unwrap() - wind.reaching_time_s;
+        assert!((-1e-9..=design.sample_period_s + 1e-9).contains(&late_s), "{}: {late_s}", wind.label);
+        assert!(wind.reaching_time_s <= 60.0);
+        // one bit in 45 000 ticks, and what the swing leaves in the states: some 10⁻³ of the range
+        let range_w = design.power_high_w - design.power_low_w;
+        assert!((wind.trial.mean_power_w - wind.steady_power_w).abs() < 2e-3 * range_w, "{wind:?}");
+        assert!(wind.chatter_k <= 0.1 && wind.trial.swing_k < 1.1 * wind.chatter_k, "{wind:?}");
+        assert!(wind.trial.swing_k > 0.3 * wind.chatter_k, "{wind:?}");
+    }
+    assert_eq!(design.settling_s, Some(0.0));
+    let one_bit_w = (design.power_high_w - design.power_low_w) * design.sample_period_s;
+    assert!((design.resolution_w / one_bit_w - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_period_is_the_longest_that_keeps_the_swing() {
+    let winds = winds();
+    let found = design(&winds, &WISH).unwrap();
+    let range_w = found.power_high_w - found.power_low_w;
+    let mut unheard = Vec::new();
+    // Twice or two and a half times as long would swing further.
+    let swing_k = |period_s| chatter(&winds[0].plane, period_s, 0.0, 0.0, range_w).peak_to_peak_k();
+    assert!(swing_k(found.sample_period_s) <= 0.1 && swing_k(2.5 * found.sample_period_s) > 0.1);
+    let finer = period::sample_period_s(&winds, range_w, 0.02, period::LONGEST_S, &mut unheard).unwrap();
+    assert!(finer < found.sample_period_s);
+}
+
+#[test]
+fn a_range_gives_the_highest_set_point_that_the_given_levels_hold() {
+    let wish = Wish { rise_k: (5.0, 40.0), power_low_w: Some(0.01), power_high_w: Some(0.4), ..WISH };
+    let found = design(&winds(), &wish).unwrap();
+    // 1.5 ΔT (1/ΣR + ΔG) = 0.4
+    let exact_k = 0.4 / 1.5 / (1.0 / 153.4 + 0.005);
+    assert!(found.rise_k <= exact_k && found.rise_k > exact_k - 35.0 / 200.0, "{} {exact_k}", found.rise_k);
+    assert_eq!((found.power_low_w, found.power_high_w), (0.01, 0.4));
+}
+
+#[test]
+fn wishes_that_cannot_be_met_are_refused_with_what_could_be() {
+    let winds = winds();
+    let refused = |wish: Wish| design(&winds, &wish).unwrap_err();
+    let too_low = refused(Wish { power_high_w: Some(0.2), ..WISH });
+    assert!(too_low.contains("in `gust` it takes 0.23038 W") && too_low.contains("0.34557 W or more"), "{too_low}");
+    assert!(too_low.contains("the given levels hold 0.200 to 11.400 K"), "{too_low}");
+    let too_high = refused(Wish { power_low_w: Some(0.1), ..WISH });
+    assert!(too_high.contains("in `still`") && too_high.contains("0.06519 W or less"), "{too_high}");
+    let ripple = refused(Wish { ripple_k: 1e-4, ..WISH });
+    assert!(ripple.contains("at 0.001 s, the shortest period"), "{ripple}");
+    let late = refused(Wish { power_high_w: Some(0.4), reach_s: Some(0.5), ..WISH });
+    assert!(late.contains("is not reached in 0.5 s") && late.contains("W or more"), "{late}");
+    assert!(refused(Wish { rise_k: (-1.0, 3.0), ..WISH }).contains("above zero"));
+    assert!(refused(Wish { rise_k: (f64::NAN, 3.0), ..WISH }).contains("above zero"));
+    assert!(refused(Wish { margin: 1.0, ..WISH }).contains("between 0 and 1"));
+    assert!(refused(Wish { power_low_w: Some(0.5), power_high_w: Some(0.4), ..WISH }).contains("must be above"));
+    assert!(design(&[], &WISH).unwrap_err().contains("no wind"));
+}
+
+#[test]
+fn a_tail_of_the_structure_is_said_before_anything_is_built() {
+    // Symbols of their own, in which the wind changes the slow pole: mismatched.
+    let of = |r: &[f64], label: &str| {
+        let model = testing::model(&[0.02, 1.0], r);
+        let mut windy = Windy::of(&Part::find(&model, None, None).unwrap(), None).unwrap();
+        label.clone_into(&mut windy.label);
+        windy
+    };
+    let winds = [of(&[60.0, 30.0], "calm"), of(&[30.0, 30.0], "storm")];
+    let refused = design(&winds, &Wish { response_s: Some(1.0), ..WISH }).unwrap_err();
+    assert!(refused.contains("cannot be had") && refused.contains("That tail is the structure's"), "{refused}");
+    assert!(design(&winds, &Wish { response_s: Some(500.0), ..WISH }).unwrap().settling_s.unwrap() > 1.0);
+}
