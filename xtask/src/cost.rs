@@ -39,7 +39,7 @@ const KERNELS: [Kernel; 8] = [
         poles: None,
         budget: 2080,
     },
-    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 2600 },
+    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 2700 },
     Kernel { symbol: "platinum_linear", operation: "resistance to temperature, linear", poles: None, budget: 16 },
     Kernel { symbol: "platinum_iec60751", operation: "resistance to temperature, IEC 60751", poles: None, budget: 135 },
     Kernel { symbol: "prbs_step", operation: "pseudo-random bit", poles: None, budget: 20 },
