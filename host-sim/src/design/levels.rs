@@ -8,7 +8,7 @@ use crate::predict::windy::Windy;
 const STEPS: u32 = 200;
 
 /// A wind's label and its u_Q in W for a rise over the first wind's temperature without heating.
-fn powers<'a>(winds: &'a [Windy], rise_k: f64) -> impl Iterator<Item = (&'a str, f64)> {
+fn powers(winds: &[Windy], rise_k: f64) -> impl Iterator<Item = (&str, f64)> {
     let target_c = winds[0].unheated_c + rise_k;
     winds
         .iter()
