@@ -141,10 +141,11 @@ impl Field<'_> {
         self.meshes[trial.mesh].free || trial.beginning != Beginning::Free
     }
 
-    /// The candidate that predicted held-out stretches best of all, if it is not the choice.
+    /// The candidate that predicted held-out stretches best of all, but for chance, if it is not the choice.
     pub fn best_rival(&self, choice: &Choice, given: &Given, signs: &Signs, output: usize) -> Option<Choice> {
-        let fit = choice.rivals.iter().filter(|trial| self.is_fit(trial));
-        let best = fit.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let fit = || choice.rivals.iter().filter(|trial| self.is_fit(trial));
+        let best = fit().min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let best = fit().find(|trial| trial.score.is_as_good_as(&best.score, 1.01)).unwrap_or(best);
         let is_other = best.score.overall() < choice.trial.score.overall();
         is_other.then(|| self.settle(best.clone(), choice.rivals.clone(), given, signs, output))
     }

@@ -158,7 +158,10 @@ pub fn look(
                     }
                 }
                 predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
-                residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+                // What drove the first rows of a model with dead time stood before the record.
+                if count >= longest as u64 {
+                    residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+                }
             }
             if longest > 0 {
                 pending.push_back((input_row.clone(), class));
