@@ -180,6 +180,14 @@ impl Roles {
     /// No column plays two parts that exclude each other, and numbers are where they belong.
     fn check(&self, columns: &Columns) -> Result<(), RecordError> {
         let name = |column: usize| &columns.names[column];
+        // By mistake, every rate would be wrong by a thousand, in silence.
+        const NOT_SECONDS: [&str; 9] = ["ms", "us", "µs", "ns", "min", "minutes", "h", "hours", "days"];
+        if let Some(unit) = NOT_SECONDS.iter().find(|unit| name(self.time).ends_with(&format!("_{unit}"))) {
+            return Err(columns.refuse(format!(
+                "column `{}` says that it is in {unit}, and times are read in seconds: convert it, and call it `time_s`",
+                name(self.time)
+            )));
+        }
         let mut parts = vec![(self.time, "the time")];
         parts.extend(self.event.map(|event| (event, "the event class")));
         parts.extend(self.inputs.iter().map(|&input| (input, "an input")));
