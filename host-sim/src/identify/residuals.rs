@@ -28,7 +28,7 @@ pub struct Seen<'a> {
     pub row: u64,
     pub class: usize,
     pub measured: &'a [f64],
-    /// NaN for an output that is looked at in a reading of its own.
+    /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time leaves without a known input.
     pub predicted: &'a [f64],
 }
 
@@ -170,7 +170,9 @@ pub fn look(
                 }
                 predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
                 // What drove the first rows of a model with dead time stood before the record.
-                if count >= longest as u64 {
+                if count < longest as u64 {
+                    predicted[fitted.output] = f64::NAN;
+                } else {
                     residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
                 }
             }

@@ -247,6 +247,10 @@ impl<'a> Columns<'a> {
             let elements =
                 columns.clone().filter_map(|column| prefixes.iter().find_map(|part| column.strip_prefix(part)));
             let known: Vec<&str> = elements.chain(columns).collect();
+            if name.ends_with(".json") {
+                return self
+                    .refuse(format!("there is no column `{name}`; to write a model to that file, say -o {name}"));
+            }
             self.refuse(format!("there is no column `{name}`; {}", suggest(name, known)))
         })
     }
