@@ -15,7 +15,7 @@ pub fn options(gas: GasGiven) -> Options {
     Options { structure: Some(Structure::Conductance), gas, ..Options::default() }
 }
 
-/// The gas of [`Rod::default`], given as a number.
+/// The gas of [`Rod::default`](crate::records::rod::Rod), given as a number.
 pub fn known() -> Options {
     options(GasGiven::ConstantC(18.0))
 }

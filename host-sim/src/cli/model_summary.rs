@@ -5,6 +5,9 @@ use std::path::Path;
 
 use crate::model::{Class, Gas, Model, Output, Pair, Wind};
 
+/// Tables of resistances that are read; more than that are a file's matter.
+const MOST_TABLES: usize = 6;
+
 /// The model for people.
 pub fn summary(model: &Model, notes: &[String], written: Option<&Path>) -> String {
     let mut text = String::new();
@@ -21,9 +24,17 @@ pub fn summary(model: &Model, notes: &[String], written: Option<&Path>) -> Strin
     for note in notes {
         let _ = writeln!(text, "  {note}");
     }
+    let tables: usize = model.pairs.iter().map(|pair| pair.classes.len()).sum();
+    if tables > MOST_TABLES {
+        let _ = writeln!(text, "\nsteady gains; resistances stand in the model's file, and in --json and --plot");
+    }
     for pair in &model.pairs {
         for (label, class) in &pair.classes {
-            resistances(&mut text, model, pair, label, class);
+            if tables > MOST_TABLES {
+                steady_gain(&mut text, model, pair, label, class);
+            } else {
+                resistances(&mut text, model, pair, label, class);
+            }
         }
     }
     if let Some(wind) = &model.wind {
@@ -51,9 +62,18 @@ pub fn summary(model: &Model, notes: &[String], written: Option<&Path>) -> Strin
     text
 }
 
-fn resistances(text: &mut String, model: &Model, pair: &Pair, label: &str, class: &Class) {
+fn subject(model: &Model, pair: &Pair, label: &str) -> String {
     let label = if model.classes.len() > 1 { format!(", {label}") } else { String::new() };
-    let _ = writeln!(text, "\n{} → {}{label}", pair.input, pair.output);
+    format!("{} → {}{label}", pair.input, pair.output)
+}
+
+fn steady_gain(text: &mut String, model: &Model, pair: &Pair, label: &str, class: &Class) {
+    let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+    let _ = writeln!(text, "  {:<50} {gain}", subject(model, pair, label));
+}
+
+fn resistances(text: &mut String, model: &Model, pair: &Pair, label: &str, class: &Class) {
+    let _ = writeln!(text, "\n{}", subject(model, pair, label));
     let _ = writeln!(text, "  {:>11} {:>11}   R ± standard error", "rate rad/s", "1/rate s");
     let rows = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
     for (k, ((rate, resistance), se)) in rows.enumerate() {

@@ -2,7 +2,7 @@
 //!
 //! | family | mesh | begins | prior |
 //! |---|---|---|---|
-//! | any beginning | from ξ_T or ξ_T/2 to π/Ts, 1.5 to 3 rates a decade | free, settled or at rest | tapered |
+//! | any beginning | from ξ_T or ξ_T/2 to π/Ts, 1.5 to 3 rates a decade; 5 or 7 for a second opinion (`whiter`) | free, settled or at rest | tapered |
 //! | known beginning | from 0.3 ξ_T, 3 or 4 rates a decade | settled or at rest | tapered |
 //! | smooth | guard rates on both sides of ξ_T … π/Ts | settled or at rest | smooth |
 //!
@@ -51,7 +51,7 @@ pub struct Mesh {
     pub smooth: bool,
     /// Whether a free beginning is tried with it.
     pub free: bool,
-    /// Whether it is so fine and slow that it must leave half the error of others to be taken.
+    /// Whether it is so fine that it must leave white residuals, or, if it is slow as well, half the error of others, to be taken.
     pub fine: bool,
 }
 
@@ -100,7 +100,7 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Giv
         (None, None) => {
             let mut meshes = Vec::new();
             for factor in [1.0, 0.5] {
-                for (per_decade, fine) in [(1.5, false), (2.0, false), (3.0, false), (5.0, true)] {
+                for (per_decade, fine) in [(1.5, false), (2.0, false), (3.0, false), (5.0, true), (7.0, true)] {
                     let order = order_for(factor * first, last, per_decade);
                     meshes.push(Mesh { fine, ..single(factor * first, last, order) });
                 }

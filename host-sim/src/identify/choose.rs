@@ -37,8 +37,8 @@ pub struct Choice {
     pub solution: Solution,
     pub rivals: Vec<Trial>,
     pub sign_reason: String,
-    /// By bank: how far candidates that predict about as well differ from it in the steady gain, median, K/W.
-    pub gain_spread: Vec<f64>,
+    /// By bank: how far candidates that predict about as well differ from it in the steady gain.
+    pub gain_spread: Vec<Spread>,
     /// Why it is not the first choice, if it is not.
     pub reason: Option<String>,
 }
@@ -53,6 +53,14 @@ pub enum Signs {
     /// Those of the banks of these inputs (by pair: input and output).
     Positive(Vec<(usize, usize)>),
     AllPositive,
+}
+
+/// Absolute differences of others' steady gains from a choice's own, K/W.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Spread {
+    pub gain: f64,
+    pub median: f64,
+    pub upper_decile: f64,
 }
 
 /// Everything that a choice is made from.
@@ -141,10 +149,11 @@ impl Field<'_> {
         self.meshes[trial.mesh].free || trial.beginning != Beginning::Free
     }
 
-    /// The candidate that predicted held-out stretches best of all, if it is not the choice.
+    /// The candidate that predicted held-out stretches best of all, but for chance, if it is not the choice.
     pub fn best_rival(&self, choice: &Choice, given: &Given, signs: &Signs, output: usize) -> Option<Choice> {
-        let fit = choice.rivals.iter().filter(|trial| self.is_fit(trial));
-        let best = fit.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let fit = || choice.rivals.iter().filter(|trial| self.is_fit(trial));
+        let best = fit().min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let best = fit().find(|trial| trial.score.is_as_good_as(&best.score, 1.01)).unwrap_or(best);
         let is_other = best.score.overall() < choice.trial.score.overall();
         is_other.then(|| self.settle(best.clone(), choice.rivals.clone(), given, signs, output))
     }
@@ -196,7 +205,7 @@ impl Field<'_> {
 
     /// Those that are for comparison only count as well: what a record leaves open is open. But what a rival is itself unsure of
     /// is not held against the choice.
-    fn gain_spread(&self, taken: &Trial, own: &[(f64, f64)], rivals: &[Trial], output: usize) -> Vec<f64> {
+    fn gain_spread(&self, taken: &Trial, own: &[(f64, f64)], rivals: &[Trial], output: usize) -> Vec<Spread> {
         let plausible = |rival: &&Trial| *rival != taken && rival.score.is_plausible_beside(&taken.score, PLAUSIBLE);
         let mut squares = vec![Vec::new(); own.len()];
         for rival in rivals.iter().filter(plausible) {
@@ -207,7 +216,7 @@ impl Field<'_> {
                 squares.push(((gain - own.0).powi(2) - variance).max(0.0));
             }
         }
-        squares.into_iter().map(|squares| median(squares).sqrt()).collect()
+        own.iter().zip(squares).map(|(own, squares)| Spread::of(own.0, squares)).collect()
     }
 
     fn problems(&self, mesh: usize, terms: &[Term], output: usize) -> Vec<Problem> {
@@ -310,10 +319,13 @@ fn best<'t>(trials: &'t [Trial], meshes: &[Mesh]) -> &'t Trial {
     trials.iter().find(cautious).unwrap_or(best)
 }
 
-/// 0 for none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+impl Spread {
+    /// 0 for none.
+    fn of(gain: f64, mut squares: Vec<f64>) -> Self {
+        squares.sort_by(f64::total_cmp);
+        let at = |part: f64| squares.get((part * squares.len() as f64) as usize).copied().unwrap_or(0.0).sqrt();
+        Self { gain, median: at(0.5), upper_decile: at(0.9) }
+    }
 }
 
 /// A ratio of mean squared errors as a change of the root in percent.

@@ -10,7 +10,8 @@
 //!
 //! | begin | nothing | does it explain the first fold? |
 //!
-//! A candidate is worth its worst answer: drift that a slow pole explains passes the first question and fails the third. The first
+//! A candidate is worth the geometric mean of its answers: drift that a slow pole explains passes the first question and fails the
+//! third. The first
 //! fold is never held out, because nothing else tells what state the record began with; but who assumes a state there must fit it.
 //! The inputs of held-out stretches are known, only their outputs are not.
 

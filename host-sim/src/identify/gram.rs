@@ -67,6 +67,8 @@ pub struct Accumulator {
     /// First row behind every fold but the last.
     borders: Vec<u64>,
     row: u64,
+    /// Rows at the beginning that say nothing: what drove them stood before the record.
+    lead: u64,
 }
 
 impl Accumulator {
@@ -82,6 +84,7 @@ impl Accumulator {
             folds: Vec::with_capacity(folds),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             row: 0,
+            lead: design.longest_delay() as u64,
         }
     }
 
@@ -95,11 +98,17 @@ impl Accumulator {
             if let Some(&border) = self.borders.get(self.folds.len()) {
                 rows = rows.min((border - self.row) as usize);
             }
+            let is_lead = self.row < self.lead;
+            if is_lead {
+                rows = rows.min((self.lead - self.row) as usize);
+            }
             self.rows.fill(block, gas, from, rows, &mut self.panels);
-            panels::add_products(&self.panels, self.rows.width(), rows, &mut self.tiles);
+            if !is_lead {
+                panels::add_products(&self.panels, self.rows.width(), rows, &mut self.tiles);
+                self.fold_rows += rows as u64;
+            }
             from += rows;
             self.row += rows as u64;
-            self.fold_rows += rows as u64;
         }
     }
 

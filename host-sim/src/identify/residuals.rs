@@ -28,7 +28,7 @@ pub struct Seen<'a> {
     pub row: u64,
     pub class: usize,
     pub measured: &'a [f64],
-    /// NaN for an output that is looked at in a reading of its own.
+    /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time leaves without a known input.
     pub predicted: &'a [f64],
 }
 
@@ -41,6 +41,8 @@ pub struct Residuals {
     /// The last residuals, newest first, from `newest` on: the place before it is free until there is none.
     last: Vec<f64>,
     newest: usize,
+    /// The greatest square, and the row that it is of.
+    greatest: (f64, u64),
     first_y: f64,
     y_sum: f64,
     y_squares: f64,
@@ -57,6 +59,9 @@ impl Residuals {
         }
         self.count += 1;
         self.squares += residual * residual;
+        if residual * residual > self.greatest.0 {
+            self.greatest = (residual * residual, self.count);
+        }
         let moved = measured - self.first_y;
         self.y_sum += moved;
         self.y_squares += moved * moved;
@@ -73,6 +78,12 @@ impl Residuals {
 
     pub fn rms(&self) -> f64 {
         (self.squares / (self.count as f64).max(1.0)).sqrt()
+    }
+
+    /// A row, counted from 1, that alone makes more than half of all squares of at least a hundred rows, and its part of them.
+    pub fn lonely_row(&self) -> Option<(u64, f64)> {
+        let part = self.greatest.0 / self.squares.max(f64::MIN_POSITIVE);
+        (self.count >= 100 && part > 0.5).then_some((self.greatest.1, part))
     }
 
     /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its mean.
@@ -158,7 +169,12 @@ pub fn look(
                     }
                 }
                 predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
-                residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+                // What drove the first rows of a model with dead time stood before the record.
+                if count < longest as u64 {
+                    predicted[fitted.output] = f64::NAN;
+                } else {
+                    residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+                }
             }
             if longest > 0 {
                 pending.push_back((input_row.clone(), class));

@@ -3,9 +3,11 @@
 //!
 //! The choice is cautious, for records of the real world: it keeps few rates and the thesis' lower edge unless others are clearly
 //! better. Where noise is small, though, few rates leave a trace of themselves in every stretch alike, which makes stated errors
-//! false. White residuals are proof that nothing is missing, and models of disturbed records never get there.
+//! false. White residuals are proof that nothing is missing, and models of disturbed records never get there; half the held-out error is
+//! taken for proof as well.
 
 use super::IdentifyError;
+use super::candidates::Beginning;
 use super::choose::Choice;
 use super::design::Design;
 use super::looks::{Look, look_at_all};
@@ -42,9 +44,15 @@ pub fn prefer_white(
     }
     let looks = look_at_all(source, designs, output_shift, &second, &mut |seen| tell(seen.row))?;
     let pick = |(output, (choice, mut second)): (usize, (Choice, Choice))| {
-        if coloured[output] && rivals[output].is_some() && is_white(&looks[output], output) {
-            second.reason =
-                Some("residuals: white; those of fewer rates, or of a higher lower edge, were coloured".to_owned());
+        let wins = coloured[output] && rivals[output].is_some();
+        if wins && is_white(&looks[output], output) {
+            let reason = "residuals: white; those of fewer rates, or of a higher lower edge, were coloured";
+            second.reason = Some(reason.to_owned());
+            second
+        } else if wins && is_evident(&choice, &second) {
+            let reason =
+                "residuals: coloured, but held-out errors are half those of fewer rates, or of a higher lower edge";
+            second.reason = Some(reason.to_owned());
             second
         } else {
             choice
@@ -56,4 +64,9 @@ pub fn prefer_white(
 /// Whether an output's residuals show no memory that would make standard errors larger by a tenth.
 pub fn is_white(look: &Look, output: usize) -> bool {
     look.looked.residuals[output].whiteness().is_none_or(|whiteness| whiteness.inflation < COLOURED)
+}
+
+/// Half the held-out error or less. Not where the beginning was known: there the choice has weighed slow meshes already.
+fn is_evident(choice: &Choice, second: &Choice) -> bool {
+    choice.trial.beginning == Beginning::Free && second.trial.score.overall() <= 0.25 * choice.trial.score.overall()
 }

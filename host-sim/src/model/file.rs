@@ -27,6 +27,12 @@ impl Model {
     pub fn read(path: &Path) -> Result<Self, ModelError> {
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => ModelError::Missing(path.to_owned()),
+            std::io::ErrorKind::InvalidData => ModelError::Content {
+                path: path.to_owned(),
+                sentence:
+                    "is no text: a model (.json, from `anemo identify`) belongs here, and comes before a recording"
+                        .to_owned(),
+            },
             _ => ModelError::Io { path: path.to_owned(), doing: "read", reason: error.to_string() },
         })?;
         Self::from_json(&text).map_err(|sentence| ModelError::Content { path: path.to_owned(), sentence })

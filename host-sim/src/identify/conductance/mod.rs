@@ -203,9 +203,8 @@ pub fn identify(
     let mut warnings = support::warnings(&survey, &passed.facts);
     warnings.extend(doubts(&wind, &outputs, best, &passed, options));
     if let GasGiven::ConstantC(given_c) = options.gas {
-        progress("gas", 0, 1);
-        let mesh = &meshes[best.mesh];
-        warnings.extend(gas::contradiction(source, given_c, best, mesh, reference, thesis_rad_s)?);
+        let rms: Vec<f64> = outputs.iter().map(|output| output.residual_rms).collect();
+        warnings.extend(gas::contradiction(source, given_c, &rms, options, progress)?);
     }
     let chosen =
         chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons(&trials, best, &meshes));

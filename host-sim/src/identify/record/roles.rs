@@ -101,6 +101,9 @@ impl Roles {
         let by_default = |&column: &usize| !columns.text[column] && !taken(self, column);
         let mut free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
         if self.event.is_none() {
+            self.choose_worded_classes(columns);
+        }
+        if self.event.is_none() {
             self.choose_numbered_classes(columns, &mut free)?;
         }
         let (no_inputs, no_outputs) = (self.inputs.is_empty(), self.outputs.is_empty());
@@ -136,11 +139,29 @@ impl Roles {
         Ok(())
     }
 
+    /// Takes a column of text for the event class, if its name says that; mentions others, which nothing is made of.
+    fn choose_worded_classes(&mut self, columns: &Columns) {
+        let texts: Vec<usize> =
+            (0..columns.names.len()).filter(|&column| columns.text[column] && column != self.time).collect();
+        let is_called = |column: &usize| columns.is_called_a_class(*column);
+        match (&texts[..], texts.iter().copied().find(is_called)) {
+            ([], _) => {}
+            (_, Some(column)) => {
+                self.event = Some(column);
+                self.notes.push(format!("`{}` holds text and is taken for the event class", columns.names[column]));
+            }
+            (_, None) => self.notes.push(format!(
+                "{} left out: text; a column that labels conditions is named by --event",
+                columns.list(&texts)
+            )),
+        }
+    }
+
     /// Takes a column of numbered conditions for the event class, if an input and an output are left without it.
     fn choose_numbered_classes(&mut self, columns: &Columns, free: &mut Vec<usize>) -> Result<(), RecordError> {
         let named = |column: &usize| self.inputs.contains(column) || self.outputs.contains(column);
-        let is_called = |column: usize| CLASS_NAMES.iter().any(|name| columns.names[column].eq_ignore_ascii_case(name));
-        let called: Vec<usize> = free.iter().copied().filter(|column| is_called(*column) && !named(column)).collect();
+        let is_called = |column: &usize| columns.is_called_a_class(*column) && !named(column);
+        let called: Vec<usize> = free.iter().copied().filter(is_called).collect();
         let missing = usize::from(self.inputs.is_empty()) + usize::from(self.outputs.is_empty());
         let others = free.iter().filter(|column| !named(column)).count();
         let &[column] = &called[..] else { return Ok(()) };
@@ -159,6 +180,14 @@ impl Roles {
     /// No column plays two parts that exclude each other, and numbers are where they belong.
     fn check(&self, columns: &Columns) -> Result<(), RecordError> {
         let name = |column: usize| &columns.names[column];
+        // By mistake, every rate would be wrong by a thousand, in silence.
+        const NOT_SECONDS: [&str; 9] = ["ms", "us", "µs", "ns", "min", "minutes", "h", "hours", "days"];
+        if let Some(unit) = NOT_SECONDS.iter().find(|unit| name(self.time).ends_with(&format!("_{unit}"))) {
+            return Err(columns.refuse(format!(
+                "column `{}` says that it is in {unit}, and times are read in seconds: convert it, and call it `time_s`",
+                name(self.time)
+            )));
+        }
         let mut parts = vec![(self.time, "the time")];
         parts.extend(self.event.map(|event| (event, "the event class")));
         parts.extend(self.inputs.iter().map(|&input| (input, "an input")));
@@ -185,6 +214,10 @@ impl Roles {
 }
 
 impl<'a> Columns<'a> {
+    fn is_called_a_class(&self, column: usize) -> bool {
+        CLASS_NAMES.iter().any(|name| self.names[column].eq_ignore_ascii_case(name))
+    }
+
     fn of(path: &'a Path) -> Result<Self, RecordError> {
         // Closed again before others are opened: a long file's table of contents takes megabytes.
         let mut reader = Reader::open(path)?;
@@ -214,6 +247,10 @@ impl<'a> Columns<'a> {
             let elements =
                 columns.clone().filter_map(|column| prefixes.iter().find_map(|part| column.strip_prefix(part)));
             let known: Vec<&str> = elements.chain(columns).collect();
+            if name.ends_with(".json") {
+                return self
+                    .refuse(format!("there is no column `{name}`; to write a model to that file, say -o {name}"));
+            }
             self.refuse(format!("there is no column `{name}`; {}", suggest(name, known)))
         })
     }

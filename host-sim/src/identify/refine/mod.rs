@@ -103,7 +103,7 @@ pub fn refine(
     for search in searches {
         let (_, first_drives) = known(&search.setup, mesh, &facts, thesis_rad_s);
         let output = search.setup.output;
-        let new = settled(search, &mesh.outputs, poles, &first_drives);
+        let new = settled(search, &mesh.outputs, poles, &first_drives, std::f64::consts::PI / period_s);
         match found.get_mut(output) {
             None => found.push(new),
             Some(old) if is_better(&new, old) => *old = new,
@@ -237,7 +237,13 @@ fn total(folds: &[Problem]) -> Problem {
 }
 
 /// Refuses poles that came together; else the choice that the search ended with, and what is to be said of it.
-fn settled(mut search: Search, outputs: &[Output], poles: usize, first_drives: &[f64]) -> Result<Found, String> {
+fn settled(
+    mut search: Search,
+    outputs: &[Output],
+    poles: usize,
+    first_drives: &[f64],
+    nyquist_rad_s: f64,
+) -> Result<Found, String> {
     let name = &outputs[search.setup.output].name;
     let pinned = search.pinned();
     let Some(point) = search.best.take() else { return Err("has no rows".to_owned()) };
@@ -260,6 +266,11 @@ fn settled(mut search: Search, outputs: &[Output], poles: usize, first_drives: &
             "faster than samples of this period show"
         };
         warnings.push(format!("`{name}`: the pole at {:.4e} rad/s stands at the edge of its range, {what}: ask for fewer with --free-poles", rates[k]));
+    }
+    for rate in rates.iter().filter(|rate| **rate > nyquist_rad_s) {
+        warnings.push(format!(
+            "`{name}`: the pole at {rate:.4e} rad/s is faster than samples of this period tell, {nyquist_rad_s:.4e} rad/s: its resistance is real, its rate and capacitance are not known from this record; sample faster, or ask for --feed-through yes and one pole less"
+        ));
     }
     for k in 0..poles - 1 {
         let variance = point.covariance(k, k) + point.covariance(k + 1, k + 1) - 2.0 * point.covariance(k, k + 1);

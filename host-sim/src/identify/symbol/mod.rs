@@ -147,6 +147,15 @@ pub fn identify(
     for (output, choice) in choices.iter().enumerate() {
         warnings.extend(doubts(&survey.outputs[output], choice, facts, output, duration_s, &pairs));
     }
+    for (output, name) in survey.outputs.iter().enumerate() {
+        if let Some((row, part)) = looks[output].looked.residuals[output].lonely_row() {
+            warnings.push(format!(
+                "`{name}`: row {} alone makes {:.0} % of all squared residuals: a reading that went wrong? correct it, or cut the record there",
+                row + lag as u64,
+                100.0 * part
+            ));
+        }
+    }
     let chosen = chosen(&choices[0], is_white(&looks[0], 0), &meshes, lag, reasons, &options.given);
     Ok(Model {
         format: crate::model::FORMAT.to_owned(),

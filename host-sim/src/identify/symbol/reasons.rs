@@ -42,6 +42,14 @@ pub(in super::super) fn doubts(
             }
         }
     }
+    let greatest = choice.gain_spread.iter().map(|spread| spread.gain.abs()).fold(0.0, f64::max);
+    let apart = choice.gain_spread.iter().map(|spread| spread.upper_decile).fold(0.0, f64::max);
+    if doubts.is_empty() && apart > 0.25 * greatest && greatest > 0.0 {
+        doubts.push(format!(
+            "`{name}`: models that predict held-out stretches as well differ by up to {:.0} % in the steady gain: the record is too short, or too little excited at low frequencies, to tell; record for several of the slowest time constants",
+            100.0 * apart / greatest
+        ));
+    }
     doubts
 }
 

@@ -98,7 +98,10 @@ pub(in super::super) fn class_of(choice: &Choice, bank: usize) -> Class {
         r_k_per_w: relaxations.iter().map(|&term| solution.theta[term]).collect(),
         se_k_per_w: relaxations.iter().map(|&term| se(term)).collect(),
         steady_gain_k_per_w: all.iter().map(|&term| solution.theta[term]).sum(),
-        se_steady_gain_k_per_w: variance.max(0.0).sqrt().hypot(choice.gain_spread.get(bank).copied().unwrap_or(0.0)),
+        se_steady_gain_k_per_w: variance
+            .max(0.0)
+            .sqrt()
+            .hypot(choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median)),
         feed_through_k_per_w: feed.first().map_or(0.0, |&term| solution.theta[term]),
         se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| se(term)),
     }

@@ -42,11 +42,12 @@ pub fn netlist(part: &Part, network: Network) -> Result<String, String> {
     let mut text = format!(
         "* {} -> {}, class {}: thermal model by anemo\n\
          * 1 V is 1 K, 1 A is 1 W, 1 ohm is 1 K/W, 1 F is 1 J/K\n\
-         * Steady gain {} K/W. Hold `ambient` at {} V to read degrees Celsius.\n",
+         * Steady gain {} K/W{}. Hold `ambient` at {} V to read degrees Celsius.\n",
         ascii(&part.pair.input),
         ascii(&part.pair.output),
         ascii(part.label),
         spice(part.class.steady_gain_k_per_w),
+        if part.wind_w_per_k.is_some() { " without the conductance to the gas" } else { "" },
         spice(part.offset_c()),
     );
     if let Some(warning) = part.warning() {
