@@ -7,13 +7,13 @@ use dr_core::control::Drive;
 use host_sim::model::{Chosen, Class, FORMAT, Model, Output, Pair, Provenance, Structure, VERSION};
 use host_sim::predict::scenario::{Heated, Heater, Scenario};
 
-pub const RATES_RAD_S: [f64; 8] = [0.002, 0.01, 0.04, 0.15, 0.6, 2.5, 9.0, 30.0];
+pub const RATES_RAD_S: [f64; 8] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 pub const LABELS: [&str; 3] = ["still", "breeze", "gale"];
 /// By wind.
 pub const R_K_PER_W: [[f64; 8]; 3] = [
-    [60.0, 90.0, 130.0, 120.0, 60.0, 20.0, 5.0, 1.0],
-    [54.0, 74.0, 97.0, 92.0, 52.0, 19.0, 5.0, 1.0],
-    [48.0, 60.0, 72.0, 74.0, 46.0, 18.0, 5.0, 1.0],
+    [60.0, 90.0, 130.0, 120.0, 30.0, 3.0, 0.3, 0.05],
+    [57.0, 80.0, 100.0, 95.0, 27.0, 2.9, 0.3, 0.05],
+    [54.0, 70.0, 80.0, 75.0, 24.0, 2.8, 0.3, 0.05],
 ];
 pub const LEVELS_W: (f64, f64) = (0.0015, 0.06);
 pub const OFFSET_C: f64 = 20.0;

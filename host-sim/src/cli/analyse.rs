@@ -232,6 +232,7 @@ fn as_json(found: &Found) -> Value {
         "chatter_k": held.and_then(|held| held.chatter).map(|chatter| chatter.peak_to_peak_k()),
         "chatter_below_k": held.and_then(|held| held.chatter).map(|chatter| chatter.below_k),
         "chatter_above_k": held.and_then(|held| held.chatter).map(|chatter| chatter.above_k),
+        "chatter_mean_k": held.and_then(|held| held.chatter).map(|chatter| chatter.mean_k()),
         "changes": found.changes.iter().map(|(to, change)| change_json(to, change)).collect::<Vec<_>>(),
         "classes": std::iter::once(analysis).chain(&found.others).map(|of| (of.label.clone(), class_json(of))).collect::<serde_json::Map<_, _>>(),
         "notes": found.notes,

@@ -111,6 +111,13 @@ pub fn predict(model: &Model, scenario: &Scenario, start: Start) -> Result<Predi
             first_met_s: None,
         })
         .collect();
+    for (_, class) in &scenario.winds {
+        for (i, of) in elements.iter().enumerate().filter(|(_, of)| of.regulated) {
+            system
+                .check_surface(*class, i)
+                .map_err(|error| format!("the model of {}, class `{}`, {error}", of.name, model.classes[*class]))?;
+        }
+    }
     sampled(&mut motions, scenario, &class, z.clone(), &mut elements)?;
     limit(&mut motions, scenario, &class, z, &mut elements)?;
     if let Some(bad) = elements.iter().find(|of| of.limit_w.iter().chain(&of.sampled_w).any(|w| !w.is_finite())) {

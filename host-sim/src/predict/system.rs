@@ -159,6 +159,14 @@ impl System {
         self.base_c[element] + own.map(|(z, _)| z).sum::<f64>()
     }
 
+    /// # Errors
+    /// A sentence, if an element has no surface to slide on in a wind.
+    pub fn check_surface(&self, class: usize, element: usize) -> Result<(), String> {
+        let own = (0..self.order()).filter(|&s| self.input[s] == element && self.output[s] == element);
+        let gamma: f64 = own.map(|s| self.eta[class][s]).sum();
+        if gamma > 0.0 { Ok(()) } else { Err(PlaneError::NoSurface(gamma).to_string()) }
+    }
+
     fn injected(&self, class: usize, held: &[usize]) -> Result<Injected, String> {
         let (n, elements) = (self.order(), self.elements());
         let sums = DMatrix::from_fn(elements, n, |o, s| f64::from(u8::from(self.output[s] == o)));
@@ -182,9 +190,6 @@ impl System {
             return Ok(injected);
         }
         let own = DMatrix::from_fn(held.len(), held.len(), |a, b| gamma[(held[a], held[b])]);
-        if let Some(&bad) = held.iter().find(|&&i| gamma[(i, i)] <= 0.0) {
-            return Err(format!("element {} {}", bad + 1, PlaneError::NoSurface(gamma[(bad, bad)])));
-        }
         let inverse =
             own.try_inverse().ok_or("the elements that are held cannot be told apart: their Γ matrix is singular")?;
         let cross =
