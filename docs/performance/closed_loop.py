@@ -72,7 +72,7 @@ def with_ngspice(case, z_met):
     rates, r = np.array(case["rates_rad_s"]), np.array(case["r_k_per_w"][case["winds"][0][1]])
     nodes = ["j"] + [f"n{k}" for k in range(1, len(r))] + ["0"]
     lines = ["loop held at its set-point", f"V1 j 0 {case['rise_k']!r}"]
-    for k, (rate, own, z) in enumerate(zip(rates, r, z_met)):
+    for k, (rate, own, z) in enumerate(zip(rates.tolist(), r.tolist(), z_met.tolist())):
         lines.append(f"R{k} {nodes[k]} {nodes[k + 1]} {own!r}")
         lines.append(f"C{k} {nodes[k]} {nodes[k + 1]} {1 / (rate * own)!r} ic={z!r}")
     with tempfile.TemporaryDirectory() as folder:

@@ -10,7 +10,7 @@ use host_sim::predict::closed::{Start, predict};
 
 fn an_hour(criterion: &mut Criterion) {
     let winds = (0..100).map(|n| (n * 3600, [0, 2, 1, 0, 1, 2][n % 6])).collect();
-    let (model, scenario) = (symbol_model(), scenario(30.0, winds, 360_000));
+    let (model, scenario) = (symbol_model(), scenario(34.0, winds, 360_000));
     let mut group = criterion.benchmark_group("closed loop");
     group.sample_size(20).measurement_time(Duration::from_secs(3));
     group.bench_function("1 h at 100 Hz, 100 winds, K = 8", |b| b.iter(|| predict(&model, &scenario, Start::Rest)));

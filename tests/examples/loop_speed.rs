@@ -12,7 +12,7 @@ fn main() {
     let [ticks, winds, out] = arguments.as_slice() else { panic!("usage: loop_speed TICKS WINDS OUT") };
     let (ticks, winds): (usize, usize) = (ticks.parse().expect("a number"), winds.parse().expect("a number"));
     let winds: Vec<(usize, usize)> = (0..winds).map(|n| (n * ticks / winds, [0, 2, 1, 0, 1, 2][n % 6])).collect();
-    let (model, scenario) = (symbol_model(), scenario(38.0, winds.clone(), ticks));
+    let (model, scenario) = (symbol_model(), scenario(34.0, winds.clone(), ticks));
     let mut prediction = predict(&model, &scenario, Start::Rest).expect("the model can be predicted");
     let seconds = least_s(5, || prediction = predict(&model, &scenario, Start::Rest).expect("as before"));
     let of = &prediction.elements[0];
@@ -21,7 +21,7 @@ fn main() {
     let report = serde_json::json!({
         "seconds": seconds,
         "period_s": 0.01,
-        "rise_k": 38.0 - OFFSET_C,
+        "rise_k": 34.0 - OFFSET_C,
         "high_w": LEVELS_W.1,
         "rates_rad_s": RATES_RAD_S,
         "r_k_per_w": R_K_PER_W,

@@ -210,7 +210,8 @@ fn limit(
     let mut modes = vec![Mode::Given; count];
     let mut targets = vec![f64::NAN; count];
     let (mut power, mut levels) = (vec![0.0; count], vec![(0.0, 0.0); count]);
-    let mut scratch = z.clone();
+    let (mut scratch, mut before) = (z.clone(), z.clone());
+    let mut off = vec![false; count];
     for (tick, &class) in classes.iter().enumerate() {
         for i in 0..count {
             let temperature_c = system.temperature_c(&z, i);
@@ -230,7 +231,7 @@ fn limit(
             }
         }
         let mut left_s = scenario.sample_period_s;
-        let mut off = vec![false; count];
+        off.fill(false);
         // Each pass ends the tick or meets a surface; elements that meet one and leave it again at once are let go with the tick.
         for pass in 0..=2 * count {
             let at = settle_modes(motions, class, &z, &mut modes, &mut power, &levels)?;
@@ -247,9 +248,9 @@ fn limit(
                 own = system.motion(class, mask(&modes), left_s)?;
                 &own
             };
-            let before = z.clone();
+            before.copy_from(&z);
             motion.advance(&mut z, &power, &mut scratch);
-            let met = (0..count).find(|&i| passed(modes[i], system.temperature_c(&z, i), targets[i]));
+            let met = (0..count).find(|&i| passed(modes[i], || system.temperature_c(&z, i), targets[i]));
             let (Some(i), true) = (met, pass < 2 * count) else { break };
             let meeting_s = meeting(system, (class, mask(&modes)), (&before, i, targets[i]), left_s, &power)?;
             z.copy_from(&before);
@@ -307,10 +308,10 @@ fn settle_modes(
 }
 
 /// Whether an element under a level has come to its set-point from the side from which that level leads there.
-fn passed(mode: Mode, temperature_c: f64, target_c: f64) -> bool {
+fn passed(mode: Mode, temperature_c: impl Fn() -> f64, target_c: f64) -> bool {
     match mode {
-        Mode::Under(Level::High) => temperature_c >= target_c,
-        Mode::Under(Level::Low) => temperature_c <= target_c,
+        Mode::Under(Level::High) => temperature_c() >= target_c,
+        Mode::Under(Level::Low) => temperature_c() <= target_c,
         Mode::Given | Mode::Held => false,
     }
 }

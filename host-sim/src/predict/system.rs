@@ -53,11 +53,16 @@ struct Injected {
 /// The motion in one wind with one set of held elements, over one length of time.
 pub struct Motion {
     step: Step,
-    /// u of held elements: rows of state, of power, constant.
     held: Vec<usize>,
-    of_state: DMatrix<f64>,
-    of_power: DMatrix<f64>,
-    constant: DVector<f64>,
+    rows: Vec<Held>,
+}
+
+/// u of a held element.
+struct Held {
+    element: usize,
+    of_state: Vec<f64>,
+    of_power: Vec<f64>,
+    constant: f64,
 }
 
 enum Step {
@@ -155,8 +160,8 @@ impl System {
 
     /// Temperature of an element in °C.
     pub fn temperature_c(&self, z: &DVector<f64>, element: usize) -> f64 {
-        let own = z.iter().zip(&self.output).filter(|(_, output)| **output == element);
-        self.base_c[element] + own.map(|(z, _)| z).sum::<f64>()
+        let own = |(z, output): (&f64, &usize)| if *output == element { *z } else { 0.0 };
+        self.base_c[element] + z.as_slice().iter().zip(&self.output).map(own).sum::<f64>()
     }
 
     /// # Errors
@@ -257,7 +262,14 @@ impl System {
             }
             constant[i] += conductance * (self.base_c[i] - self.gas_c);
         }
-        Ok(Motion { step, held, of_state, of_power, constant })
+        let rows = held.iter().map(|&element| Held {
+            element,
+            of_state: of_state.row(element).iter().copied().collect(),
+            of_power: of_power.row(element).iter().copied().collect(),
+            constant: constant[element],
+        });
+        let rows = rows.collect();
+        Ok(Motion { step, held, rows })
     }
 
     /// Where the states end in a wind if all elements are heated with constant powers in W.
@@ -270,37 +282,45 @@ impl System {
 
 impl Motion {
     /// Writes the powers in W of the held elements; those of the others are given.
+    #[inline]
     pub fn equivalent_w(&self, z: &DVector<f64>, power_w: &mut [f64]) {
         for &i in &self.held {
             power_w[i] = 0.0;
         }
-        for &i in &self.held {
-            let of_state: f64 = self.of_state.row(i).iter().zip(z.iter()).map(|(k, z)| k * z).sum();
-            // Columns of held elements are zero.
-            let of_power: f64 = self.of_power.row(i).iter().zip(power_w.iter()).map(|(k, u)| k * u).sum();
-            power_w[i] = of_state + of_power + self.constant[i];
+        for Held { element, of_state, of_power, constant } in &self.rows {
+            let of_state: f64 = of_state.iter().zip(z.as_slice()).map(|(k, z)| k * z).sum();
+            // Entries of held elements are zero.
+            let of_power: f64 = of_power.iter().zip(power_w.iter()).map(|(k, u)| k * u).sum();
+            power_w[*element] = of_state + of_power + constant;
         }
     }
 
     /// One step. Powers of held elements do not matter.
+    #[inline]
     pub fn advance(&self, z: &mut DVector<f64>, power_w: &[f64], scratch: &mut DVector<f64>) {
         match &self.step {
             Step::Diagonal { gain, r, input } => {
-                for (((z, gain), r), input) in z.iter_mut().zip(gain).zip(r).zip(input) {
+                for (((z, gain), r), input) in z.as_mut_slice().iter_mut().zip(gain).zip(r).zip(input) {
                     *z += gain * (r * power_w[*input] - *z);
                 }
             }
             Step::Dense { of_state, of_power, constant } => {
-                scratch.copy_from(constant);
-                for (column, z) in of_state.column_iter().zip(z.iter()) {
-                    scratch.axpy(*z, &column, 1.0);
+                let order = z.len();
+                let next = scratch.as_mut_slice();
+                next.copy_from_slice(constant.as_slice());
+                // Columns stand one behind the other. Slices, because this is most of a prediction's work.
+                let add = |next: &mut [f64], column: &[f64], factor: f64| {
+                    next.iter_mut().zip(column).for_each(|(next, k)| *next += factor * k);
+                };
+                for (column, z) in of_state.as_slice().chunks_exact(order).zip(z.as_slice()) {
+                    add(next, column, *z);
                 }
-                for (column, u) in of_power.column_iter().zip(power_w) {
+                for (column, u) in of_power.as_slice().chunks_exact(order).zip(power_w) {
                     if *u != 0.0 {
-                        scratch.axpy(*u, &column, 1.0);
+                        add(next, column, *u);
                     }
                 }
-                z.copy_from(scratch);
+                std::mem::swap(z, scratch);
             }
         }
     }
