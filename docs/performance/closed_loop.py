@@ -80,7 +80,7 @@ def with_ngspice(case, z_met):
         lines += [
             ".options reltol=1e-10 abstol=1e-16 vntol=1e-13 gmin=1e-18 numdgt=15",
             f".tran {SPICE_STEP_S} {SPICE_END_S} 0 {SPICE_STEP_S} uic",
-            ".control", "set numdgt=15", "run", f"wrdata {out} i(v1)", ".endc", ".end",
+            ".control", "set numdgt=15", "run", f"wrdata {out} i(v1)", "quit 0", ".endc", ".end",
         ]
         net = Path(folder) / "loop.cir"
         net.write_text("\n".join(lines) + "\n")

@@ -99,9 +99,10 @@ impl Scenario {
 
     /// Class of every tick.
     pub fn classes(&self) -> Vec<usize> {
-        let mut classes = vec![self.winds.first().map_or(0, |(_, class)| *class); self.ticks];
-        for (first, class) in &self.winds {
-            classes.iter_mut().skip(*first).for_each(|of| *of = *class);
+        let mut classes = Vec::with_capacity(self.ticks);
+        for (at, (_, class)) in self.winds.iter().enumerate() {
+            let end = self.winds.get(at + 1).map_or(self.ticks, |(next, _)| *next);
+            classes.resize(end.clamp(classes.len(), self.ticks), *class);
         }
         classes
     }
