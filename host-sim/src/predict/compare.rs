@@ -21,11 +21,13 @@ pub struct Compared {
     pub count: usize,
 }
 
+/// (time in s, predicted in W, taken in W, counts)
+pub type Row = (f64, f64, f64, bool);
+
 /// Decimated powers at the middle of their windows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Decimated {
-    /// (time in s, predicted in W, taken in W, counts)
-    pub rows: Vec<(f64, f64, f64, bool)>,
+    pub rows: Vec<Row>,
 }
 
 /// Decimates both by windows of `ratio` ticks. `good` tells ticks on the surface, `class` the wind of each.
