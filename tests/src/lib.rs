@@ -1,6 +1,7 @@
 //! What the tests that cross crates share: where experiments and firmware are, and how a run is made from them.
 
 pub mod fake_board;
+pub mod loops;
 pub mod records;
 pub mod speed;
 pub mod winds;

@@ -12,6 +12,7 @@ use crate::model::export::part::Part;
 use crate::plot::Canvas;
 use crate::plot::model::closed_loop;
 use crate::predict::analysis::{Analysis, Conditions, SETTLED, analyse, change_between};
+use crate::predict::decays::Term;
 use crate::predict::disturbance::Change;
 use crate::predict::windy::Windy;
 
@@ -200,9 +201,7 @@ fn conditions(
 fn as_json(found: &Found) -> Value {
     let analysis = &found.analysis;
     let held = analysis.held.as_ref();
-    let real = |number: &dyn Fn(&(nalgebra::Complex<f64>, nalgebra::Complex<f64>)) -> f64| -> Vec<f64> {
-        analysis.zeros.iter().map(number).collect()
-    };
+    let real = |number: fn(&Term) -> f64| -> Vec<f64> { analysis.zeros.iter().map(number).collect() };
     let complex = analysis.zeros.iter().any(|(rate, _)| rate.im != 0.0);
     json!({
         "pair": found.pair,
@@ -211,10 +210,10 @@ fn as_json(found: &Found) -> Value {
         "steady_power_w": steady_power_w(analysis),
         "reaching_time_s": held.and_then(|held| held.reaching_time_s),
         "poles_rad_s": analysis.poles_rad_s,
-        "zeros_rad_s": real(&|(rate, _)| rate.re),
-        "zeros_imaginary_rad_s": complex.then(|| real(&|(rate, _)| rate.im)),
-        "zero_weights": real(&|(_, weight)| weight.re),
-        "zero_weights_imaginary": complex.then(|| real(&|(_, weight)| weight.im)),
+        "zeros_rad_s": real(|(rate, _)| rate.re),
+        "zeros_imaginary_rad_s": complex.then(|| real(|(rate, _)| rate.im)),
+        "zero_weights": real(|(_, weight)| weight.re),
+        "zero_weights_imaginary": complex.then(|| real(|(_, weight)| weight.im)),
         "fast": found.fast,
         "verdict": found.verdict,
         "open_settling_s": analysis.open_settling_s,
@@ -232,6 +231,7 @@ fn as_json(found: &Found) -> Value {
         "chatter_k": held.and_then(|held| held.chatter).map(|chatter| chatter.peak_to_peak_k()),
         "chatter_below_k": held.and_then(|held| held.chatter).map(|chatter| chatter.below_k),
         "chatter_above_k": held.and_then(|held| held.chatter).map(|chatter| chatter.above_k),
+        "chatter_mean_k": held.and_then(|held| held.chatter).map(|chatter| chatter.mean_k()),
         "changes": found.changes.iter().map(|(to, change)| change_json(to, change)).collect::<Vec<_>>(),
         "classes": std::iter::once(analysis).chain(&found.others).map(|of| (of.label.clone(), class_json(of))).collect::<serde_json::Map<_, _>>(),
         "notes": found.notes,

@@ -62,9 +62,10 @@ fn set_point(text: &mut String, held: &Held) {
     if let Some(chatter) = held.chatter {
         let _ = writeln!(
             text,
-            "  readings stay between {} mK below and {} mK above it",
+            "  readings stay between {} mK below and {} mK above it; their mean, and so the power, is off by {:.3} % of the rise",
             brief(1e3 * chatter.below_k),
-            brief(1e3 * chatter.above_k)
+            brief(1e3 * chatter.above_k),
+            100.0 * chatter.mean_k() / held.rise_k
         );
     }
 }

@@ -19,6 +19,7 @@ mod identify;
 mod merge;
 mod model_summary;
 mod plot;
+mod predict;
 mod reduce;
 mod run;
 mod validate;
@@ -64,6 +65,7 @@ enum Command {
     Export(export::Arguments),
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
+    Predict(predict::Arguments),
 }
 
 /// Why the command ends, and with which exit code.
@@ -129,6 +131,7 @@ pub fn main() -> ExitCode {
         Command::Export(arguments) => export::execute(&arguments),
         Command::Reduce(arguments) => reduce::execute(&arguments),
         Command::Analyse(arguments) => analyse::execute(&arguments),
+        Command::Predict(arguments) => predict::execute(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -152,7 +152,11 @@ impl Analysis {
 
     /// One sentence: fast, or with a tail, and how long that is.
     pub fn verdict(&self, changes: &[Change]) -> String {
-        let seconds = |time_s: Option<f64>| time_s.map_or("for ever".to_owned(), |time_s| format!("{time_s:.3} s"));
+        let seconds = |time_s: Option<f64>| match time_s {
+            None => "for ever".to_owned(),
+            Some(0.0) => "no time at all".to_owned(),
+            Some(time_s) => format!("{} s", three_digits(time_s)),
+        };
         let open = seconds(self.open_settling_s);
         if self.runs_away() {
             return "A zero lies in the right half plane: held at its set-point, the structure would run away inside, and no loop can hold it for long.".to_owned();
@@ -170,9 +174,9 @@ impl Analysis {
                 self.set_point_too(changes)
             ),
             worst_s => format!(
-                "Answers with a tail: after {what} the power takes {} to within 2 % of its final value, and the structure by itself {open}; the slowest time constant of the loop is {:.3} s.",
+                "Answers with a tail: after {what} the power takes {} to within 2 % of its final value, and the structure by itself {open}; the slowest time constant of the loop is {} s.",
                 seconds(worst_s),
-                1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min)
+                three_digits(1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min))
             ),
         }
     }
@@ -180,11 +184,17 @@ impl Analysis {
     fn set_point_too(&self, changes: &[Change]) -> String {
         match self.closed_settling_s {
             Some(time_s) if !changes.is_empty() && !self.is_fast(&[]) => {
-                format!(" After a step of the set-point there is a tail of {time_s:.3} s.")
+                format!(" After a step of the set-point there is a tail of {} s.", three_digits(time_s))
             }
             _ => String::new(),
         }
     }
+}
+
+/// A time for a sentence.
+fn three_digits(time_s: f64) -> String {
+    let digits = (2 - time_s.abs().max(1e-9).log10().floor() as i32).clamp(0, 9) as usize;
+    format!("{time_s:.digits$}")
 }
 
 #[cfg(test)]

@@ -4,6 +4,9 @@
 //! heater is on for the tick after a reading below the set-point and off after one at or above it. So readings stay, around the
 //! set-point, between −S (u_eq − P_off) and +S (P_on − u_eq): S (P_on − P_off) from peak to peak, whatever the power is. An upper bound
 //! to first order in ξ_K Ts; noise adds to it.
+//!
+//! The middle of that is the set-point only for a power half-way between the levels. Elsewhere the loop holds another mean temperature,
+//! and so takes another mean power than in the limit of fast sampling: by their share of the whole rise.
 
 use dr_core::model::{mesh, sliding_margins_w};
 
@@ -19,6 +22,11 @@ pub struct Chatter {
 impl Chatter {
     pub fn peak_to_peak_k(self) -> f64 {
         self.below_k + self.above_k
+    }
+
+    /// Mean of the readings over the set-point, K.
+    pub fn mean_k(self) -> f64 {
+        0.5 * (self.above_k - self.below_k)
     }
 }
 
@@ -40,11 +48,12 @@ mod tests {
         let plane = Plane::new(&rates, &r).unwrap();
         let (rise_k, low, high, period_s) = (5.0, 0.0015, 0.04, 0.01);
         let mut x = [rise_k / plane.steady_gain_k_per_w(); 4];
-        let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
+        let (mut lowest, mut highest, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         for tick in 0..100_000 {
             let y: f64 = x.iter().zip(r).map(|(x, r)| x * r).sum();
             if tick > 1000 {
                 (lowest, highest) = (lowest.min(y - rise_k), highest.max(y - rise_k));
+                sum += y - rise_k;
             }
             let u = if y >= rise_k { low } else { high };
             x.iter_mut().zip(rates).for_each(|(x, rate)| *x += mesh::gain(rate, period_s) * (u - *x));
@@ -52,6 +61,8 @@ mod tests {
         let bound = chatter(&plane, period_s, rise_k / plane.steady_gain_k_per_w(), low, high);
         // ξ_K Ts = 0.25: the first order is right to some ten per cent.
         assert!(-lowest < 1.1 * bound.below_k && -lowest > 0.5 * bound.below_k, "{lowest} {bound:?}");
+        let mean_k = sum / 98_999.0;
+        assert!((mean_k / bound.mean_k() - 1.0).abs() < 0.2, "{mean_k} {}", bound.mean_k());
         assert!(highest < 1.1 * bound.above_k && highest > 0.7 * bound.above_k, "{highest} {bound:?}");
     }
 }

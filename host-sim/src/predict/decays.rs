@@ -7,10 +7,13 @@ const POINTS: u32 = 4000;
 /// Decades of time that it looks at.
 const DECADES: f64 = 12.0;
 
+/// (μ_j in rad/s, a_j).
+pub type Term = (Complex<f64>, Complex<f64>);
+
 /// A sum of exponentials; complex ones come in conjugate pairs, so that it is real.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Decays {
-    terms: Vec<(Complex<f64>, Complex<f64>)>,
+    terms: Vec<Term>,
 }
 
 impl Decays {
@@ -20,7 +23,7 @@ impl Decays {
     }
 
     /// (μ_j, a_j), as they were added.
-    pub fn terms(&self) -> &[(Complex<f64>, Complex<f64>)] {
+    pub fn terms(&self) -> &[Term] {
         &self.terms
     }
 
@@ -38,7 +41,7 @@ impl Decays {
         if envelope(0.0) <= bound {
             return Some(0.0);
         }
-        let live = |(rate, weight): &&(Complex<f64>, Complex<f64>)| rate.re <= 0.0 && weight.norm() > 0.0;
+        let live = |(rate, weight): &&Term| rate.re <= 0.0 && weight.norm() > 0.0;
         if bound.is_nan() || bound <= 0.0 || self.terms.iter().any(|term| live(&term)) {
             return None;
         }

@@ -8,17 +8,23 @@
 //! | [`reaching`], [`chatter`] | how the loop arrives, and how it swings |
 //! | [`disturbance`] | what a change of the wind asks of it |
 //! | [`windy`], [`analysis`] | one class of a model, and all that there is to say of it |
+//! | [`scenario`], [`system`], [`closed`] | whole experiments with several elements, tick by tick |
+//! | [`compare`] | predicted power against a bit stream |
 //!
 //! The limit of infinitely fast sampling is exact for a linear model; equations that the board needs as well are
 //! [`dr_core::model::sliding`]'s.
 
 pub mod analysis;
 pub mod chatter;
+pub mod closed;
+pub mod compare;
 pub mod decays;
 pub mod disturbance;
 pub mod plane;
 pub mod reaching;
+pub mod scenario;
 pub mod secular;
+pub mod system;
 pub mod windy;
 pub mod zeros;
 

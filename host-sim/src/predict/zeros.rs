@@ -77,7 +77,8 @@ fn eigenvalues(rates: &[f64], eta: &[f64]) -> Vec<Complex<f64>> {
             let slope: Complex<f64> = (0..order).map(|k| Complex::from(eta[k]) / (gap(k) * gap(k))).sum();
             let step = value / slope;
             // Where two zeros meet the slope is none, and the eigenvalue is what there is.
-            if !(step.norm() < 1e-3 * rate.norm()) {
+            let small = step.norm() < 1e-3 * rate.norm();
+            if !small {
                 break;
             }
             rate -= step;

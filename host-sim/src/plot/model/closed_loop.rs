@@ -4,6 +4,7 @@ use super::Scale;
 use super::chart::{Chart, Lines, Series};
 use crate::plot::PlotError;
 use crate::predict::analysis::Analysis;
+use crate::predict::compare::Row;
 use crate::predict::disturbance::Change;
 
 /// Points of a curve.
@@ -49,6 +50,35 @@ pub fn analysis_page(
             chart = chart.series(Series::line(format!("to {to}"), power)).limit(change.finally_w);
         }
         lines = lines.row([chart.note("dashed: where it ends")]);
+    }
+    lines.svg()
+}
+
+/// What `anemo predict` has found: for every element decimated rows of (time in s, predicted in W, taken in W, counts), with winds as
+/// (from s, to s, colour, label).
+pub fn prediction_page<'a>(
+    title: &str,
+    what: &str,
+    elements: impl Iterator<Item = (&'a str, &'a [Row])>,
+    winds: &[(f64, f64, usize, String)],
+) -> Result<String, PlotError> {
+    let mut lines =
+        Lines::new(title).subtitle("predicted from an open-loop model, in the limit of fast sampling; both decimated");
+    for (name, rows) in elements {
+        let of = |value: fn(&Row) -> f64| rows.iter().map(|row| (row.0, value(row))).collect();
+        let with_winds = |chart: Chart| {
+            winds
+                .iter()
+                .fold(chart, |chart, (from_s, to_s, colour, label)| chart.span(*from_s, *to_s, *colour, label.clone()))
+        };
+        let power = Chart::new(format!("Power of {name}"), "W")
+            .series(Series::line(what, of(|row| row.2)))
+            .series(Series::dashed("predicted", of(|row| row.1)));
+        let left = Chart::new("Difference", "W")
+            .height(110.0)
+            .note("without edges")
+            .series(Series::line("", of(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
+        lines = lines.row([with_winds(power)]).row([with_winds(left)]);
     }
     lines.svg()
 }
