@@ -34,7 +34,8 @@ use crate::experiment::Experiment;
 use crate::run::RunError;
 use crate::toml_file::FileError;
 
-/// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, and look at what they recorded.
+/// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, identify thermal
+/// models from what they recorded, and predict closed loops with them.
 #[derive(Parser)]
 #[command(
     name = "anemo",
@@ -45,7 +46,10 @@ Examples:
   anemo check experiments/gusts.toml
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
   anemo run experiments/gusts.toml --on serial:/dev/ttyUSB0 -o gusts.csv
-  anemo plot gusts.parquet -o gusts.svg"
+  anemo plot gusts.parquet -o gusts.svg
+  anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
+  anemo validate model.json another-day.parquet
+  anemo analyse model.json --element sector1 --target 15"
 )]
 struct Arguments {
     #[command(subcommand)]
