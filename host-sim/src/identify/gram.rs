@@ -193,7 +193,8 @@ mod tests {
             row.extend([(-0.1 * n as f64).exp(), 1.0, output[n] - 20.0]);
             nalgebra::DVector::from_vec(row)
         };
-        for (fold, rows) in folds.iter().zip([0..123, 123..246, 246..377]) {
+        // The first five rows say nothing: what drives them late stood before the record.
+        for (fold, rows) in folds.iter().zip([5..123, 123..246, 246..377]) {
             assert_eq!(fold.rows, rows.len() as u64);
             let mut sums = DMatrix::zeros(design.width(), design.width());
             rows.map(row).for_each(|row| sums += &row * row.transpose());

@@ -52,7 +52,8 @@ fn of_more_columns_the_last_is_the_output_and_constant_inputs_are_left_out() {
     let (survey, block, _) =
         read("t,Q1,Q2,note,fan,T\n0,0,0,x,7,20\n1,1,0,1,7,20\n2,1,1,y,7,21\n", &Selection::default()).unwrap();
     assert_eq!((survey.inputs, survey.outputs), (names(&["Q1", "Q2"]), names(&["T"])));
-    assert_eq!(survey.notes, ["`fan` left out: constant", "inputs `Q1`, `Q2` and output `T` taken in order"]);
+    let text = "`note` left out: text; a column that labels conditions is named by --event";
+    assert_eq!(survey.notes, [text, "`fan` left out: constant", "inputs `Q1`, `Q2` and output `T` taken in order"]);
     assert_eq!(block.inputs, [[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]]);
 }
 
