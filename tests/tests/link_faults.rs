@@ -105,8 +105,8 @@ fn readings_that_are_missing_are_borne_once_and_then_trip() {
     assert_eq!((gap.sample.valid & 2, gap.sample.heaters.is_high(1)), (0, false));
     assert!(matches!(gap.sample.state, dr_core::control::RunState::Running));
     let trip = without_one(gap.sample.heaters);
-    assert!(matches!(trip.state, dr_core::control::RunState::Tripped(_)));
-    assert_eq!(trip.heaters.0, 0);
+    assert!(matches!(trip.sample.state, dr_core::control::RunState::Tripped(_)));
+    assert_eq!(trip.sample.heaters.0, 0);
 }
 
 #[test]
