@@ -16,6 +16,7 @@ use crate::predict::closed::{Predicted, Prediction, Start, predict};
 use crate::predict::compare::{Compared, Decimated, decimate};
 use crate::predict::scenario::Scenario;
 use crate::recording;
+use crate::recording::tidy;
 
 /// Window of the comparison in s, if none is given.
 const WINDOW_S: f64 = 1.0;
@@ -141,7 +142,8 @@ fn taken_w(path: &Path, model: &Model, experiment: &Experiment) -> Result<Vec<Ve
     let (own_s, its_s) = (experiment.sample_period_s, survey.sample_period_s);
     if (its_s / own_s - 1.0).abs() > 1e-3 {
         return Err(format!(
-            "is sampled every {its_s} s and the experiment every {own_s} s: it is no recording of this experiment"
+            "is sampled every {} s and the experiment every {own_s} s: it is no recording of this experiment",
+            tidy(its_s)
         ));
     }
     let ticks = experiment.ticks as usize;
