@@ -111,6 +111,12 @@ fn winds(arguments: &Arguments, model: &Model) -> Result<(Vec<Windy>, String), S
     if !part.is_self_heating() {
         return Err(format!("pair {called} is cross-heating: no loop measures here and heats there"));
     }
+    let late = part.pair.dead_time_samples;
+    if late > 0 {
+        return Err(format!(
+            "pair {called} has a dead time of {late} samples, in which the temperature runs on past its set-point, and which no design here allows for: identify it with --dead-time 0"
+        ));
+    }
     let Some(conductance) = &arguments.conductance else {
         let labels = if arguments.wind.is_empty() { &model.classes } else { &arguments.wind };
         let of = |label: &String| Windy::of(&Part::find(model, pair, Some(label))?, arguments.gas_temperature);

@@ -16,7 +16,6 @@ use crate::predict::closed::{Predicted, Prediction, Start, predict};
 use crate::predict::compare::{Compared, Decimated, decimate};
 use crate::predict::scenario::Scenario;
 use crate::recording;
-use crate::recording::tidy;
 
 /// Window of the comparison in s, if none is given.
 const WINDOW_S: f64 = 1.0;
@@ -143,7 +142,7 @@ fn taken_w(path: &Path, model: &Model, experiment: &Experiment) -> Result<Vec<Ve
     if (its_s / own_s - 1.0).abs() > 1e-3 {
         return Err(format!(
             "is sampled every {} s and the experiment every {own_s} s: it is no recording of this experiment",
-            tidy(its_s)
+            recording::tidy(its_s)
         ));
     }
     let ticks = experiment.ticks as usize;

@@ -158,6 +158,9 @@ impl Analysis {
             Some(time_s) => format!("{} s", three_digits(time_s)),
         };
         let open = seconds(self.open_settling_s);
+        if self.held.as_ref().is_some_and(|held| !matches!(held.verdict, Reachability::Reachable { .. })) {
+            return "Cannot hold the set-point between these levels, so there is no loop to speak of: choose another set-point, or other levels.".to_owned();
+        }
         if self.runs_away() {
             return "A zero lies in the right half plane: held at its set-point, the structure would run away inside, and no loop can hold it for long.".to_owned();
         }
