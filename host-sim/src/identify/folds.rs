@@ -7,13 +7,11 @@
 //! | single | every fold but the first | does it interpolate? |
 //! | double | every pair of neighbours but the first | does it bridge a longer gap? |
 //! | ahead | all that comes behind 5, 6, 7 and 8 tenths | does it carry on? |
-//!
 //! | begin | nothing | does it explain the first fold? |
 //!
 //! A candidate is worth the geometric mean of its answers: drift that a slow pole explains passes the first question and fails the
-//! third. The first
-//! fold is never held out, because nothing else tells what state the record began with; but who assumes a state there must fit it.
-//! The inputs of held-out stretches are known, only their outputs are not.
+//! third. The first fold is never held out, because nothing else tells what state the record began with; but who assumes a state
+//! there must fit it. The inputs of held-out stretches are known, only their outputs are not.
 
 use nalgebra::DMatrix;
 
