@@ -28,6 +28,9 @@ and the set-point lies half-way between what they can hold.
 A zero's weight is what the power has beyond its steady value on that zero, in units of the steady value, right after the
 temperature was lifted to the set-point at once. Weights of a change of the wind depend on the change, and are in `changes`.
 
+Settling after a change of the wind is counted from the change until the power stays within 2 % of the whole change, with the
+temperature back at its set-point where a level was in the way of the power at once.
+
 Examples:
   anemo analyse model.json
   anemo analyse model.json --class still --target 30 --low 0.0015 --high 0.042 --sample-period 0.01
@@ -121,7 +124,7 @@ fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
     }
     if part.pair.dead_time_samples > 0 {
         let dead_s = part.dead_time_s();
-        notes.push(format!("the model's dead time of {dead_s} s is left out: a real loop swings further by what a level does in that time"));
+        notes.push(format!("the model's dead time of {dead_s} s is in the reaching time only: a real loop swings further by what a level does in that time"));
     }
     if !model.supported {
         notes.push(format!("the record does not support this model: {}", model.warnings.join("; ")));
@@ -144,8 +147,7 @@ fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
             Err(sentence) => notes.push(sentence),
         }
     }
-    let only: Vec<Change> = changes.iter().map(|(_, change)| change.clone()).collect();
-    let (verdict, fast) = (analysis.verdict(&only), analysis.is_fast(&only));
+    let (verdict, fast) = (analysis.verdict(&changes), analysis.is_fast(&changes));
     Ok(Found {
         pair: format!("{} → {}", part.pair.input, part.pair.output),
         analysis,
@@ -232,13 +234,14 @@ fn as_json(found: &Found) -> Value {
         "chatter_below_k": held.and_then(|held| held.chatter).map(|chatter| chatter.below_k),
         "chatter_above_k": held.and_then(|held| held.chatter).map(|chatter| chatter.above_k),
         "chatter_mean_k": held.and_then(|held| held.chatter).map(|chatter| chatter.mean_k()),
-        "changes": found.changes.iter().map(|(to, change)| change_json(to, change)).collect::<Vec<_>>(),
+        "changes": found.changes.iter().map(|(to, change)| change_json(to, change, analysis)).collect::<Vec<_>>(),
         "classes": std::iter::once(analysis).chain(&found.others).map(|of| (of.label.clone(), class_json(of))).collect::<serde_json::Map<_, _>>(),
         "notes": found.notes,
     })
 }
 
-fn change_json(to: &str, change: &Change) -> Value {
+fn change_json(to: &str, change: &Change, analysis: &Analysis) -> Value {
+    let limited = analysis.limited(change);
     json!({
         "to": to,
         "before_w": change.before_w,
@@ -247,7 +250,9 @@ fn change_json(to: &str, change: &Change) -> Value {
         "mismatched_share": change.mismatched_share(),
         "matched_k_per_s": change.matched_k_per_s,
         "mismatched_k_per_s": change.mismatched_k_per_s,
-        "settling_s": change.settled_s(SETTLED),
+        "settling_s": limited.settled_s,
+        "off_set_point_s": limited.off_s,
+        "settling_without_levels_s": change.settled_s(SETTLED),
         "decays": change.decays.terms().iter().map(|(rate, weight)| json!({"rate_rad_s": rate.re, "weight_w": weight.re})).collect::<Vec<_>>(),
     })
 }

@@ -29,7 +29,8 @@ pub fn summary(found: &Found) -> String {
     }
     poles_and_zeros(&mut text, analysis);
     for (to, change) in &found.changes {
-        let settled = change.settled_s(SETTLED).map_or("never".to_owned(), |time_s| format!("in {} s", brief(time_s)));
+        let limited = analysis.limited(change);
+        let settled = limited.settled_s.map_or("never".to_owned(), |time_s| format!("in {} s", brief(time_s)));
         let _ = writeln!(
             text,
             "\n{} → {to}: {} W before, {} W at once, {} W in the end; within 2 % {settled}\n  {:.1} % of the disturbance is mismatched",
@@ -39,6 +40,12 @@ pub fn summary(found: &Found) -> String {
             brief(change.finally_w),
             100.0 * change.mismatched_share()
         );
+        let free = change.settled_s(SETTLED).map_or(String::new(), |time_s| format!(", and would be settled in {} s if it could", brief(time_s)));
+        let _ = match limited.off_s {
+            Some(0.0) => Ok(()),
+            Some(off_s) => writeln!(text, "  a level is in the way: the temperature is off its set-point for {} s{free}", brief(off_s)),
+            None => writeln!(text, "  OUT OF REACH between these levels"),
+        };
     }
     let _ = writeln!(text, "\n{}", found.verdict);
     text
@@ -58,11 +65,15 @@ fn set_point(text: &mut String, held: &Held) {
     );
     if let (Some(time_s), Some(arrival_w)) = (held.reaching_time_s, held.arrival_w) {
         let _ = writeln!(text, "  reached from rest after {} s, then with {} W", brief(time_s), brief(arrival_w));
+        let (low_w, high_w) = conditions.levels_w();
+        if !(low_w..=high_w).contains(&arrival_w) {
+            text.push_str("  that is beyond a level: the temperature goes on past its set-point and comes back later\n");
+        }
     }
     if let Some(chatter) = held.chatter {
         let _ = writeln!(
             text,
-            "  readings stay between {} mK below and {} mK above it; their mean, and so the power, is off by {:.3} % of the rise",
+            "  readings stay between about {} mK below and {} mK above it; their mean, and so the power, is off by {:.3} % of the rise",
             brief(1e3 * chatter.below_k),
             brief(1e3 * chatter.above_k),
             100.0 * chatter.mean_k() / held.rise_k

@@ -4,8 +4,9 @@ use super::Wish;
 use crate::predict::reaching::reaching_time_s;
 use crate::predict::windy::Windy;
 
-/// Steps in which a range of set-points is tried, from the highest down.
-const STEPS: u32 = 200;
+/// How far the levels that are recommended lie beyond the powers that a change asks for at once.
+const BEYOND_BELOW: f64 = 0.95;
+const BEYOND_ABOVE: f64 = 1.05;
 
 /// A wind's label and its u_Q in W for a rise over the first wind's temperature without heating.
 fn powers(winds: &[Windy], rise_k: f64) -> impl Iterator<Item = (&str, f64)> {
@@ -45,64 +46,90 @@ fn objection(winds: &[Windy], wish: &Wish, rise_k: f64) -> Option<String> {
     None
 }
 
+/// The rises in K that the given levels hold in every wind, the lowest exclusive where no low level is given.
+///
+/// u_Q = (ΔT + T_0 − T_w)/ΣR grows with ΔT by a straight line in every wind, so that they are one interval.
+fn held_k(winds: &[Windy], wish: &Wish) -> (f64, f64) {
+    let reference_c = winds[0].unheated_c;
+    winds.iter().fold((0.0, f64::INFINITY), |(least_k, most_k), windy| {
+        let rise_k = |power_w: f64| power_w * windy.plane.steady_gain_k_per_w() + windy.unheated_c - reference_c;
+        let low_w = wish.power_low_w.map_or(0.0, |low_w| low_w / (1.0 - wish.margin));
+        let high_w = wish.power_high_w.map_or(f64::INFINITY, |high_w| high_w / (1.0 + wish.margin));
+        (f64::max(least_k, rise_k(low_w)), f64::min(most_k, rise_k(high_w)))
+    })
+}
+
 /// The highest rise in K of those that would do.
 ///
 /// # Errors
 /// If the given levels can hold none of them: what is in the way of the highest, and which rise they could hold.
 pub fn set_point(winds: &[Windy], wish: &Wish, reasons: &mut Vec<String>) -> Result<f64, String> {
     let (lowest_k, highest_k) = wish.rise_k;
-    for step in 0..=STEPS {
-        let rise_k = highest_k - (highest_k - lowest_k) * f64::from(step) / f64::from(STEPS);
-        if objection(winds, wish, rise_k).is_some() {
-            continue;
-        }
-        reasons.push(if lowest_k == highest_k {
-            format!("set-point: {rise_k} K, as wished")
-        } else if step == 0 {
-            format!("set-point: {rise_k} K, the highest of those wished, as what the wind takes grows with it and the swing does not")
+    let (least_k, most_k) = held_k(winds, wish);
+    // The rounding of an end is no objection.
+    let near = 1e-12 * highest_k;
+    let rise_k = highest_k.min(most_k);
+    let needs_heat = wish.power_low_w.unwrap_or(0.0) > 0.0 || rise_k > least_k;
+    if rise_k < lowest_k - near || rise_k < least_k - near || !needs_heat {
+        let why = objection(winds, wish, highest_k).unwrap_or_default();
+        let could = if least_k < most_k && most_k < f64::INFINITY {
+            format!("; the given levels hold {least_k:.3} to {most_k:.3} K")
+        } else if least_k < most_k {
+            format!("; the given low level holds {least_k:.3} K and more")
         } else {
-            format!("set-point: {rise_k:.4} K, the highest of those wished that the given levels hold in every wind")
-        });
-        return Ok(rise_k);
-    }
-    let why = objection(winds, wish, highest_k).unwrap_or_default();
-    // Every rise up to the double and down to a hundredth is one that could have been meant.
-    let held = |share: &f64| objection(winds, wish, highest_k * share).is_none();
-    let could = (1..=200).map(|percent| f64::from(percent) / 100.0).filter(held);
-    let (least, most) = could.fold((f64::NAN, f64::NAN), |(least, most), share| (share.min(least), share.max(most)));
-    Err(format!(
-        "{highest_k} K cannot be held: {why}{}",
-        if least.is_nan() {
             String::new()
-        } else {
-            format!("; the given levels hold {:.3} to {:.3} K", least * highest_k, most * highest_k)
-        }
-    ))
+        };
+        return Err(format!("{highest_k} K cannot be held: {why}{could}"));
+    }
+    reasons.push(if lowest_k == highest_k {
+        format!("set-point: {rise_k} K, as wished")
+    } else if rise_k == highest_k {
+        format!("set-point: {rise_k} K, the highest of those wished, as what the wind takes grows with it and the swing does not")
+    } else {
+        format!("set-point: {rise_k:.4} K, the highest of those wished that the given levels hold in every wind")
+    });
+    Ok(rise_k)
 }
 
-/// Low and high level in W: those given, or those that the margin and the reaching time ask for.
+/// Low and high level in W: those given, or those that the margin, the reaching time and answers at once ask for.
+///
+/// `at_once_w` is the least and the most power that a change of the wind asks for at once, where a response is wished.
 ///
 /// # Errors
 /// If the set-point is not reached in time.
-pub fn levels(winds: &[Windy], wish: &Wish, rise_k: f64, reasons: &mut Vec<String>) -> Result<(f64, f64), String> {
+pub fn levels(
+    winds: &[Windy],
+    wish: &Wish,
+    rise_k: f64,
+    at_once_w: Option<(f64, f64)>,
+    reasons: &mut Vec<String>,
+) -> Result<(f64, f64), String> {
     let [(calm, least_w), (strong, most_w)] = extremes(winds, rise_k);
     let percent = 100.0 * wish.margin;
-    let low_w = wish.power_low_w.unwrap_or(least_w * (1.0 - wish.margin));
+    let below_w = at_once_w.map_or(f64::INFINITY, |(least_w, _)| BEYOND_BELOW * least_w).max(0.0);
+    let low_w = wish.power_low_w.unwrap_or((least_w * (1.0 - wish.margin)).min(below_w));
     reasons.push(match wish.power_low_w {
         Some(_) => format!("low level: as given, below the {least_w:.5} W that `{calm}` takes"),
+        None if low_w == below_w => format!(
+            "low level: {low_w:.5} W, below the least power that a change of the wind asks for at once; {percent} % below the {least_w:.5} W that `{calm}` takes would hold the set-point"
+        ),
         None => format!(
             "low level: {low_w:.5} W, {percent} % below the {least_w:.5} W that `{calm}` takes, the least of all winds"
         ),
     });
     let by_margin_w = most_w * (1.0 + wish.margin);
+    let above_w = at_once_w.map_or(0.0, |(_, most_w)| BEYOND_ABOVE * most_w);
     let target_c = winds[0].unheated_c + rise_k;
     let slowest_s = |high_w: f64| {
         let times = winds.iter().map(|windy| reaching_time_s(&windy.plane, target_c - windy.unheated_c, high_w));
         times.fold(0.0_f64, |worst, time_s| worst.max(time_s.unwrap_or(f64::INFINITY)))
     };
-    let mut high_w = wish.power_high_w.unwrap_or(by_margin_w);
+    let mut high_w = wish.power_high_w.unwrap_or(by_margin_w.max(above_w));
     let mut reason = match wish.power_high_w {
         Some(_) => format!("high level: as given, above the {most_w:.5} W that `{strong}` takes"),
+        None if high_w == above_w => format!(
+            "high level: {high_w:.5} W, above the most power that a change of the wind asks for at once; {by_margin_w:.5} W would hold the set-point"
+        ),
         None => format!(
             "high level: {high_w:.5} W, {percent} % above the {most_w:.5} W that `{strong}` takes, the most of all winds"
         ),

@@ -5,16 +5,18 @@
 //! | set-point | the highest of the wished ones that the levels can hold: what wind takes grows with it, and the swing does not |
 //! | levels | below and above u_Q = ΔT/ΣR_k (thesis 2.51) of every wind, by a share of it |
 //! | high level | besides, reaches the set-point from rest in the time allowed, in the strongest wind |
+//! | both | besides, beyond what a change of the wind asks for at once, where a response is wished |
 //! | sample period | the longest of 1, 2, 5 times a power of ten at which the temperature swings by no more than wished |
 //!
 //! Every number is [`predict`](crate::predict)'s, in the limit of fast sampling of a linear model. What a wish asks beyond the structure
 //! (a tail that no level shortens) is refused, with what could be had.
 
+pub mod answers;
 pub mod levels;
 pub mod period;
 pub mod trial;
 
-use crate::predict::analysis::{Conditions, SETTLED, analyse, change_between};
+use crate::predict::analysis::{Conditions, analyse};
 use crate::predict::windy::Windy;
 
 pub use trial::Trial;
@@ -81,10 +83,12 @@ const LEAST_SAMPLES: f64 = 10.0;
 pub fn design(winds: &[Windy], wish: &Wish) -> Result<Design, String> {
     check(winds, wish)?;
     let mut reasons = Vec::new();
-    let settling_s = settling(winds, wish, &mut reasons)?;
     let rise_k = levels::set_point(winds, wish, &mut reasons)?;
-    let (power_low_w, power_high_w) = levels::levels(winds, wish, rise_k, &mut reasons)?;
     let target_c = winds[0].unheated_c + rise_k;
+    let changes = answers::changes(winds, target_c);
+    let at_once_w = wish.response_s.and_then(|_| answers::at_once_w(&changes));
+    let (power_low_w, power_high_w) = levels::levels(winds, wish, rise_k, at_once_w, &mut reasons)?;
+    let settling_s = answers::settling_s(&changes, wish.response_s, (power_low_w, power_high_w), &mut reasons)?;
     let most_s = wish.response_s.map_or(period::LONGEST_S, |response_s| response_s / LEAST_SAMPLES);
     let range_w = power_high_w - power_low_w;
     let sample_period_s = period::sample_period_s(winds, range_w, wish.ripple_k, most_s, &mut reasons)?;
@@ -148,31 +152,6 @@ fn check(winds: &[Windy], wish: &Wish) -> Result<(), String> {
     winds.iter().find(runs_away).map_or(Ok(()), |windy| {
         Err(format!("class `{}` has a zero in the right half plane: no loop can hold it for long", windy.label))
     })
-}
-
-/// The longest settling of any change; a tail is the structure's, and no level or period shortens it.
-fn settling(winds: &[Windy], wish: &Wish, reasons: &mut Vec<String>) -> Result<Option<f64>, String> {
-    let mut worst: Option<(f64, &str, &str)> = None;
-    for (i, from) in winds.iter().enumerate() {
-        for (j, to) in winds.iter().enumerate() {
-            let target_c = winds[0].unheated_c + wish.rise_k.1;
-            let Some(change) = change_between(from, to, target_c).filter(|_| i != j) else { continue };
-            let settled_s = change.settled_s(SETTLED).unwrap_or(f64::INFINITY);
-            if worst.is_none_or(|(longest_s, ..)| settled_s > longest_s) {
-                worst = Some((settled_s, &from.label, &to.label));
-            }
-        }
-    }
-    let Some((settling_s, from, to)) = worst else { return Ok(None) };
-    if let Some(response_s) = wish.response_s.filter(|response_s| settling_s > *response_s) {
-        return Err(format!(
-            "a response in {response_s} s cannot be had: from `{from}` to `{to}` the power takes {settling_s:.3} s to within 2 %, whatever the levels and the sample period. That tail is the structure's; wish for that long, or take it out by the observer (`observe`)"
-        ));
-    }
-    reasons.push(format!(
-        "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % in {settling_s:.3} s, by the structure alone"
-    ));
-    Ok(Some(settling_s))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use nalgebra::Complex;
 use super::chatter::{Chatter, chatter};
 use super::decays::Decays;
 use super::disturbance::{Change, change, change_of_conductance};
+use super::limited::Limited;
 use super::reaching::reaching_time_s;
 use super::windy::Windy;
 use super::zeros::decays_of_a_lift;
@@ -23,6 +24,13 @@ pub struct Conditions {
     pub power_low_w: f64,
     pub power_high_w: f64,
     pub sample_period_s: f64,
+}
+
+impl Conditions {
+    /// Low and high level, W.
+    pub fn levels_w(&self) -> (f64, f64) {
+        (self.power_low_w, self.power_high_w)
+    }
 }
 
 /// How one class answers.
@@ -92,7 +100,7 @@ fn held(windy: &Windy, conditions: Conditions) -> Held {
     let verdict = plane.reachability(rise_k, low_w, high_w);
     let steady_w = rise_k / plane.steady_gain_k_per_w();
     let reachable = matches!(verdict, Reachability::Reachable { .. });
-    let reaching_time_s = if reachable { reaching_time_s(plane, rise_k, high_w) } else { None };
+    let met_s = if reachable { reaching_time_s(plane, rise_k, high_w) } else { None };
     let arrival = |time_s: f64| {
         let poles = plane.rates_rad_s().iter().zip(plane.r_k_per_w());
         let z: Vec<f64> = poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect();
@@ -103,8 +111,9 @@ fn held(windy: &Windy, conditions: Conditions) -> Held {
         rise_k,
         verdict,
         margins_w: sliding_margins_w(steady_w, low_w, high_w),
-        reaching_time_s,
-        arrival_w: reaching_time_s.map(arrival),
+        // What is read is late by the dead time.
+        reaching_time_s: met_s.map(|met_s| met_s + windy.dead_time_s),
+        arrival_w: met_s.map(arrival),
         chatter: reachable.then(|| chatter(plane, sample_period_s, steady_w, low_w, high_w)),
     }
 }
@@ -137,21 +146,38 @@ impl Analysis {
     }
 
     /// Whether it settles in a tenth of the structure's own time, after a step of the set-point and after all changes.
-    pub fn is_fast(&self, changes: &[Change]) -> bool {
+    pub fn is_fast(&self, changes: &[(String, Change)]) -> bool {
         let (Some(open_s), Some(worst_s)) = (self.open_settling_s, self.worst_s(changes)) else { return false };
         worst_s <= FAST * open_s
     }
 
-    /// The longest settling: of changes of the wind where there are some, else of the set-point.
-    fn worst_s(&self, changes: &[Change]) -> Option<f64> {
-        if changes.is_empty() {
+    /// What a change comes to between the loop's levels, or without any where none are known.
+    pub fn limited(&self, change: &Change) -> Limited {
+        match &self.held {
+            Some(held) => change.between(SETTLED, held.conditions.levels_w()),
+            None => Limited { off_s: Some(0.0), settled_s: change.settled_s(SETTLED) },
+        }
+    }
+
+    /// The longest settling: of changes to winds that can be held where there are some, else of the set-point.
+    fn worst_s(&self, changes: &[(String, Change)]) -> Option<f64> {
+        let held: Vec<&Change> =
+            changes.iter().map(|(_, change)| change).filter(|change| self.can_hold(change)).collect();
+        if held.is_empty() {
             return self.closed_settling_s;
         }
-        changes.iter().map(|change| change.settled_s(SETTLED)).try_fold(0.0, |worst: f64, next| Some(worst.max(next?)))
+        held.iter().map(|change| self.limited(change).settled_s).try_fold(0.0, |worst: f64, next| Some(worst.max(next?)))
+    }
+
+    fn can_hold(&self, change: &Change) -> bool {
+        self.held.as_ref().is_none_or(|held| {
+            let (low_w, high_w) = held.conditions.levels_w();
+            low_w < change.finally_w && change.finally_w < high_w
+        })
     }
 
     /// One sentence: fast, or with a tail, and how long that is.
-    pub fn verdict(&self, changes: &[Change]) -> String {
+    pub fn verdict(&self, changes: &[(String, Change)]) -> String {
         let seconds = |time_s: Option<f64>| match time_s {
             None => "for ever".to_owned(),
             Some(0.0) => "no time at all".to_owned(),
@@ -169,28 +195,46 @@ impl Analysis {
                 "Answers at once: with one significant pole every disturbance is matched, and the power follows within sample periods, where the structure by itself takes {open} to within 2 %."
             );
         }
-        let what = if changes.is_empty() { "a step of the set-point" } else { "a change of the wind" };
-        match self.worst_s(changes) {
+        let winds = changes.iter().any(|(_, change)| self.can_hold(change));
+        let what = if winds { "a change of the wind" } else { "a step of the set-point" };
+        let answers = match self.worst_s(changes) {
             Some(worst_s) if self.is_fast(changes) => format!(
                 "Answers fast: after {what} the power is within 2 % of its final value in {}, where the structure by itself takes {open}.{}",
                 seconds(Some(worst_s)),
-                self.set_point_too(changes)
+                self.set_point_too(winds)
             ),
             worst_s => format!(
                 "Answers with a tail: after {what} the power takes {} to within 2 % of its final value, and the structure by itself {open}; the slowest time constant of the loop is {} s.",
                 seconds(worst_s),
                 three_digits(1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min))
             ),
-        }
+        };
+        answers + &self.of_the_levels(changes)
     }
 
-    fn set_point_too(&self, changes: &[Change]) -> String {
+    fn set_point_too(&self, winds: bool) -> String {
         match self.closed_settling_s {
-            Some(time_s) if !changes.is_empty() && !self.is_fast(&[]) => {
+            Some(time_s) if winds && !self.is_fast(&[]) => {
                 format!(" After a step of the set-point there is a tail of {} s.", three_digits(time_s))
             }
             _ => String::new(),
         }
+    }
+
+    /// What the levels have to do with it.
+    fn of_the_levels(&self, changes: &[(String, Change)]) -> String {
+        let lost: Vec<&str> =
+            changes.iter().filter(|(_, change)| !self.can_hold(change)).map(|(to, _)| to.as_str()).collect();
+        let off = |change: &Change| self.limited(change).off_s.unwrap_or(0.0) > 0.0;
+        let slowed = changes.iter().any(|(_, change)| self.can_hold(change) && off(change));
+        let mut text = String::new();
+        if slowed {
+            text.push_str(" A level stands in the way of the answer at once: levels further apart would make it faster.");
+        }
+        if !lost.is_empty() {
+            text.push_str(&format!(" Between these levels the set-point cannot be held in {}.", lost.join(", ")));
+        }
+        text
     }
 }
 
@@ -261,8 +305,25 @@ mod tests {
         assert!((back.before_w - change.finally_w).abs() < 1e-12);
         let steady = |windy: &Windy| (30.0 - windy.unheated_c) / windy.plane.steady_gain_k_per_w();
         assert!((steady(&gust) - change.finally_w).abs() < 1e-12);
-        let verdict = analyse(&still, None).verdict(&[change]);
+        let verdict = analyse(&still, None).verdict(&[("gust".to_owned(), change)]);
         assert!(verdict.starts_with("Answers fast") && verdict.contains("set-point there is a tail"), "{verdict}");
+    }
+
+    #[test]
+    fn a_level_in_the_way_is_said_and_counted() {
+        // The wind halves the fast pole: u_eq jumps far, and 3 W at most are there.
+        let (calm, gale) = (windy(&[0.01, 1.0], &[5.0, 5.0]), windy(&[0.01, 1.0], &[5.0, 2.0]));
+        let change = || vec![("gale".to_owned(), change_between(&calm, &gale, 30.0).unwrap())];
+        let analysis = |power_high_w| analyse(&calm, Some(Conditions { power_high_w, ..CONDITIONS }));
+        let at_once_w = change()[0].1.at_once_w;
+        assert!(at_once_w > 1.5 && change()[0].1.finally_w < 1.5, "{at_once_w}");
+        let (wide, narrow) = (analysis(10.0), analysis(1.5));
+        let settled_s = |of: &Analysis| of.limited(&change()[0].1).settled_s.unwrap();
+        assert!(settled_s(&narrow) > settled_s(&wide));
+        assert!(narrow.verdict(&change()).contains("A level stands in the way"), "{}", narrow.verdict(&change()));
+        assert!(!wide.verdict(&change()).contains("level"));
+        let lost = analysis(1.2);
+        assert!(lost.verdict(&change()).ends_with("cannot be held in gale."), "{}", lost.verdict(&change()));
     }
 
     #[test]

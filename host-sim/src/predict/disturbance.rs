@@ -1,10 +1,12 @@
 //! A change of the wind under a sliding loop: what the power answers at once, and what is left for the slow poles (thesis 2.56–2.58).
 //!
 //! When class A gives way to class B, the power u that held the rise is injected by η^B instead of η^A. Seen from A that is a
-//! disturbance Ξ_k = (η^B_k − η^A_k) u on pole k, in K/s. With χ = Σ Ξ_k the part (η_k/Γ)χ is matched: a change of the power by −χ/Γ undoes
-//! it at once. The rest, Ξ_k − (η_k/Γ)χ, adds up to zero and only moves heat between poles, which u_eq then follows with the zeros of B.
+//! disturbance Ξ_k = (η^B_k − η^A_k) u on pole k, in K/s. Power acts by η^B from now on, so that with χ = Σ Ξ_k the part (η^B_k/Γ^B)χ is
+//! matched: a change of the power by −χ/Γ^B undoes it at once. The rest, Ξ_k − (η^B_k/Γ^B)χ, is the drift that is left: it adds up to zero
+//! and only moves heat between poles, which u_eq then follows with the zeros of B.
 
 use super::decays::Decays;
+use super::limited::{self, Limited};
 use super::plane::Plane;
 use super::zeros::decays_of;
 
@@ -19,8 +21,10 @@ pub struct Change {
     pub matched_k_per_s: Vec<f64>,
     /// Ξ_k − (η_k/Γ)χ, K/s.
     pub mismatched_k_per_s: Vec<f64>,
-    /// What u_eq has beyond its final value, W.
+    /// What u_eq has beyond its final value, W, if no level is in its way.
     pub decays: Decays,
+    /// The symbol after the change and the states that it begins with; none where the wind acts on the heated surface alone.
+    slides: Option<(Plane, Vec<f64>)>,
 }
 
 impl Change {
@@ -31,27 +35,45 @@ impl Change {
         if matched + mismatched > 0.0 { mismatched / (matched + mismatched) } else { 0.0 }
     }
 
-    /// Time in s after which the power is within a share of its whole change; `None` if it never is, as when nothing changes in the
-    /// end.
+    /// Time in s after which the power is within a share of its whole change if no level is in its way; `None` if it never is, as when
+    /// nothing changes in the end.
     pub fn settled_s(&self, share: f64) -> Option<f64> {
-        let step_w = (self.finally_w - self.before_w).abs();
-        // The rounding of a steady state is no change.
-        let none = self.before_w.abs() * 1e-9;
-        if step_w <= none && self.decays.at(0.0).abs() <= none {
+        if self.is_none() {
             return Some(0.0);
         }
-        self.decays.settled_s(share * step_w)
+        self.decays.settled_s(share * self.step_w())
+    }
+
+    /// The same between a low and a high level in W.
+    pub fn between(&self, share: f64, levels_w: (f64, f64)) -> Limited {
+        match &self.slides {
+            Some((plane, z)) if !self.is_none() => {
+                limited::settle(plane, z, self.finally_w, share * self.step_w(), levels_w)
+            }
+            _ if levels_w.0 < self.finally_w && self.finally_w < levels_w.1 => Limited::AT_ONCE,
+            _ => Limited::NEVER,
+        }
+    }
+
+    fn step_w(&self) -> f64 {
+        (self.finally_w - self.before_w).abs()
+    }
+
+    /// The rounding of a steady state is no change.
+    fn is_none(&self) -> bool {
+        let none = self.before_w.abs() * 1e-9;
+        self.step_w() <= none && self.decays.at(0.0).abs() <= none
     }
 }
 
-/// From a steady state that holds `rise_k` in one class to another on the same rates. Levels are not looked at.
+/// From a steady state that holds `rise_k` in one class to another on the same rates.
 pub fn change(from: &Plane, to: &Plane, rise_k: f64) -> Change {
     let before_w = rise_k / from.steady_gain_k_per_w();
     let z = from.steady_state_k(before_w);
     let disturbance: Vec<f64> =
         from.eta_k_per_j().iter().zip(to.eta_k_per_j()).map(|(from, to)| (to - from) * before_w).collect();
     let chi: f64 = disturbance.iter().sum();
-    let matched: Vec<f64> = from.eta_k_per_j().iter().map(|eta| eta / from.gamma_k_per_j() * chi).collect();
+    let matched: Vec<f64> = to.eta_k_per_j().iter().map(|eta| eta / to.gamma_k_per_j() * chi).collect();
     Change {
         before_w,
         at_once_w: to.equivalent_control_w(&z),
@@ -59,6 +81,7 @@ pub fn change(from: &Plane, to: &Plane, rise_k: f64) -> Change {
         mismatched_k_per_s: disturbance.iter().zip(&matched).map(|(all, matched)| all - matched).collect(),
         matched_k_per_s: matched,
         decays: decays_of(to, &z),
+        slides: Some((to.clone(), z)),
     }
 }
 
@@ -76,6 +99,7 @@ pub fn change_of_conductance(structure: &Plane, rise_k: f64, taken_w: (f64, f64)
         matched_k_per_s: matched,
         mismatched_k_per_s: vec![0.0; structure.order()],
         decays: Decays::default(),
+        slides: None,
     }
 }
 
@@ -107,8 +131,18 @@ mod tests {
         assert!(change.mismatched_share() > 0.3);
         assert!((change.finally_w + change.decays.at(0.0) - change.at_once_w).abs() < 1e-15);
         assert!(change.mismatched_k_per_s.iter().sum::<f64>().abs() < 1e-15);
-        // Matched: the power changes by −χ/Γ to first order.
+        // The matched part is what the power changes by at once, and the mismatched one the drift that is left.
+        let gamma = to.gamma_k_per_j();
+        let chi: f64 = change.matched_k_per_s.iter().sum();
+        assert!((change.at_once_w - change.before_w + chi / gamma).abs() < 1e-12);
+        for k in 0..3 {
+            let z_k = from.r_k_per_w()[k] * change.before_w;
+            let drift = to.eta_k_per_j()[k] * change.at_once_w - to.rates_rad_s()[k] * z_k;
+            assert!((change.mismatched_k_per_s[k] - drift).abs() < 1e-12, "{k}");
+        }
         assert!(change.settled_s(0.02).unwrap() > 1.0);
+        let wide = change.between(0.02, (0.0, 10.0));
+        assert_eq!((wide.off_s, wide.settled_s), (Some(0.0), change.settled_s(0.02)));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! | [`secular`], [`zeros`] | transmission zeros: the time constants of the closed loop, and their weights |
 //! | [`decays`] | sums of exponentials, and when they have settled |
 //! | [`reaching`], [`chatter`] | how the loop arrives, and how it swings |
-//! | [`disturbance`] | what a change of the wind asks of it |
+//! | [`disturbance`], [`limited`] | what a change of the wind asks of it, and what its levels make of that |
 //! | [`windy`], [`analysis`] | one class of a model, and all that there is to say of it |
 //! | [`scenario`], [`system`], [`closed`] | whole experiments with several elements, tick by tick |
 //! | [`compare`] | predicted power against a bit stream |
@@ -20,6 +20,7 @@ pub mod closed;
 pub mod compare;
 pub mod decays;
 pub mod disturbance;
+pub mod limited;
 pub mod plane;
 pub mod reaching;
 pub mod scenario;

@@ -1,33 +1,53 @@
-//! How long a loop heats before it meets its set-point.
+//! How long a loop is under one level before it meets its set-point.
 //!
-//! From rest under the high level the rise is y(t) = Σ R_k P_on (1 − e^(−ξ_k t)), and it reaches ΔT at t_c. The loop looks once a sample
-//! period, so it notices at the first tick at or after t_c.
+//! Under a level P the rise is y(t) = Σ z_k + Σ (R_k P − z_k)(1 − e^(−ξ_k t)), from rest Σ R_k P (1 − e^(−ξ_k t)), and the set-point is met
+//! at y(t) = ΔT. The loop looks once a sample period, so it notices at the first tick at or after that.
 
 use dr_core::model::mesh;
+use dr_core::sensor::Level;
 
 use super::plane::Plane;
 
 /// By which the search steps before it halves: a symbol of both signs could pass the set-point and return between two steps.
 const STEP: f64 = 1.02;
+/// Where it begins, in time constants of the fastest pole, and where it ends, in those of the slowest.
+const FIRST: f64 = 1e-6;
+const LAST: f64 = 40.0;
 
-/// t_c in s, to rounding; `None` if this power does not lift it so far. `rise_k` is ΔT over the temperature without heating.
+/// t_c from rest in s, to rounding; `None` if this power does not lift it so far. `rise_k` is ΔT over the temperature without heating.
 pub fn reaching_time_s(plane: &Plane, rise_k: f64, power_high_w: f64) -> Option<f64> {
-    let rise_at = |time_s: f64| -> f64 {
-        let poles = plane.rates_rad_s().iter().zip(plane.r_k_per_w());
-        power_high_w * poles.map(|(&rate, r)| r * mesh::gain(rate, time_s)).sum::<f64>()
-    };
     if rise_k <= 0.0 {
         return Some(0.0);
     }
-    // At the beginning the rise is as steep as Γ P_on, and 40 of the slowest time constants end it.
-    let mut from_s = 0.0;
-    let mut to_s = (1e-3 * rise_k / (plane.gamma_k_per_j() * power_high_w)).min(1e-3 / plane.rates_rad_s()[0]);
-    let end_s = 40.0 / plane.rates_rad_s()[0];
-    if !(to_s > 0.0 && power_high_w * plane.steady_gain_k_per_w() > rise_k) {
+    meeting_s(plane, &vec![0.0; plane.order()], -rise_k, (Level::High, power_high_w))
+}
+
+/// When states z_k in K that are `above_k` over the set-point meet it under a level of a power in W, in s and to rounding; `None` if never.
+///
+/// From below it is met under the high level, from above under the low one. States on the set-point (`above_k` = 0) have to leave it first,
+/// to the side from which the level leads back. A level that in the end would not hold them there never does.
+pub fn meeting_s(plane: &Plane, weighted_k: &[f64], above_k: f64, (level, power_w): (Level, f64)) -> Option<f64> {
+    let side = match level {
+        Level::High => 1.0,
+        Level::Low => -1.0,
+    };
+    // How far on the other side it still is.
+    let short_k = |time_s: f64| -> f64 {
+        let poles = plane.rates_rad_s().iter().zip(plane.r_k_per_w()).zip(weighted_k);
+        let moved: f64 = poles.map(|((&rate, r), z)| (r * power_w - z) * mesh::gain(rate, time_s)).sum();
+        -side * (above_k + moved)
+    };
+    let finally_k = above_k + plane.steady_gain_k_per_w() * power_w - weighted_k.iter().sum::<f64>();
+    if side * finally_k <= 0.0 {
         return None;
     }
-    while rise_at(to_s) < rise_k {
-        if to_s > end_s {
+    let (slowest, fastest) = (plane.rates_rad_s()[0], plane.rates_rad_s()[plane.order() - 1]);
+    let (mut from_s, mut to_s) = (0.0, FIRST / fastest);
+    if above_k == 0.0 && short_k(to_s) <= 0.0 {
+        return Some(0.0);
+    }
+    while short_k(to_s) > 0.0 {
+        if to_s > LAST / slowest {
             return None;
         }
         (from_s, to_s) = (to_s, STEP * to_s);
@@ -37,7 +57,7 @@ pub fn reaching_time_s(plane: &Plane, rise_k: f64, power_high_w: f64) -> Option<
         if middle_s <= from_s || middle_s >= to_s {
             return Some(to_s);
         }
-        if rise_at(middle_s) < rise_k { from_s = middle_s } else { to_s = middle_s }
+        if short_k(middle_s) > 0.0 { from_s = middle_s } else { to_s = middle_s }
     }
 }
 
@@ -61,5 +81,19 @@ mod tests {
         assert_eq!(reaching_time_s(&plane, 1.0, 0.0), None);
         assert_eq!(reaching_time_s(&plane, 0.0, 0.04), Some(0.0));
         assert!(reaching_time_s(&plane, 20.0 * (1.0 - 1e-12), 0.04).unwrap() > 80.0);
+    }
+
+    #[test]
+    fn states_of_another_wind_leave_the_set_point_and_come_back() {
+        // A slow and a fast pole, 1 K on the slow one too much and on the fast one too little: y − ΔT = −e^(−0.1t) + e^(−10t) + 0.9 …
+        let plane = Plane::new(&[0.1, 10.0], &[10.0, 10.0]).unwrap();
+        let (z, power_w) = ([4.0, 6.0], 0.55);
+        let met_s = meeting_s(&plane, &z, 0.0, (Level::High, power_w)).unwrap();
+        // 5.5 − 1.5 e^(−0.1t) + 5.5 + 0.5 e^(−10t) = 10: the fast pole has ended long before.
+        let exact_s = 10.0 * 1.5_f64.ln();
+        assert!((met_s / exact_s - 1.0).abs() < 1e-12, "{met_s} {exact_s}");
+        // From above there is no way back under a low level that is too warm.
+        assert_eq!(meeting_s(&plane, &z, 1.0, (Level::Low, 0.55)), None);
+        assert!(meeting_s(&plane, &z, 1.0, (Level::Low, 0.40)).is_some());
     }
 }

@@ -9,6 +9,8 @@ use super::secular;
 use crate::model::export::part::{Part, name};
 use crate::model::{Gas, Model, Wind};
 
+const ABSOLUTE_ZERO_C: f64 = -273.15;
+
 /// A class ready to be analysed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Windy {
@@ -23,6 +25,8 @@ pub struct Windy {
     pub unheated_c: f64,
     /// Temperature of the gas, °C, where the wind is a conductance.
     pub gas_c: Option<f64>,
+    /// By which readings are late, s. All else is said of the temperature, not of its reading.
+    pub dead_time_s: f64,
 }
 
 impl Windy {
@@ -39,9 +43,13 @@ impl Windy {
         let structure = Plane::new(&part.pair.mesh_rad_s, &class.r_k_per_w).map_err(|error| refuse(&error))?;
         let mut unheated_c = part.offset_c();
         let Some(wind) = &part.model.wind else {
+            if gas_c.is_some() {
+                return Err(refuse(&"does not know of a gas: its wind is no conductance, so leave --gas-temperature out"));
+            }
             let plane = structure.clone();
             let label = part.label.to_owned();
-            return Ok(Self { label, plane, structure, conductance_w_per_k: 0.0, unheated_c, gas_c: None });
+            let dead_time_s = part.dead_time_s();
+            return Ok(Self { label, plane, structure, conductance_w_per_k: 0.0, unheated_c, gas_c: None, dead_time_s });
         };
         let conductance_w_per_k = part.wind_w_per_k.unwrap_or(0.0);
         let gas_c = gas_temperature_c(wind, gas_c, conductance_w_per_k != 0.0).map_err(|error| refuse(&error))?;
@@ -51,7 +59,8 @@ impl Windy {
             plane = in_wind(&structure, conductance_w_per_k).map_err(|error| refuse(&error))?;
             unheated_c -= plane.steady_gain_k_per_w() * conductance_w_per_k * (unheated_c - gas_c);
         }
-        Ok(Self { label: part.label.to_owned(), plane, structure, conductance_w_per_k, unheated_c, gas_c })
+        let (label, dead_time_s) = (part.label.to_owned(), part.dead_time_s());
+        Ok(Self { label, plane, structure, conductance_w_per_k, unheated_c, gas_c, dead_time_s })
     }
 
     /// Power in W that the wind takes, beyond the reference's, from an element at a temperature in °C.
@@ -67,6 +76,9 @@ pub fn gas_temperature_c(wind: &Wind, given_c: Option<f64>, needed: bool) -> Res
         Gas::EstimatedC(estimate) => Some(estimate.value),
         Gas::Column(_) => wind.following.as_ref().map(|following| following.from_c),
     };
+    if let Some(given_c) = given_c.filter(|given_c| *given_c <= ABSOLUTE_ZERO_C) {
+        return Err(format!("cannot be used in a gas of {given_c} °C: nothing is colder than {ABSOLUTE_ZERO_C} °C"));
+    }
     match (given_c.or(own_c), &wind.gas) {
         (None, Gas::Column(column)) if needed => Err(format!(
             "takes the temperature of the gas from the column `{column}` of a record, and there is none here: give it with --gas-temperature"
@@ -152,11 +164,16 @@ mod tests {
         model.wind.as_mut().unwrap().gas = Gas::Column("gas_c".to_owned());
         let of = |model: &Model, class| Windy::of(&Part::find(model, None, Some(class)).unwrap(), None);
         assert!(of(&model, "still").is_ok());
+        let frozen = Windy::of(&Part::find(&model, None, Some("gust")).unwrap(), Some(-300.0)).unwrap_err();
+        assert!(frozen.contains("gas of -300 °C: nothing is colder than -273.15 °C"), "{frozen}");
         assert!(
             of(&model, "gust")
                 .unwrap_err()
                 .contains("`gas_c` of a record, and there is none here: give it with --gas-temperature")
         );
+        let plain = testing::model(&[0.5], &[10.0]);
+        let gas = Windy::of(&Part::find(&plain, None, None).unwrap(), Some(15.0)).unwrap_err();
+        assert!(gas.contains("leave --gas-temperature out"), "{gas}");
         model.pairs[0].classes.get_mut("still").unwrap().feed_through_k_per_w = 3.0;
         assert!(of(&model, "still").unwrap_err().contains("follows the power at once by 3 K/W"));
     }

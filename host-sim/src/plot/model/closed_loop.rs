@@ -49,7 +49,7 @@ pub fn analysis_page(
             let power = times.iter().map(|time_s| (*time_s, change.finally_w + change.decays.at(*time_s))).collect();
             chart = chart.series(Series::line(format!("to {to}"), power)).limit(change.finally_w);
         }
-        lines = lines.row([chart.note("dashed: where it ends")]);
+        lines = lines.row([chart.note("dashed: where it ends; levels in the way are left out")]);
     }
     lines.svg()
 }
