@@ -40,10 +40,16 @@ pub fn summary(found: &Found) -> String {
             brief(change.finally_w),
             100.0 * change.mismatched_share()
         );
-        let free = change.settled_s(SETTLED).map_or(String::new(), |time_s| format!(", and would be settled in {} s if it could", brief(time_s)));
+        let free = change
+            .settled_s(SETTLED)
+            .map_or(String::new(), |time_s| format!(", and would be settled in {} s if it could", brief(time_s)));
         let _ = match limited.off_s {
             Some(0.0) => Ok(()),
-            Some(off_s) => writeln!(text, "  a level is in the way: the temperature is off its set-point for {} s{free}", brief(off_s)),
+            Some(off_s) => writeln!(
+                text,
+                "  a level is in the way: the temperature is off its set-point for {} s{free}",
+                brief(off_s)
+            ),
             None => writeln!(text, "  OUT OF REACH between these levels"),
         };
     }
@@ -67,7 +73,9 @@ fn set_point(text: &mut String, held: &Held) {
         let _ = writeln!(text, "  reached from rest after {} s, then with {} W", brief(time_s), brief(arrival_w));
         let (low_w, high_w) = conditions.levels_w();
         if !(low_w..=high_w).contains(&arrival_w) {
-            text.push_str("  that is beyond a level: the temperature goes on past its set-point and comes back later\n");
+            text.push_str(
+                "  that is beyond a level: the temperature goes on past its set-point and comes back later\n",
+            );
         }
     }
     if let Some(chatter) = held.chatter {

@@ -9,6 +9,7 @@ use super::Failure;
 use super::analysis_summary::brief;
 use crate::experiment::Experiment;
 use crate::identify::record::{Selection, read_all};
+use crate::model::export::part::element;
 use crate::model::{ALL, Model};
 use crate::plot::Canvas;
 use crate::plot::model::closed_loop;
@@ -34,7 +35,7 @@ Labels of the experiment's winds must be classes of the model. Elements that the
 Examples:
   anemo predict model.json experiments/winds.toml
   anemo predict model.json experiments/winds.toml --against winds.parquet --plot winds.svg
-  anemo predict model.json experiments/winds.toml --from-rest -o power.csv")]
+  anemo predict model.json experiments/winds.toml --from rest -o power.csv")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,
@@ -43,9 +44,9 @@ pub struct Arguments {
     /// A recording of this experiment to compare with.
     #[arg(long, value_name = "RECORDING")]
     against: Option<PathBuf>,
-    /// Begin with nothing ever heated, instead of having stood by at the low levels for long.
-    #[arg(long)]
-    from_rest: bool,
+    /// What the structure begins with.
+    #[arg(long, value_enum, value_name = "STATE", default_value = "standby")]
+    from: From,
     /// Window of the decimator, s: 1 s, or 20 sample periods if those are longer.
     #[arg(long, value_name = "S")]
     window: Option<f64>,
@@ -58,6 +59,16 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum From {
+    /// Every element has long been at its low level, as an instrument that stands by.
+    Standby,
+    /// Nothing was ever heated.
+    Rest,
+    /// As the record ended that the model was identified from.
+    End,
 }
 
 /// One element's comparison.
@@ -74,16 +85,23 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (scenario, mut notes) =
         Scenario::of(&experiment, &model).map_err(|sentence| refuse(&arguments.experiment, sentence))?;
     let canvas = arguments.plot.as_deref().map(Canvas::create).transpose().map_err(Failure::usage)?;
-    let start = if arguments.from_rest { Start::Rest } else { Start::Standby };
+    let start = match arguments.from {
+        From::Standby => Start::Standby,
+        From::Rest => Start::Rest,
+        From::End => Start::End,
+    };
     let prediction = predict(&model, &scenario, start).map_err(|sentence| refuse(&arguments.model, sentence))?;
     let taken = match &arguments.against {
-        Some(path) => Some(taken_w(path, &model, &experiment).map_err(|sentence| refuse(path, sentence))?),
+        Some(path) => Some(taken(path, &model, &experiment).map_err(|sentence| refuse(path, sentence))?),
         None => None,
     };
+    if let (Some(taken), Some(path)) = (&taken, &arguments.against) {
+        notes.extend(taken.of_other_set_points(&prediction, &model).map(|note| format!("{}: {note}", path.display())));
+    }
     let ratio = ratio(arguments.window, scenario.sample_period_s).map_err(Failure::usage)?;
     let mut rows = Vec::new();
     for (at, of) in prediction.elements.iter().enumerate() {
-        let other = taken.as_ref().map_or(&of.sampled_w, |taken| &taken[at]);
+        let other = taken.as_ref().map_or(&of.sampled_w, |taken| &taken.power_w[at]);
         let good: Vec<bool> = if of.regulated { of.held.clone() } else { vec![true; of.held.len()] };
         let decimated = decimate(&of.limit_w, other, &good, &prediction.class, ratio, scenario.sample_period_s)
             .map_err(Failure::usage)?;
@@ -124,8 +142,40 @@ fn ratio(window_s: Option<f64>, period_s: f64) -> Result<usize, String> {
     }
 }
 
-/// Powers of the model's inputs over the experiment's ticks, by input.
-fn taken_w(path: &Path, model: &Model, experiment: &Experiment) -> Result<Vec<Vec<f64>>, String> {
+/// What a recording has of the model's elements, over the experiment's ticks.
+struct Taken {
+    /// By input.
+    power_w: Vec<Vec<f64>>,
+    /// By output.
+    temperature_c: Vec<Vec<f64>>,
+}
+
+/// A median further than this from the predicted one is another set-point's, K.
+const OTHER_SET_POINT_K: f64 = 0.2;
+
+impl Taken {
+    /// A remark on every element that the recording holds at another temperature than the experiment does.
+    fn of_other_set_points(&self, prediction: &Prediction, model: &Model) -> impl Iterator<Item = String> {
+        let remark = move |of: &Predicted| {
+            let own = |output: &crate::model::Output| element(&output.name) == of.name;
+            let recorded_c = self.temperature_c.get(model.outputs.iter().position(own)?)?;
+            let held = |values: &[f64]| {
+                let mut values: Vec<f64> =
+                    values.iter().zip(&of.held).filter(|(_, held)| **held).map(|(value, _)| *value).collect();
+                values.sort_by(f64::total_cmp);
+                values.get(values.len() / 2).copied()
+            };
+            let (its_c, own_c) = (held(recorded_c)?, held(&of.sampled_c)?);
+            (of.regulated && (its_c - own_c).abs() > OTHER_SET_POINT_K).then(|| {
+                format!("{} is at {its_c:.2} °C where the experiment holds {own_c:.2} °C: is it a recording of this experiment?", of.name)
+            })
+        };
+        prediction.elements.iter().filter_map(remark).collect::<Vec<_>>().into_iter()
+    }
+}
+
+/// Reads a recording and refuses one that cannot be of this experiment.
+fn taken(path: &Path, model: &Model, experiment: &Experiment) -> Result<Taken, String> {
     let labelled = !(model.classes.len() == 1 && model.classes[0] == ALL);
     let selection = Selection {
         inputs: model.inputs.clone(),
@@ -165,14 +215,8 @@ fn taken_w(path: &Path, model: &Model, experiment: &Experiment) -> Result<Vec<Ve
             ));
         }
     }
-    Ok(block
-        .inputs
-        .into_iter()
-        .map(|mut input| {
-            input.truncate(ticks);
-            input
-        })
-        .collect())
+    let cut = |columns: Vec<Vec<f64>>| columns.into_iter().map(|column| column[..ticks].to_vec()).collect();
+    Ok(Taken { power_w: cut(block.inputs), temperature_c: cut(block.outputs) })
 }
 
 fn write(path: &Path, prediction: &Prediction) -> Result<(), Failure> {

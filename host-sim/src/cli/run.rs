@@ -195,7 +195,8 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
-    pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value)).collect()
+    let known = pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value));
+    known.chain(experiment.conditions().to_metadata()).collect()
 }
 
 /// What the end of the run adds.

@@ -121,7 +121,7 @@ fn levels_that_stand_in_the_way_of_a_response_are_moved_or_refused() {
     let slow_s = plain.settling_s.unwrap();
     let fast = design(&winds, &Wish { response_s: Some(slow_s), ..wish.clone() }).unwrap();
     assert!(fast.settling_s.unwrap() < slow_s && fast.power_high_w > plain.power_high_w);
-    let wished = Wish { response_s: Some(0.9 * slow_s), power_high_w: Some(plain.power_high_w), ..wish };
+    let wished = Wish { response_s: Some(0.98 * slow_s), power_high_w: Some(plain.power_high_w), ..wish };
     let refused = design(&winds, &Wish { power_low_w: Some(plain.power_low_w), ..wished }).unwrap_err();
     assert!(refused.contains("cannot be had between") && refused.contains("level "), "{refused}");
 }

@@ -28,6 +28,7 @@ use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::Level;
 
 use crate::head::Head;
+use crate::model::Conditions;
 use crate::sensor::{self, Imperfections, SensorError, Species, Sphere, SphereConfig, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
 use models::Models;
@@ -134,6 +135,16 @@ impl Experiment {
             f64::from(tick) / rate_hz
         } else {
             f64::from(tick) * self.sample_period_s
+        }
+    }
+
+    /// The gas and the support.
+    pub fn conditions(&self) -> Conditions {
+        Conditions {
+            species: self.species.name().to_owned(),
+            pressure_pa: self.pressure_pa,
+            gas_temperature_c: self.gas_temperature_c,
+            support_temperature_c: self.support_temperature_c,
         }
     }
 

@@ -2,8 +2,9 @@
 
 use super::design::Design;
 use super::gram::{Accumulator, Gram};
-use super::record::{Block, RecordError, Source};
+use super::record::{Block, RecordError, Source, Survey};
 use super::spread::Spread;
+use crate::model::Provenance;
 
 /// Sums over inputs and outputs, in one class and in all.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +51,18 @@ impl Facts {
             class_sum: Vec::new(),
             class_squares: Vec::new(),
             products: vec![vec![0.0; inputs]; inputs],
+        }
+    }
+
+    /// Where a model of this record comes from.
+    pub fn provenance(&self, survey: &Survey) -> Provenance {
+        Provenance {
+            tool: format!("anemo {}", env!("CARGO_PKG_VERSION")),
+            records: vec![survey.path.display().to_string()],
+            rows: self.rows,
+            duration_s: self.rows as f64 * survey.sample_period_s,
+            input_range: self.input_range.clone(),
+            conditions: survey.conditions.clone(),
         }
     }
 

@@ -139,6 +139,8 @@ fn provenance(models: &[(String, Model)], inputs: &[String]) -> Provenance {
         rows: all().map(|of| of.rows).sum(),
         duration_s: all().map(|of| of.duration_s).sum(),
         input_range: inputs.iter().map(of).collect(),
+        // Of records in different gases nobody's.
+        conditions: all().map(|of| of.conditions.clone()).reduce(|a, b| a.filter(|a| b.as_ref() == Some(a))).flatten(),
     }
 }
 

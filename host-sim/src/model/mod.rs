@@ -14,6 +14,7 @@
 //! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n − 1.
 
 mod check;
+mod conditions;
 pub mod export;
 mod file;
 mod forward;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use conditions::Conditions;
 pub use file::{FORMAT, ModelError, VERSION};
 pub use forward::Forward;
 
@@ -220,6 +222,9 @@ pub struct Provenance {
     pub duration_s: f64,
     /// Least and greatest value of every input in the record.
     pub input_range: Vec<[f64; 2]>,
+    /// The gas of the record, where it tells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<Conditions>,
 }
 
 /// The state behind the last row: what each output will do if all inputs fall silent, and what is still on its way.

@@ -166,7 +166,9 @@ impl Analysis {
         if held.is_empty() {
             return self.closed_settling_s;
         }
-        held.iter().map(|change| self.limited(change).settled_s).try_fold(0.0, |worst: f64, next| Some(worst.max(next?)))
+        held.iter()
+            .map(|change| self.limited(change).settled_s)
+            .try_fold(0.0, |worst: f64, next| Some(worst.max(next?)))
     }
 
     fn can_hold(&self, change: &Change) -> bool {
@@ -229,7 +231,9 @@ impl Analysis {
         let slowed = changes.iter().any(|(_, change)| self.can_hold(change) && off(change));
         let mut text = String::new();
         if slowed {
-            text.push_str(" A level stands in the way of the answer at once: levels further apart would make it faster.");
+            text.push_str(
+                " A level stands in the way of the answer at once: levels further apart would make it faster.",
+            );
         }
         if !lost.is_empty() {
             text.push_str(&format!(" Between these levels the set-point cannot be held in {}.", lost.join(", ")));

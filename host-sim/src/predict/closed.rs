@@ -24,6 +24,8 @@ pub enum Start {
     Rest,
     /// Every element has long been at its low level in the first wind, as an instrument that stands by.
     Standby,
+    /// As the model's record ended.
+    End,
 }
 
 /// One element over all ticks.
@@ -89,7 +91,7 @@ impl Motions<'_> {
 /// # Errors
 /// A sentence: what the model lacks.
 pub fn predict(model: &Model, scenario: &Scenario, start: Start) -> Result<Prediction, String> {
-    let system = System::new(model, scenario.gas_c)?;
+    let mut system = System::new(model, scenario.gas_c)?;
     if scenario.elements.len() != system.elements() {
         return Err(format!(
             "the model has {} inputs, and {} drives were given",
@@ -97,9 +99,13 @@ pub fn predict(model: &Model, scenario: &Scenario, start: Start) -> Result<Predi
             scenario.elements.len()
         ));
     }
+    let z = match start {
+        Start::Rest => DVector::zeros(system.order()),
+        Start::Standby => standing_by(&system, scenario)?,
+        Start::End => system.end(model)?,
+    };
     let mut motions = Motions { system: &system, period_s: scenario.sample_period_s, known: Vec::new() };
     let class = scenario.classes();
-    let z = initial(&system, scenario, start)?;
     let mut elements: Vec<Predicted> = (scenario.elements.iter())
         .map(|heated| Predicted {
             name: heated.name.clone(),
@@ -126,17 +132,15 @@ pub fn predict(model: &Model, scenario: &Scenario, start: Start) -> Result<Predi
     Ok(Prediction { sample_period_s: scenario.sample_period_s, class, elements })
 }
 
-fn initial(system: &System, scenario: &Scenario, start: Start) -> Result<DVector<f64>, String> {
+fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, String> {
+    let first = scenario.winds.first().map_or(0, |(_, class)| *class);
     let mut z = DVector::zeros(system.order());
-    if start == Start::Standby {
-        let first = scenario.winds.first().map_or(0, |(_, class)| *class);
-        // A resistor's power depends on its temperature, a little.
-        for _ in 0..20 {
-            let low =
-                |(i, heated): (usize, &super::scenario::Heated)| heated.heater.levels_w(system.temperature_c(&z, i)).0;
-            let power: Vec<f64> = scenario.elements.iter().enumerate().map(low).collect();
-            z = system.steady_state(first, &power)?;
-        }
+    // A resistor's power depends on its temperature, a little.
+    for _ in 0..20 {
+        let low =
+            |(i, heated): (usize, &super::scenario::Heated)| heated.heater.levels_w(system.temperature_c(&z, i)).0;
+        let power: Vec<f64> = scenario.elements.iter().enumerate().map(low).collect();
+        z = system.steady_state(first, &power)?;
     }
     Ok(z)
 }

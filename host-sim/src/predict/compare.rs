@@ -95,3 +95,45 @@ impl Decimated {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_taken_beyond_the_prediction_is_bias_and_the_rest_is_rms() {
+        // ±1 mW around a bias of 0.5 mW, in stretches that the decimator lets through.
+        let taken: Vec<f64> = (0..4000).map(|n| 0.0205 + if (n / 1000) % 2 == 0 { 1e-3 } else { -1e-3 }).collect();
+        let class: Vec<usize> = (0..4000).map(|n| n / 1000).collect();
+        let compared = decimate(&[0.02; 4000], &taken, &[true; 4000], &class, 20, 0.01).unwrap().compare().unwrap();
+        // 50 outputs a wind, of which the first whole response ends after 58 ticks.
+        assert_eq!(compared.count, 4 * 48);
+        assert!((compared.bias_w - 5e-4).abs() < 1e-8 && (compared.mean_w - 0.0205).abs() < 1e-8, "{compared:?}");
+        assert!((compared.rms_w - (1e-6_f64 + 0.25e-6).sqrt()).abs() < 1e-8, "{compared:?}");
+    }
+
+    #[test]
+    fn edges_and_ways_to_the_set_point_are_left_out() {
+        let mut taken = vec![0.02; 3000];
+        // Before the surface is met, and right after the wind has changed.
+        taken[..200].fill(5.0);
+        taken[1000..1001].fill(5.0);
+        let good: Vec<bool> = (0..3000).map(|n| n >= 200).collect();
+        let class: Vec<usize> = (0..3000).map(|n| usize::from(n >= 1001)).collect();
+        let decimated = decimate(&[0.02; 3000], &taken, &good, &class, 20, 0.01).unwrap();
+        let compared = decimated.compare().unwrap();
+        // The tick at 1000 is the last of its wind: outputs after it begin anew.
+        assert!(compared.rms_w < 1e-8 && compared.count > 100, "{compared:?}");
+        assert!(decimated.rows.iter().any(|(_, _, taken, counts)| *taken > 0.1 && !counts));
+    }
+
+    #[test]
+    fn where_nothing_counts_nothing_is_compared() {
+        let never = decimate(&[0.02; 500], &[0.02; 500], &[false; 500], &[0; 500], 20, 0.01).unwrap();
+        // The first two of 25 outputs are of a decimator that is not full yet.
+        assert_eq!((never.rows.len(), never.compare()), (23, None));
+        let short = decimate(&[0.02; 10], &[0.02; 10], &[true; 10], &[0; 10], 20, 0.01).unwrap();
+        assert_eq!(short, Decimated::default());
+        assert!(decimate(&[0.02; 10], &[0.02; 10], &[true; 10], &[0; 10], 0, 0.01).unwrap_err().contains("0 ticks"));
+    }
+}

@@ -79,6 +79,16 @@ impl Scenario {
         if !strangers.is_empty() {
             notes.push(format!("the model knows nothing of {}, which are heated as well", strangers.join(", ")));
         }
+        let follows = model.wind.as_ref().is_some_and(|wind| wind.following.is_some());
+        if let Some(own) = &model.provenance.conditions {
+            let differences = own.differences(&experiment.conditions(), !follows);
+            if !differences.is_empty() {
+                notes.push(format!(
+                    "the experiment runs {}: the model's resistances and offset are of its own record, and do not change with that",
+                    differences.join(", ")
+                ));
+            }
+        }
         let mut winds = Vec::with_capacity(experiment.wind.len());
         for entry in &experiment.wind {
             let first = (entry.start_s.max(0.0) / experiment.sample_period_s).round() as usize;
@@ -124,4 +134,66 @@ fn class(model: &Model, label: &str, winds: usize) -> Result<usize, String> {
     }
     let hint = suggest(label, model.classes.iter().map(String::as_str));
     Err(format!("the wind `{label}` of the experiment is no class of the model; {hint}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::export::testing;
+    use crate::toml_file::Source;
+
+    /// A shipped experiment with changes, and a model of `sector1` in its winds.
+    fn experiment(name: &str, changes: &[(&str, &str)]) -> Experiment {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name);
+        let mut source = Source::read(&path).unwrap();
+        for (from, to) in changes {
+            assert!(source.text.contains(from), "{from}");
+            source.text = source.text.replace(from, to);
+        }
+        Experiment::from_source(source).unwrap()
+    }
+
+    fn model(input: &str, classes: &[&str]) -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        model.inputs = vec![format!("power_w:{input}")];
+        let own = model.pairs[0].classes["all"].clone();
+        model.classes = classes.iter().map(|label| (*label).to_owned()).collect();
+        model.pairs[0].classes = model.classes.iter().map(|label| (label.clone(), own.clone())).collect();
+        model
+    }
+
+    #[test]
+    fn winds_become_classes_and_other_heaters_are_remarked_upon() {
+        let experiment = experiment("all-drives.toml", &[]);
+        let (scenario, notes) = Scenario::of(&experiment, &model("sector2", &["gust", "breeze"])).unwrap();
+        assert_eq!(scenario.winds, [(0, 1), (6000, 0)]);
+        let classes = scenario.classes();
+        assert_eq!((classes.len(), classes[5999], classes[6000]), (12_000, 1, 0));
+        assert_eq!((scenario.elements.len(), scenario.elements[0].name.as_str()), (1, "sector2"));
+        assert!(matches!(scenario.elements[0].drive, Drive::Power { .. }));
+        assert!(notes[0].contains("nothing of sector1, sector3, sector4, core1"), "{notes:?}");
+        assert!(notes[1].starts_with("turbulence is left out"), "{notes:?}");
+    }
+
+    #[test]
+    fn strangers_are_refused_with_the_nearest_that_is_known() {
+        let experiment = experiment("all-drives.toml", &[]);
+        let refused = |model: &Model| Scenario::of(&experiment, model).unwrap_err();
+        assert!(refused(&model("sector9", &["gust", "breeze"])).contains("is no element of head `sphere-b`; "));
+        let sentence = refused(&model("sector1", &["gusts", "breeze"]));
+        assert!(sentence.contains("wind `gust` of the experiment is no class of the model; did you mean `gusts`?"));
+        assert!(refused(&model("sector1", &[ALL])).contains("has 2 winds and the model knows of none"));
+    }
+
+    #[test]
+    fn another_gas_than_the_records_is_said() {
+        let experiment = experiment("all-drives.toml", &[]);
+        let mut model = model("sector1", &["gust", "breeze"]);
+        let said = |model: &Model| Scenario::of(&experiment, model).unwrap().1.join("; ");
+        let own = experiment.conditions();
+        model.provenance.conditions = Some(own.clone());
+        assert!(!said(&model).contains("instead of"));
+        model.provenance.conditions = Some(crate::model::Conditions { pressure_pa: 700.0, ..own });
+        assert!(said(&model).contains("runs at 1000 Pa instead of 700 Pa: the model's resistances and offset"));
+    }
 }

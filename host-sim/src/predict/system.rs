@@ -41,6 +41,8 @@ pub struct System {
     conductance: Vec<Vec<f64>>,
     base_c: Vec<f64>,
     gas_c: f64,
+    /// By element: which of the model's outputs it is regulated by.
+    regulated_by: Vec<usize>,
 }
 
 /// w = of_state z + of_power u + constant, for every element.
@@ -99,18 +101,18 @@ impl System {
             conductance: vec![vec![0.0; elements]; model.classes.len()],
             base_c: Vec::new(),
             gas_c: 0.0,
+            regulated_by: Vec::with_capacity(elements),
         };
         let gas = match &model.wind {
             Some(wind) => gas_temperature_c(wind, gas_c, true).map_err(|sentence| format!("the model {sentence}"))?,
             None => gas_c,
         };
         system.gas_c = gas.unwrap_or(0.0);
-        let mut outputs = Vec::with_capacity(elements);
         for at in 0..elements {
             let output = output_of(at).ok_or_else(|| {
                 format!("the model has no output that input `{}` could be regulated by", model.inputs[at])
             })?;
-            outputs.push(output);
+            system.regulated_by.push(output);
             let of = &model.outputs[output];
             system.base_c.push(of.offset_c + followed_k(model, &of.name, gas));
             for (class, label) in model.classes.iter().enumerate() {
@@ -120,7 +122,7 @@ impl System {
         }
         for pair in &model.pairs {
             let input = model.inputs.iter().position(|input| *input == pair.input);
-            let output = outputs.iter().position(|at| model.outputs[*at].name == pair.output);
+            let output = system.regulated_by.iter().position(|at| model.outputs[*at].name == pair.output);
             let (Some(input), Some(output)) = (input, output) else { continue };
             if pair.dead_time_samples > 0 {
                 return Err(format!(
@@ -156,6 +158,33 @@ impl System {
 
     pub fn elements(&self) -> usize {
         self.base_c.len()
+    }
+
+    /// The states with which the model's record ended. What no pair has a rate for becomes a state that nothing heats.
+    ///
+    /// # Errors
+    /// A sentence, if the model does not tell.
+    pub fn end(&mut self, model: &Model) -> Result<DVector<f64>, String> {
+        let end =
+            model.end.as_ref().ok_or("the model does not tell where its record ended: begin from standby or rest")?;
+        let mut z = vec![0.0; self.order()];
+        for (element, &output) in self.regulated_by.clone().iter().enumerate() {
+            for &(rate, amplitude_k) in end.decays.get(output).into_iter().flatten() {
+                let own = (0..self.order()).find(|&s| self.output[s] == element && self.rates[s] == rate);
+                // All states of one output and one rate move alike: which of them is warm does not matter.
+                match own {
+                    Some(state) => z[state] += amplitude_k,
+                    None => {
+                        self.rates.push(rate);
+                        self.input.push(element);
+                        self.output.push(element);
+                        self.eta.iter_mut().for_each(|eta| eta.push(0.0));
+                        z.push(amplitude_k);
+                    }
+                }
+            }
+        }
+        Ok(DVector::from_vec(z))
     }
 
     /// Temperature of an element in °C.
@@ -236,7 +265,10 @@ impl System {
         let step = if free {
             Step::Diagonal {
                 gain: self.rates.iter().map(|&rate| mesh::gain(rate, time_s)).collect(),
-                r: self.rates.iter().zip(&self.eta[class]).map(|(rate, eta)| eta / rate).collect(),
+                // What nothing heats may stand still.
+                r: (self.rates.iter().zip(&self.eta[class]))
+                    .map(|(rate, eta)| if *eta == 0.0 { 0.0 } else { eta / rate })
+                    .collect(),
                 input: self.input.clone(),
             }
         } else {
@@ -327,52 +359,4 @@ impl Motion {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::plane::Plane;
-    use super::super::zeros::decays_of;
-    use super::*;
-    use crate::model::export::testing;
-
-    const RATES: [f64; 4] = [0.05, 0.4, 3.0, 25.0];
-    const R: [f64; 4] = [300.0, 80.0, 25.0, 4.0];
-
-    #[test]
-    fn one_held_element_moves_as_its_zeros_say() {
-        let system = System::new(&testing::model(&RATES, &R), None).unwrap();
-        let plane = Plane::new(&RATES, &R).unwrap();
-        let motion = system.motion(0, 1, 0.1).unwrap();
-        let mut z = DVector::from_column_slice(&[3.0, 2.0, 1.0, 0.5]);
-        let steady = 6.5 / plane.steady_gain_k_per_w();
-        let decays = decays_of(&plane, z.as_slice());
-        let mut scratch = z.clone();
-        for n in 0..500 {
-            let mut power = [0.0];
-            motion.equivalent_w(&z, &mut power);
-            assert!((power[0] - plane.equivalent_control_w(z.as_slice())).abs() < 1e-14);
-            let exact = steady + decays.at(0.1 * f64::from(n));
-            assert!((power[0] / exact - 1.0).abs() < 1e-11, "{n}: {} {exact}", power[0]);
-            motion.advance(&mut z, &[0.0], &mut scratch);
-        }
-        assert!((system.temperature_c(&z, 0) - 26.5).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_held_element_gives_a_wind_what_it_takes() {
-        let mut model = testing::model(&RATES, &R);
-        testing::add_wind(&mut model, "gust", 0.002);
-        let system = System::new(&model, Some(18.0)).unwrap();
-        let gust = 1;
-        let z = DVector::from_column_slice(&[3.0, 2.0, 1.0, 0.5]);
-        let mut power = [[0.0], [0.0]];
-        for (class, power) in power.iter_mut().enumerate() {
-            system.motion(class, 1, 0.1).unwrap().equivalent_w(&z, power);
-        }
-        // 26.5 °C in a gas of 18 °C
-        assert!((power[gust][0] - power[0][0] - 0.002 * 8.5).abs() < 1e-14);
-        // In steady state open loop and held agree: T is where it is held.
-        let steady = system.steady_state(gust, &[0.03]).unwrap();
-        let mut held = [0.0];
-        system.motion(gust, 1, 0.1).unwrap().equivalent_w(&steady, &mut held);
-        assert!((held[0] - 0.03).abs() < 1e-15);
-    }
-}
+mod tests;

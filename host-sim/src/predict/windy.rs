@@ -44,12 +44,22 @@ impl Windy {
         let mut unheated_c = part.offset_c();
         let Some(wind) = &part.model.wind else {
             if gas_c.is_some() {
-                return Err(refuse(&"does not know of a gas: its wind is no conductance, so leave --gas-temperature out"));
+                return Err(refuse(
+                    &"does not know of a gas: its wind is no conductance, so leave --gas-temperature out",
+                ));
             }
             let plane = structure.clone();
             let label = part.label.to_owned();
             let dead_time_s = part.dead_time_s();
-            return Ok(Self { label, plane, structure, conductance_w_per_k: 0.0, unheated_c, gas_c: None, dead_time_s });
+            return Ok(Self {
+                label,
+                plane,
+                structure,
+                conductance_w_per_k: 0.0,
+                unheated_c,
+                gas_c: None,
+                dead_time_s,
+            });
         };
         let conductance_w_per_k = part.wind_w_per_k.unwrap_or(0.0);
         let gas_c = gas_temperature_c(wind, gas_c, conductance_w_per_k != 0.0).map_err(|error| refuse(&error))?;

@@ -35,6 +35,16 @@ pub enum Species {
     Air,
 }
 
+impl Species {
+    /// As experiments write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Species::CarbonDioxide => "co2",
+            Species::Air => "air",
+        }
+    }
+}
+
 /// A gas at rest at one temperature and pressure, with its properties computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gas {

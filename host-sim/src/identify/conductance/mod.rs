@@ -40,7 +40,7 @@ use super::record::{Source, Survey};
 use super::residuals::{Fitted, look};
 use super::symbol::{self, chosen_by};
 use super::{GasGiven, IdentifyError, Options, Progress, Sight, support};
-use crate::model::{End, Model, Output, Pair, Provenance, Structure};
+use crate::model::{End, Model, Output, Pair, Structure};
 use plan::{GasBanks, beginnings, design, drive_scale, followings, gas_guess, meshes, priors};
 use report::{doubts, following, reasons, resistances, weights, wind};
 use solver::Solver;
@@ -232,13 +232,7 @@ pub fn identify(
         supported: warnings.is_empty(),
         warnings,
         chosen,
-        provenance: Provenance {
-            tool: format!("anemo {}", env!("CARGO_PKG_VERSION")),
-            records: vec![survey.path.display().to_string()],
-            rows: passed.facts.rows,
-            duration_s: passed.facts.rows as f64 * survey.sample_period_s,
-            input_range: passed.facts.input_range.clone(),
-        },
+        provenance: passed.facts.provenance(&survey),
         end: Some(end),
     })
 }

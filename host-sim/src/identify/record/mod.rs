@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub use stream::Stream;
 pub use table::Table;
 
+use crate::model::Conditions;
 use crate::recording::{RecordingError, one_line};
 
 /// Rows of a block, at most.
@@ -52,6 +53,8 @@ pub struct Survey {
     pub first_time_s: f64,
     pub last_time_s: f64,
     pub sample_period_s: f64,
+    /// The gas in which it was taken, if it tells.
+    pub conditions: Option<Conditions>,
     /// What was decided by default, and, once the record has been read, what was remarkable in it: sentences for the user.
     pub notes: Vec<String>,
 }

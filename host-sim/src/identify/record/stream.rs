@@ -7,6 +7,7 @@ use super::clock::{Clock, Fault};
 use super::extent::{extent, gap};
 use super::roles::{Roles, shown};
 use super::{Block, RecordError, Selection, Source, Survey, finite};
+use crate::model::Conditions;
 use crate::recording::{Column, Reader, Values, Words};
 
 /// The state in which our instrument keeps to its drives.
@@ -44,6 +45,7 @@ impl Stream {
             first_time_s: extent.clock.first_s,
             last_time_s: extent.last_s,
             sample_period_s: extent.clock.period_s,
+            conditions: Conditions::of_metadata(&reader.metadata()),
             notes: roles.notes.clone(),
         };
         let mut columns = vec![roles.time];

@@ -66,6 +66,7 @@ impl Table {
             first_time_s: 0.0,
             last_time_s: time_s(rows - 1),
             sample_period_s,
+            conditions: None,
             notes: Vec::new(),
             path: path.clone(),
         };

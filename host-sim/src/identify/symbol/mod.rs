@@ -21,7 +21,7 @@ use super::record::Source;
 use super::tied::Ties;
 use super::whiter::{is_white, prefer_white};
 use super::{IdentifyError, Options, Progress, Sight, support};
-use crate::model::{Model, Provenance, Structure};
+use crate::model::{Model, Structure};
 use layout::{Kind, Layout, Part, cross_rates};
 use reasons::chosen;
 pub(super) use reasons::{chosen_by, doubts};
@@ -175,13 +175,7 @@ pub fn identify(
         supported: warnings.is_empty(),
         warnings,
         chosen,
-        provenance: Provenance {
-            tool: format!("anemo {}", env!("CARGO_PKG_VERSION")),
-            records: vec![survey.path.display().to_string()],
-            rows: facts.rows,
-            duration_s: facts.rows as f64 * survey.sample_period_s,
-            input_range: facts.input_range.clone(),
-        },
+        provenance: facts.provenance(&survey),
         end: Some(found.end(survey.inputs.len())),
     })
 }
