@@ -19,7 +19,7 @@ use defmt as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI3])]
 mod app {
-    use super::board::{self, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::vitals::{self, CheckIns, Health, Member};
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Command, Controller, Refusal, RunState};
@@ -28,7 +28,7 @@ mod app {
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use heapless::spsc::{Consumer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-    use wire::{ELEMENTS, Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, ToBoard, encode};
+    use wire::{Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, ToBoard, encode};
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
     const CONTROL: Interrupt = Interrupt::EXTI4;
@@ -41,7 +41,7 @@ mod app {
     static QUESTIONS: Questions = Questions::new();
     static UNSENT: Unsent = Unsent::new();
     static CHECK_INS: CheckIns = CheckIns::new();
-    static MARGINS: MarginBoard = MarginBoard::new();
+    static MARGINS: MarginBoard<ELEMENTS> = MarginBoard::new();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
@@ -171,7 +171,7 @@ mod app {
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
         let reply = controller.handle(command)?;
-        MARGINS.put(&controller.margins());
+        MARGINS.put(controller.margins());
         // Not before: a start that is refused must not disturb the run.
         if let Command::Start = command {
             front_end.restart();

@@ -5,38 +5,51 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use dr_core::control::Margins;
-use wire::ELEMENTS;
+use wire::List;
 
-/// Of every element the bits of both numbers; NaN where there is none.
-pub struct MarginBoard([[AtomicU32; 2]; ELEMENTS]);
+/// A board for up to N elements.
+pub struct MarginBoard<const N: usize> {
+    /// How many there are.
+    elements: AtomicU32,
+    /// Of every element the bits of both numbers; NaN where there is none.
+    margins: [[AtomicU32; 2]; N],
+}
 
-impl MarginBoard {
-    /// None of any element.
+impl<const N: usize> MarginBoard<N> {
+    /// Of no element.
     pub const fn new() -> Self {
-        Self([const { [const { AtomicU32::new(f32::NAN.to_bits()) }; 2] }; ELEMENTS])
+        let margins = [const { [const { AtomicU32::new(f32::NAN.to_bits()) }; 2] }; N];
+        Self { elements: AtomicU32::new(0), margins }
     }
 
-    /// Puts up what holds from now on.
-    pub fn put(&self, margins: &[Option<Margins>; ELEMENTS]) {
-        for ([low, high], margins) in self.0.iter().zip(margins) {
+    /// Puts up what holds from now on, of as many elements as there are.
+    pub fn put(&self, margins: impl Iterator<Item = Option<Margins>>) {
+        let mut elements = 0;
+        for ([low, high], margins) in self.margins.iter().zip(margins) {
             let none = Margins { above_low_w: f32::NAN, below_high_w: f32::NAN };
             let Margins { above_low_w, below_high_w } = margins.unwrap_or(none);
             low.store(above_low_w.to_bits(), Relaxed);
             high.store(below_high_w.to_bits(), Relaxed);
+            elements += 1;
         }
+        self.elements.store(elements, Relaxed);
     }
 
     /// Reads it.
-    pub fn read(&self) -> [Option<Margins>; ELEMENTS] {
+    pub fn read(&self) -> List<Option<Margins>> {
         let number = |word: &AtomicU32| f32::from_bits(word.load(Relaxed));
-        self.0.each_ref().map(|[low, high]| {
+        let mut read = List::new();
+        for [low, high] in self.margins.iter().take(self.elements.load(Relaxed) as usize) {
             let margins = Margins { above_low_w: number(low), below_high_w: number(high) };
-            (!margins.above_low_w.is_nan() && !margins.below_high_w.is_nan()).then_some(margins)
-        })
+            let known = !margins.above_low_w.is_nan() && !margins.below_high_w.is_nan();
+            // No board has more elements than a list has room for.
+            read.push(known.then_some(margins)).ok();
+        }
+        read
     }
 }
 
-impl Default for MarginBoard {
+impl<const N: usize> Default for MarginBoard<N> {
     fn default() -> Self {
         Self::new()
     }
@@ -48,13 +61,13 @@ mod tests {
 
     #[test]
     fn reads_what_was_put_up_last() {
-        let board = MarginBoard::new();
-        assert_eq!(board.read(), [None; ELEMENTS]);
-        let mut margins = [None; ELEMENTS];
-        margins[2] = Some(Margins { above_low_w: 0.01, below_high_w: 0.03 });
-        board.put(&margins);
+        let board = MarginBoard::<4>::new();
+        assert_eq!(board.read(), []);
+        let mut margins = [None; 3];
+        margins[1] = Some(Margins { above_low_w: 0.01, below_high_w: 0.03 });
+        board.put(margins.into_iter());
         assert_eq!(board.read(), margins);
-        board.put(&[None; ELEMENTS]);
-        assert_eq!(board.read(), [None; ELEMENTS]);
+        board.put([None; 2].into_iter());
+        assert_eq!(board.read(), [None; 2]);
     }
 }

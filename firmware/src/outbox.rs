@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use dr_core::control::{Heaters, RunState};
     use heapless::spsc::Queue;
-    use wire::{MAX_FRAME, Receiver, Sample, encode};
+    use wire::{List, MAX_FRAME, Receiver, Sample, encode};
 
     #[test]
     fn the_host_learns_exactly_what_was_dropped() {
@@ -94,8 +94,8 @@ mod tests {
         for burst in [2, 3, 8, 1, 5] {
             for _ in 0..burst {
                 let (heaters, state) = (Heaters(0), RunState::Running);
-                let sample =
-                    Sample { tick: ticks, heaters, valid: 0, state, temperature_c: [0.0; 6], power_w: [0.0; 6] };
+                let (temperature_c, power_w) = (List::from_array([0.0; 6]), List::from_array([0.0; 6]));
+                let sample = Sample { tick: ticks, heaters, valid: 0, state, temperature_c, power_w };
                 outbox.put(FromBoard::Sample(sample));
                 ticks += 1;
             }

@@ -100,7 +100,8 @@ pub fn identity(reset: ResetCause) -> Identity {
     let mut firmware = Name::new();
     // A longer name is cut: it is for people.
     NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);
-    Identity { firmware, board: board::KIND, elements: wire::ELEMENTS as u8, order: dr_core::model::ORDER as u8, reset }
+    let (elements, order) = (board::ELEMENTS as u8, dr_core::model::ORDER as u8);
+    Identity { firmware, board: board::KIND, elements, order, reset }
 }
 
 /// A change of state, for people.

@@ -6,8 +6,6 @@
 use dr_core::control::{Drive, Refusal, Reply, RunState};
 use dr_core::model::Reachability;
 
-use wire::ELEMENTS;
-
 use crate::experiment::Experiment;
 use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
@@ -87,6 +85,10 @@ fn observe(
             // Only a start in between, by somebody else, counts anew.
             return Err(InstrumentError::Protocol(format!("sample {} came where {next} was due", sample.tick)).into());
         }
+        if !observation.is_of(names.len()) {
+            let sentence = format!("sample {} is not one of {} elements, as the head is", sample.tick, names.len());
+            return Err(InstrumentError::Protocol(sentence).into());
+        }
         totals.lost += sample.tick.min(experiment.ticks) - next;
         if sample.tick >= experiment.ticks {
             // A real board goes on until it is stopped: the last ones of the run got lost.
@@ -96,19 +98,20 @@ fn observe(
         totals.take(sample, experiment, &names);
         totals.simulated |= observation.wind_m_s.is_some();
         totals.extrapolated += u32::from(observation.extrapolated);
-        let mut temperature_c = sample.temperature_c;
+        let mut temperature_c = sample.temperature_c.clone();
         for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
             if sample.valid >> i & 1 == 0 {
                 *temperature_c = f32::NAN;
             }
         }
         // Told to observe, a board says nothing else; a sample without it is a missing number.
-        let seen_w = observation.equivalent_power_w.unwrap_or([f32::NAN; ELEMENTS]);
-        let equivalent_power_w: Vec<f32> = observed.iter().map(|&i| seen_w[i]).collect();
+        let seen_w = observation.equivalent_power_w.as_ref();
+        let equivalent_power_w: Vec<f32> =
+            observed.iter().map(|&i| seen_w.map_or(f32::NAN, |seen_w| seen_w[i])).collect();
         sink(&Row {
             time_s: experiment.time_s(sample.tick),
-            temperature_c: &temperature_c[..names.len()],
-            power_w: &sample.power_w[..names.len()],
+            temperature_c: &temperature_c,
+            power_w: &sample.power_w,
             equivalent_power_w: &equivalent_power_w,
             heaters: sample.heaters.0,
             event: experiment.event(sample.tick),

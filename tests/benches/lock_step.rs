@@ -3,9 +3,8 @@
 //! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a second are ticks a second.
 //! Machines differ and are shared: compare figures of one run.
 
-use anemo_tests::{experiment, firmware, in_process, sphere, start, started};
+use anemo_tests::{experiment, firmware, in_process, readings, sphere, start, started};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use dr_core::sensor::Reading;
 use host_sim::instrument::Instrument;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
 
@@ -27,7 +26,7 @@ fn lock_step(criterion: &mut Criterion) {
         board.body_mut().without_samples().expect("the board listens");
         // Readings of a few ticks, over and over: the exchange is what is measured, not the sphere.
         let mut sphere = sphere(&experiment);
-        let readings: Vec<_> = (0..64).map(|_| (sphere.codes().map(Reading::Code), sphere.advance(0)).0).collect();
+        let readings: Vec<_> = (0..64).map(|_| (readings(&sphere), sphere.advance(0)).0).collect();
         let mut turn = readings.iter().cycle();
         group.bench_function(format!("{name}: exchange of readings, levels and digest"), |b| {
             b.iter(|| turn.next().map(|readings| board.body_mut().exchange_levels(readings)));

@@ -1,9 +1,10 @@
 //! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sphere, at the end of a
 //! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
 
-use crate::{foreign_frame, sphere};
+use crate::{foreign_frame, readings, sphere};
 use dr_core::control::{Command, Controller, Reply, RunState};
 use dr_core::sensor::Reading;
+use firmware::drivers::ads131e06::CHANNELS;
 use firmware::inbox::{Exchange, Inbox, Questions, Request};
 use firmware::outbox::{Outbox, Sequence, Unsent};
 use heapless::spsc::Queue;
@@ -20,9 +21,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use wire::{
-    BoardKind, ELEMENTS, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard,
-};
+use wire::{BoardKind, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard};
 
 /// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because nobody may be reading.
 const STANDBY_TICK: Duration = Duration::from_millis(2);
@@ -179,7 +178,7 @@ impl Life {
         let mut inbox = Inbox::new(request_in, exchange_in, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
-        let mut controller = Controller::<ELEMENTS>::new();
+        let mut controller = Controller::<CHANNELS>::new();
         let mut sphere = self.new_sphere();
         let (mut obeyed, mut unheard) = (Vec::new(), None);
         let (mut reset, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 0, Instant::now());
@@ -237,7 +236,11 @@ impl Life {
             }
             // Without a sample period there are no ticks.
             if controller.sample_period_s().is_some() {
-                let tick = controller.tick(&sphere.codes().map(Reading::Code));
+                let mut read = [Reading::Missing; CHANNELS];
+                for (read, reading) in read.iter_mut().zip(readings(&sphere)) {
+                    *read = reading;
+                }
+                let tick = controller.tick(&read);
                 sphere.advance(tick.heaters.0);
                 if questions.wants_sample(tick.tick) {
                     outbox.put(FromBoard::of_tick(&tick));
@@ -251,7 +254,7 @@ impl Life {
             };
             if questions.take_identity() {
                 let firmware = Name::try_from("fake board").expect("it is short");
-                let (board, elements, order) = (BoardKind::Sensor, ELEMENTS as u8, dr_core::model::ORDER as u8);
+                let (board, elements, order) = (BoardKind::Sensor, CHANNELS as u8, dr_core::model::ORDER as u8);
                 send(&FromBoard::Identity(Identity { firmware, board, elements, order, reset }));
             }
             while let Some(message) = messages.dequeue() {
@@ -269,7 +272,7 @@ impl Life {
                     late_ticks,
                     control_cycles_max,
                     tick_cycles,
-                    margins: controller.margins(),
+                    margins: controller.margins().collect(),
                 }));
             }
         }

@@ -6,6 +6,7 @@ pub mod records;
 pub mod speed;
 pub mod winds;
 
+use dr_core::sensor::Reading;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
 use host_sim::instrument::in_process::InProcess;
@@ -154,6 +155,11 @@ fn cobs_of(bytes: &[u8]) -> Vec<u8> {
 pub fn sphere(experiment: &Experiment) -> Sphere {
     let config = experiment.sphere_config().expect("a shipped experiment can be simulated");
     Sphere::new(&config).expect("a shipped experiment can be simulated")
+}
+
+/// What the sensor's front end reads now.
+pub fn readings(sphere: &Sphere) -> Vec<Reading> {
+    sphere.codes().iter().map(|&code| Reading::Code(code)).collect()
 }
 
 /// The controller in this process, with the experiment's sensor around it.

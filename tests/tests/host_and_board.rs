@@ -67,7 +67,11 @@ fn the_board_tells_the_margins_that_the_host_knows() {
     let mut told = None;
     for _ in 0..200_000 {
         board.observe().unwrap();
-        told = board.body().status().map(|status| status.margins).filter(|margins| margins.iter().any(Option::is_some));
+        told = board
+            .body()
+            .status()
+            .map(|status| status.margins.clone())
+            .filter(|margins| margins.iter().any(Option::is_some));
         if told.is_some() {
             break;
         }

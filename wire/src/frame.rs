@@ -15,8 +15,8 @@ use crc::{CRC_16_IBM_SDLC, Crc, Table};
 use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Longest frame, terminator included. The longest message is a model: 17 numbers of 4 bytes.
-pub const MAX_FRAME: usize = 128;
+/// Longest frame, terminator included. The longest messages are a status and a tick of 16 elements with observers: 48 numbers of 4 bytes.
+pub const MAX_FRAME: usize = 224;
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 static CRC: Crc<u16, Table<1>> = CHECK;
@@ -76,10 +76,12 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::{
-        BoardKind, ELEMENTS, FromBoard, Identity, LinkCounters, Name, ObservedSample, Readings, ResetCause, Sample,
-        Status, ToBoard,
+        BoardKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample, Readings, ResetCause,
+        Sample, Status, ToBoard,
     };
-    use dr_core::control::{Command, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState};
+    use dr_core::control::{
+        Cause, Command, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
+    };
     use dr_core::model::{Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
@@ -95,18 +97,12 @@ mod tests {
             tick: u32::MAX,
             heaters: Heaters(u16::MAX),
             valid: u16::MAX,
-            state: RunState::Running,
-            temperature_c: [-1.7e38; ELEMENTS],
-            power_w: [1.7e38; ELEMENTS],
+            state: RunState::Tripped(Trip { cause: Cause::Unreachable, element: 15 }),
+            temperature_c: List::from_array([-1.7e38; MOST_ELEMENTS]),
+            power_w: List::from_array([1.7e38; MOST_ELEMENTS]),
         };
-        let observed = ObservedSample { sample, equivalent_power_w: [-1.7e38; ELEMENTS] };
-        std::println!(
-            "frame bytes: model {}, sample {}, observed {}, readings {}",
-            bytes(u16::MAX, &ToBoard::Command(Command::Model { element: 255, model })).len(),
-            bytes(u16::MAX, &FromBoard::Sample(sample)).len(),
-            bytes(u16::MAX, &FromBoard::Observed(observed)).len(),
-            bytes(9, &ToBoard::Readings(Readings::new(&[Reading::Code(-8_000_000); ELEMENTS]))).len()
-        );
+        let equivalent_power_w = List::from_array([-1.7e38; MOST_ELEMENTS]);
+        let observed = ObservedSample { sample: sample.clone(), equivalent_power_w };
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
         assert_eq!(firmware.len(), firmware.capacity());
         let identity =
@@ -127,10 +123,17 @@ mod tests {
             late_ticks: u32::MAX,
             control_cycles_max: u32::MAX,
             tick_cycles: u32::MAX,
-            margins: [Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); ELEMENTS],
+            margins: List::from_array([Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); MOST_ELEMENTS]),
         };
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
+        let readings = Readings::new(&[Reading::Code(-8_000_000); MOST_ELEMENTS]).unwrap();
+        for message in [ToBoard::Command(Command::Model { element: 255, model }), ToBoard::Readings(readings)] {
+            let mut frame = bytes(u16::MAX, &message);
+            frame.pop();
+            assert_eq!(decode::<ToBoard>(&mut frame), Ok((u16::MAX, message)));
+        }
+        let mut longest = 0;
         for message in [
             FromBoard::Identity(identity),
             FromBoard::Status(status),
@@ -139,9 +142,12 @@ mod tests {
             FromBoard::Reply { to: u16::MAX, result: Err(refusal) },
         ] {
             let mut frame = bytes(u16::MAX, &message);
+            longest = longest.max(frame.len());
             frame.pop();
             assert_eq!(decode::<FromBoard>(&mut frame), Ok((u16::MAX, message)));
         }
+        // Not much more room than is needed: every link has a buffer of it.
+        assert!((MAX_FRAME - 8..=MAX_FRAME).contains(&longest), "{longest}");
     }
 
     #[test]
@@ -204,26 +210,43 @@ mod tests {
         }
     }
 
-    /// Byte by byte as version 1 had it, but for the version: a client of then needs only new numbers, not new code, for what is old.
     #[test]
-    fn a_sample_without_observers_has_not_grown() {
-        let sample = Sample {
-            tick: 5,
-            heaters: Heaters(3),
-            valid: 7,
-            state: RunState::Running,
-            temperature_c: [1.0; ELEMENTS],
-            power_w: [0.5; ELEMENTS],
+    fn lists_are_as_long_as_there_are_elements() {
+        let message = |elements: usize| {
+            let of = |number: f32| std::iter::repeat_n(number, elements).collect::<List<f32>>();
+            let (heaters, state) = (Heaters(3), RunState::Running);
+            let sample = Sample { tick: 5, heaters, valid: 7, state, temperature_c: of(1.0), power_w: of(0.5) };
+            (
+                FromBoard::Sample(sample.clone()),
+                FromBoard::Observed(ObservedSample { sample, equivalent_power_w: of(0.25) }),
+            )
         };
-        let mut expected = std::vec![2, 5, 3, 7, 1];
-        expected.extend([1.0_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
-        expected.extend([0.5_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
         let mut space = [0; MAX_FRAME];
-        assert_eq!(postcard::to_slice(&FromBoard::Sample(sample), &mut space).unwrap(), expected);
-        let observed = FromBoard::Observed(ObservedSample { sample, equivalent_power_w: [0.25; ELEMENTS] });
-        expected[0] = 6;
-        expected.extend([0.25_f32; ELEMENTS].iter().flat_map(|number| number.to_le_bytes()));
-        assert_eq!(postcard::to_slice(&observed, &mut space).unwrap(), expected);
+        for elements in [0, 1, 6, 13, 16] {
+            let (sample, observed) = message(elements);
+            let mut expected = std::vec![2, 5, 3, 7, 1];
+            let add = |expected: &mut Vec<u8>, number: f32| {
+                expected.push(elements as u8);
+                expected.extend(std::iter::repeat_n(number.to_le_bytes(), elements).flatten());
+            };
+            add(&mut expected, 1.0);
+            add(&mut expected, 0.5);
+            assert_eq!(postcard::to_slice(&sample, &mut space).unwrap(), expected);
+            expected[0] = 6;
+            add(&mut expected, 0.25);
+            assert_eq!(postcard::to_slice(&observed, &mut space).unwrap(), expected);
+        }
+    }
+
+    #[test]
+    fn a_list_of_more_elements_than_there_can_be_is_damage() {
+        let readings = ToBoard::Readings(Readings::new(&[Reading::Code(1); MOST_ELEMENTS]).unwrap());
+        let mut space = [0; 64];
+        let mut content = postcard::to_slice(&readings, &mut space).unwrap().to_vec();
+        assert_eq!(content[..3], [3, 0, MOST_ELEMENTS as u8]);
+        content[2] += 1;
+        content.extend([1, 0, 0]);
+        assert!(postcard::from_bytes::<ToBoard>(&content).is_err());
     }
 
     #[test]

@@ -5,8 +5,22 @@ use dr_core::control::{Command, Heaters, Margins, Refusal, Reply, RunState, Tick
 use dr_core::sensor::Reading;
 use serde::{Deserialize, Serialize};
 
-/// Elements of an instrument; a head with fewer leaves the last ones unconfigured.
-pub const ELEMENTS: usize = 6;
+/// The most elements that any instrument has; `Identity` says how many a board has.
+pub const MOST_ELEMENTS: usize = 16;
+
+/// One entry an element: as many as are configured.
+pub type List<T> = heapless::Vec<T, MOST_ELEMENTS>;
+
+/// The first entries of what a controller keeps for all that it has room for.
+fn list<T: Copy, const N: usize>(of: &[T; N], elements: u8) -> List<T> {
+    const { assert!(N <= MOST_ELEMENTS, "a list has room for all elements of any controller") };
+    let mut list = List::new();
+    for &entry in of.iter().take(usize::from(elements)) {
+        // It fits, as N does.
+        list.push(entry).ok();
+    }
+    list
+}
 
 /// A short text.
 pub type Name = heapless::String<32>;
@@ -58,11 +72,14 @@ pub enum FromBoard {
 
 impl FromBoard {
     /// A tick, with what the observers say of it where they run.
-    pub fn of_tick(tick: &Tick<ELEMENTS>) -> Self {
+    pub fn of_tick<const N: usize>(tick: &Tick<N>) -> Self {
         let sample = Sample::from(tick);
-        match tick.equivalent_power_w {
+        match &tick.equivalent_power_w {
             None => Self::Sample(sample),
-            Some(equivalent_power_w) => Self::Observed(ObservedSample { sample, equivalent_power_w }),
+            Some(equivalent_power_w) => {
+                let equivalent_power_w = list(equivalent_power_w, tick.elements);
+                Self::Observed(ObservedSample { sample, equivalent_power_w })
+            }
         }
     }
 }
@@ -109,49 +126,50 @@ pub enum ResetCause {
 }
 
 /// One reading an element, in lock-step. Packed, since the emulated USART takes its time for every byte.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
     /// Bit i is set if element i has no fresh reading.
-    absent: u8,
+    absent: u16,
     /// Codes, 24 bit, little-endian, two's complement. Where there is no fresh reading: 0 if it is missing, 1 if stale.
-    codes: [[u8; 3]; ELEMENTS],
+    codes: List<[u8; 3]>,
 }
 
 impl Readings {
-    /// Packs readings. Codes have 24 bit: the ADC has no more.
-    pub fn new(readings: &[Reading; ELEMENTS]) -> Self {
-        let mut packed = Self { absent: 0, codes: [[0; 3]; ELEMENTS] };
-        for (i, (reading, packed_code)) in readings.iter().zip(&mut packed.codes).enumerate() {
+    /// Packs readings; none if they are of more elements than any instrument has. Codes have 24 bit: the ADC has no more.
+    pub fn new(readings: &[Reading]) -> Option<Self> {
+        let mut packed = Self { absent: 0, codes: List::new() };
+        for (i, reading) in readings.iter().enumerate() {
             let code = match *reading {
                 Reading::Code(code) => code,
                 Reading::Missing | Reading::Stale => {
-                    packed.absent |= 1 << i;
+                    packed.absent |= 1_u16.checked_shl(i as u32)?;
                     i32::from(*reading == Reading::Stale)
                 }
             };
             let [low, middle, high, _] = code.to_le_bytes();
-            *packed_code = [low, middle, high];
+            packed.codes.push([low, middle, high]).ok()?;
         }
-        packed
+        Some(packed)
     }
 
-    /// Unpacks them.
-    pub fn readings(&self) -> [Reading; ELEMENTS] {
-        core::array::from_fn(|i| {
-            let [low, middle, high] = self.codes.get(i).copied().unwrap_or_default();
+    /// Unpacks them. An element of which nothing was said has no reading.
+    pub fn readings(&self) -> [Reading; MOST_ELEMENTS] {
+        let mut readings = [Reading::Missing; MOST_ELEMENTS];
+        for (i, (reading, &[low, middle, high])) in readings.iter_mut().zip(&self.codes).enumerate() {
             // The sign is in the highest byte: shifting down from the top carries it along.
             let code = i32::from_le_bytes([0, low, middle, high]) >> 8;
-            match (self.absent >> i & 1, code) {
+            *reading = match (self.absent >> i & 1, code) {
                 (0, code) => Reading::Code(code),
                 (_, 0) => Reading::Missing,
                 _ => Reading::Stale,
-            }
-        })
+            };
+        }
+        readings
     }
 }
 
 /// What one tick brought: [`Tick`], as it travels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Number of the tick since the start of the run.
     pub tick: u32,
@@ -162,35 +180,35 @@ pub struct Sample {
     /// State after the tick.
     pub state: RunState,
     /// °C.
-    pub temperature_c: [f32; ELEMENTS],
+    pub temperature_c: List<f32>,
     /// W, held until the next tick.
-    pub power_w: [f32; ELEMENTS],
+    pub power_w: List<f32>,
 }
 
-impl From<&Tick<ELEMENTS>> for Sample {
-    fn from(tick: &Tick<ELEMENTS>) -> Self {
+impl<const N: usize> From<&Tick<N>> for Sample {
+    fn from(tick: &Tick<N>) -> Self {
         Self {
             tick: tick.tick,
             heaters: tick.heaters,
             valid: tick.valid,
             state: tick.state,
-            temperature_c: tick.temperature_c,
-            power_w: tick.power_w,
+            temperature_c: list(&tick.temperature_c, tick.elements),
+            power_w: list(&tick.power_w, tick.elements),
         }
     }
 }
 
 /// A [`Sample`] and what the observers see at its tick. A message of its own, so that a board without observers sends nothing more.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObservedSample {
     /// The tick.
     pub sample: Sample,
     /// Equivalent control at the tick, W: what the element's structure takes, by its model. 0 for an element without one.
-    pub equivalent_power_w: [f32; ELEMENTS],
+    pub equivalent_power_w: List<f32>,
 }
 
 /// Health, once a second.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Seconds since the start.
     pub uptime_s: u32,
@@ -206,8 +224,8 @@ pub struct Status {
     pub control_cycles_max: u32,
     /// Processor cycles in a tick; 0 until the sample period is set.
     pub tick_cycles: u32,
-    /// By element that holds a temperature and has a model: what is left to its low and its high level, W.
-    pub margins: [Option<Margins>; ELEMENTS],
+    /// Of each element that holds a temperature and has a model: what is left to its low and its high level, W.
+    pub margins: List<Option<Margins>>,
 }
 
 /// A change of the run state.
@@ -245,6 +263,16 @@ mod tests {
             Reading::Stale,
             Reading::Missing,
         ];
-        assert_eq!(Readings::new(&readings).readings(), readings);
+        let unpacked = Readings::new(&readings).unwrap().readings();
+        assert_eq!(unpacked[..6], readings);
+        assert!(unpacked[6..].iter().all(|reading| *reading == Reading::Missing));
+        // The last bit of the mask, and one element more than it has.
+        for absent in [Reading::Stale, Reading::Missing] {
+            let mut readings = [Reading::Code(5); MOST_ELEMENTS];
+            readings[MOST_ELEMENTS - 1] = absent;
+            assert_eq!(Readings::new(&readings).unwrap().readings(), readings);
+            assert_eq!(Readings::new(&[absent; MOST_ELEMENTS + 1]), None);
+        }
+        assert_eq!(Readings::new(&[Reading::Code(5); MOST_ELEMENTS + 1]), None);
     }
 }

@@ -25,7 +25,7 @@ pub enum Command {
     Guard(GuardConfig),
     /// What an element is. In standby.
     Element {
-        /// Which, from 0.
+        /// Which, from 0. Those before it have to be configured already.
         element: u8,
         /// Its wiring and limits.
         config: ElementConfig,

@@ -10,11 +10,9 @@
 //!
 //! States: `Standby` → `Running` → `Standby`, and `Tripped` from anywhere. Heaters are low in `Standby` and `Tripped`.
 
-use super::command::{Command, Refusal, Reply};
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, Judgement, Limits, Trip};
 use super::targets::{self, Margins};
-use crate::error::{self, Parameter};
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
 
@@ -53,16 +51,18 @@ pub struct ElementConfig {
     pub limits: Limits,
 }
 
-/// What one tick brought.
+/// What one tick brought. Of the lists only the entries of configured elements mean anything: the first `elements`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tick<const N: usize> {
     /// Number of the tick since the start of the run.
     pub tick: u32,
+    /// How many elements are configured.
+    pub elements: u8,
     /// Levels held until the next tick.
     pub heaters: Heaters,
     /// Bit i is set if element i had a good reading in this tick.
     pub valid: u16,
-    /// Temperatures at this tick, °C; the last good one where the reading was not, 0 for elements that are not there.
+    /// Temperatures at this tick, °C; the last good one where the reading was not.
     pub temperature_c: [f32; N],
     /// Heating power held until the next tick, W.
     pub power_w: [f32; N],
@@ -99,12 +99,15 @@ struct ElementState {
     observer: ObserverState,
 }
 
-/// Everything that decides, for an instrument of up to N elements.
+/// Everything that decides, for an instrument of up to N elements. They are configured from the first on, without gaps; room
+/// for more costs a few words a tick that are cleared and passed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<const N: usize> {
     sample_period_s: Option<f32>,
     guard: GuardConfig,
     observing: bool,
+    /// How many elements there are: so many entries of `elements` are filled, from the first on.
+    configured: usize,
     elements: [Option<Element>; N],
     states: [ElementState; N],
     state: RunState,
@@ -127,6 +130,7 @@ impl<const N: usize> Controller<N> {
             sample_period_s: None,
             guard: GuardConfig::default(),
             observing: false,
+            configured: 0,
             elements: [None; N],
             states: [ElementState::default(); N],
             state: RunState::Standby,
@@ -144,6 +148,11 @@ impl<const N: usize> Controller<N> {
         self.tick
     }
 
+    /// How many elements are configured.
+    pub const fn elements(&self) -> usize {
+        self.configured
+    }
+
     /// Length of a tick in s, once it is set.
     pub const fn sample_period_s(&self) -> Option<f32> {
         self.sample_period_s
@@ -155,15 +164,15 @@ impl<const N: usize> Controller<N> {
         Some(model.temperature_c(&self.states.get(element)?.model))
     }
 
-    /// How far each element that holds a temperature stays from either level, by its model.
-    pub fn margins(&self) -> [Option<Margins>; N] {
-        self.elements.each_ref().map(|element| {
-            let element = element.as_ref()?;
-            targets::margins(&element.drive, &element.config, element.model.as_ref()?)
-        })
+    /// How far each configured element that holds a temperature stays from either level, by its model.
+    pub fn margins(&self) -> impl Iterator<Item = Option<Margins>> {
+        self.elements
+            .iter()
+            .map_while(Option::as_ref)
+            .map(|element| targets::margins(&element.drive, &element.config, element.model.as_ref()?))
     }
 
-    /// One tick.
+    /// One tick. Readings of elements that are not configured are not looked at.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
         let (valid, fault) = self.take_in(readings);
         let mut trip = fault.filter(|_| !matches!(self.state, RunState::Tripped(_)));
@@ -179,6 +188,7 @@ impl<const N: usize> Controller<N> {
         let (power_w, equivalent_power_w) = self.heat(valid);
         let output = Tick {
             tick: self.tick,
+            elements: self.configured as u8,
             heaters: Heaters(mask(&self.states, |state| state.level == Level::High)),
             valid,
             temperature_c: self.states.map(|state| state.temperature_c),
@@ -195,7 +205,7 @@ impl<const N: usize> Controller<N> {
     fn take_in(&mut self, readings: &[Reading; N]) -> (u16, Option<Trip>) {
         let (mut valid, mut fault) = (0, None);
         for (i, ((element, state), reading)) in self.elements.iter().zip(&mut self.states).zip(readings).enumerate() {
-            let Some(element) = element else { continue };
+            let Some(element) = element else { break };
             let cause = match guard::judge(&element.config.limits, &element.config.channel, *reading, state.level) {
                 Judgement::Good { resistance_ohm, temperature_c } => {
                     state.absent_ticks = 0;
@@ -222,7 +232,7 @@ impl<const N: usize> Controller<N> {
     fn decide(&mut self, valid: u16) -> Option<Trip> {
         let mut trip = None;
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
-            let Some(element) = element else { continue };
+            let Some(element) = element else { break };
             if valid >> i & 1 == 0 {
                 state.level = Level::Low;
                 continue;
@@ -247,7 +257,7 @@ impl<const N: usize> Controller<N> {
         let (mut powers_w, mut equivalents_w) = ([0.0; N], [0.0; N]);
         let states = self.states.iter_mut().zip(&mut powers_w).zip(&mut equivalents_w);
         for (i, (element, ((state, power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
-            let Some(element) = element else { continue };
+            let Some(element) = element else { break };
             *power_w = element.config.channel.power_w(state.resistance_ohm, state.level);
             let Some(model) = &element.model else { continue };
             let mut input_w = *power_w;
@@ -265,141 +275,6 @@ impl<const N: usize> Controller<N> {
         }
         (powers_w, equivalents_w)
     }
-
-    /// Carries out a command.
-    ///
-    /// # Errors
-    /// Says why not, and changes nothing.
-    pub fn handle(&mut self, command: Command) -> Result<Reply, Refusal> {
-        match command {
-            Command::Clear => {
-                self.in_standby()?;
-                *self = Self::new();
-            }
-            Command::SamplePeriod { sample_period_s } => {
-                self.in_standby()?;
-                let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
-                self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
-                // Their gains were for the old period.
-                for element in self.elements.iter_mut().flatten() {
-                    (element.model, element.observer) = (None, None);
-                }
-            }
-            Command::Guard(config) => {
-                self.in_standby()?;
-                self.guard = config;
-            }
-            Command::Element { element, config } => {
-                self.in_standby()?;
-                let slot = self.elements.get_mut(usize::from(element)).ok_or(Refusal::NoSuchElement { element })?;
-                let invalid = |error| Refusal::Invalid { element: Some(element), error };
-                let config = ElementConfig {
-                    channel: config.channel.checked().map_err(invalid)?,
-                    limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
-                };
-                *slot = Some(Element { config, model: None, observer: None, drive: Drive::Passive });
-            }
-            Command::Model { element, model } => {
-                self.in_standby()?;
-                let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
-                let invalid = |error| Refusal::Invalid { element: Some(element), error };
-                let model = SelfHeating::new(&model, sample_period_s).map_err(invalid)?;
-                let observer = self.observing.then(|| model.observer()).transpose().map_err(invalid)?;
-                let slot = self.element_mut(element)?;
-                (slot.model, slot.observer) = (Some(model), observer);
-            }
-            Command::Observe { on } => self.observe(on)?,
-            Command::Drive { element, drive } => self.set_drive(element, drive)?,
-            Command::Start => return self.start(),
-            Command::Stop => {
-                if let RunState::Tripped(trip) = self.state {
-                    return Err(Refusal::Tripped(trip));
-                }
-                self.state = RunState::Standby;
-            }
-            Command::Acknowledge => {
-                if !matches!(self.state, RunState::Tripped(_)) {
-                    return Err(Refusal::NotTripped);
-                }
-                self.state = RunState::Standby;
-            }
-        }
-        Ok(Reply::Done)
-    }
-
-    fn in_standby(&self) -> Result<(), Refusal> {
-        match self.state {
-            RunState::Standby => Ok(()),
-            RunState::Running => Err(Refusal::NotInStandby),
-            RunState::Tripped(trip) => Err(Refusal::Tripped(trip)),
-        }
-    }
-
-    fn element_mut(&mut self, element: u8) -> Result<&mut Element, Refusal> {
-        let slot = self.elements.get_mut(usize::from(element)).ok_or(Refusal::NoSuchElement { element })?;
-        slot.as_mut().ok_or(Refusal::NotConfigured { element })
-    }
-
-    /// Gives every model its observer, or takes it away. All or none: a model that cannot be observed changes nothing.
-    fn observe(&mut self, on: bool) -> Result<(), Refusal> {
-        self.in_standby()?;
-        let mut elements = self.elements;
-        for (i, element) in elements.iter_mut().enumerate() {
-            let Some(element) = element else { continue };
-            let observer = element.model.filter(|_| on).map(|model| model.observer()).transpose();
-            element.observer = observer.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
-        }
-        self.elements = elements;
-        self.observing = on;
-        Ok(())
-    }
-
-    fn set_drive(&mut self, element: u8, drive: Drive) -> Result<(), Refusal> {
-        if let RunState::Tripped(trip) = self.state {
-            return Err(Refusal::Tripped(trip));
-        }
-        let slot = self.element_mut(element)?;
-        let invalid = |error| Refusal::Invalid { element: Some(element), error };
-        let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
-        targets::check_power(&drive, &slot.config).map_err(invalid)?;
-        targets::check(element, &drive, &slot.config, slot.model.as_ref())?;
-        slot.drive = drive;
-        if let Some(of) = self.states.get_mut(usize::from(element)) {
-            of.drive = state;
-            of.saturated_ticks = 0;
-        }
-        Ok(())
-    }
-
-    /// Everything starts afresh, so that two runs of the same experiment are the same run.
-    fn start(&mut self) -> Result<Reply, Refusal> {
-        self.in_standby()?;
-        if self.sample_period_s.is_none() {
-            return Err(Refusal::NoSamplePeriod);
-        }
-        let (mut judged, mut unjudged) = (0, 0);
-        let mut states = self.states;
-        for (i, (element, state)) in self.elements.iter().zip(&mut states).enumerate() {
-            let Some(element) = element else { continue };
-            let start = element.drive.start(element.config.channel.platinum());
-            let drive = start.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
-            if element.drive.target_range_c().is_some() {
-                // The model may have been loaded after the drive.
-                targets::check(i as u8, &element.drive, &element.config, element.model.as_ref())?;
-                *(if element.model.is_some() { &mut judged } else { &mut unjudged }) += 1;
-            }
-            *state = ElementState {
-                drive,
-                temperature_c: state.temperature_c,
-                resistance_ohm: state.resistance_ohm,
-                ..ElementState::default()
-            };
-        }
-        self.states = states;
-        self.tick = 0;
-        self.state = RunState::Running;
-        Ok(Reply::Started { judged, unjudged })
-    }
 }
 
 fn mask<T>(items: &[T], is_set: impl Fn(&T) -> bool) -> u16 {
@@ -407,5 +282,6 @@ fn mask<T>(items: &[T], is_set: impl Fn(&T) -> bool) -> u16 {
 }
 
 mod fold;
+mod handle;
 #[cfg(test)]
 mod tests;

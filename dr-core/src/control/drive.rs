@@ -143,6 +143,7 @@ impl Drive {
     }
 
     /// The level to hold until the next tick.
+    #[inline(always)] // there is one caller; where several controllers are built, that is not seen by itself
     pub fn step(&self, state: &mut DriveState, input: &DriveInput) -> Level {
         let before = state.level;
         state.saturated = false;

@@ -16,7 +16,10 @@ use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
+/// Of the sensor board's controller.
 const ELEMENTS: usize = 6;
+/// Of the virtual board's.
+const MOST_ELEMENTS: usize = wire::MOST_ELEMENTS;
 const SAMPLE_PERIOD_S: f32 = 0.01;
 /// Of the ADC: 4 V full scale, 24 bit.
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
@@ -52,6 +55,27 @@ fn control_6_elements_observing(
     controller: &mut Controller<ELEMENTS>,
     readings: &[Reading; ELEMENTS],
 ) -> Tick<ELEMENTS> {
+    // A word of its own keeps the linker from merging it with the function above.
+    black_box(controller).tick(readings)
+}
+
+/// Six elements on a controller that has room for more.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn control_6_of_16(
+    controller: &mut Controller<MOST_ELEMENTS>,
+    readings: &[Reading; MOST_ELEMENTS],
+) -> Tick<MOST_ELEMENTS> {
+    controller.tick(readings)
+}
+
+/// Thirteen elements.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn control_13_of_16(
+    controller: &mut Controller<MOST_ELEMENTS>,
+    readings: &[Reading; MOST_ELEMENTS],
+) -> Tick<MOST_ELEMENTS> {
     // A word of its own keeps the linker from merging it with the function above.
     black_box(controller).tick(readings)
 }
@@ -114,13 +138,19 @@ fn measure() -> Option<()> {
         let bit = black_box(sigma_delta_step(&mut modulator, black_box(0.3)));
         black_box(decimator_push(black_box(&decimator), &mut decimated, if bit { 0.0415 } else { 0.0015 }));
     }
-    control(false, control_6_elements)?;
-    control(true, control_6_elements_observing)
+    control(6, false, control_6_elements)?;
+    control(6, true, control_6_elements_observing)?;
+    control(6, false, control_6_of_16)?;
+    control(13, false, control_13_of_16)
 }
 
-/// The six drives, one an element, each with its model, on six simple bodies; readings fail and at last trip the guard.
-fn control(observe: bool, tick: fn(&mut Controller<ELEMENTS>, &[Reading; ELEMENTS]) -> Tick<ELEMENTS>) -> Option<()> {
-    let mut controller = Controller::<ELEMENTS>::new();
+/// The six drives in turn, one an element, each with its model, on simple bodies; readings fail and at last trip the guard.
+fn control<const N: usize>(
+    elements: usize,
+    observe: bool,
+    tick: fn(&mut Controller<N>, &[Reading; N]) -> Tick<N>,
+) -> Option<()> {
+    let mut controller = Controller::<N>::new();
     controller.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S }).ok()?;
     controller.handle(Command::Observe { on: observe }).ok()?;
     let platinum = Platinum::linear(175.0, 0.0031).ok()?;
@@ -140,14 +170,14 @@ fn control(observe: bool, tick: fn(&mut Controller<ELEMENTS>, &[Reading; ELEMENT
         Drive::Prbs { order: 10, seed: 1, ticks_per_bit: 2 },
         Drive::Setpoints { low_c: -45.0, high_c: -35.0, dwell_ticks: 50, seed: 1 },
     ];
-    for (element, drive) in (0_u8..).zip(drives) {
+    for (element, &drive) in (0_u8..).zip(drives.iter().cycle()).take(elements) {
         controller.handle(Command::Element { element, config: ElementConfig { channel, limits } }).ok()?;
         controller.handle(Command::Model { element, model }).ok()?;
         controller.handle(Command::Drive { element, drive }).ok()?;
     }
     controller.handle(Command::Start).ok()?;
 
-    let mut temperature_c = [-50.0_f32; ELEMENTS];
+    let mut temperature_c = [-50.0_f32; N];
     let mut heaters = 0_u16;
     for n in 0..CONTROL_TICKS {
         let readings = core::array::from_fn(|i| match (n % 100, i) {

@@ -3,6 +3,7 @@
 //!
 //! | name | what it is |
 //! |---|---|
+//! | `ELEMENTS` | how many it can drive |
 //! | `init` | clocks, pins and peripherals; gives `Parts` |
 //! | `FrontEnd` | `poll` gives the readings of a tick that is complete, `apply` sets the heaters |
 //! | `HostReceiver`, `HostTransmitter` | bytes from the host, frames to it |

@@ -21,7 +21,7 @@ use stm32f4xx_hal::pac::{self, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
-use wire::{BoardKind, ELEMENTS, FromBoard, HeaterFrame, MAX_FRAME, ResetCause, encode};
+use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, ResetCause, encode};
 
 use defmt_semihosting as _;
 
@@ -29,6 +29,8 @@ use defmt_semihosting as _;
 pub const NAME: &str = "virtual";
 /// For the host.
 pub const KIND: BoardKind = BoardKind::Virtual;
+/// As many as a message can tell of.
+pub const ELEMENTS: usize = wire::MOST_ELEMENTS;
 /// This board's front end is a link.
 pub const IS_VIRTUAL: bool = true;
 /// The emulator's core clock.

@@ -8,6 +8,7 @@ mod process;
 mod stream;
 
 use super::link::{Link, PATIENCE, Persistence, Stream};
+use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, TickReport};
 use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
@@ -15,7 +16,7 @@ use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
 pub use stream::Pipe;
-use wire::{ELEMENTS, FromBoard, HeaterFrame, Identity, Readings, Status, ToBoard};
+use wire::{FromBoard, HeaterFrame, Identity, Status, ToBoard};
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
@@ -87,8 +88,8 @@ impl Emulated {
     }
 
     /// The board's last word on its health.
-    pub fn status(&self) -> Option<Status> {
-        self.status
+    pub fn status(&self) -> Option<&Status> {
+        self.status.as_ref()
     }
 
     /// Asks for no samples: what is left of an exchange is readings, levels and digest. For runs of millions of ticks of
@@ -104,7 +105,7 @@ impl Emulated {
     ///
     /// # Errors
     /// If the board is gone, or answers something else.
-    pub fn exchange_levels(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
+    pub fn exchange_levels(&mut self, readings: &[Reading]) -> Result<HeaterFrame, InstrumentError> {
         self.unattended += 1;
         if self.unattended >= ATTEND_EVERY {
             self.attend()?;
@@ -125,8 +126,8 @@ impl Emulated {
         }
     }
 
-    fn ask(&mut self, readings: &[Reading; ELEMENTS]) -> Result<HeaterFrame, InstrumentError> {
-        let asked = self.links.bench().send(&ToBoard::Readings(Readings::new(readings)))?;
+    fn ask(&mut self, readings: &[Reading]) -> Result<HeaterFrame, InstrumentError> {
+        let asked = self.links.bench().send(&ToBoard::Readings(packed(readings)?))?;
         let answer = loop {
             let message = self.process.patiently(|patience| self.links.bench().receive(patience))?;
             self.hear(message);
@@ -163,7 +164,7 @@ impl Emulated {
     fn hear(&mut self, message: FromBoard) {
         match message {
             FromBoard::Heaters(answer) => self.answer = Some(answer),
-            FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(&message),
+            FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
             FromBoard::Event(_) | FromBoard::Identity(_) | FromBoard::Reply { .. } => {}
@@ -185,7 +186,7 @@ impl Body for Emulated {
         reply.map_err(|error| self.process.explain(error))
     }
 
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError> {
+    fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
         let answer = self.exchange_levels(readings)?;
         self.sample(answer.heaters).map_err(|error| self.process.explain(error))
     }

@@ -1,14 +1,15 @@
 //! The controller in this process: the fastest body, and the one that the others are held against.
 
+use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, TickReport};
 use dr_core::control::{Command, Controller, Digest, Reply};
 use dr_core::sensor::Reading;
-use wire::{BoardKind, ELEMENTS, Identity, Name, ResetCause, Sample};
+use wire::{BoardKind, Identity, MOST_ELEMENTS, Name, ResetCause, Sample};
 
 /// dr-core's controller, called directly.
 pub struct InProcess {
     identity: Identity,
-    controller: Controller<ELEMENTS>,
+    controller: Controller<MOST_ELEMENTS>,
     digest: Digest,
 }
 
@@ -27,7 +28,7 @@ impl InProcess {
             identity: Identity {
                 firmware,
                 board: BoardKind::Virtual,
-                elements: ELEMENTS as u8,
+                elements: MOST_ELEMENTS as u8,
                 order,
                 reset: ResetCause::PowerOn,
             },
@@ -56,10 +57,11 @@ impl Body for InProcess {
         Ok(reply)
     }
 
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError> {
-        let tick = self.controller.tick(readings);
+    fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
+        let tick = self.controller.tick(&packed(readings)?.readings());
         self.controller.fold(&tick, &mut self.digest);
-        Ok(TickReport { sample: Sample::from(&tick), equivalent_power_w: tick.equivalent_power_w })
+        let told = |all: [f32; MOST_ELEMENTS]| all.into_iter().take(self.controller.elements()).collect();
+        Ok(TickReport { sample: Sample::from(&tick), equivalent_power_w: tick.equivalent_power_w.map(told) })
     }
 
     fn digest(&self) -> u64 {

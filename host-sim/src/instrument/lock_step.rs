@@ -8,7 +8,7 @@ use super::{Account, Instrument, InstrumentError, Observation, TickReport};
 use crate::sensor::{Sphere, Truth};
 use dr_core::control::{Command, Reply};
 use dr_core::sensor::Reading;
-use wire::{ELEMENTS, Identity};
+use wire::{Identity, MOST_ELEMENTS, Readings};
 
 /// A controller that is given readings and answers with levels.
 pub trait Body {
@@ -21,11 +21,11 @@ pub trait Body {
     /// If it is refused, or the body cannot be reached.
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError>;
 
-    /// One tick.
+    /// One tick; an element of which there is no reading has none.
     ///
     /// # Errors
-    /// If the body cannot be reached.
-    fn exchange(&mut self, readings: &[Reading; ELEMENTS]) -> Result<TickReport, InstrumentError>;
+    /// If the body cannot be reached, or if there are more readings than any instrument has elements.
+    fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError>;
 
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     fn digest(&self) -> u64;
@@ -35,6 +35,11 @@ pub trait Body {
     /// # Errors
     /// If the body does not end well.
     fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
+}
+
+/// Readings as they travel.
+pub(super) fn packed(readings: &[Reading]) -> Result<Readings, InstrumentError> {
+    Readings::new(readings).ok_or(InstrumentError::TooManyElements { head: readings.len(), board: MOST_ELEMENTS })
 }
 
 /// A body with a simulated sphere around it.
@@ -75,7 +80,8 @@ impl<B: Body> Instrument for LockStep<B> {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let TickReport { sample, equivalent_power_w } = self.body.exchange(&self.sphere.codes().map(Reading::Code))?;
+        let readings: Vec<Reading> = self.sphere.codes().iter().map(|&code| Reading::Code(code)).collect();
+        let TickReport { sample, equivalent_power_w } = self.body.exchange(&readings)?;
         self.sphere.advance(sample.heaters.0);
         Ok(Observation {
             sample,

@@ -22,20 +22,20 @@ use dr_core::control::{Command, Refusal, Reply};
 use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
-use wire::{ELEMENTS, FromBoard, Identity, LinkCounters, ObservedSample, Sample, Status};
+use wire::{FromBoard, Identity, LinkCounters, List, ObservedSample, Sample, Status};
 
 /// What a controller says of one tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TickReport {
     pub sample: Sample,
     /// What the elements' structures take by their observers, W; where these run.
-    pub equivalent_power_w: Option<[f32; ELEMENTS]>,
+    pub equivalent_power_w: Option<List<f32>>,
 }
 
 impl TickReport {
     /// The tick that a message tells of, if it does.
-    pub fn of(message: &FromBoard) -> Option<Self> {
-        match *message {
+    pub fn of(message: FromBoard) -> Option<Self> {
+        match message {
             FromBoard::Sample(sample) => Some(Self { sample, equivalent_power_w: None }),
             FromBoard::Observed(ObservedSample { sample, equivalent_power_w }) => {
                 Some(Self { sample, equivalent_power_w: Some(equivalent_power_w) })
@@ -51,11 +51,22 @@ pub struct Observation {
     /// What the board says.
     pub sample: Sample,
     /// What the elements' structures take by their observers, W; where these run.
-    pub equivalent_power_w: Option<[f32; ELEMENTS]>,
+    pub equivalent_power_w: Option<List<f32>>,
     /// Wind over the tick that follows the sample, m/s, where it is known.
     pub wind_m_s: Option<[f64; 3]>,
     /// The wind is beyond what the simulation has been computed for.
     pub extrapolated: bool,
+}
+
+impl Observation {
+    /// Whether every list has an entry for each of so many elements, and none more.
+    pub fn is_of(&self, elements: usize) -> bool {
+        let Sample { temperature_c, power_w, .. } = &self.sample;
+        [Some(temperature_c), Some(power_w), self.equivalent_power_w.as_ref()]
+            .into_iter()
+            .flatten()
+            .all(|list| list.len() == elements)
+    }
 }
 
 /// What got lost, and how the board was.

@@ -70,9 +70,9 @@ struct Heard {
 impl Heard {
     fn take(&mut self, message: FromBoard) {
         match message {
-            FromBoard::Sample(_) | FromBoard::Observed(_) => self.samples.extend(TickReport::of(&message)),
+            FromBoard::Sample(_) | FromBoard::Observed(_) => self.samples.extend(TickReport::of(message)),
             FromBoard::Status(status) => {
-                self.restarted |= self.status.is_some_and(|before| status.uptime_s <= before.uptime_s);
+                self.restarted |= self.status.as_ref().is_some_and(|before| status.uptime_s <= before.uptime_s);
                 self.status = Some(status);
             }
             // Changes of state are in every sample; a reply that comes now is the second to a repeated command.
@@ -175,7 +175,7 @@ impl Instrument for Serial {
             Err(error) => return Err(error),
         }
         // The status of the end counts everything; should it get lost, the one before will do.
-        let before = self.heard.status;
+        let before = self.heard.status.clone();
         let deadline = Instant::now() + STATUS_PATIENCE;
         while self.heard.status == before && Instant::now() < deadline {
             match self.link.receive(deadline.saturating_duration_since(Instant::now())) {

@@ -4,8 +4,8 @@ use super::super::digest::Digest;
 use super::{Controller, RunState, Tick};
 
 impl<const N: usize> Controller<N> {
-    /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state. Of the
-    /// configuration it says nothing.
+    /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state of the elements that
+    /// are configured, so that it does not matter how many more there could be. Of the configuration it says nothing.
     pub fn fold(&self, tick: &Tick<N>, digest: &mut Digest) {
         digest.word(tick.tick);
         digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
@@ -14,13 +14,13 @@ impl<const N: usize> Controller<N> {
             RunState::Running => 1,
             RunState::Tripped(trip) => 2 | (trip.cause as u32) << 8 | u32::from(trip.element) << 16,
         });
-        if let Some(equivalent_power_w) = tick.equivalent_power_w {
-            for (state, equivalent_w) in self.states.iter().zip(equivalent_power_w) {
+        if let Some(equivalent_power_w) = &tick.equivalent_power_w {
+            for (state, &equivalent_w) in self.states.iter().zip(equivalent_power_w).take(self.configured) {
                 digest.number(state.observer.added_w);
                 digest.number(equivalent_w);
             }
         }
-        for (state, power_w) in self.states.iter().zip(tick.power_w) {
+        for (state, &power_w) in self.states.iter().zip(&tick.power_w).take(self.configured) {
             digest.number(state.temperature_c);
             digest.number(state.resistance_ohm);
             digest.word(state.absent_ticks);

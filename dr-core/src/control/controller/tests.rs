@@ -1,12 +1,14 @@
 extern crate std;
 
 use super::*;
-use crate::control::Digest;
+use crate::control::{Command, Digest, Refusal, Reply};
+use crate::error::Parameter;
 use crate::model::SelfHeatingConfig;
 use crate::model::mesh;
 use crate::sensor::Platinum;
 use std::vec::Vec;
 
+mod elements;
 mod observing;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;

@@ -16,6 +16,7 @@
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21 bytes: in every
 //! conversion period of 250 µs, and 200 µs is what the decision may take (`docs/hardware.md`, "One tick").
 
+use super::ELEMENTS;
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
 use dr_core::ConfigError;
 use dr_core::control::{Controller, Tick};
@@ -32,7 +33,6 @@ use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
-use wire::ELEMENTS;
 
 /// The heater pins in their port: PC0 … PC5.
 pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;

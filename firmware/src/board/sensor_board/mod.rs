@@ -23,6 +23,7 @@ pub use watchdog::Watchdog;
 use super::Parts;
 use cortex_m::peripheral::SCB;
 use defmt_rtt as _;
+use firmware::drivers::ads131e06::CHANNELS;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
 use front_end::{AdcPins, HEATER_MASK};
@@ -36,6 +37,8 @@ use wire::BoardKind;
 pub const NAME: &str = "sensor";
 /// For the host.
 pub const KIND: BoardKind = BoardKind::Sensor;
+/// One a channel of its ADC.
+pub const ELEMENTS: usize = CHANNELS;
 /// This board reads for itself.
 pub const IS_VIRTUAL: bool = false;
 

@@ -66,7 +66,8 @@ fn only_a_passive_body_can_be_observed() {
 fn margins_are_those_of_the_power_that_holds_the_set_point() {
     let targets = Drive::Setpoints { low_c: -40.0, high_c: -30.0, dwell_ticks: 10, seed: 1 };
     let controller = running([targets, Drive::Passive]);
-    let [margins, none] = controller.margins();
+    let margins: Vec<_> = controller.margins().collect();
+    let [margins, none] = margins[..] else { panic!("two elements") };
     let resistance_ohm = |celsius: f32| 175.0 * (1.0 + 0.0031 * celsius);
     let above_low_w = 10.0 / 628.0 - 3e-3 * 3e-3 * resistance_ohm(-40.0);
     let below_high_w = 16e-3 * 16e-3 * resistance_ohm(-30.0) - 20.0 / 628.0;

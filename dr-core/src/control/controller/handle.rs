@@ -1,0 +1,151 @@
+//! What a controller does when it is told something.
+
+use super::{Controller, Element, ElementConfig, ElementState, RunState};
+use crate::control::command::{Command, Refusal, Reply};
+use crate::control::drive::Drive;
+use crate::control::targets;
+use crate::error::{self, Parameter};
+use crate::model::SelfHeating;
+
+impl<const N: usize> Controller<N> {
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// Says why not, and changes nothing.
+    pub fn handle(&mut self, command: Command) -> Result<Reply, Refusal> {
+        match command {
+            Command::Clear => {
+                self.in_standby()?;
+                *self = Self::new();
+            }
+            Command::SamplePeriod { sample_period_s } => {
+                self.in_standby()?;
+                let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
+                self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
+                // Their gains were for the old period.
+                for element in self.elements.iter_mut().flatten() {
+                    (element.model, element.observer) = (None, None);
+                }
+            }
+            Command::Guard(config) => {
+                self.in_standby()?;
+                self.guard = config;
+            }
+            Command::Element { element, config } => {
+                self.in_standby()?;
+                let index = usize::from(element);
+                let slot = self.elements.get_mut(index).ok_or(Refusal::NoSuchElement { element })?;
+                if index > self.configured {
+                    // The one that would leave a gap.
+                    return Err(Refusal::NotConfigured { element: self.configured as u8 });
+                }
+                let invalid = |error| Refusal::Invalid { element: Some(element), error };
+                let config = ElementConfig {
+                    channel: config.channel.checked().map_err(invalid)?,
+                    limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
+                };
+                *slot = Some(Element { config, model: None, observer: None, drive: Drive::Passive });
+                self.configured = self.configured.max(index + 1);
+            }
+            Command::Model { element, model } => {
+                self.in_standby()?;
+                let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
+                let invalid = |error| Refusal::Invalid { element: Some(element), error };
+                let model = SelfHeating::new(&model, sample_period_s).map_err(invalid)?;
+                let observer = self.observing.then(|| model.observer()).transpose().map_err(invalid)?;
+                let slot = self.element_mut(element)?;
+                (slot.model, slot.observer) = (Some(model), observer);
+            }
+            Command::Observe { on } => self.observe(on)?,
+            Command::Drive { element, drive } => self.set_drive(element, drive)?,
+            Command::Start => return self.start(),
+            Command::Stop => {
+                if let RunState::Tripped(trip) = self.state {
+                    return Err(Refusal::Tripped(trip));
+                }
+                self.state = RunState::Standby;
+            }
+            Command::Acknowledge => {
+                if !matches!(self.state, RunState::Tripped(_)) {
+                    return Err(Refusal::NotTripped);
+                }
+                self.state = RunState::Standby;
+            }
+        }
+        Ok(Reply::Done)
+    }
+
+    fn in_standby(&self) -> Result<(), Refusal> {
+        match self.state {
+            RunState::Standby => Ok(()),
+            RunState::Running => Err(Refusal::NotInStandby),
+            RunState::Tripped(trip) => Err(Refusal::Tripped(trip)),
+        }
+    }
+
+    fn element_mut(&mut self, element: u8) -> Result<&mut Element, Refusal> {
+        let slot = self.elements.get_mut(usize::from(element)).ok_or(Refusal::NoSuchElement { element })?;
+        slot.as_mut().ok_or(Refusal::NotConfigured { element })
+    }
+
+    /// Gives every model its observer, or takes it away. All or none: a model that cannot be observed changes nothing.
+    fn observe(&mut self, on: bool) -> Result<(), Refusal> {
+        self.in_standby()?;
+        let mut elements = self.elements;
+        for (i, element) in elements.iter_mut().enumerate() {
+            let Some(element) = element else { break };
+            let observer = element.model.filter(|_| on).map(|model| model.observer()).transpose();
+            element.observer = observer.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
+        }
+        self.elements = elements;
+        self.observing = on;
+        Ok(())
+    }
+
+    fn set_drive(&mut self, element: u8, drive: Drive) -> Result<(), Refusal> {
+        if let RunState::Tripped(trip) = self.state {
+            return Err(Refusal::Tripped(trip));
+        }
+        let slot = self.element_mut(element)?;
+        let invalid = |error| Refusal::Invalid { element: Some(element), error };
+        let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
+        targets::check_power(&drive, &slot.config).map_err(invalid)?;
+        targets::check(element, &drive, &slot.config, slot.model.as_ref())?;
+        slot.drive = drive;
+        if let Some(of) = self.states.get_mut(usize::from(element)) {
+            of.drive = state;
+            of.saturated_ticks = 0;
+        }
+        Ok(())
+    }
+
+    /// Everything starts afresh, so that two runs of the same experiment are the same run.
+    fn start(&mut self) -> Result<Reply, Refusal> {
+        self.in_standby()?;
+        if self.sample_period_s.is_none() {
+            return Err(Refusal::NoSamplePeriod);
+        }
+        let (mut judged, mut unjudged) = (0, 0);
+        let mut states = self.states;
+        for (i, (element, state)) in self.elements.iter().zip(&mut states).enumerate() {
+            let Some(element) = element else { break };
+            let start = element.drive.start(element.config.channel.platinum());
+            let drive = start.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
+            if element.drive.target_range_c().is_some() {
+                // The model may have been loaded after the drive.
+                targets::check(i as u8, &element.drive, &element.config, element.model.as_ref())?;
+                *(if element.model.is_some() { &mut judged } else { &mut unjudged }) += 1;
+            }
+            *state = ElementState {
+                drive,
+                temperature_c: state.temperature_c,
+                resistance_ohm: state.resistance_ohm,
+                ..ElementState::default()
+            };
+        }
+        self.states = states;
+        self.tick = 0;
+        self.state = RunState::Running;
+        Ok(Reply::Started { judged, unjudged })
+    }
+}
