@@ -1,10 +1,11 @@
 //! A bad line: garbage, truncated and duplicated frames are dropped and counted, and the loop never stops.
 
-use anemo_tests::{emulated, experiment, firmware, foreign_frame, in_process, sphere, start};
+use anemo_tests::{emulated, experiment, firmware, foreign_frame, in_process, sensor, start};
 use dr_core::control::{Command, Heaters};
 use dr_core::sensor::Reading;
 use dr_core::signal::Prbs;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
+use host_sim::instrument::lock_step::readings;
 use host_sim::instrument::{Body, Instrument, LockStep};
 use wire::{LinkCounters, MAX_FRAME, ToBoard, encode};
 
@@ -92,12 +93,12 @@ fn another_protocol_version_is_not_obeyed() {
 fn readings_that_are_missing_are_borne_once_and_then_trip() {
     let experiment = experiment("gusts.toml");
     let mut board = anemo_tests::started(&experiment, Emulated::start(&firmware(), Way::Fifo).unwrap());
-    let mut sphere = sphere(&experiment);
-    let heaters = board.body_mut().exchange(&sphere.codes().map(Reading::Code)).unwrap().sample.heaters;
+    let mut sensor = sensor(&experiment);
+    let heaters = board.body_mut().exchange(&readings(sensor.codes())).unwrap().sample.heaters;
     // The others must read as their level makes them, or they would trip for another reason.
     let mut without_one = |heaters: Heaters| {
-        sphere.advance(heaters.0);
-        let mut readings = sphere.codes().map(Reading::Code);
+        sensor.advance(heaters.0);
+        let mut readings = readings(sensor.codes());
         readings[1] = Reading::Missing;
         board.body_mut().exchange(&readings).unwrap()
     };

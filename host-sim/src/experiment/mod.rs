@@ -2,7 +2,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
+//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
@@ -28,13 +28,13 @@ use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::Level;
 
 use crate::head::Head;
-use crate::sensor::{self, Imperfections, SensorError, Species, Sphere, SphereConfig, TimedFault, WindEntry};
+use crate::sensor::{Construction, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
 use models::Models;
 use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
 
-/// Sample periods between 1 kHz and 10 Hz.
-const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
+/// Sample periods between 1 kHz and 1 Hz.
+const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
 const HIGHEST_SPEED_M_S: f64 = 100.0;
 
 /// A checked experiment with its head.
@@ -151,53 +151,37 @@ impl Experiment {
     /// The simulated sensor of this experiment.
     ///
     /// # Errors
-    /// If the head is not the one that can be simulated: six elements, four sectors before two cores.
-    pub fn sphere_config(&self) -> Result<SphereConfig, FileError> {
-        let elements: Vec<_> = self.head.elements.iter().map(|element| element.nominal).collect();
-        let sectors_first =
-            self.head.elements.iter().enumerate().all(|(i, element)| {
-                (element.kind == crate::head::Kind::Sector) == (i < sensor::ELEMENTS - sensor::CORES)
-            });
-        let (Ok(elements), true) = (elements.try_into(), sectors_first) else {
+    /// If the head names none.
+    pub fn sensor_config(&self) -> Result<SensorConfig, FileError> {
+        let construction = self.head.sensor.ok_or_else(|| {
+            let names = Construction::NAMES.map(|name| format!("\"{name}\"")).join(", ");
             let sentence = format!(
-                "is `{}`, but only a sphere of four sectors and then two cores can be simulated",
+                "is `{}`, which says nothing of what simulates it: give it a `sensor`, one of {names}",
                 self.head.name
             );
-            return Err(self.source.refuse("head", sentence));
-        };
-        for (i, element) in self.head.elements.iter().enumerate() {
-            if let Some(normal) = element.normal
-                && let axis = sensor::convection::sector_axis(i)
-                && normal.iter().zip(axis).any(|(a, b)| (a - b).abs() > 1e-6)
-            {
-                let sentence = format!(
-                    "turns `{}` towards {normal:.3?}, but in the sphere that can be simulated it looks towards {axis:.3?}",
-                    element.name
-                );
-                return Err(self.source.refuse("head", sentence));
-            }
-        }
-        Ok(SphereConfig {
+            self.source.refuse("head", sentence)
+        })?;
+        Ok(SensorConfig {
+            construction,
             seed: self.seed,
             sample_period_s: self.sample_period_s,
             species: self.species,
             pressure_pa: self.pressure_pa,
             gas_temperature_c: self.gas_temperature_c,
             support_temperature_c: self.support_temperature_c,
-            elements,
+            elements: self.head.elements.iter().map(|element| element.nominal).collect(),
             volt_per_code: self.head.volt_per_code,
             imperfections: self.imperfections,
             wind: self.wind.clone(),
             faults: self.faults.clone(),
-            construction: sensor::Construction::default(),
         })
     }
 
     /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.
     fn check_conditions(&self) -> Result<(), FileError> {
         // A head that cannot be simulated may still be run on a real sensor.
-        let Ok(config) = self.sphere_config() else { return Ok(()) };
-        Sphere::new(&config).map(|_| ()).map_err(|error| match &error {
+        let Ok(config) = self.sensor_config() else { return Ok(()) };
+        Sensor::new(&config).map(|_| ()).map_err(|error| match &error {
             SensorError::OutOfRange { name, value, expected } => {
                 self.source.refuse(name, format!("is {value}: it must be {expected}"))
             }

@@ -1,11 +1,11 @@
-//! A controller and the simulated sphere, tick by tick: whatever the speed of either, the run is the same.
+//! A controller and the simulated sensor, tick by tick: whatever the speed of either, the run is the same.
 //!
 //! ```text
-//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sphere advances to t_{n+1}
+//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sensor advances to t_{n+1}
 //! ```
 
 use super::{Account, Instrument, InstrumentError, Observation, TickReport};
-use crate::sensor::{Sphere, Truth};
+use crate::sensor::{Sensor, Truth};
 use dr_core::control::{Command, Reply};
 use dr_core::sensor::Reading;
 use wire::{ELEMENTS, Identity};
@@ -37,16 +37,22 @@ pub trait Body {
     fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
 }
 
-/// A body with a simulated sphere around it.
+/// The codes of a sensor as a body takes them; channels without an element say nothing, and what there is no channel for is not
+/// passed on: a head with so many elements is refused before it starts.
+pub fn readings(codes: &[i32]) -> [Reading; ELEMENTS] {
+    std::array::from_fn(|i| codes.get(i).map_or(Reading::Missing, |&code| Reading::Code(code)))
+}
+
+/// A body with a simulated sensor around it.
 pub struct LockStep<B> {
     body: Box<B>,
-    sphere: Sphere,
+    sensor: Sensor,
 }
 
 impl<B: Body> LockStep<B> {
     /// Puts the two together.
-    pub fn new(body: B, sphere: Sphere) -> Self {
-        Self { body: Box::new(body), sphere }
+    pub fn new(body: B, sensor: Sensor) -> Self {
+        Self { body: Box::new(body), sensor }
     }
 
     /// The body, for what only this kind of body can say.
@@ -61,7 +67,7 @@ impl<B: Body> LockStep<B> {
 
     /// What is really so at the end of the last tick.
     pub fn truth(&self) -> Truth {
-        self.sphere.truth()
+        self.sensor.truth()
     }
 }
 
@@ -75,13 +81,13 @@ impl<B: Body> Instrument for LockStep<B> {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let TickReport { sample, equivalent_power_w } = self.body.exchange(&self.sphere.codes().map(Reading::Code))?;
-        self.sphere.advance(sample.heaters.0);
+        let TickReport { sample, equivalent_power_w } = self.body.exchange(&readings(self.sensor.codes()))?;
+        self.sensor.advance(sample.heaters.0);
         Ok(Observation {
             sample,
             equivalent_power_w,
-            wind_m_s: Some(self.sphere.wind_m_s()),
-            extrapolated: self.sphere.wind_extrapolated(),
+            wind_m_s: Some(self.sensor.wind_m_s()),
+            extrapolated: self.sensor.wind_extrapolated(),
         })
     }
 
