@@ -205,6 +205,7 @@ fn outcome(summary: &RunSummary) -> Metadata {
         ("lost".to_owned(), summary.lost.to_string()),
         ("trips".to_owned(), summary.trips.len().to_string()),
     ];
+    pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
     pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
     pairs
 }

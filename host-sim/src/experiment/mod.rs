@@ -8,6 +8,7 @@
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, `turbulence = { intensity, correlation_time_s }` |
+//! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
 //!
 //! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,
@@ -19,6 +20,7 @@
 
 pub mod models;
 mod table;
+mod wind;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,11 +33,10 @@ use crate::head::Head;
 use crate::sensor::{Construction, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
 use models::Models;
-use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
+use table::{DriveTable, ExperimentTable, FaultTable};
 
 /// Sample periods between 1 kHz and 1 Hz.
 const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
-const HIGHEST_SPEED_M_S: f64 = 100.0;
 
 /// A checked experiment with its head.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +89,7 @@ impl Experiment {
         let gas_temperature_c = table.gas.temperature_c;
         let drive_tables = table.drives;
         let mut experiment = Self {
-            wind: wind(&grid, table.wind, table.duration_s)?,
+            wind: wind::entries(&grid, table.wind, table.tunnel, ticks)?,
             faults: faults(&grid, &table.faults, &head, table.duration_s)?,
             title: table.title,
             head,
@@ -129,12 +130,7 @@ impl Experiment {
 
     /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.
     pub fn time_s(&self, tick: u32) -> f64 {
-        let rate_hz = (1.0 / self.sample_period_s).round();
-        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
-            f64::from(tick) / rate_hz
-        } else {
-            f64::from(tick) * self.sample_period_s
-        }
+        Grid { source: &self.source, sample_period_s: self.sample_period_s }.time_s(tick)
     }
 
     pub fn duration_s(&self) -> f64 {
@@ -145,7 +141,8 @@ impl Experiment {
     pub fn event(&self, tick: u32) -> &str {
         // A start within a millionth of a period of a tick belongs to that tick, as for the simulated wind.
         let now_s = self.time_s(tick) + 1e-6 * self.sample_period_s;
-        self.wind.iter().rev().find(|entry| entry.start_s <= now_s).map_or("", |entry| entry.label.as_str())
+        let begun = self.wind.partition_point(|entry| entry.start_s <= now_s);
+        self.wind[..begun].last().map_or("", |entry| entry.label.as_str())
     }
 
     /// The simulated sensor of this experiment.
@@ -200,6 +197,16 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
+    /// Time of a tick in s.
+    fn time_s(&self, tick: u32) -> f64 {
+        let rate_hz = (1.0 / self.sample_period_s).round();
+        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
+            f64::from(tick) / rate_hz
+        } else {
+            f64::from(tick) * self.sample_period_s
+        }
+    }
+
     /// A moment at which something begins: at the start, or a whole number of ticks later.
     fn instant(&self, key: &str, time_s: f64) -> Result<(), FileError> {
         // Whether it may be negative or not a number is for those to say who use it.
@@ -316,27 +323,6 @@ fn drives(
         });
     }
     Ok(drives)
-}
-
-fn wind(grid: &Grid, tables: Vec<WindTable>, duration_s: f64) -> Result<Vec<WindEntry>, FileError> {
-    let source = grid.source;
-    if tables.is_empty() {
-        let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas";
-        return Err(source.refuse("wind", sentence));
-    }
-    let mut entries = Vec::with_capacity(tables.len());
-    for (index, table) in tables.into_iter().enumerate() {
-        let key = format!("wind[{index}]");
-        // Starts, angles and turbulence are the simulated wind's to judge.
-        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
-        grid.instant(&format!("{key}.start_s"), table.start_s)?;
-        if table.start_s >= duration_s {
-            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
-            return Err(source.refuse(&format!("{key}.start_s"), sentence));
-        }
-        entries.push(table.entry(index));
-    }
-    Ok(entries)
 }
 
 fn faults(grid: &Grid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {

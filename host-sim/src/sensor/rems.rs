@@ -1,37 +1,36 @@
-//! A transducer of the REMS type as a thermal network: three cards at 120° near the tip of a boom, four silicon dice a card.
+//! A transducer of the REMS type as a thermal network: three cards at 120° on a boom, four silicon dice a card.
 //!
 //! ```text
-//!   gas ── die ── support ── gas          12 times: a platinum resistor on the die heats and senses;
-//!                  │   ╲                  supports of a card touch their two neighbours (1–2–3–4–1)
-//!                  │    support …
-//!        gas ── boom cell 1 ── gas ── cell 2 … cell 8 ── support of the boom, at a fixed temperature
-//!                  │
-//!             boom resistor               all outer surfaces radiate to surroundings at gas temperature
+//!   gas ── die ── leg ── card ── head of the boom ── shank, 3 cells ── support at a fixed temperature
+//!           │      │       │           │                 │
+//!        the next die     gas      gas, resistor        gas
+//!        and leg of the card, a ring of four
 //! ```
 //!
 //! | part | value | origin |
 //! |---|---|---|
-//! | 3 cards at 120°, 4 dice a card, one resistor each | | published |
-//! | die | 1.47 mJ/K | derived: silicon of 1.5 × 1.5 × 0.4 mm, 2330 kg/m³, 705 J/(kg·K); size assumed |
-//! | die to its support | 1.7 mW/K | assumed, so that die and conductance make a rate near the published 0.2 Hz |
-//! | support | 6 mJ/K | derived: Pyrex of 3 × 3 × 0.4 mm, 2230 kg/m³, 750 J/(kg·K); size assumed |
-//! | support to its neighbour | 0.2 mW/K | assumed: adjacent dice then warm each other a few times more than diagonal ones, as published |
-//! | support to boom | 0.16 mW/K | assumed, so that four dice at 17 K warm the boom by the published 0.6 to 0.7 K |
-//! | boom | 10 × 100 mm, 31 J/K, 11.8 mW/K | assumed: a steel rod, 7900 kg/m³, 500 J/(kg·K), 15 W/(m·K); with its loss to the gas its poles are at the published 2·10⁻⁴ and 2·10⁻³ Hz |
-//! | boom resistor | 5 mJ/K, 5 mW/K | assumed: a ceramic Pt100 of 2.3 × 2 × 1.3 mm, clamped |
-//! | boom in still gas | Nu 0.7 | derived: 2 / ln(4 l / d) of a cylinder of 100 mm by 10 mm is 0.54; its end adds to that |
-//! | emissivity | die 0.6, support 0.9, boom 0.2 | passivated silicon, glass, bare steel |
-//! | convection head-on, along, lee | 0.8, 0.6, 0.35 | assumed around the 0.664 of a plate; published is the order: head-on cools more than reverse |
-//! | upwind | 0.15 | assumed: of a card in a stream along it, the two dice in front lose some 30 % more to the layer than the two behind |
+//! | 3 cards at 120°, 4 dice a card, one platinum resistor a die | | published |
+//! | die | 1.5 mm, 0.25 mm thick, 0.93 mJ/K | derived: silicon, 2330 kg/m³, 710 J/(kg·K); thickness assumed |
+//! | legs | 0.32 mJ/K | derived: four of Pyrex, 0.4 × 0.4 × 0.3 mm, 2230 kg/m³, 750 J/(kg·K) |
+//! | die to leg | 4.7 mW/K | derived: the upper half of the legs, 0.64 mm² · 1.1 W/(m·K) / 0.15 mm |
+//! | leg to card | 1.63 mW/K | calibrated to the published pole of a die; its lower half in series with the spreading in the board |
+//! | leg to the next leg | 0.37 mW/K | calibrated to the published ratio of diagonal and adjacent die: board and tracks |
+//! | die to the next die | 14 µW/K | derived: gas between two sides, 0.7 mm apart |
+//! | card | 45 × 22 mm, 1.1 J/K | derived: FR4 of 0.6 mm, 1850 kg/m³, 1000 J/(kg·K); size assumed |
+//! | card to head | 0.67 mW/K | calibrated to the published rise of the boom: posts and wires |
+//! | head | 10 × 18 mm, 3.6 J/K | calibrated to the published pole near 2·10⁻⁴ Hz: solid aluminium, with its Pt100 and screws |
+//! | shank | 10 × 100 mm, 0.2 mW/K, 4.8 J/K | derived: glass-fibre tube of 28 mm², 0.4 W/(m·K), 1.7 J/(cm³·K), and 27 manganin wires |
+//! | emissivity of a card, outside | 0.9 | assumed: bare FR4; head and shank are gold-plated, the inside faces them, and a die is 2 mm²: none of these radiates here |
+//! | shade | 0.3 | assumed: share of the speed that is left in reverse; published is that head-on cools more |
+//! | front to rear | 0.10 | assumed: upstream dice 10 % more of the layer, downstream ones 10 % less |
 //!
-//! Elements: `card1-die1` … `card3-die4`, `boom`. Surfaces: the dice, the supports of the dice, the cells of the boom. The boom comes up
-//! along z, cards 1, 2 and 3 look towards azimuth 0°, 120° and 240°: the azimuth of a wind is yaw, its elevation pitch. Seen from
-//! outside with the tip upwards, dice 1 to 4 go round the card from the upper right against the clock.
+//! Elements: `card1-die1` … `card3-die4`, `boom` (a Pt100 in the head). Surfaces: the dice, the cards, the head, the cells of the shank.
+//! The boom lies along x with its tip at +x, cards 1, 2 and 3 look towards 90° (up), 210° and 330° around it. The azimuth of a wind is
+//! yaw and its elevation pitch; head-on is a wind that goes towards azimuth 180°. Dice 1 and 2 of a card are the pair at the tip, 3 and
+//! 4 that at the root; 1 and 4 lie on the same side.
 //!
-//! Limits: those of the [convection](super::convection::boom); cards warm each other only through the boom; wires carry no heat; no
-//! temperature dependence of the parts.
-
-use std::f64::consts::PI;
+//! Limits: those of the [convection](super::convection::boom), free convection at one overheat among them; cards warm each other only
+//! through the head; no temperature dependence of the parts.
 
 use super::SensorError;
 use super::body::{Body, Surface};
@@ -45,55 +44,50 @@ use super::rod::Rod;
 /// What the transducer is made of; the default is the one of the head of this file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Construction {
-    pub die_side_m: f64,
+    /// Sizes, and what the wind does with them.
+    pub shape: Shape,
     pub die_capacity_j_k: f64,
-    pub die_to_support_w_k: f64,
-    pub die_emissivity: f64,
-    pub support_side_m: f64,
-    pub support_capacity_j_k: f64,
-    pub support_to_neighbour_w_k: f64,
-    pub support_to_boom_w_k: f64,
-    pub support_emissivity: f64,
-    pub boom_diameter_m: f64,
-    pub boom_length_m: f64,
-    pub boom_capacity_j_k: f64,
-    pub boom_w_k: f64,
-    pub boom_cells: usize,
-    pub boom_emissivity: f64,
-    pub boom_resistor_capacity_j_k: f64,
-    pub boom_resistor_to_boom_w_k: f64,
-    pub boom_still_nusselt: f64,
-    pub head_on: f64,
-    pub along: f64,
-    pub lee: f64,
-    pub upwind: f64,
+    pub die_to_leg_w_k: f64,
+    pub die_to_die_w_k: f64,
+    pub leg_capacity_j_k: f64,
+    pub leg_to_leg_w_k: f64,
+    pub leg_to_card_w_k: f64,
+    pub card_capacity_j_k: f64,
+    pub card_to_head_w_k: f64,
+    pub card_emissivity: f64,
+    pub head_capacity_j_k: f64,
+    pub shank_w_k: f64,
+    pub shank_capacity_j_k: f64,
 }
 
 impl Default for Construction {
     fn default() -> Construction {
         Construction {
-            die_side_m: 1.5e-3,
-            die_capacity_j_k: 1.47e-3,
-            die_to_support_w_k: 1.7e-3,
-            die_emissivity: 0.6,
-            support_side_m: 3e-3,
-            support_capacity_j_k: 6e-3,
-            support_to_neighbour_w_k: 2e-4,
-            support_to_boom_w_k: 1.6e-4,
-            support_emissivity: 0.9,
-            boom_diameter_m: 0.01,
-            boom_length_m: 0.1,
-            boom_capacity_j_k: 31.0,
-            boom_w_k: 11.8e-3,
-            boom_cells: 8,
-            boom_emissivity: 0.2,
-            boom_resistor_capacity_j_k: 5e-3,
-            boom_resistor_to_boom_w_k: 5e-3,
-            boom_still_nusselt: 0.7,
-            head_on: 0.8,
-            along: 0.6,
-            lee: 0.35,
-            upwind: 0.15,
+            shape: Shape {
+                die_side_m: 1.5e-3,
+                die_thickness_m: 0.25e-3,
+                card_length_m: 45e-3,
+                card_width_m: 22e-3,
+                head_diameter_m: 10e-3,
+                head_length_m: 18e-3,
+                shank_diameter_m: 10e-3,
+                shank_length_m: 0.1,
+                shank_cells: 3,
+                shade: 0.3,
+                front_to_rear: 0.1,
+            },
+            die_capacity_j_k: 9.3e-4,
+            die_to_leg_w_k: 4.7e-3,
+            die_to_die_w_k: 1.4e-5,
+            leg_capacity_j_k: 3.2e-4,
+            leg_to_leg_w_k: 3.7e-4,
+            leg_to_card_w_k: 1.63e-3,
+            card_capacity_j_k: 1.1,
+            card_to_head_w_k: 6.7e-4,
+            card_emissivity: 0.9,
+            head_capacity_j_k: 3.6,
+            shank_w_k: 2e-4,
+            shank_capacity_j_k: 4.8,
         }
     }
 }
@@ -104,104 +98,78 @@ impl Construction {
         let mut network = Network::new();
         let gas_k = gas.temperature_k;
         let dice = [(); DICE].map(|()| network.add_node(self.die_capacity_j_k, gas_k));
-        let supports = [(); DICE].map(|()| network.add_node(self.support_capacity_j_k, gas_k));
-        let boom = Rod { conductance_w_k: self.boom_w_k, capacity_j_k: self.boom_capacity_j_k, cells: self.boom_cells };
-        let (cells, support) = boom.add(&mut network, &[], gas_k, support_k);
-        let resistor = network.add_node(self.boom_resistor_capacity_j_k, gas_k);
+        let legs = [(); DICE].map(|()| network.add_node(self.leg_capacity_j_k, gas_k));
+        let cards = [(); CARDS].map(|()| network.add_node(self.card_capacity_j_k, gas_k));
+        let head = network.add_node(self.head_capacity_j_k, gas_k);
+        let shank = Rod {
+            conductance_w_k: self.shank_w_k,
+            capacity_j_k: self.shank_capacity_j_k,
+            cells: self.shape.shank_cells,
+        };
+        let (cells, support) = shank.add(&mut network, &[head], gas_k, support_k);
 
         for i in 0..DICE {
-            let card = i / DICE_PER_CARD * DICE_PER_CARD;
-            let neighbour = card + (i + 1) % DICE_PER_CARD;
-            network.link(dice[i], supports[i], self.die_to_support_w_k);
-            network.link(supports[i], supports[neighbour], self.support_to_neighbour_w_k);
-            network.link(supports[i], cells[0], self.support_to_boom_w_k);
+            let card = i / DICE_PER_CARD;
+            let next = card * DICE_PER_CARD + (i + 1) % DICE_PER_CARD;
+            network.link(dice[i], legs[i], self.die_to_leg_w_k);
+            network.link(dice[i], dice[next], self.die_to_die_w_k);
+            network.link(legs[i], legs[next], self.leg_to_leg_w_k);
+            network.link(legs[i], cards[card], self.leg_to_card_w_k);
         }
-        network.link(resistor, cells[0], self.boom_resistor_to_boom_w_k);
+        for card in cards {
+            network.link(card, head, self.card_to_head_w_k);
+        }
 
-        let die = |i: usize| Surface {
-            name: die_name(i),
-            node: dice[i],
-            emissivity: self.die_emissivity,
-            area_m2: self.die_side_m * self.die_side_m,
-            carries: Vec::new(),
-            element: Some(i),
-        };
-        let under = |i: usize| Surface {
-            name: format!("{}-support", die_name(i)),
-            node: supports[i],
-            emissivity: self.support_emissivity,
-            area_m2: self.support_side_m * self.support_side_m - self.die_side_m * self.die_side_m,
-            carries: Vec::new(),
-            element: None,
-        };
-        let cell = |(i, &node): (usize, &usize)| Surface {
-            name: format!("boom{}", i + 1),
+        let bare = |name: String, node: usize, element: Option<usize>| Surface {
+            name,
             node,
-            emissivity: self.boom_emissivity,
-            area_m2: PI * self.boom_diameter_m * self.boom_length_m / self.boom_cells as f64,
+            emissivity: 0.0,
+            area_m2: 0.0,
             carries: Vec::new(),
-            element: None,
+            element,
         };
-        let surfaces = (0..DICE).map(die).chain((0..DICE).map(under)).chain(cells.iter().enumerate().map(cell));
-        let surfaces = surfaces.collect();
-        let elements = dice.into_iter().chain([resistor]).collect();
-        let convection = Convection::Boom(Boom::new(gas, &self.shape())?);
+        let mut surfaces: Vec<Surface> = (0..DICE).map(|i| bare(die_name(i), dice[i], Some(i))).collect();
+        surfaces.extend(cards.iter().enumerate().map(|(i, &card)| Surface {
+            emissivity: self.card_emissivity,
+            area_m2: self.shape.card_area_m2(),
+            ..bare(format!("card{}", i + 1), card, None)
+        }));
+        surfaces.push(bare("head".to_owned(), head, Some(DICE)));
+        surfaces.extend(cells.iter().enumerate().map(|(i, &cell)| bare(format!("shank{}", i + 1), cell, None)));
+        let elements = dice.into_iter().chain([head]).collect();
+        let convection = Convection::Boom(Boom::new(gas, &self.shape)?);
         Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
     }
 
-    fn shape(&self) -> Shape {
-        Shape {
-            die_side_m: self.die_side_m,
-            support_side_m: self.support_side_m,
-            boom_diameter_m: self.boom_diameter_m,
-            boom_length_m: self.boom_length_m,
-            boom_cells: self.boom_cells,
-            boom_still_nusselt: self.boom_still_nusselt,
-            head_on: self.head_on,
-            along: self.along,
-            lee: self.lee,
-            upwind: self.upwind,
-        }
-    }
-
     fn check(&self) -> Result<(), SensorError> {
+        let shape = &self.shape;
         let positive = [
-            ("die_side_m", self.die_side_m),
+            ("shape.die_side_m", shape.die_side_m),
+            ("shape.die_thickness_m", shape.die_thickness_m),
+            ("shape.card_length_m", shape.card_length_m),
+            ("shape.card_width_m", shape.card_width_m),
+            ("shape.head_diameter_m", shape.head_diameter_m),
+            ("shape.head_length_m", shape.head_length_m),
+            ("shape.shank_diameter_m", shape.shank_diameter_m),
+            ("shape.shank_length_m", shape.shank_length_m),
+            ("shape.shank_cells", shape.shank_cells as f64),
             ("die_capacity_j_k", self.die_capacity_j_k),
-            ("die_to_support_w_k", self.die_to_support_w_k),
-            ("support_side_m", self.support_side_m),
-            ("support_capacity_j_k", self.support_capacity_j_k),
-            ("support_to_neighbour_w_k", self.support_to_neighbour_w_k),
-            ("support_to_boom_w_k", self.support_to_boom_w_k),
-            ("boom_diameter_m", self.boom_diameter_m),
-            ("boom_length_m", self.boom_length_m),
-            ("boom_capacity_j_k", self.boom_capacity_j_k),
-            ("boom_w_k", self.boom_w_k),
-            ("boom_cells", self.boom_cells as f64),
-            ("boom_resistor_capacity_j_k", self.boom_resistor_capacity_j_k),
-            ("boom_resistor_to_boom_w_k", self.boom_resistor_to_boom_w_k),
-            ("boom_still_nusselt", self.boom_still_nusselt),
-            ("head_on", self.head_on),
-            ("along", self.along),
-            ("lee", self.lee),
+            ("die_to_leg_w_k", self.die_to_leg_w_k),
+            ("die_to_die_w_k", self.die_to_die_w_k),
+            ("leg_capacity_j_k", self.leg_capacity_j_k),
+            ("leg_to_leg_w_k", self.leg_to_leg_w_k),
+            ("leg_to_card_w_k", self.leg_to_card_w_k),
+            ("card_capacity_j_k", self.card_capacity_j_k),
+            ("card_to_head_w_k", self.card_to_head_w_k),
+            ("head_capacity_j_k", self.head_capacity_j_k),
+            ("shank_w_k", self.shank_w_k),
+            ("shank_capacity_j_k", self.shank_capacity_j_k),
         ];
-        let emissivities = [
-            ("die_emissivity", self.die_emissivity),
-            ("support_emissivity", self.support_emissivity),
-            ("boom_emissivity", self.boom_emissivity),
-        ];
-        check(&positive, &emissivities)?;
-        if self.support_side_m <= self.die_side_m {
-            return Err(SensorError::out_of_range("support_side_m", self.support_side_m, "more than `die_side_m`"));
-        }
-        // No wind may warm a die by cooling it less than still gas does.
-        let least = self.head_on.min(self.along).min(self.lee);
-        if !(0.0..=least).contains(&self.upwind) {
-            return Err(SensorError::out_of_range(
-                "upwind",
-                self.upwind,
-                "0 to the least of `head_on`, `along` and `lee`",
-            ));
+        let shares = [("card_emissivity", self.card_emissivity), ("shape.shade", shape.shade)];
+        check(&positive, &shares)?;
+        // Twice of it is what a die in the corner may have less of, which must leave some cooling.
+        if !(0.0..0.5).contains(&shape.front_to_rear) {
+            return Err(SensorError::out_of_range("shape.front_to_rear", shape.front_to_rear, "0 to less than 0.5"));
         }
         Ok(())
     }

@@ -37,25 +37,24 @@ fn heat_in_is_heat_out_and_heat_stored() {
         left += 0.025 * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
     }
     let balance = given - left - (body.stored_heat_j() - start);
-    // 31 J/K at 294 K are 9 kJ of stored heat against 340 J given: rounding counts in those.
+    // 12 J/K at 294 K are 3.4 kJ of stored heat: rounding counts in those.
     assert!((balance / given).abs() < 1e-9, "{balance} J of {given} J");
 }
 
 #[test]
-fn four_dice_alike_warm_as_a_chain_of_resistances_says() {
-    // All twelve alike: no heat between supports. Worked by hand for a boom that is held: the boom's rise is taken from the run.
-    let construction = Construction { die_emissivity: 0.0, support_emissivity: 0.0, ..Construction::default() };
+fn twelve_dice_alike_warm_as_a_chain_of_resistances_says() {
+    // All alike: no heat between neighbours. Die, leg, card and head from the boundary inwards, the head's rise from the run.
+    let construction = Construction { card_emissivity: 0.0, ..Construction::default() };
     let mut body = construction.body(&air(), GAS_C + 273.15).unwrap();
     body.set_wind([0.0; 3]);
     body.settle(|i, _| if i < DICE { 0.005 } else { 0.0 });
     let conductance = body.conductance_w_k().to_vec();
-    // The resistor on the boom takes no heat and so has the temperature of the boom under it.
-    let boom = body.element_temperature_c(BOOM) - GAS_C;
-    let (to_gas, support_to_gas) = (conductance[0], conductance[DICE]);
-    let (g, b) = (construction.die_to_support_w_k, construction.support_to_boom_w_k);
-    // P = to_gas T + g (T − S), g (T − S) = support_to_gas S + b (S − boom).
-    let determinant = (to_gas + g) * (g + support_to_gas + b) - g * g;
-    let die = (0.005 * (g + support_to_gas + b) + g * b * boom) / determinant;
+    let head = body.element_temperature_c(BOOM) - GAS_C;
+    let to_card = 1.0 / (1.0 / construction.die_to_leg_w_k + 1.0 / construction.leg_to_card_w_k);
+    let (die_gas, card_gas, post) = (conductance[0], conductance[DICE], construction.card_to_head_w_k);
+    // 5 mW = die_gas D + to_card (D − K) and 4 to_card (D − K) = card_gas K + post (K − head), D the die's rise, K the card's.
+    let determinant = (die_gas + to_card) * (4.0 * to_card + card_gas + post) - 4.0 * to_card * to_card;
+    let die = (0.005 * (4.0 * to_card + card_gas + post) + to_card * post * head) / determinant;
     for i in 0..DICE {
         let rise = body.element_temperature_c(i) - GAS_C;
         assert!((rise / die - 1.0).abs() < 1e-9, "die {i}: {rise} for {die}");
@@ -70,11 +69,14 @@ fn dice_alike_are_alike_neighbours_too_and_the_diagonal_one_is_warmed_much_less(
         assert!((heated(die)[die] / first[0] - 1.0).abs() < 1e-9, "die {die}");
     }
     assert!((first[1] / first[3] - 1.0).abs() < 1e-9, "neighbours");
-    let boom = first[BOOM];
-    // Through the card; what comes back from the boom is the same for all.
-    assert!(first[2] - boom < 0.5 * (first[1] - boom) && first[2] > boom, "{first:?}");
+    // Beyond what the whole card has, which all four share.
+    let mut body = body();
+    body.set_wind([0.0; 3]);
+    body.settle(|i, _| if i == 0 { 0.01 } else { 0.0 });
+    let card = body.surface_temperature_c(DICE) - GAS_C;
+    assert!(first[2] - card < 0.4 * (first[1] - card) && first[2] > card, "{first:?} {card}");
     // Other cards get heat through the boom only.
-    assert!(first[4..DICE].iter().all(|rise| *rise < boom && *rise > 0.2 * boom), "{first:?}");
+    assert!(first[4..DICE].iter().all(|rise| *rise < first[BOOM] && *rise > 0.0), "{first:?}");
 }
 
 #[test]
@@ -87,9 +89,10 @@ fn heat_goes_both_ways_alike() {
 
 #[test]
 fn head_on_cools_more_than_reverse_and_reverse_more_than_still_gas() {
+    // ±7.5 m/min; of 6 K at 10 mW.
     let rise = |x| rises_k([x, 0.0, 0.0], |i| if i == 0 { 0.01 } else { 0.0 })[0];
     let (head, reverse, still) = (rise(-0.125), rise(0.125), rise(0.0));
-    assert!(head < reverse - 0.1 && reverse < still - 0.1, "{head} {reverse} {still}");
+    assert!(head < reverse - 0.05 && reverse < still - 0.05, "{head} {reverse} {still}");
 }
 
 #[test]
@@ -98,19 +101,32 @@ fn four_dice_at_17_k_warm_the_boom_as_published() {
     let per_watt = card(1e-3)[0] / 1e-3;
     let rises = card(17.0 / per_watt);
     assert!((rises[0] - 17.0).abs() < 0.3, "{}", rises[0]);
-    // Published: 0.6 to 0.7 K; the assumed conductances are good for a fifth of that.
-    assert!((0.5..0.85).contains(&rises[BOOM]), "{}", rises[BOOM]);
+    // Published: 0.6 to 0.7 K; the construction was calibrated to it.
+    assert!((0.55..0.75).contains(&rises[BOOM]), "{}", rises[BOOM]);
 }
 
 #[test]
 fn refuses_an_impossible_construction_by_name() {
+    let shape = Construction::default().shape;
     for (construction, name) in [
-        (Construction { boom_w_k: 0.0, ..Construction::default() }, "boom_w_k"),
-        (Construction { support_side_m: 1e-3, ..Construction::default() }, "support_side_m"),
-        (Construction { upwind: 0.5, ..Construction::default() }, "upwind"),
-        (Construction { die_emissivity: -0.1, ..Construction::default() }, "die_emissivity"),
+        (Construction { shank_w_k: 0.0, ..Construction::default() }, "shank_w_k"),
+        (Construction { leg_to_card_w_k: f64::NAN, ..Construction::default() }, "leg_to_card_w_k"),
+        (Construction { card_emissivity: -0.1, ..Construction::default() }, "card_emissivity"),
+        (Construction { shape: Shape { shade: 1.1, ..shape }, ..Construction::default() }, "shape.shade"),
+        (Construction { shape: Shape { front_to_rear: 0.5, ..shape }, ..Construction::default() }, "front_to_rear"),
     ] {
         let error = construction.body(&air(), 294.15).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     }
+}
+
+#[test]
+fn a_warm_support_warms_the_head_by_the_shank() {
+    let mut body = Construction::default().body(&air(), GAS_C + 10.0 + 273.15).unwrap();
+    body.set_wind([0.0; 3]);
+    body.settle(|_, _| 0.0);
+    let rise = body.element_temperature_c(BOOM) - GAS_C;
+    // 0.2 mW/K and its own loss of a few mW/K on the way leave little of 10 K.
+    assert!((1e-3..0.5).contains(&rise), "{rise}");
+    assert!(body.flows().support_w < 0.0, "heat comes in");
 }
