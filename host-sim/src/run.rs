@@ -11,7 +11,7 @@ use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
 use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
 use crate::recording::{RecordingError, Row};
-use crate::sensor::{Sphere, SphereConfig};
+use crate::sensor::{Construction, Sensor, SensorConfig};
 use crate::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::toml_file::FileError;
 
@@ -63,6 +63,7 @@ pub fn run(
         judged,
         unjudged,
         extrapolated: simulated.then_some(totals.extrapolated),
+        validity: experiment.head.sensor.as_ref().map_or("what is known of convection", Construction::validity),
         unreached: totals.unreached(experiment),
         elements: totals.elements(experiment),
         trips: totals.trips,
@@ -124,10 +125,10 @@ fn observe(
 
 /// Lets a controller in this process judge the set-up before any instrument is touched.
 pub fn rehearse(experiment: &Experiment) -> Result<Reply, RunError> {
-    // Which sphere is around it does not matter: no time passes.
-    let sphere = Sphere::new(&experiment.sphere_config().unwrap_or_else(|_| SphereConfig::default()));
-    let sphere = sphere.map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
-    start(experiment, &mut LockStep::new(InProcess::new(), sphere))
+    // Which sensor is around it does not matter: no time passes.
+    let sensor = Sensor::new(&experiment.sensor_config().unwrap_or_else(|_| SensorConfig::default()));
+    let sensor = sensor.map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
+    start(experiment, &mut LockStep::new(InProcess::new(), sensor))
 }
 
 /// Sets an instrument up for an experiment and starts it.
@@ -300,7 +301,7 @@ mod tests {
     }
 
     fn in_process(experiment: &Experiment) -> Box<dyn Instrument> {
-        Box::new(LockStep::new(InProcess::new(), Sphere::new(&experiment.sphere_config().unwrap()).unwrap()))
+        Box::new(LockStep::new(InProcess::new(), Sensor::new(&experiment.sensor_config().unwrap()).unwrap()))
     }
 
     #[test]

@@ -26,8 +26,11 @@ pub struct RunSummary {
     /// Set-points that a model said can be held, and those that none could judge.
     pub judged: u8,
     pub unjudged: u8,
-    /// Ticks in winds beyond the computed Nusselt numbers, when simulated.
+    /// Ticks in winds beyond what is known of convection, when simulated.
     pub extrapolated: Option<u32>,
+    /// What that is, in words.
+    #[serde(skip)]
+    pub validity: &'static str,
     /// Elements that never came within 0.1 K of their set-point.
     pub unreached: Vec<String>,
     #[serde(serialize_with = "by_name")]
@@ -73,7 +76,7 @@ impl fmt::Display for RunSummary {
         }
         if let Some(ticks @ 1..) = self.extrapolated {
             let share = 100.0 * f64::from(ticks) / f64::from(self.ticks.max(1));
-            writeln!(f, "in {ticks} ticks ({share:.0} %) the wind was beyond the computed Nusselt numbers (Re 200)")?;
+            writeln!(f, "in {ticks} ticks ({share:.0} %) the wind was beyond {}", self.validity)?;
         }
         if self.unjudged > 0 {
             let (what, has) = if self.unjudged == 1 { ("set-point", "was") } else { ("set-points", "were") };
@@ -126,6 +129,7 @@ mod tests {
             judged: 0,
             unjudged: 1,
             extrapolated: None,
+            validity: "",
             elements: vec![element("sector1", Some(-23.15)), element("core1", None)],
         }
     }

@@ -3,7 +3,7 @@
 //! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a second are ticks a second.
 //! Machines differ and are shared: compare figures of one run.
 
-use anemo_tests::{experiment, firmware, in_process, readings, sphere, start, started};
+use anemo_tests::{experiment, firmware, in_process, readings, sensor, start, started};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use host_sim::instrument::Instrument;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
@@ -15,7 +15,7 @@ fn lock_step(criterion: &mut Criterion) {
 
     let mut host = in_process(&experiment);
     start(&experiment, &mut *host);
-    group.bench_function("in process: controller and simulated sphere", |b| b.iter(|| host.observe()));
+    group.bench_function("in process: controller and simulated sensor", |b| b.iter(|| host.observe()));
 
     for (name, way) in [("fast link", Way::Fifo), ("USART", Way::Usart)] {
         let mut board = started(&experiment, Emulated::start(&firmware(), way).expect("the emulated board starts"));
@@ -24,9 +24,9 @@ fn lock_step(criterion: &mut Criterion) {
     for (name, way) in [("fast link", Way::Fifo), ("USART", Way::Usart)] {
         let mut board = started(&experiment, Emulated::start(&firmware(), way).expect("the emulated board starts"));
         board.body_mut().without_samples().expect("the board listens");
-        // Readings of a few ticks, over and over: the exchange is what is measured, not the sphere.
-        let mut sphere = sphere(&experiment);
-        let readings: Vec<_> = (0..64).map(|_| (readings(&sphere), sphere.advance(0)).0).collect();
+        // Readings of a few ticks, over and over: the exchange is what is measured, not the sensor.
+        let mut sensor = sensor(&experiment);
+        let readings: Vec<_> = (0..64).map(|_| (readings(&sensor), sensor.advance(0)).0).collect();
         let mut turn = readings.iter().cycle();
         group.bench_function(format!("{name}: exchange of readings, levels and digest"), |b| {
             b.iter(|| turn.next().map(|readings| board.body_mut().exchange_levels(readings)));

@@ -1,7 +1,7 @@
-//! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sphere, at the end of a
+//! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sensor, at the end of a
 //! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
 
-use crate::{foreign_frame, readings, sphere};
+use crate::{foreign_frame, readings, sensor};
 use dr_core::control::{Command, Controller, Reply, RunState};
 use dr_core::sensor::Reading;
 use firmware::drivers::ads131e06::CHANNELS;
@@ -9,7 +9,7 @@ use firmware::inbox::{Exchange, Inbox, Questions, Request};
 use firmware::outbox::{Outbox, Sequence, Unsent};
 use heapless::spsc::Queue;
 use host_sim::experiment::Experiment;
-use host_sim::sensor::Sphere;
+use host_sim::sensor::Sensor;
 use nix::fcntl::OFlag;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::pty::{PtyMaster, grantpt, posix_openpt, ptsname_r, unlockpt};
@@ -156,7 +156,7 @@ impl Cable {
     }
 }
 
-/// Sphere, controller and counters: what the firmware has in its resources.
+/// Sensor, controller and counters: what the firmware has in its resources.
 struct Life {
     experiment: Experiment,
     quirks: Quirks,
@@ -179,7 +179,7 @@ impl Life {
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
         let mut controller = Controller::<CHANNELS>::new();
-        let mut sphere = self.new_sphere();
+        let mut sensor = self.new_sensor();
         let (mut obeyed, mut unheard) = (Vec::new(), None);
         let (mut reset, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 0, Instant::now());
         let mut buffer = [0; 256];
@@ -212,7 +212,7 @@ impl Life {
                 }
                 if let Ok(Reply::Started { .. }) = result {
                     // The run that the simulated instruments make, from its very beginning.
-                    sphere = self.new_sphere();
+                    sensor = self.new_sensor();
                 }
                 outbox.put(FromBoard::Reply { to, result });
             }
@@ -232,16 +232,16 @@ impl Life {
             }
             if self.mended.swap(false, Relaxed) {
                 self.experiment.faults.clear();
-                sphere = self.new_sphere();
+                sensor = self.new_sensor();
             }
             // Without a sample period there are no ticks.
             if controller.sample_period_s().is_some() {
                 let mut read = [Reading::Missing; CHANNELS];
-                for (read, reading) in read.iter_mut().zip(readings(&sphere)) {
+                for (read, reading) in read.iter_mut().zip(readings(&sensor)) {
                     *read = reading;
                 }
                 let tick = controller.tick(&read);
-                sphere.advance(tick.heaters.0);
+                sensor.advance(tick.heaters.0);
                 if questions.wants_sample(tick.tick) {
                     outbox.put(FromBoard::of_tick(&tick));
                 }
@@ -279,8 +279,8 @@ impl Life {
         Report { obeyed, link: receiver.counters(), state: controller.state() }
     }
 
-    fn new_sphere(&self) -> Sphere {
-        sphere(&self.experiment)
+    fn new_sensor(&self) -> Sensor {
+        sensor(&self.experiment)
     }
 
     /// Puts a frame on the cable, or what becomes of it.

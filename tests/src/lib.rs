@@ -12,7 +12,7 @@ use host_sim::instrument::emulated::{Emulated, Path as Way};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{Body, Instrument, LockStep};
 use host_sim::run::{RunError, run};
-use host_sim::sensor::Sphere;
+use host_sim::sensor::Sensor;
 use host_sim::summary::RunSummary;
 use host_sim::toml_file::Source;
 use std::path::{Path, PathBuf};
@@ -152,25 +152,25 @@ fn cobs_of(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The simulated sensor of an experiment.
-pub fn sphere(experiment: &Experiment) -> Sphere {
-    let config = experiment.sphere_config().expect("a shipped experiment can be simulated");
-    Sphere::new(&config).expect("a shipped experiment can be simulated")
+pub fn sensor(experiment: &Experiment) -> Sensor {
+    let config = experiment.sensor_config().expect("a shipped experiment can be simulated");
+    Sensor::new(&config).expect("a shipped experiment can be simulated")
 }
 
 /// What the sensor's front end reads now.
-pub fn readings(sphere: &Sphere) -> Vec<Reading> {
-    sphere.codes().iter().map(|&code| Reading::Code(code)).collect()
+pub fn readings(sensor: &Sensor) -> Vec<Reading> {
+    sensor.codes().iter().map(|&code| Reading::Code(code)).collect()
 }
 
 /// The controller in this process, with the experiment's sensor around it.
 pub fn in_process(experiment: &Experiment) -> Box<LockStep<InProcess>> {
-    Box::new(LockStep::new(InProcess::new(), sphere(experiment)))
+    Box::new(LockStep::new(InProcess::new(), sensor(experiment)))
 }
 
 /// The firmware in the emulator, with the experiment's sensor around it.
 pub fn emulated(experiment: &Experiment, way: Way) -> Box<LockStep<Emulated>> {
     let board = Emulated::start(&firmware(), way).expect("the emulated board starts");
-    Box::new(LockStep::new(board, sphere(experiment)))
+    Box::new(LockStep::new(board, sensor(experiment)))
 }
 
 /// Sets an instrument up for an experiment and starts it.
@@ -180,7 +180,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) {
 
 /// A body alone, set up and started.
 pub fn started<B: Body>(experiment: &Experiment, body: B) -> LockStep<B> {
-    let mut instrument = LockStep::new(body, sphere(experiment));
+    let mut instrument = LockStep::new(body, sensor(experiment));
     start(experiment, &mut instrument);
     instrument
 }

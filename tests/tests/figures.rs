@@ -33,8 +33,8 @@ fn steady_wind_is_held_and_its_heat_measured() {
             if settled {
                 // What really is so, not what the instrument says of it.
                 element_c[i] += truth.element_temperature_c[i];
-                silver_c[i] += truth.sector_temperature_c[i];
-                loss_w[i] += truth.sector_loss_w(i);
+                silver_c[i] += truth.surface_temperature_c[i];
+                loss_w[i] += truth.surface_loss_w(i);
                 if let Some(output) = output {
                     power_w[i] += f64::from(output);
                     outputs[i] += 1.0;

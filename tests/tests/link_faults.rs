@@ -1,6 +1,6 @@
 //! A bad line: garbage, truncated and duplicated frames are dropped and counted, and the loop never stops.
 
-use anemo_tests::{emulated, experiment, firmware, foreign_frame, in_process, readings, sphere, start};
+use anemo_tests::{emulated, experiment, firmware, foreign_frame, in_process, readings, sensor, start};
 use dr_core::control::{Command, Heaters};
 use dr_core::sensor::Reading;
 use dr_core::signal::Prbs;
@@ -92,12 +92,12 @@ fn another_protocol_version_is_not_obeyed() {
 fn readings_that_are_missing_are_borne_once_and_then_trip() {
     let experiment = experiment("gusts.toml");
     let mut board = anemo_tests::started(&experiment, Emulated::start(&firmware(), Way::Fifo).unwrap());
-    let mut sphere = sphere(&experiment);
-    let heaters = board.body_mut().exchange(&readings(&sphere)).unwrap().sample.heaters;
+    let mut sensor = sensor(&experiment);
+    let heaters = board.body_mut().exchange(&readings(&sensor)).unwrap().sample.heaters;
     // The others must read as their level makes them, or they would trip for another reason.
     let mut without_one = |heaters: Heaters| {
-        sphere.advance(heaters.0);
-        let mut readings = readings(&sphere);
+        sensor.advance(heaters.0);
+        let mut readings = readings(&sensor);
         readings[1] = Reading::Missing;
         board.body_mut().exchange(&readings).unwrap()
     };

@@ -10,6 +10,9 @@ use super::Failure;
 use crate::experiment::Experiment;
 use crate::sensor::Species;
 
+/// Entries of the wind that are told one by one.
+const MOST_WINDS: usize = 12;
+
 /// Read an experiment and its head, and say what would run.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  anemo check experiments/gusts.toml")]
@@ -67,13 +70,21 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let _ = writeln!(text, "{name:width$}  {}", describe(drive, &experiment));
     }
     text.push('\n');
-    for entry in &experiment.wind {
+    for entry in experiment.wind.iter().take(MOST_WINDS) {
         let turbulence = entry.turbulence.map_or(String::new(), |t| format!(", {} % turbulence", t.intensity * 100.0));
         let _ = writeln!(
             text,
             "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{turbulence}  ({})",
-            entry.start_s, entry.speed_m_s, entry.azimuth_deg, entry.elevation_deg, entry.label
+            entry.start_s,
+            // 7 m/min has no end in m/s.
+            (1e6 * entry.speed_m_s).round() / 1e6,
+            entry.azimuth_deg,
+            entry.elevation_deg,
+            entry.label
         );
+    }
+    if let Some(more @ 1..) = experiment.wind.len().checked_sub(MOST_WINDS) {
+        let _ = writeln!(text, "… and {more} more");
     }
     for fault in &experiment.faults {
         let _ = writeln!(text, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault);

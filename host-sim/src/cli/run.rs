@@ -18,7 +18,7 @@ use crate::instrument::{Instrument, LockStep, setup};
 use crate::plot;
 use crate::recording::{Collector, Layout, Metadata, RecordingWriter};
 use crate::run::{RunError, run};
-use crate::sensor::Sphere;
+use crate::sensor::Sensor;
 use crate::summary::RunSummary;
 
 /// Where the firmware of the emulated board stands in the build folder.
@@ -149,19 +149,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instrument>, Failure> {
-    let sphere = || {
-        let sphere = Sphere::new(&experiment.sphere_config()?);
-        sphere.map_err(|error| Failure::from(experiment.source.refuse("head", format!("cannot be simulated: {error}"))))
+    let sensor = || {
+        let sensor = Sensor::new(&experiment.sensor_config()?);
+        sensor.map_err(|error| Failure::from(experiment.source.refuse("head", format!("cannot be simulated: {error}"))))
     };
     Ok(match &arguments.on {
-        On::Sim => Box::new(LockStep::new(InProcess::new(), sphere()?)),
+        On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
         On::Qemu => {
             let path = match arguments.link {
                 LinkName::Fifo => emulated::Path::Fifo,
                 LinkName::Usart => emulated::Path::Usart,
             };
-            let sphere = sphere()?;
-            Box::new(LockStep::new(Emulated::start(&firmware(arguments), path).map_err(Failure::work)?, sphere))
+            let sensor = sensor()?;
+            Box::new(LockStep::new(Emulated::start(&firmware(arguments), path).map_err(Failure::work)?, sensor))
         }
         On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
     })
@@ -206,6 +206,7 @@ fn outcome(summary: &RunSummary) -> Metadata {
         ("lost".to_owned(), summary.lost.to_string()),
         ("trips".to_owned(), summary.trips.len().to_string()),
     ];
+    pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
     pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
     pairs
 }

@@ -2,12 +2,13 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 0.1), `duration_s`, `seed` |
+//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, `turbulence = { intensity, correlation_time_s }` |
+//! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
 //!
 //! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,
@@ -19,6 +20,7 @@
 
 pub mod models;
 mod table;
+mod wind;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,14 +31,13 @@ use dr_core::sensor::Level;
 
 use crate::head::Head;
 use crate::model::Conditions;
-use crate::sensor::{self, Imperfections, SensorError, Species, Sphere, SphereConfig, TimedFault, WindEntry};
+use crate::sensor::{Construction, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
 use models::Models;
-use table::{DriveTable, ExperimentTable, FaultTable, WindTable};
+use table::{DriveTable, ExperimentTable, FaultTable};
 
-/// Sample periods between 1 kHz and 10 Hz.
-const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
-const HIGHEST_SPEED_M_S: f64 = 100.0;
+/// Sample periods between 1 kHz and 1 Hz.
+const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
 
 /// A checked experiment with its head.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +90,7 @@ impl Experiment {
         let gas_temperature_c = table.gas.temperature_c;
         let drive_tables = table.drives;
         let mut experiment = Self {
-            wind: wind(&grid, table.wind, table.duration_s)?,
+            wind: wind::entries(&grid, table.wind, table.tunnel, ticks)?,
             faults: faults(&grid, &table.faults, &head, table.duration_s)?,
             title: table.title,
             head,
@@ -130,12 +131,7 @@ impl Experiment {
 
     /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.
     pub fn time_s(&self, tick: u32) -> f64 {
-        let rate_hz = (1.0 / self.sample_period_s).round();
-        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
-            f64::from(tick) / rate_hz
-        } else {
-            f64::from(tick) * self.sample_period_s
-        }
+        Grid { source: &self.source, sample_period_s: self.sample_period_s }.time_s(tick)
     }
 
     /// The gas and the support.
@@ -156,59 +152,44 @@ impl Experiment {
     pub fn event(&self, tick: u32) -> &str {
         // A start within a millionth of a period of a tick belongs to that tick, as for the simulated wind.
         let now_s = self.time_s(tick) + 1e-6 * self.sample_period_s;
-        self.wind.iter().rev().find(|entry| entry.start_s <= now_s).map_or("", |entry| entry.label.as_str())
+        let begun = self.wind.partition_point(|entry| entry.start_s <= now_s);
+        self.wind[..begun].last().map_or("", |entry| entry.label.as_str())
     }
 
     /// The simulated sensor of this experiment.
     ///
     /// # Errors
-    /// If the head is not the one that can be simulated: six elements, four sectors before two cores.
-    pub fn sphere_config(&self) -> Result<SphereConfig, FileError> {
-        let elements: Vec<_> = self.head.elements.iter().map(|element| element.nominal).collect();
-        let sectors_first =
-            self.head.elements.iter().enumerate().all(|(i, element)| {
-                (element.kind == crate::head::Kind::Sector) == (i < sensor::ELEMENTS - sensor::CORES)
-            });
-        let (Ok(elements), true) = (elements.try_into(), sectors_first) else {
+    /// If the head names none.
+    pub fn sensor_config(&self) -> Result<SensorConfig, FileError> {
+        let construction = self.head.sensor.ok_or_else(|| {
+            let names = Construction::NAMES.map(|name| format!("\"{name}\"")).join(", ");
             let sentence = format!(
-                "is `{}`, but only a sphere of four sectors and then two cores can be simulated",
+                "is `{}`, which says nothing of what simulates it: give it a `sensor`, one of {names}",
                 self.head.name
             );
-            return Err(self.source.refuse("head", sentence));
-        };
-        for (i, element) in self.head.elements.iter().enumerate() {
-            if let Some(normal) = element.normal
-                && let axis = sensor::convection::sector_axis(i)
-                && normal.iter().zip(axis).any(|(a, b)| (a - b).abs() > 1e-6)
-            {
-                let sentence = format!(
-                    "turns `{}` towards {normal:.3?}, but in the sphere that can be simulated it looks towards {axis:.3?}",
-                    element.name
-                );
-                return Err(self.source.refuse("head", sentence));
-            }
-        }
-        Ok(SphereConfig {
+            self.source.refuse("head", sentence)
+        })?;
+        Ok(SensorConfig {
+            construction,
             seed: self.seed,
             sample_period_s: self.sample_period_s,
             species: self.species,
             pressure_pa: self.pressure_pa,
             gas_temperature_c: self.gas_temperature_c,
             support_temperature_c: self.support_temperature_c,
-            elements,
+            elements: self.head.elements.iter().map(|element| element.nominal).collect(),
             volt_per_code: self.head.volt_per_code,
             imperfections: self.imperfections,
             wind: self.wind.clone(),
             faults: self.faults.clone(),
-            construction: sensor::Construction::default(),
         })
     }
 
     /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.
     fn check_conditions(&self) -> Result<(), FileError> {
         // A head that cannot be simulated may still be run on a real sensor.
-        let Ok(config) = self.sphere_config() else { return Ok(()) };
-        Sphere::new(&config).map(|_| ()).map_err(|error| match &error {
+        let Ok(config) = self.sensor_config() else { return Ok(()) };
+        Sensor::new(&config).map(|_| ()).map_err(|error| match &error {
             SensorError::OutOfRange { name, value, expected } => {
                 self.source.refuse(name, format!("is {value}: it must be {expected}"))
             }
@@ -227,6 +208,16 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
+    /// Time of a tick in s.
+    fn time_s(&self, tick: u32) -> f64 {
+        let rate_hz = (1.0 / self.sample_period_s).round();
+        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
+            f64::from(tick) / rate_hz
+        } else {
+            f64::from(tick) * self.sample_period_s
+        }
+    }
+
     /// A moment at which something begins: at the start, or a whole number of ticks later.
     fn instant(&self, key: &str, time_s: f64) -> Result<(), FileError> {
         // Whether it may be negative or not a number is for those to say who use it.
@@ -343,27 +334,6 @@ fn drives(
         });
     }
     Ok(drives)
-}
-
-fn wind(grid: &Grid, tables: Vec<WindTable>, duration_s: f64) -> Result<Vec<WindEntry>, FileError> {
-    let source = grid.source;
-    if tables.is_empty() {
-        let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas";
-        return Err(source.refuse("wind", sentence));
-    }
-    let mut entries = Vec::with_capacity(tables.len());
-    for (index, table) in tables.into_iter().enumerate() {
-        let key = format!("wind[{index}]");
-        // Starts, angles and turbulence are the simulated wind's to judge.
-        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
-        grid.instant(&format!("{key}.start_s"), table.start_s)?;
-        if table.start_s >= duration_s {
-            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
-            return Err(source.refuse(&format!("{key}.start_s"), sentence));
-        }
-        entries.push(table.entry(index));
-    }
-    Ok(entries)
 }
 
 fn faults(grid: &Grid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {

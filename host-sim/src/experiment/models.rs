@@ -5,7 +5,7 @@
 //! | table | keys |
 //! |---|---|
 //! | top | `conditions`: for which gas the models hold, in words |
-//! | `[kinds.sector]`, `[kinds.core]` | the model of every element of that kind |
+//! | `[kinds.…]` | the model of every element of that kind |
 //! | `[elements.NAME]` | the model of one element, in place of its kind's |
 //!
 //! Each model is `reference_c`, and `mesh_rad_s` and `r_k_per_w` of 8 each. An element without one is not judged.
@@ -17,7 +17,7 @@ use dr_core::ConfigError;
 use dr_core::model::{ORDER, SelfHeating, SelfHeatingConfig};
 use serde::Deserialize;
 
-use crate::head::{Head, Kind};
+use crate::head::Head;
 use crate::toml_file::{FileError, Source, suggest};
 
 /// Which period does not matter for what is checked here.
@@ -46,19 +46,18 @@ impl Models {
                 format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
             return Err(source.refuse(&format!("elements.{unknown}"), sentence));
         }
-        let model =
-            |key: &str, table: &Option<ModelTable>| table.as_ref().map(|table| table.checked(&source, key)).transpose();
-        // Checked even where no element is of that kind: a mistake is one today already.
-        let (sector, core) = (model("kinds.sector", &table.kinds.sector)?, model("kinds.core", &table.kinds.core)?);
-        let of_element = |element: &crate::head::Element| {
-            let of_kind = match element.kind {
-                Kind::Sector => sector,
-                Kind::Core => core,
-            };
-            match table.elements.get(&element.name) {
-                Some(own) => own.checked(&source, &format!("elements.{}", element.name)).map(Some),
-                None => Ok(of_kind),
-            }
+        let known = head.kinds();
+        if let Some(unknown) = table.kinds.keys().find(|kind| !known.contains(&kind.as_str())) {
+            let sentence = format!("is no kind of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
+            return Err(source.refuse(&format!("kinds.{unknown}"), sentence));
+        }
+        let checked = |(kind, table): (&String, &ModelTable)| {
+            table.checked(&source, &format!("kinds.{kind}")).map(|model| (kind.clone(), model))
+        };
+        let kinds: BTreeMap<_, _> = table.kinds.iter().map(checked).collect::<Result<_, _>>()?;
+        let of_element = |element: &crate::head::Element| match table.elements.get(&element.name) {
+            Some(own) => own.checked(&source, &format!("elements.{}", element.name)).map(Some),
+            None => Ok(element.kind.as_ref().and_then(|kind| kinds.get(kind)).copied()),
         };
         let elements = head.elements.iter().map(of_element).collect::<Result<_, _>>()?;
         Ok(Self { conditions: table.conditions, elements, source })
@@ -70,16 +69,9 @@ impl Models {
 struct ModelsTable {
     conditions: String,
     #[serde(default)]
-    kinds: KindsTable,
+    kinds: BTreeMap<String, ModelTable>,
     #[serde(default)]
     elements: BTreeMap<String, ModelTable>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct KindsTable {
-    sector: Option<ModelTable>,
-    core: Option<ModelTable>,
 }
 
 #[derive(Deserialize)]
@@ -156,7 +148,11 @@ mod tests {
                 "r_k_per_v = [587.1,",
                 "m.toml, line 13: unknown key `r_k_per_v`; did you mean `r_k_per_w`?",
             ),
-            ("[kinds.core]", "[kinds.kore]", "line 15: unknown key `kore`; did you mean `core`?"),
+            (
+                "[kinds.core]",
+                "[kinds.kore]",
+                "line 15: `kinds.kore` is no kind of head `sphere-b`; did you mean `core`?",
+            ),
             (
                 "[kinds.core]",
                 "[elements.core3]",

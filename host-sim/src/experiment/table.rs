@@ -28,6 +28,7 @@ pub(super) struct ExperimentTable {
     pub drives: BTreeMap<String, DriveTable>,
     #[serde(default)]
     pub wind: Vec<WindTable>,
+    pub tunnel: Option<TunnelTable>,
     #[serde(default)]
     pub faults: Vec<FaultTable>,
 }
@@ -135,6 +136,26 @@ pub(super) struct WindTable {
     #[serde(default)]
     elevation_deg: f64,
     turbulence: Option<TurbulenceTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TunnelTable {
+    pub track_m: f64,
+    pub speeds_m_min: Vec<f64>,
+    pub pause_s: f64,
+    #[serde(default)]
+    pub first_pause_s: f64,
+    pub order_seed: Option<u64>,
+    /// The sensor's x looks forward: the air comes from there.
+    #[serde(default = "from_ahead")]
+    pub azimuth_deg: f64,
+    #[serde(default)]
+    pub elevation_deg: f64,
+}
+
+fn from_ahead() -> f64 {
+    180.0
 }
 
 #[derive(Deserialize)]

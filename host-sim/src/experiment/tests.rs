@@ -135,8 +135,8 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("duration_s = 10.0", "duration_s = 1e12", "it can be 42949673 s at most"),
         (
             "sample_period_s = 0.01",
-            "sample_period_s = 1.0",
-            "`sample_period_s` is 1 s: it must lie between 0.001 and 0.1 s",
+            "sample_period_s = 2.0",
+            "`sample_period_s` is 2 s: it must lie between 0.001 and 1 s",
         ),
         ("sample_period_s = 0.01", "sample_period_s = nan", "`sample_period_s` is NaN s"),
         ("order = 10", "order = 40", "`drives.sector2.prbs.order` is 40: it must lie between 2 and 32"),

@@ -1,11 +1,11 @@
-//! A controller and the simulated sphere, tick by tick: whatever the speed of either, the run is the same.
+//! A controller and the simulated sensor, tick by tick: whatever the speed of either, the run is the same.
 //!
 //! ```text
-//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sphere advances to t_{n+1}
+//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sensor advances to t_{n+1}
 //! ```
 
 use super::{Account, Instrument, InstrumentError, Observation, TickReport};
-use crate::sensor::{Sphere, Truth};
+use crate::sensor::{Sensor, Truth};
 use dr_core::control::{Command, Reply};
 use dr_core::sensor::Reading;
 use wire::{Identity, MOST_ELEMENTS, Readings};
@@ -42,16 +42,16 @@ pub(super) fn packed(readings: &[Reading]) -> Result<Readings, InstrumentError> 
     Readings::new(readings).ok_or(InstrumentError::TooManyElements { head: readings.len(), board: MOST_ELEMENTS })
 }
 
-/// A body with a simulated sphere around it.
+/// A body with a simulated sensor around it.
 pub struct LockStep<B> {
     body: Box<B>,
-    sphere: Sphere,
+    sensor: Sensor,
 }
 
 impl<B: Body> LockStep<B> {
     /// Puts the two together.
-    pub fn new(body: B, sphere: Sphere) -> Self {
-        Self { body: Box::new(body), sphere }
+    pub fn new(body: B, sensor: Sensor) -> Self {
+        Self { body: Box::new(body), sensor }
     }
 
     /// The body, for what only this kind of body can say.
@@ -66,7 +66,7 @@ impl<B: Body> LockStep<B> {
 
     /// What is really so at the end of the last tick.
     pub fn truth(&self) -> Truth {
-        self.sphere.truth()
+        self.sensor.truth()
     }
 }
 
@@ -80,14 +80,14 @@ impl<B: Body> Instrument for LockStep<B> {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let readings: Vec<Reading> = self.sphere.codes().iter().map(|&code| Reading::Code(code)).collect();
+        let readings: Vec<Reading> = self.sensor.codes().iter().map(|&code| Reading::Code(code)).collect();
         let TickReport { sample, equivalent_power_w } = self.body.exchange(&readings)?;
-        self.sphere.advance(sample.heaters.0);
+        self.sensor.advance(sample.heaters.0);
         Ok(Observation {
             sample,
             equivalent_power_w,
-            wind_m_s: Some(self.sphere.wind_m_s()),
-            extrapolated: self.sphere.wind_extrapolated(),
+            wind_m_s: Some(self.sensor.wind_m_s()),
+            extrapolated: self.sensor.wind_extrapolated(),
         })
     }
 

@@ -6,7 +6,7 @@
 //! | [`emulated`] | the firmware on an emulated Cortex-M4F | simulated |
 //! | [`serial`] | the firmware on the sensor board | real |
 //!
-//! The first two are a [`Body`] in lock-step with the simulated [`Sphere`](crate::sensor::Sphere), see [`lock_step`].
+//! The first two are a [`Body`] in lock-step with the simulated [`Sensor`](crate::sensor::Sensor), see [`lock_step`].
 
 pub mod emulated;
 pub mod in_process;

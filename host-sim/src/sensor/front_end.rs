@@ -17,7 +17,7 @@ use dr_core::sensor::platinum::Platinum;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{ELEMENTS, SensorError};
+use super::SensorError;
 
 /// Codes of a 24-bit two's complement converter.
 pub const HIGHEST_CODE: i32 = 0x7F_FFFF;
@@ -65,7 +65,7 @@ struct Element {
 
 #[derive(Clone, Debug)]
 pub struct FrontEnd {
-    elements: [Element; ELEMENTS],
+    elements: Vec<Element>,
     code_per_volt: f64,
     noise_v_rms: f64,
     noise: ChaCha8Rng,
@@ -74,7 +74,7 @@ pub struct FrontEnd {
 impl FrontEnd {
     /// `tolerances` draws the errors of the elements, `noise` the noise of every sample.
     pub fn new(
-        elements: &[ElementConfig; ELEMENTS],
+        elements: &[ElementConfig],
         volt_per_code: f64,
         imperfections: &Imperfections,
         mut tolerances: ChaCha8Rng,
@@ -84,14 +84,14 @@ impl FrontEnd {
             return Err(SensorError::out_of_range("volt_per_code", volt_per_code, "more than 0"));
         }
         imperfections.check()?;
-        let mut made = Vec::with_capacity(ELEMENTS);
+        let mut made = Vec::with_capacity(elements.len());
         for (i, element) in elements.iter().enumerate() {
             // All four are always drawn, so that asking for one error does not change the others.
             let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut tolerances));
             made.push(Element::new(element, imperfections, errors, i)?);
         }
         Ok(FrontEnd {
-            elements: std::array::from_fn(|i| made[i]),
+            elements: made,
             code_per_volt: 1.0 / volt_per_code,
             noise_v_rms: imperfections.noise_v_rms,
             noise,
@@ -108,21 +108,18 @@ impl FrontEnd {
         current_a * current_a * element.resistance_ohm(temperature_c)
     }
 
-    /// Converts the voltage of every element; bit i of `heaters` is element i at its high level. Draws fresh noise.
-    pub fn sample(&mut self, temperature_c: &[f64; ELEMENTS], heaters: u16) -> [i32; ELEMENTS] {
-        std::array::from_fn(|i| {
-            let element = &self.elements[i];
+    /// Converts the voltage of every element into `codes`; bit i of `heaters` is element i at its high level. Draws fresh noise.
+    pub fn sample(&mut self, temperature_c: &[f64], heaters: u16, codes: &mut [i32]) {
+        for (i, ((element, &temperature_c), code)) in self.elements.iter().zip(temperature_c).zip(codes).enumerate() {
             let volt = match element.fault {
-                None => {
-                    element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c[i])
-                }
+                None => element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c),
                 Some(Fault::Open) => f64::INFINITY,
                 Some(Fault::Shorted) => 0.0,
             };
             let noise: f64 = StandardNormal.sample(&mut self.noise);
-            let code = ((volt + self.noise_v_rms * noise) * self.code_per_volt).round();
-            code.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i32
-        })
+            let exact = ((volt + self.noise_v_rms * noise) * self.code_per_volt).round();
+            *code = exact.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i32;
+        }
     }
 
     pub fn set_fault(&mut self, element: usize, fault: Option<Fault>) {
@@ -191,6 +188,7 @@ mod tests {
         current_low_a: 3e-3,
         current_high_a: 16e-3,
     };
+    const ELEMENTS: usize = 6;
     const ALL_HIGH: u16 = 0x3F;
 
     fn front_end(imperfections: Imperfections, seed: u64) -> FrontEnd {
@@ -198,10 +196,16 @@ mod tests {
         FrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
     }
 
+    fn sample(front_end: &mut FrontEnd, temperature_c: f64, heaters: u16) -> [i32; ELEMENTS] {
+        let mut codes = [0; ELEMENTS];
+        front_end.sample(&[temperature_c; ELEMENTS], heaters, &mut codes);
+        codes
+    }
+
     #[test]
     fn a_code_is_the_voltage_at_the_current_that_flows() {
         let mut front_end = front_end(Imperfections::default(), 1);
-        let codes = front_end.sample(&[0.0; ELEMENTS], 0b000001);
+        let codes = sample(&mut front_end, 0.0, 0b000001);
         // 16 mA and 3 mA through 175 Ω.
         assert_eq!(codes[0], (2.8_f64 / VOLT_PER_CODE).round() as i32);
         assert_eq!(codes[1], (0.525_f64 / VOLT_PER_CODE).round() as i32);
@@ -214,9 +218,8 @@ mod tests {
         let mut front_end = front_end(Imperfections::default(), 1);
         // One code is 4 V/2²³ = 0.477 µV, at 16 mA and 0.5425 Ω/K that is 54.9 µK.
         let kelvin_per_code = VOLT_PER_CODE / (16e-3 * 175.0 * 0.0031);
-        let steps: Vec<i32> = (0..2000)
-            .map(|k| front_end.sample(&[-23.0 + 0.1 * k as f64 * kelvin_per_code; ELEMENTS], ALL_HIGH)[0])
-            .collect();
+        let steps: Vec<i32> =
+            (0..2000).map(|k| sample(&mut front_end, -23.0 + 0.1 * k as f64 * kelvin_per_code, ALL_HIGH)[0]).collect();
         // Ten points a code: 200 codes in all, never more than one at a time.
         assert!(steps.windows(2).all(|w| (0..=1).contains(&(w[1] - w[0]))));
         assert!((steps[1999] - steps[0] - 200).abs() <= 1);
@@ -228,7 +231,7 @@ mod tests {
         let count = 20_000;
         let mut samples = Vec::new();
         for _ in 0..count {
-            samples.extend(front_end.sample(&[-23.0; ELEMENTS], ALL_HIGH).map(|code| f64::from(code) * VOLT_PER_CODE));
+            samples.extend(sample(&mut front_end, -23.0, ALL_HIGH).map(|code| f64::from(code) * VOLT_PER_CODE));
         }
         let n = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / n;
@@ -241,7 +244,7 @@ mod tests {
     fn saturates_to_full_scale() {
         let mut front_end = front_end(Imperfections::default(), 1);
         // 4 V at 16 mA is 250 Ω, that is 138 °C.
-        assert_eq!(front_end.sample(&[150.0; ELEMENTS], ALL_HIGH), [HIGHEST_CODE; ELEMENTS]);
+        assert_eq!(sample(&mut front_end, 150.0, ALL_HIGH), [HIGHEST_CODE; ELEMENTS]);
     }
 
     #[test]
@@ -250,7 +253,7 @@ mod tests {
         front_end.set_fault(0, Some(Fault::Open));
         front_end.set_fault(1, Some(Fault::Shorted));
         for heaters in [0, ALL_HIGH] {
-            let codes = front_end.sample(&[-23.0; ELEMENTS], heaters);
+            let codes = sample(&mut front_end, -23.0, heaters);
             assert_eq!(codes[0], HIGHEST_CODE);
             // Six sigma of the noise is 19 codes.
             assert!(codes[1].abs() < 20, "{}", codes[1]);
@@ -259,7 +262,7 @@ mod tests {
         assert_eq!(front_end.power_w(0, -23.0, true), 0.0);
         assert_eq!(front_end.power_w(1, -23.0, true), 0.0);
         front_end.set_fault(0, None);
-        assert!(front_end.sample(&[-23.0; ELEMENTS], ALL_HIGH)[0] < HIGHEST_CODE);
+        assert!(sample(&mut front_end, -23.0, ALL_HIGH)[0] < HIGHEST_CODE);
     }
 
     #[test]

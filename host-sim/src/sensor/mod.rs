@@ -1,54 +1,57 @@
-//! The simulated sensor: a sphere of prototype B in a wind tunnel, with its front end.
+//! The simulated sensors in their wind tunnel, with their front end.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`gas`] | properties of carbon dioxide and air |
-//! | [`convection`] | Nusselt number of every sector for any wind vector |
+//! | [`convection`] | conductance of every surface to the gas, for any wind vector |
 //! | [`network`] | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
-//! | [`sphere`] | prototype B as such a network |
+//! | [`sphere_a`], [`sphere_b`], [`rems`] | the sensors of the thesis as such networks, from geometry and materials |
+//! | [`rod`] | what holds them |
+//! | [`body`] | what all of them do: take heat, lose it and account for it |
+//! | [`construction`] | one of them, by its name |
 //! | [`wind`] | held entries and turbulence |
 //! | [`front_end`] | currents, resistors, converter, faults |
 //!
-//! [`Sphere`] puts them together. One tick: the controller decides the heater bits, [`Sphere::advance`] lets one sample period pass
-//! under them, [`Sphere::codes`] is what the converter then says and [`Sphere::truth`] what nobody but a simulation knows.
+//! [`Sensor`] puts them together. One tick: the controller decides the heater bits, [`Sensor::advance`] lets one sample period pass
+//! under them, [`Sensor::codes`] is what the converter then says and [`Sensor::truth`] what nobody but a simulation knows.
 //! The same configuration, seed included, gives the same bits.
 //!
 //! ```
-//! use host_sim::sensor::{Sphere, SphereConfig};
+//! use host_sim::sensor::{Sensor, SensorConfig};
 //!
-//! let mut sphere = Sphere::new(&SphereConfig::default())?;
-//! let rest_c = sphere.truth().element_temperature_c[0];
+//! let mut sensor = Sensor::new(&SensorConfig::default())?;
+//! let rest_c = sensor.truth().element_temperature_c[0];
 //! for _ in 0..100 {
-//!     sphere.advance(0b000001); // sector 1 at its high level, for a second
+//!     sensor.advance(0b000001); // sector 1 at its high level, for a second
 //! }
-//! assert!(sphere.truth().element_temperature_c[0] > rest_c + 0.3);
-//! assert!(sphere.codes()[0] > 0);
+//! assert!(sensor.truth().element_temperature_c[0] > rest_c + 0.3);
+//! assert!(sensor.codes()[0] > 0);
 //! # Ok::<(), host_sim::sensor::SensorError>(())
 //! ```
 
+pub mod body;
+pub mod construction;
 pub mod convection;
 pub mod front_end;
 pub mod gas;
 pub mod network;
-pub mod sphere;
+pub mod rems;
+pub mod rod;
+pub mod sphere_a;
+pub mod sphere_b;
 pub mod wind;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use convection::{Convection, SECTORS};
+use body::Body;
+pub use construction::{Construction, Part};
 use front_end::FrontEnd;
 pub use front_end::{ElementConfig, Fault, Imperfections, PlatinumKind};
 pub use gas::Species;
 use gas::{Gas, ZERO_CELSIUS_K};
-pub use sphere::Construction;
-use sphere::{Body, Flows};
 use wind::Wind;
 pub use wind::{Turbulence, WindEntry};
-
-pub const CORES: usize = 2;
-/// `sector1` … `sector4`, `core1`, `core2`.
-pub const ELEMENTS: usize = SECTORS + CORES;
 
 /// Why a simulated sensor cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,7 +59,7 @@ pub enum SensorError {
     #[error("`{name}` is {value}; it must be {expected}")]
     OutOfRange { name: String, value: f64, expected: &'static str },
     #[error(
-        "`gas.pressure_pa` is {pressure_pa}: the gas is no continuum around the sphere (Knudsen number {knudsen:.3}, at most 0.01); \
+        "`gas.pressure_pa` is {pressure_pa}: the gas is no continuum around the sensor (Knudsen number {knudsen:.3}, at most 0.01); \
          {lowest_pressure_pa:.0} Pa or more would be"
     )]
     NotAContinuum { knudsen: f64, pressure_pa: f64, lowest_pressure_pa: f64 },
@@ -64,6 +67,8 @@ pub enum SensorError {
         "currents of element {element} are {low_a} A low and {high_a} A high; they must be positive and the low one smaller"
     )]
     Currents { element: usize, low_a: f64, high_a: f64 },
+    #[error("{found} elements are given, but `{sensor}` has {expected}")]
+    Elements { sensor: &'static str, expected: usize, found: usize },
     #[error("platinum of element {element}: {source}")]
     Platinum { element: usize, source: dr_core::ConfigError },
 }
@@ -74,23 +79,24 @@ impl SensorError {
     }
 }
 
-/// Everything that a simulated sphere is made from. The default is prototype B in still carbon dioxide of 1000 Pa and −53.15 °C,
+/// Everything that a simulated sensor is made from. The default is sphere B in still carbon dioxide of 1000 Pa and −53.15 °C,
 /// with a perfect front end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SphereConfig {
+pub struct SensorConfig {
+    pub construction: Construction,
     pub seed: u64,
     pub sample_period_s: f64,
     pub species: Species,
     pub pressure_pa: f64,
     pub gas_temperature_c: f64,
     pub support_temperature_c: f64,
-    pub elements: [ElementConfig; ELEMENTS],
+    /// One for each of the construction's [`parts`](Construction::parts), in their order.
+    pub elements: Vec<ElementConfig>,
     pub volt_per_code: f64,
     pub imperfections: Imperfections,
     /// In order of `start_s`, the first at 0; none at all is still gas.
     pub wind: Vec<WindEntry>,
     pub faults: Vec<TimedFault>,
-    pub construction: Construction,
 }
 
 /// A fault that an element has from `start_s` on.
@@ -101,84 +107,87 @@ pub struct TimedFault {
     pub start_s: f64,
 }
 
-impl Default for SphereConfig {
-    fn default() -> SphereConfig {
+impl Default for SensorConfig {
+    fn default() -> SensorConfig {
+        let construction = Construction::default();
         let element = ElementConfig {
             platinum: PlatinumKind::Linear { resistance_0c_ohm: 175.0, coefficient_per_c: 0.0031 },
             current_low_a: 3e-3,
             current_high_a: 16e-3,
         };
-        SphereConfig {
+        SensorConfig {
+            elements: vec![element; construction.parts().len()],
+            construction,
             seed: 0,
             sample_period_s: 0.01,
             species: Species::CarbonDioxide,
             pressure_pa: 1000.0,
             gas_temperature_c: -53.15,
             support_temperature_c: -43.15,
-            elements: [element; ELEMENTS],
             volt_per_code: 4.0 / 8_388_608.0,
             imperfections: Imperfections::default(),
             wind: Vec::new(),
             faults: Vec::new(),
-            construction: Construction::default(),
         }
     }
 }
 
 /// What is really so, at the end of the last sample period; powers and heat flows are means over it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     pub time_s: f64,
-    /// Chips of the four sectors, then the two cores.
-    pub element_temperature_c: [f64; ELEMENTS],
-    pub sector_temperature_c: [f64; SECTORS],
+    pub element_temperature_c: Vec<f64>,
     /// Electrical heat of every element.
-    pub power_w: [f64; ELEMENTS],
-    /// From a sector to the gas.
-    pub convection_w: [f64; SECTORS],
-    /// From a sector to its surroundings.
-    pub radiation_w: [f64; SECTORS],
-    /// From a sector to cores and other sectors.
-    pub conduction_w: [f64; SECTORS],
-    /// From the stem to the support.
+    pub power_w: Vec<f64>,
+    /// Of every surface, in the order of [`Sensor::surface_names`]; so are the next three.
+    pub surface_temperature_c: Vec<f64>,
+    /// To the gas.
+    pub convection_w: Vec<f64>,
+    /// To the surroundings.
+    pub radiation_w: Vec<f64>,
+    /// To the inside and to other surfaces.
+    pub conduction_w: Vec<f64>,
+    /// From stem or boom to the support.
     pub support_w: f64,
     pub wind_m_s: [f64; 3],
-    /// The wind was beyond the Nusselt table (Re 200), so convection is an extrapolation.
+    /// The wind was beyond what is known of convection from this body, which is then an extrapolation.
     pub wind_extrapolated: bool,
 }
 
 impl Truth {
-    /// All heat that leaves a sector: to gas, surroundings and the inside.
-    pub fn sector_loss_w(&self, sector: usize) -> f64 {
-        self.convection_w[sector] + self.radiation_w[sector] + self.conduction_w[sector]
+    /// All heat that leaves a surface: to gas, surroundings and the inside.
+    pub fn surface_loss_w(&self, surface: usize) -> f64 {
+        self.convection_w[surface] + self.radiation_w[surface] + self.conduction_w[surface]
     }
 }
 
-/// A simulated sphere with its front end in the wind tunnel, advanced tick by tick.
+/// A simulated sensor with its front end in the wind tunnel, advanced tick by tick.
 #[derive(Clone, Debug)]
-pub struct Sphere {
+pub struct Sensor {
     sample_period_s: f64,
     tick: u64,
-    convection: Convection,
     wind: Wind,
     body: Body,
     front_end: FrontEnd,
     faults: Vec<TimedFault>,
-    codes: [i32; ELEMENTS],
-    flows: Flows,
+    element_temperature_c: Vec<f64>,
+    codes: Vec<i32>,
     wind_m_s: [f64; 3],
 }
 
-impl Sphere {
-    /// The sphere starts in the steady state of the first wind entry with all elements at their low level, as it is after standing
+impl Sensor {
+    /// The sensor starts in the steady state of the first wind entry with all elements at their low level, as it is after standing
     /// by for long.
-    pub fn new(config: &SphereConfig) -> Result<Sphere, SensorError> {
+    pub fn new(config: &SensorConfig) -> Result<Sensor, SensorError> {
         let sample_period_s = config.sample_period_s;
         if !(1e-6..=10.0).contains(&sample_period_s) {
             return Err(SensorError::out_of_range("sample_period_s", sample_period_s, "1e-6 to 10"));
         }
+        let (expected, found) = (config.construction.parts().len(), config.elements.len());
+        if found != expected {
+            return Err(SensorError::Elements { sensor: config.construction.name(), expected, found });
+        }
         let gas = Gas::new(config.species, config.pressure_pa, config.gas_temperature_c + ZERO_CELSIUS_K)?;
-        let convection = Convection::new(&gas, config.construction.diameter_m)?;
         // Streams of one generator: noise does not change when turbulence is switched on, nor the resistors with either.
         let stream = |number| {
             let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
@@ -188,57 +197,61 @@ impl Sphere {
         let wind = Wind::new(&config.wind, sample_period_s, stream(0))?;
         let front_end =
             FrontEnd::new(&config.elements, config.volt_per_code, &config.imperfections, stream(1), stream(2))?;
-        let body = Body::new(&config.construction, &gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
+        let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
         let wind_m_s = wind.mean_m_s();
-        let mut sphere = Sphere {
+        let mut sensor = Sensor {
             sample_period_s,
             tick: 0,
-            convection,
             wind,
             body,
             front_end,
-            faults: checked_faults(&config.faults)?,
-            codes: [0; ELEMENTS],
-            flows: Flows::default(),
+            faults: checked_faults(&config.faults, expected)?,
+            element_temperature_c: vec![0.0; expected],
+            codes: vec![0; expected],
             wind_m_s,
         };
-        sphere.apply_faults();
-        sphere.settle_at_low_level();
-        Ok(sphere)
+        sensor.apply_faults();
+        sensor.settle_at_low_level();
+        Ok(sensor)
     }
 
     /// Lets one sample period pass with the heaters held; bit i of `heaters` is element i at its high level.
     pub fn advance(&mut self, heaters: u16) {
         self.apply_faults();
         self.wind_m_s = self.wind.advance();
-        let conductance_w_k = self.convection.sector_conductance_w_k(self.wind_m_s);
-        self.body.set_convection(&conductance_w_k);
+        self.body.set_wind(self.wind_m_s);
         let front_end = &self.front_end;
-        self.flows = self.body.advance(self.sample_period_s, |i, temperature_c| {
+        self.body.advance(self.sample_period_s, |i, temperature_c| {
             front_end.power_w(i, temperature_c, heaters >> i & 1 == 1)
         });
         self.tick += 1;
-        self.codes = self.front_end.sample(&self.element_temperature_c(), heaters);
+        self.sample(heaters);
     }
 
     /// The converter's codes at the end of the last period, at the currents of that period; at first at the low level.
-    pub fn codes(&self) -> [i32; ELEMENTS] {
-        self.codes
+    pub fn codes(&self) -> &[i32] {
+        &self.codes
     }
 
     pub fn truth(&self) -> Truth {
+        let flows = self.body.flows().clone();
         Truth {
             time_s: self.time_s(),
-            element_temperature_c: self.element_temperature_c(),
-            sector_temperature_c: std::array::from_fn(|i| self.body.sector_temperature_c(i)),
-            power_w: self.flows.power_w,
-            convection_w: self.flows.convection_w,
-            radiation_w: self.flows.radiation_w,
-            conduction_w: self.flows.conduction_w,
-            support_w: self.flows.support_w,
+            element_temperature_c: self.element_temperature_c.clone(),
+            surface_temperature_c: (0..flows.convection_w.len()).map(|i| self.body.surface_temperature_c(i)).collect(),
+            power_w: flows.power_w,
+            convection_w: flows.convection_w,
+            radiation_w: flows.radiation_w,
+            conduction_w: flows.conduction_w,
+            support_w: flows.support_w,
             wind_m_s: self.wind_m_s,
             wind_extrapolated: self.wind_extrapolated(),
         }
+    }
+
+    /// Names of the surfaces that the wind cools.
+    pub fn surface_names(&self) -> impl Iterator<Item = &str> {
+        self.body.surface_names()
     }
 
     /// Wind of the last period, m/s.
@@ -246,9 +259,9 @@ impl Sphere {
         self.wind_m_s
     }
 
-    /// The wind of the last period was beyond the Nusselt table.
+    /// The wind of the last period was beyond what is known of convection from this body.
     pub fn wind_extrapolated(&self) -> bool {
-        self.convection.extrapolated(self.wind_m_s)
+        self.body.extrapolated(self.wind_m_s)
     }
 
     /// Label of the wind entry of the last period.
@@ -261,10 +274,6 @@ impl Sphere {
         self.tick as f64 * self.sample_period_s
     }
 
-    fn element_temperature_c(&self) -> [f64; ELEMENTS] {
-        std::array::from_fn(|i| self.body.element_temperature_c(i))
-    }
-
     /// Faults whose time has come, at the resolution of a tick.
     fn apply_faults(&mut self) {
         let now_s = self.time_s() + 1e-6 * self.sample_period_s;
@@ -275,21 +284,26 @@ impl Sphere {
     }
 
     fn settle_at_low_level(&mut self) {
-        let conductance_w_k = self.convection.sector_conductance_w_k(self.wind_m_s);
-        self.body.set_convection(&conductance_w_k);
+        self.body.set_wind(self.wind_m_s);
         let front_end = &self.front_end;
         self.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
-        self.flows = self.body.steady_flows(|i, temperature_c| front_end.power_w(i, temperature_c, false));
-        self.codes = self.front_end.sample(&self.element_temperature_c(), 0);
+        self.sample(0);
+    }
+
+    fn sample(&mut self, heaters: u16) {
+        for (i, temperature_c) in self.element_temperature_c.iter_mut().enumerate() {
+            *temperature_c = self.body.element_temperature_c(i);
+        }
+        self.front_end.sample(&self.element_temperature_c, heaters, &mut self.codes);
     }
 }
 
 /// The faults, latest first, so that the next one is the last of the list.
-fn checked_faults(faults: &[TimedFault]) -> Result<Vec<TimedFault>, SensorError> {
+fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFault>, SensorError> {
     for (i, fault) in faults.iter().enumerate() {
-        if fault.element >= ELEMENTS {
+        if fault.element >= elements {
             let name = format!("faults[{i}].element");
-            return Err(SensorError::out_of_range(name, fault.element as f64, "0 to 5"));
+            return Err(SensorError::out_of_range(name, fault.element as f64, "the number of an element, from 0"));
         }
         if !(fault.start_s.is_finite() && fault.start_s >= 0.0) {
             return Err(SensorError::out_of_range(format!("faults[{i}].start_s"), fault.start_s, "zero or more"));

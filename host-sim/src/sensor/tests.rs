@@ -1,4 +1,4 @@
-//! Tests of the sphere as a whole.
+//! Tests of a sensor as a whole.
 
 use super::*;
 
@@ -13,14 +13,38 @@ fn breeze() -> Vec<WindEntry> {
     }]
 }
 
-fn config() -> SphereConfig {
+fn config() -> SensorConfig {
     let imperfections = Imperfections {
         noise_v_rms: 1.5e-6,
         resistance_error_percent: 0.1,
         coefficient_error_percent: 0.1,
         current_error_percent: 0.1,
     };
-    SphereConfig { seed: 7, wind: breeze(), imperfections, ..SphereConfig::default() }
+    SensorConfig { seed: 7, wind: breeze(), imperfections, ..SensorConfig::default() }
+}
+
+/// The sensor of a head of the project in the gas that it was made for.
+fn of_head(name: &str) -> SensorConfig {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../heads/{name}.toml"));
+    let head = crate::head::Head::read(&path).unwrap();
+    let mars = SensorConfig {
+        construction: head.sensor.unwrap(),
+        elements: head.elements.iter().map(|element| element.nominal).collect(),
+        volt_per_code: head.volt_per_code,
+        ..SensorConfig::default()
+    };
+    if name != "rems" {
+        return mars;
+    }
+    let (pressure_pa, gas_temperature_c, support_temperature_c) = (24_000.0, 21.0, 21.0);
+    SensorConfig {
+        species: Species::Air,
+        sample_period_s: 0.025,
+        pressure_pa,
+        gas_temperature_c,
+        support_temperature_c,
+        ..mars
+    }
 }
 
 /// Some heater pattern that exercises every element.
@@ -31,11 +55,14 @@ fn pattern(tick: u16) -> u16 {
 #[test]
 fn the_same_seed_gives_the_same_bits() {
     let run = |seed| {
-        let mut sphere = Sphere::new(&SphereConfig { seed, ..config() }).unwrap();
+        let mut sensor = Sensor::new(&SensorConfig { seed, ..config() }).unwrap();
         let mut all = Vec::new();
         for tick in 0..3000 {
-            sphere.advance(pattern(tick));
-            all.push((sphere.codes(), sphere.truth().element_temperature_c.map(f64::to_bits)));
+            sensor.advance(pattern(tick));
+            all.push((
+                sensor.codes().to_vec(),
+                sensor.truth().element_temperature_c.into_iter().map(f64::to_bits).collect::<Vec<_>>(),
+            ));
         }
         all
     };
@@ -45,51 +72,75 @@ fn the_same_seed_gives_the_same_bits() {
 }
 
 #[test]
-fn starts_at_rest_with_all_elements_at_their_low_level() {
-    let still = SphereConfig::default();
-    let mut sphere = Sphere::new(&still).unwrap();
-    let start = sphere.truth();
-    let codes = sphere.codes();
-    for _ in 0..1000 {
-        sphere.advance(0);
+fn every_sensor_starts_at_rest_with_all_elements_at_their_low_level() {
+    for name in Construction::NAMES {
+        let mut sensor = Sensor::new(&of_head(name)).unwrap();
+        let start = sensor.truth();
+        let codes = sensor.codes().to_vec();
+        for _ in 0..1000 {
+            sensor.advance(0);
+        }
+        let end = sensor.truth();
+        for (i, (end_c, start_c)) in end.element_temperature_c.iter().zip(&start.element_temperature_c).enumerate() {
+            assert!((end_c - start_c).abs() < 1e-7, "{name}: element {i} drifts from {start_c} to {end_c} °C");
+        }
+        // One code for rounding at its edge.
+        assert!(codes.iter().zip(sensor.codes()).all(|(a, b)| (a - b).abs() <= 1));
+        // All heat of the low levels leaves through gas, radiation and support.
+        let given: f64 = start.power_w.iter().sum();
+        let left: f64 = start.convection_w.iter().chain(&start.radiation_w).sum::<f64>() + start.support_w;
+        assert!((given - left).abs() < 1e-8 && given > 4e-3, "{name}: {given} {left}");
     }
-    let end = sphere.truth();
-    for i in 0..ELEMENTS {
-        let drift = end.element_temperature_c[i] - start.element_temperature_c[i];
-        assert!(drift.abs() < 1e-7, "element {i} drifts by {drift} K");
-    }
-    // One code for rounding at its edge.
-    assert!(codes.iter().zip(sphere.codes()).all(|(a, b)| (a - b).abs() <= 1));
-    // All heat of the six low levels leaves through gas, radiation and support.
-    let given: f64 = start.power_w.iter().sum();
-    let left: f64 = start.convection_w.iter().chain(&start.radiation_w).sum::<f64>() + start.support_w;
-    assert!((given - left).abs() < 1e-9 && given > 8e-3, "{given} {left}");
 }
 
 #[test]
-fn truth_balances_over_a_gusty_run() {
-    let mut sphere = Sphere::new(&config()).unwrap();
-    let stored = |sphere: &Sphere| sphere.body.stored_heat_j();
-    let before = stored(&sphere);
-    let (mut given, mut left) = (0.0, 0.0);
-    for tick in 0..20_000 {
-        sphere.advance(pattern(tick));
-        let truth = sphere.truth();
-        given += truth.power_w.iter().sum::<f64>() * 0.01;
-        left += (truth.convection_w.iter().chain(&truth.radiation_w).sum::<f64>() + truth.support_w) * 0.01;
+fn the_truth_of_every_sensor_balances_over_a_gusty_run() {
+    for name in Construction::NAMES {
+        let config = SensorConfig { wind: breeze(), ..of_head(name) };
+        let mut sensor = Sensor::new(&config).unwrap();
+        let stored = |sensor: &Sensor| sensor.body.stored_heat_j();
+        let before = stored(&sensor);
+        let (mut given, mut left) = (0.0, 0.0);
+        for tick in 0..20_000_u16 {
+            sensor.advance(tick.wrapping_mul(40_503) >> 3);
+            let truth = sensor.truth();
+            given += truth.power_w.iter().sum::<f64>() * config.sample_period_s;
+            let gas_w = truth.convection_w.iter().chain(&truth.radiation_w).sum::<f64>();
+            left += (gas_w + truth.support_w) * config.sample_period_s;
+        }
+        let balance = given - left - (stored(&sensor) - before);
+        // Rounding of what is stored from absolute zero on: 100 to 3400 J.
+        assert!((balance / given).abs() < 1e-8, "{name}: {balance} J of {given} J");
+        // Heat inside a surface and what leaves it: all of them together, as conduction between surfaces cancels.
+        assert_eq!(sensor.surface_names().count(), sensor.truth().surface_temperature_c.len());
     }
-    let balance = given - left - (stored(&sphere) - before);
-    assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");
+}
+
+#[test]
+fn a_card_that_faces_the_wind_needs_more_power_than_the_others() {
+    let mut wind = breeze();
+    // From above, on card 1.
+    (wind[0].elevation_deg, wind[0].turbulence) = (-90.0, None);
+    let mut sensor = Sensor::new(&SensorConfig { wind, ..of_head("rems") }).unwrap();
+    sensor.advance(0);
+    let truth = sensor.truth();
+    let card = |i: usize| truth.convection_w[4 * i..4 * i + 4].iter().sum::<f64>();
+    let rise = |i: usize| truth.element_temperature_c[4 * i..4 * i + 4].iter().map(|c| c - 21.0).sum::<f64>();
+    assert!(card(0) / rise(0) > 1.1 * card(1) / rise(1));
+    assert!((card(1) / card(2) - 1.0).abs() < 1e-9);
+    assert!(!truth.wind_extrapolated);
+    let names: Vec<_> = sensor.surface_names().collect();
+    assert_eq!((names[0], names[11], names[12], names[15]), ("card1-die1", "card3-die4", "card1", "head"));
 }
 
 #[test]
 fn codes_tell_the_temperature_of_the_chip_at_the_current_that_flowed() {
-    let mut sphere = Sphere::new(&SphereConfig { wind: breeze(), ..SphereConfig::default() }).unwrap();
+    let mut sensor = Sensor::new(&SensorConfig { wind: breeze(), ..SensorConfig::default() }).unwrap();
     for tick in 0..500 {
         let heaters = pattern(tick);
-        sphere.advance(heaters);
-        let (codes, truth) = (sphere.codes(), sphere.truth());
-        for (i, code) in codes.into_iter().enumerate() {
+        sensor.advance(heaters);
+        let (codes, truth) = (sensor.codes(), sensor.truth());
+        for (i, &code) in codes.iter().enumerate() {
             let current_a = if heaters >> i & 1 == 1 { 16e-3 } else { 3e-3 };
             let resistance_ohm = f64::from(code) * 4.0 / 8_388_608.0 / current_a;
             let temperature_c = (resistance_ohm / 175.0 - 1.0) / 0.0031;
@@ -104,11 +155,11 @@ fn a_wind_head_on_takes_most_heat_from_the_sector_it_meets() {
     // Towards (−1, −1, −1): sector 1 is at the front.
     let mut wind = breeze();
     (wind[0].azimuth_deg, wind[0].elevation_deg, wind[0].turbulence) = (225.0, -35.264, None);
-    let mut sphere = Sphere::new(&SphereConfig { wind, ..SphereConfig::default() }).unwrap();
-    sphere.advance(0);
-    let truth = sphere.truth();
-    assert_eq!(sphere.wind_label(), "breeze");
-    let per_kelvin = |i: usize| truth.convection_w[i] / (truth.sector_temperature_c[i] + 53.15);
+    let mut sensor = Sensor::new(&SensorConfig { wind, ..SensorConfig::default() }).unwrap();
+    sensor.advance(0);
+    let truth = sensor.truth();
+    assert_eq!(sensor.wind_label(), "breeze");
+    let per_kelvin = |i: usize| truth.convection_w[i] / (truth.surface_temperature_c[i] + 53.15);
     assert!((1..4).all(|i| per_kelvin(i) < 0.7 * per_kelvin(0)));
     assert!((1..4).all(|i| (per_kelvin(i) / per_kelvin(1) - 1.0).abs() < 1e-3), "the other three are alike");
 }
@@ -119,47 +170,31 @@ fn a_fault_appears_at_its_tick() {
         TimedFault { element: 4, fault: Fault::Shorted, start_s: 0.05 },
         TimedFault { element: 1, fault: Fault::Open, start_s: 0.03 },
     ];
-    let mut sphere = Sphere::new(&SphereConfig { faults, ..SphereConfig::default() }).unwrap();
+    let mut sensor = Sensor::new(&SensorConfig { faults, ..SensorConfig::default() }).unwrap();
     let mut open = Vec::new();
     let mut shorted = Vec::new();
     for _ in 0..8 {
-        sphere.advance(0x3F);
-        open.push(sphere.codes()[1] == front_end::HIGHEST_CODE);
-        shorted.push(sphere.codes()[4] == 0);
+        sensor.advance(0x3F);
+        open.push(sensor.codes()[1] == front_end::HIGHEST_CODE);
+        shorted.push(sensor.codes()[4] == 0);
     }
     // From 0.03 s on: the code at the end of the interval that begins there, the fourth.
     assert_eq!(open, [false, false, false, true, true, true, true, true]);
     assert_eq!(shorted, [false, false, false, false, false, true, true, true]);
-    assert_eq!(sphere.truth().power_w[1], 0.0);
+    assert_eq!(sensor.truth().power_w[1], 0.0);
 }
 
 #[test]
 fn refuses_bad_configurations_by_name() {
-    let still = SphereConfig::default;
-    let message = |config: SphereConfig| Sphere::new(&config).unwrap_err().to_string();
-    assert!(message(SphereConfig { sample_period_s: f64::NAN, ..still() }).contains("sample_period_s"));
-    assert!(message(SphereConfig { pressure_pa: 5.0, ..still() }).contains("gas.pressure_pa"));
-    assert!(message(SphereConfig { gas_temperature_c: -200.0, ..still() }).contains("gas.temperature_c"));
-    assert!(message(SphereConfig { support_temperature_c: -300.0, ..still() }).contains("support.temperature_c"));
+    let still = SensorConfig::default;
+    let message = |config: SensorConfig| Sensor::new(&config).unwrap_err().to_string();
+    assert!(message(SensorConfig { sample_period_s: f64::NAN, ..still() }).contains("sample_period_s"));
+    assert!(message(SensorConfig { pressure_pa: 5.0, ..still() }).contains("gas.pressure_pa"));
+    assert!(message(SensorConfig { gas_temperature_c: -200.0, ..still() }).contains("gas.temperature_c"));
+    assert!(message(SensorConfig { support_temperature_c: -300.0, ..still() }).contains("support.temperature_c"));
     let faults = vec![TimedFault { element: 6, fault: Fault::Open, start_s: 0.0 }];
-    assert!(message(SphereConfig { faults, ..still() }).contains("faults[0].element"));
-}
-
-/// `cargo test --release -p host-sim -- --ignored --nocapture cost_of_a_tick`
-#[test]
-#[ignore = "a measurement, to be run alone and optimised"]
-fn cost_of_a_tick() {
-    let mut sphere = Sphere::new(&config()).unwrap();
-    let ticks = 1_000_000;
-    let mut check = 0_i64;
-    let start = std::time::Instant::now();
-    for tick in 0..ticks {
-        sphere.advance(pattern(tick as u16));
-        check += i64::from(sphere.codes()[0]);
-    }
-    let microseconds = start.elapsed().as_secs_f64() * 1e6 / f64::from(ticks);
-    println!(
-        "{microseconds:.2} µs a tick of 10 ms, turbulence and noise on: {:.0} times real time ({check})",
-        1e4 / microseconds
-    );
+    assert!(message(SensorConfig { faults, ..still() }).contains("faults[0].element"));
+    let rems = Construction::named("rems").unwrap();
+    let sentence = message(SensorConfig { construction: rems, ..still() });
+    assert_eq!(sentence, "6 elements are given, but `rems` has 13");
 }

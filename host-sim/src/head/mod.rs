@@ -4,23 +4,27 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `name` |
+//! | top | `name`, optionally `sensor` ("sphere-a", "sphere-b" or "rems"): what simulates it |
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s` |
-//! | `[kinds.sector]`, `[kinds.core]` | defaults for the elements of that kind |
-//! | `[[elements]]` | `name`, `kind`, `normal` (outward, sectors only), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
+//! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
+//! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
 //!
-//! One code is full_scale_v / 2^(bits−1) V. Numbers are checked by dr-core's own constructors, as the board will.
+//! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor, by name and in order. Numbers are checked by dr-core's own constructors, as the board will.
 
+mod matching;
+mod table;
+
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use dr_core::ConfigError;
 use dr_core::control::{ElementConfig, GuardConfig, Limits};
 use dr_core::sensor::{Channel, Level, Platinum};
-use serde::Deserialize;
 
-use crate::sensor::{self, PlatinumKind};
-use crate::toml_file::{FileError, Source};
+use crate::sensor::{self, Construction, PlatinumKind};
+use crate::toml_file::{FileError, Source, suggest};
+use table::{ElementTable, HeadTable};
 
 /// Heaters of more elements would not fit the masks on the wire.
 const MOST_ELEMENTS: usize = 16;
@@ -30,6 +34,8 @@ const MOST_ELEMENTS: usize = 16;
 pub struct Head {
     pub source: Source,
     pub name: String,
+    /// What simulates it; without it, only a real sensor can be run.
+    pub sensor: Option<Construction>,
     pub volt_per_code: f64,
     pub missing_limit_ticks: u32,
     pub unreachable_limit_s: f64,
@@ -40,22 +46,14 @@ pub struct Head {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
     pub name: String,
-    pub kind: Kind,
-    /// Unit vector away from the centre, for sectors.
+    /// What it shares settings and models with.
+    pub kind: Option<String>,
+    /// Unit vector away from the sensor, for what looks into the wind.
     pub normal: Option<[f64; 3]>,
     /// Calibration and currents in f64, as the simulation wants them.
     pub nominal: sensor::ElementConfig,
     /// The same for the controller, with the limits.
     pub config: ElementConfig,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// Part of the outer surface, in the wind.
-    Sector,
-    /// Inside, between sectors and support.
-    Core,
 }
 
 impl Head {
@@ -75,9 +73,12 @@ impl Head {
             let count = table.elements.len();
             return Err(source.refuse("elements", format!("are {count}: a head has 1 to {MOST_ELEMENTS}")));
         }
-        for (key, shared) in [("kinds.sector", &table.kinds.sector), ("kinds.core", &table.kinds.core)] {
+        for (kind, shared) in &table.kinds {
             if shared.name.is_some() || shared.kind.is_some() || shared.normal.is_some() {
-                return Err(source.refuse(key, "cannot give `name`, `kind` or `normal`: they belong to one element"));
+                return Err(source.refuse(
+                    &format!("kinds.{kind}"),
+                    "cannot give `name`, `kind` or `normal`: they belong to one element",
+                ));
             }
         }
         let mut elements: Vec<Element> = Vec::new();
@@ -89,14 +90,24 @@ impl Head {
             }
             elements.push(element);
         }
+        let sensor = table.sensor.map(|name| matching::sensor(&source, &name, &elements)).transpose()?;
         Ok(Self {
             name: table.name,
+            sensor,
             volt_per_code: adc.volt_per_code,
             missing_limit_ticks: table.guard.missing_limit_ticks,
             unreachable_limit_s,
             elements,
             source,
         })
+    }
+
+    /// The kinds that its elements are of.
+    pub fn kinds(&self) -> Vec<&str> {
+        let mut kinds: Vec<_> = self.elements.iter().filter_map(|element| element.kind.as_deref()).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
     }
 
     /// Names of the elements, in the head's order.
@@ -129,9 +140,9 @@ struct Adc {
 struct Keys<'a> {
     source: &'a Source,
     key: String,
-    kind_key: &'static str,
     own: &'a ElementTable,
-    shared: &'a ElementTable,
+    /// The kind's key and table.
+    shared: Option<(String, &'a ElementTable)>,
 }
 
 impl<'a> Keys<'a> {
@@ -139,10 +150,13 @@ impl<'a> Keys<'a> {
         if let Some(value) = of(self.own) {
             return Ok((value, format!("{}.{name}", self.key)));
         }
-        if let Some(value) = of(self.shared) {
-            return Ok((value, format!("{}.{name}", self.kind_key)));
+        let Some((kind_key, shared)) = &self.shared else {
+            return Err(self.source.refuse(&self.key, format!("has no `{name}`, and no `kind` that could give it")));
+        };
+        match of(shared) {
+            Some(value) => Ok((value, format!("{kind_key}.{name}"))),
+            None => Err(self.source.refuse(&self.key, format!("has no `{name}`: give it there or in [{kind_key}]"))),
         }
-        Err(self.source.refuse(&self.key, format!("has no `{name}`: give it there or in [{}]", self.kind_key)))
     }
 
     fn number(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<f64>) -> Result<f64, FileError> {
@@ -169,7 +183,8 @@ impl<'a> Keys<'a> {
             "resistance_max_ohm" => self.own.resistance_max_ohm.is_some(),
             _ => self.own.temperature_max_c.is_some(),
         };
-        self.refuse(&format!("{}.{name}", if own { &self.key } else { self.kind_key }), error)
+        let key = self.shared.as_ref().filter(|_| !own).map_or(&self.key, |(kind_key, _)| kind_key);
+        self.refuse(&format!("{key}.{name}"), error)
     }
 }
 
@@ -177,7 +192,7 @@ fn element(
     source: &Source,
     key: String,
     own: &ElementTable,
-    kinds: &KindsTable,
+    kinds: &BTreeMap<String, ElementTable>,
     adc: &Adc,
 ) -> Result<Element, FileError> {
     let name = own.name.clone().ok_or_else(|| source.refuse(&key, "has no `name`"))?;
@@ -187,13 +202,18 @@ fn element(
         );
         return Err(source.refuse(&format!("{key}.name"), sentence));
     }
-    let kind = own.kind.ok_or_else(|| source.refuse(&key, "has no `kind`: \"sector\" or \"core\""))?;
-    let (shared, kind_key) = match kind {
-        Kind::Sector => (&kinds.sector, "kinds.sector"),
-        Kind::Core => (&kinds.core, "kinds.core"),
+    let shared = match &own.kind {
+        None => None,
+        Some(kind) => {
+            let table = kinds.get(kind).ok_or_else(|| {
+                let hint = suggest(kind, kinds.keys().map(String::as_str));
+                source.refuse(&format!("{key}.kind"), format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}"))
+            })?;
+            Some((format!("kinds.{kind}"), table))
+        }
     };
-    let normal = normal(source, &key, kind, own.normal)?;
-    let keys = Keys { source, key, kind_key, own, shared };
+    let normal = normal(source, &key, own.normal)?;
+    let keys = Keys { source, key, own, shared };
 
     let (platinum, platinum_key) = keys.get("platinum", |table| &table.platinum)?;
     let platinum_kind = platinum.kind().map_err(|sentence| source.refuse(&platinum_key, sentence))?;
@@ -211,7 +231,7 @@ fn element(
     let limits = limits.checked(channel.platinum()).map_err(|error| keys.refuse_named(&error))?;
     Ok(Element {
         name,
-        kind,
+        kind: own.kind.clone(),
         normal,
         nominal: sensor::ElementConfig { platinum: platinum_kind, current_low_a, current_high_a },
         config: ElementConfig { channel, limits },
@@ -227,98 +247,14 @@ fn characteristic(kind: PlatinumKind) -> Result<Platinum, ConfigError> {
     }
 }
 
-fn normal(source: &Source, key: &str, kind: Kind, normal: Option<[f64; 3]>) -> Result<Option<[f64; 3]>, FileError> {
+fn normal(source: &Source, key: &str, normal: Option<[f64; 3]>) -> Result<Option<[f64; 3]>, FileError> {
     let key = format!("{key}.normal");
     let Some(normal) = normal else { return Ok(None) };
-    if kind == Kind::Core {
-        return Err(source.refuse(&key, "is given for a core, but only sectors look outwards"));
-    }
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     if !(length.is_finite() && length > 1e-9) {
         return Err(source.refuse(&key, "is no direction: three finite numbers that are not all 0 belong here"));
     }
     Ok(Some(normal.map(|x| x / length)))
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct HeadTable {
-    name: String,
-    adc: AdcTable,
-    guard: GuardTable,
-    #[serde(default)]
-    kinds: KindsTable,
-    #[serde(default)]
-    elements: Vec<ElementTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AdcTable {
-    full_scale_v: f64,
-    bits: u8,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct GuardTable {
-    missing_limit_ticks: u32,
-    unreachable_limit_s: f64,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct KindsTable {
-    #[serde(default)]
-    sector: ElementTable,
-    #[serde(default)]
-    core: ElementTable,
-}
-
-/// An element, or what the elements of a kind share.
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct ElementTable {
-    name: Option<String>,
-    kind: Option<Kind>,
-    normal: Option<[f64; 3]>,
-    platinum: Option<PlatinumTable>,
-    current_low_a: Option<f64>,
-    current_high_a: Option<f64>,
-    resistance_min_ohm: Option<f64>,
-    resistance_max_ohm: Option<f64>,
-    temperature_max_c: Option<f64>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(deny_unknown_fields)]
-struct PlatinumTable {
-    characteristic: Characteristic,
-    resistance_0c_ohm: f64,
-    coefficient_per_c: Option<f64>,
-}
-
-#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-enum Characteristic {
-    Linear,
-    Iec60751,
-}
-
-impl PlatinumTable {
-    fn kind(&self) -> Result<PlatinumKind, &'static str> {
-        let resistance_0c_ohm = self.resistance_0c_ohm;
-        match (self.characteristic, self.coefficient_per_c) {
-            (Characteristic::Linear, Some(coefficient_per_c)) => {
-                Ok(PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c })
-            }
-            (Characteristic::Linear, None) => Err("is linear and so takes a `coefficient_per_c`"),
-            (Characteristic::Iec60751, None) => Ok(PlatinumKind::Iec60751 { resistance_0c_ohm }),
-            (Characteristic::Iec60751, Some(_)) => {
-                Err("has a `coefficient_per_c`, but IEC 60751 fixes the coefficients")
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -351,7 +287,9 @@ mod tests {
         for (x, expected) in sector.normal.unwrap().into_iter().zip([third, -third, -third]) {
             assert!((x - expected).abs() < 1e-15);
         }
-        assert_eq!(head.elements[4].kind, Kind::Core);
+        assert_eq!(head.elements[4].kind.as_deref(), Some("core"));
+        assert_eq!(head.sensor, Some(Construction::default()));
+        assert_eq!(head.kinds(), ["core", "sector"]);
     }
 
     #[test]

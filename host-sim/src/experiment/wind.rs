@@ -1,0 +1,297 @@
+//! The wind of an experiment: entry by entry, or as the runs of a car in a linear tunnel.
+//!
+//! In a linear tunnel the air rests and a car carries the sensor along a straight track, so that slow winds are known as exactly as
+//! the car's speed. `[tunnel]` says what the car does, in place of `[[wind]]`:
+//!
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `track_m` | m | length of a run |
+//! | `speeds_m_min` | m/min | the car goes forward and back at the first speed, then at the second …, and begins anew until the experiment ends |
+//! | `pause_s` | s | rest after each run; 0 turns at once |
+//! | `first_pause_s` | s | rest before the first run; 0 if not given |
+//! | `order_seed` | | each time round the speeds come in another order, drawn with this seed; without it as they are written |
+//! | `azimuth_deg`, `elevation_deg` | ° | into which the air goes, seen from the car, when it runs forward; 180 and 0 if not given: x looks forward |
+//!
+//! It becomes ordinary entries with the labels `forward 7.5 m/min`, `back 7.5 m/min` and `rest`, which are the event classes of an
+//! identification. A run ends with the last whole sample period that fits on the track.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::Grid;
+use super::table::{TunnelTable, WindTable};
+use crate::sensor::WindEntry;
+use crate::toml_file::FileError;
+
+const HIGHEST_SPEED_M_S: f64 = 100.0;
+/// More would be a mistake of units rather than an experiment.
+const MOST_ENTRIES: usize = 100_000;
+const REST: &str = "rest";
+
+/// The entries of an experiment of `ticks`.
+pub(super) fn entries(
+    grid: &Grid,
+    wind: Vec<WindTable>,
+    tunnel: Option<TunnelTable>,
+    ticks: u32,
+) -> Result<Vec<WindEntry>, FileError> {
+    match (wind.is_empty(), tunnel) {
+        (false, None) => held(grid, wind, ticks),
+        (true, Some(tunnel)) => Car::new(grid, &tunnel)?.entries(ticks),
+        (false, Some(_)) => {
+            Err(grid.source.refuse("tunnel", "is given besides [[wind]]: the wind comes from one of them"))
+        }
+        (true, None) => {
+            let sentence =
+                "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
+            Err(grid.source.refuse("wind", sentence))
+        }
+    }
+}
+
+fn held(grid: &Grid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+    let source = grid.source;
+    let duration_s = grid.time_s(ticks);
+    let mut entries = Vec::with_capacity(tables.len());
+    for (index, table) in tables.into_iter().enumerate() {
+        let key = format!("wind[{index}]");
+        // Starts, angles and turbulence are the simulated wind's to judge.
+        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
+        grid.instant(&format!("{key}.start_s"), table.start_s)?;
+        if table.start_s >= duration_s {
+            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
+            return Err(source.refuse(&format!("{key}.start_s"), sentence));
+        }
+        entries.push(table.entry(index));
+    }
+    Ok(entries)
+}
+
+/// A run at one of the car's speeds.
+struct Run {
+    speed_m_min: f64,
+    ticks: u64,
+}
+
+struct Car<'a> {
+    grid: &'a Grid<'a>,
+    runs: Vec<Run>,
+    pause_ticks: u64,
+    first_pause_ticks: u64,
+    order: Option<ChaCha8Rng>,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+}
+
+impl<'a> Car<'a> {
+    fn new(grid: &'a Grid<'a>, table: &TunnelTable) -> Result<Self, FileError> {
+        let source = grid.source;
+        let track_m = source.positive("tunnel.track_m", table.track_m, "m")?;
+        let key = "tunnel.speeds_m_min";
+        if table.speeds_m_min.is_empty() {
+            return Err(source.refuse(key, "is empty: at least one speed of the car belongs there"));
+        }
+        let run = |&speed_m_min: &f64| {
+            source.positive(key, speed_m_min, "m/min")?;
+            source.within(key, speed_m_min, 0.0..=60.0 * HIGHEST_SPEED_M_S, "m/min")?;
+            let (run_s, period_s) = (60.0 * track_m / speed_m_min, grid.sample_period_s);
+            // A run that is a whole number of periods but for rounding is that number.
+            let ticks = (run_s / period_s + 1e-6).floor();
+            if ticks < 1.0 {
+                let sentence = format!(
+                    "has {speed_m_min} m/min, at which {track_m} m take {run_s} s: a run lasts at least one sample period, {period_s} s"
+                );
+                return Err(source.refuse(key, sentence));
+            }
+            Ok(Run { speed_m_min, ticks: ticks as u64 })
+        };
+        let pause = |key: &str, pause_s: f64| {
+            if pause_s == 0.0 { Ok(0) } else { grid.whole_ticks(key, pause_s).map(u64::from) }
+        };
+        // The words that the entries' own check would say of an entry that nobody wrote.
+        if !table.azimuth_deg.is_finite() {
+            let sentence = format!("is {}: it must be a finite angle", table.azimuth_deg);
+            return Err(source.refuse("tunnel.azimuth_deg", sentence));
+        }
+        source.within("tunnel.elevation_deg", table.elevation_deg, -90.0..=90.0, "°")?;
+        Ok(Self {
+            grid,
+            runs: table.speeds_m_min.iter().map(run).collect::<Result<_, _>>()?,
+            pause_ticks: pause("tunnel.pause_s", table.pause_s)?,
+            first_pause_ticks: pause("tunnel.first_pause_s", table.first_pause_s)?,
+            order: table.order_seed.map(ChaCha8Rng::seed_from_u64),
+            azimuth_deg: table.azimuth_deg,
+            elevation_deg: table.elevation_deg,
+        })
+    }
+
+    fn entries(mut self, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+        let end = u64::from(ticks);
+        let mut entries = Vec::new();
+        let mut now = 0;
+        if self.first_pause_ticks > 0 {
+            entries.push(self.rest(now));
+            now += self.first_pause_ticks;
+        }
+        while now < end {
+            self.shuffle();
+            for run in &self.runs {
+                for forward in [true, false] {
+                    if now < end {
+                        entries.push(self.run(now, run, forward));
+                        now += run.ticks;
+                    }
+                    if now < end && self.pause_ticks > 0 {
+                        entries.push(self.rest(now));
+                        now += self.pause_ticks;
+                    }
+                }
+                if entries.len() > MOST_ENTRIES {
+                    let sentence = format!(
+                        "makes more than {MOST_ENTRIES} runs and pauses: a longer track, or a shorter experiment, would not"
+                    );
+                    return Err(self.grid.source.refuse("tunnel", sentence));
+                }
+            }
+        }
+        Ok(entries)
+    }
+
+    /// Fisher and Yates; every order is as likely.
+    fn shuffle(&mut self) {
+        let Some(order) = &mut self.order else { return };
+        for last in (1..self.runs.len()).rev() {
+            // A product instead of a remainder: no bias worth naming.
+            let chosen = (u128::from(order.next_u64()) * (last as u128 + 1)) >> 64;
+            self.runs.swap(last, chosen as usize);
+        }
+    }
+
+    fn rest(&self, tick: u64) -> WindEntry {
+        self.entry(tick, REST.to_owned(), 0.0, true)
+    }
+
+    fn run(&self, tick: u64, run: &Run, forward: bool) -> WindEntry {
+        let way = if forward { "forward" } else { "back" };
+        self.entry(tick, format!("{way} {} m/min", run.speed_m_min), run.speed_m_min / 60.0, forward)
+    }
+
+    fn entry(&self, tick: u64, label: String, speed_m_s: f64, forward: bool) -> WindEntry {
+        let (azimuth_deg, elevation_deg) = match forward {
+            true => (self.azimuth_deg, self.elevation_deg),
+            false => ((self.azimuth_deg + 180.0) % 360.0, -self.elevation_deg),
+        };
+        // An experiment has no more ticks than u32 holds, and no entry starts after its end.
+        let start_s = self.grid.time_s(tick as u32);
+        WindEntry { start_s, label, speed_m_s, azimuth_deg, elevation_deg, turbulence: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Experiment;
+    use crate::toml_file::Source;
+
+    fn with(tunnel: &str) -> Result<Experiment, String> {
+        let text = format!(
+            "title = \"Tunnel\"\nhead = \"../heads/rems.toml\"\nsample_period_s = 0.025\nduration_s = 300.0\n\n\
+             [gas]\nspecies = \"air\"\npressure_pa = 24000.0\ntemperature_c = 21.0\n\n[tunnel]\n{tunnel}\n"
+        );
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/tunnel.toml");
+        Experiment::from_source(Source { path, text }).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_car_goes_forward_and_back_with_pauses_until_the_end() {
+        let experiment = with("track_m = 5.0\nspeeds_m_min = [7.5]\npause_s = 40.0").unwrap();
+        let seen: Vec<_> = experiment.wind.iter().map(|entry| (entry.start_s, entry.label.as_str())).collect();
+        // 5 m at 7.5 m/min are 40 s, as published.
+        let expected = ["forward 7.5 m/min", "rest", "back 7.5 m/min", "rest"];
+        let expected: Vec<_> = (0..8).map(|k| (40.0 * f64::from(k), expected[k as usize % 4])).collect();
+        assert_eq!(seen, expected);
+        // The sensor's x looks forward: the air comes from there, and from behind on the way back.
+        let [forward, back] = [0, 2].map(|k| experiment.wind[k].mean_m_s());
+        assert!((forward[0] + 0.125).abs() < 1e-12 && (back[0] - 0.125).abs() < 1e-12, "{forward:?} {back:?}");
+        assert_eq!(experiment.wind[1].mean_m_s().map(f64::abs), [0.0; 3]);
+        // 40 s are 1600 ticks.
+        assert_eq!(
+            [0, 1599, 1600, 3200].map(|tick| experiment.event(tick)),
+            [expected[0].1, expected[0].1, "rest", expected[2].1]
+        );
+    }
+
+    #[test]
+    fn speeds_take_turns_and_a_seed_draws_their_order() {
+        let forward = |more: &str| -> Vec<String> {
+            let tunnel = format!("track_m = 0.5\nspeeds_m_min = [6.0, 12.0, 30.0]\npause_s = 1.0\n{more}");
+            let wind = with(&tunnel).unwrap().wind;
+            wind.iter().filter_map(|entry| entry.label.strip_prefix("forward ").map(str::to_owned)).collect()
+        };
+        let in_turn = forward("");
+        assert_eq!(in_turn[..4], ["6 m/min", "12 m/min", "30 m/min", "6 m/min"]);
+        let drawn = forward("order_seed = 1");
+        assert_eq!(drawn, forward("order_seed = 1"));
+        assert_ne!(drawn, forward("order_seed = 2"));
+        assert_ne!(drawn, in_turn);
+        // Each time round has every speed once.
+        for round in drawn.chunks_exact(3) {
+            let mut round = round.to_vec();
+            round.sort();
+            assert_eq!(round, ["12 m/min", "30 m/min", "6 m/min"]);
+        }
+    }
+
+    #[test]
+    fn a_run_ends_with_the_last_period_on_the_track() {
+        // 5 m at 7 m/min are 42.857 s, 1714.3 periods of 25 ms.
+        let experiment = with("track_m = 5.0\nspeeds_m_min = [7.0]\npause_s = 10.0\nfirst_pause_s = 5.0").unwrap();
+        let starts: Vec<_> = experiment.wind[..4].iter().map(|entry| entry.start_s).collect();
+        assert_eq!(starts, [0.0, 5.0, 47.85, 57.85]);
+        // Turned at once there is no rest at all.
+        let wind = with("track_m = 5.0\nspeeds_m_min = [7.0]\npause_s = 0.0").unwrap().wind;
+        assert!(wind.iter().all(|entry| entry.speed_m_s > 0.0) && wind.len() == 8, "{}", wind.len());
+    }
+
+    #[test]
+    fn yaw_and_pitch_turn_with_the_car() {
+        let tunnel = "track_m = 5.0\nspeeds_m_min = [7.5]\npause_s = 40.0\nazimuth_deg = 210.0\nelevation_deg = -20.0";
+        let wind = with(tunnel).unwrap().wind;
+        let (forward, back) = (wind[0].mean_m_s(), wind[2].mean_m_s());
+        assert!((0..3).all(|k| (forward[k] + back[k]).abs() < 1e-12), "{forward:?} {back:?}");
+        assert_eq!((wind[2].azimuth_deg, wind[2].elevation_deg), (30.0, 20.0));
+    }
+
+    #[test]
+    fn what_no_car_can_do_is_refused() {
+        let good = "track_m = 5.0\nspeeds_m_min = [7.5]\npause_s = 40.0";
+        for (from, to, expected) in [
+            ("track_m = 5.0", "track_m = 0.0", "`tunnel.track_m` is 0 m: it must be finite and above 0 m"),
+            ("[7.5]", "[]", "`tunnel.speeds_m_min` is empty"),
+            ("[7.5]", "[7.5, -7.5]", "`tunnel.speeds_m_min` is -7.5 m/min: it must be finite and above 0 m/min"),
+            ("[7.5]", "[6001.0]", "`tunnel.speeds_m_min` is 6001 m/min: it must lie between 0 and 6000 m/min"),
+            ("track_m = 5.0", "track_m = 0.001", "a run lasts at least one sample period, 0.025 s"),
+            (
+                "pause_s = 40.0",
+                "pause_s = 0.03",
+                "`tunnel.pause_s` is 0.03 s, which is not a whole number of sample periods",
+            ),
+            ("pause_s = 40.0", "pause_s = -1.0", "`tunnel.pause_s` is -1 s: it must be finite and above 0 s"),
+            ("pause_s = 40.0", "pause_s = 40.0\nelevation_deg = 91.0", "`tunnel.elevation_deg` is 91 °"),
+            (
+                "pause_s = 40.0",
+                "pause_s = 40.0\nazimuth_deg = nan",
+                "`tunnel.azimuth_deg` is NaN: it must be a finite angle",
+            ),
+            ("pause_s = 40.0", "pause = 40.0", "unknown key `pause`; did you mean `pause_s`?"),
+            (
+                "pause_s = 40.0",
+                "pause_s = 40.0\n\n[[wind]]\nstart_s = 0.0\nspeed_m_s = 1.0",
+                "`tunnel` is given besides [[wind]]",
+            ),
+        ] {
+            let sentence = with(&good.replace(from, to)).unwrap_err();
+            assert!(sentence.contains(expected), "{to}: {sentence}");
+            assert!(sentence.contains("tunnel.toml, line ") && !sentence.contains('\n'), "{sentence}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Whether the elements of a head are those of the sensor that is to simulate it.
+
+use super::Element;
+use crate::sensor::{Construction, Part};
+use crate::toml_file::{FileError, Source, suggest};
+
+/// The sensor of this name, if it has these elements.
+pub(super) fn sensor(source: &Source, name: &str, elements: &[Element]) -> Result<Construction, FileError> {
+    let construction = Construction::named(name).ok_or_else(|| {
+        let sentence = format!("is `{name}`, which cannot be simulated; {}", suggest(name, Construction::NAMES));
+        source.refuse("sensor", sentence)
+    })?;
+    let parts = construction.parts();
+    let counts = format!("it has {} elements and the head {}", parts.len(), elements.len());
+    for (i, part) in parts.iter().enumerate() {
+        let Some(element) = elements.get(i) else {
+            let sentence = format!("is `{name}`, but its element `{}` is missing here: {counts}", part.name);
+            return Err(source.refuse("sensor", sentence));
+        };
+        same(source, name, i, part, element)?;
+    }
+    if let Some(surplus) = elements.get(parts.len()) {
+        let sentence = format!("is `{}`, which `{name}` has not: {counts}", surplus.name);
+        return Err(source.refuse(&format!("elements[{}].name", parts.len()), sentence));
+    }
+    Ok(construction)
+}
+
+fn same(source: &Source, name: &str, i: usize, part: &Part, element: &Element) -> Result<(), FileError> {
+    if element.name != part.name {
+        let sentence = format!("is `{}`, but element {} of `{name}` is `{}`", element.name, i + 1, part.name);
+        return Err(source.refuse(&format!("elements[{i}].name"), sentence));
+    }
+    let Some(normal) = element.normal else { return Ok(()) };
+    let sentence = match part.normal {
+        Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => return Ok(()),
+        Some(axis) => {
+            format!("turns `{}` towards {normal:.3?}, but in `{name}` it looks towards {axis:.3?}", part.name)
+        }
+        None => format!("is given for `{}`, which lies inside `{name}`", part.name),
+    };
+    Err(source.refuse(&format!("elements[{i}].normal"), sentence))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::Head;
+    use super::*;
+
+    fn file(name: &str) -> Source {
+        Source::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads").join(name)).unwrap()
+    }
+
+    fn refused(name: &str, from: &str, to: &str) -> String {
+        let mut source = file(name);
+        assert!(source.text.contains(from), "{from}");
+        source.text = source.text.replacen(from, to, 1);
+        source.path = "h.toml".into();
+        Head::from_source(source).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_head_of_the_project_is_its_sensors() {
+        for name in Construction::NAMES {
+            let head = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            let sensor = head.sensor.unwrap();
+            assert_eq!((sensor.name(), head.name.as_str()), (name, name));
+            for (element, part) in head.elements.iter().zip(sensor.parts()) {
+                assert_eq!(element.name, part.name);
+                // Each head says where its outer elements look, as the powers of a real one are to be told apart by it.
+                assert_eq!(element.normal.is_some(), part.normal.is_some(), "{}", part.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_head_with_other_elements_than_its_sensor_is_told_which() {
+        for (from, to, expected) in [
+            (
+                "sensor = \"sphere-b\"",
+                "sensor = \"sphere-c\"",
+                "`sensor` is `sphere-c`, which cannot be simulated; did you",
+            ),
+            (
+                "sensor = \"sphere-b\"",
+                "sensor = \"sphere-a\"",
+                "`elements[0].name` is `sector1`, but element 1 of `sphere-a` is `hemisphere1`",
+            ),
+            (
+                "name = \"core1\"",
+                "name = \"core3\"",
+                "`elements[4].name` is `core3`, but element 5 of `sphere-b` is `core1`",
+            ),
+            (
+                "[[elements]]\nname = \"core2\"\nkind = \"core\"",
+                "",
+                "`sensor` is `sphere-b`, but its element `core2` is missing here: it has 6 elements and the head 5",
+            ),
+            (
+                "[[elements]]\nname = \"core2\"",
+                "[[elements]]\nname = \"core2\"\nkind = \"core\"\n\n[[elements]]\nname = \"core3\"",
+                "`elements[6].name` is `core3`, which `sphere-b` has not: it has 6 elements and the head 7",
+            ),
+            (
+                "normal = [1.0, -1.0, -1.0]",
+                "normal = [1.0, -1.0, 1.0]",
+                "`elements[1].normal` turns `sector2` towards [0.577, -0.577, 0.577], but in `sphere-b` it looks towards",
+            ),
+            (
+                "name = \"core1\"",
+                "name = \"core1\"\nnormal = [0.0, 0.0, 1.0]",
+                "`elements[4].normal` is given for `core1`, which lies inside `sphere-b`",
+            ),
+        ] {
+            let sentence = refused("sphere-b.toml", from, to);
+            assert!(sentence.starts_with("h.toml, line ") && sentence.contains(expected), "{to}: {sentence}");
+            assert!(!sentence.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn a_head_that_names_no_sensor_may_be_anything() {
+        let mut source = file("sphere-b.toml");
+        source.text = source.text.replace("sensor = \"sphere-b\"", "").replace("\"core2\"", "\"inside\"");
+        let head = Head::from_source(source).unwrap();
+        assert_eq!((head.sensor, head.names()[5]), (None, "inside"));
+    }
+}

@@ -1,0 +1,221 @@
+//! A body that takes heat and loses it: a thermal network with the elements that heat it and the surfaces that the wind cools.
+//!
+//! The bodies themselves are in [`sphere_a`](super::sphere_a), [`sphere_b`](super::sphere_b) and [`rems`](super::rems); they build the
+//! network and name what is in it. Everything after that is the same for all of them and is here: wind into conductances, powers into
+//! temperatures, and the account of where the heat went.
+
+use super::convection::Convection;
+use super::gas::ZERO_CELSIUS_K;
+use super::network::{BoundaryId, Network, RadiatorId};
+
+/// Stefan–Boltzmann constant, W/(m²·K⁴).
+pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
+
+/// A surface as a body describes it.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    pub name: String,
+    pub node: usize,
+    pub emissivity: f64,
+    pub area_m2: f64,
+    /// What hangs on it: nodes whose heat counts as the surface's own, beside its node.
+    pub carries: Vec<usize>,
+    /// The element that heats it, by its number.
+    pub element: Option<usize>,
+}
+
+/// Mean heat flows over an interval, W. Of a surface: what is given to the gas, radiated, and conducted to the inside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flows {
+    pub power_w: Vec<f64>,
+    pub convection_w: Vec<f64>,
+    pub radiation_w: Vec<f64>,
+    pub conduction_w: Vec<f64>,
+    pub support_w: f64,
+}
+
+/// Heat of a surface so far, J: given to the gas, radiated, and stored.
+#[derive(Clone, Copy, Debug, Default)]
+struct Balance {
+    convection_j: f64,
+    radiation_j: f64,
+    stored_j: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Body {
+    network: Network,
+    convection: Convection,
+    /// Node of every element.
+    elements: Vec<usize>,
+    surfaces: Vec<Surface>,
+    gas_links: Vec<BoundaryId>,
+    radiators: Vec<RadiatorId>,
+    support: BoundaryId,
+    /// Bound of the fastest rate without convection, 1/s.
+    own_rate_per_s: f64,
+    /// What convection may add to it, 1/s.
+    convection_rate_per_s: f64,
+    flows: Flows,
+    // Work space, kept so that a tick allocates nothing.
+    node_power_w: Vec<f64>,
+    conductance_w_k: Vec<f64>,
+    before: Vec<Balance>,
+}
+
+impl Body {
+    /// Gives a network its surfaces. They are in the order in which `convection` counts them.
+    pub fn new(
+        mut network: Network,
+        elements: Vec<usize>,
+        surfaces: Vec<Surface>,
+        support: BoundaryId,
+        convection: Convection,
+        gas_k: f64,
+    ) -> Body {
+        let own_rate_per_s = network.stiffest_rate_per_s();
+        let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
+        let radiate = |surface: &Surface| {
+            let coefficient_w_k4 = surface.emissivity * STEFAN_BOLTZMANN * surface.area_m2;
+            network.radiate(surface.node, coefficient_w_k4, gas_k)
+        };
+        let radiators = surfaces.iter().map(radiate).collect();
+        let each = vec![0.0; surfaces.len()];
+        Body {
+            convection,
+            gas_links,
+            radiators,
+            support,
+            own_rate_per_s,
+            convection_rate_per_s: 0.0,
+            flows: Flows {
+                power_w: vec![0.0; elements.len()],
+                convection_w: each.clone(),
+                radiation_w: each.clone(),
+                conduction_w: each.clone(),
+                support_w: 0.0,
+            },
+            node_power_w: vec![0.0; network.len()],
+            conductance_w_k: each,
+            before: vec![Balance::default(); surfaces.len()],
+            network,
+            elements,
+            surfaces,
+        }
+    }
+
+    /// The wind from now on, m/s.
+    pub fn set_wind(&mut self, wind_m_s: [f64; 3]) {
+        self.convection.conductance_w_k(wind_m_s, &mut self.conductance_w_k);
+        self.apply_conductance();
+    }
+
+    fn apply_conductance(&mut self) {
+        // It widens the circles of the surfaces only, which are slow; the sum of both rates bounds all.
+        self.convection_rate_per_s = 0.0;
+        for ((surface, link), &conductance) in self.surfaces.iter().zip(&self.gas_links).zip(&self.conductance_w_k) {
+            self.network.set_boundary_conductance(*link, conductance);
+            let rate_per_s = conductance / self.network.capacity_j_k(surface.node);
+            self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
+        }
+    }
+
+    /// Whether convection in this wind is an extrapolation.
+    pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
+        self.convection.extrapolated(wind_m_s)
+    }
+
+    /// Integrates over `interval_s`. `power_w` tells the heat of an element from its number and temperature in °C and is asked at
+    /// the start of every substep.
+    pub fn advance(&mut self, interval_s: f64, power_w: impl Fn(usize, f64) -> f64) {
+        for i in 0..self.surfaces.len() {
+            self.before[i] = self.balance(i);
+        }
+        let support_before_j = self.network.boundary_heat_j(self.support);
+        self.flows.power_w.fill(0.0);
+        let substeps = Network::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s);
+        let step_s = interval_s / substeps as f64;
+        for _ in 0..substeps {
+            for (i, &node) in self.elements.iter().enumerate() {
+                let power = power_w(i, self.network.temperature_k(node) - ZERO_CELSIUS_K);
+                self.node_power_w[node] = power;
+                self.flows.power_w[i] += power * step_s / interval_s;
+            }
+            self.network.step(step_s, &self.node_power_w);
+        }
+        for i in 0..self.surfaces.len() {
+            let (before, after) = (self.before[i], self.balance(i));
+            let convection_w = (after.convection_j - before.convection_j) / interval_s;
+            let radiation_w = (after.radiation_j - before.radiation_j) / interval_s;
+            let stored_w = (after.stored_j - before.stored_j) / interval_s;
+            let given_w = self.surfaces[i].element.map_or(0.0, |element| self.flows.power_w[element]);
+            self.flows.convection_w[i] = convection_w;
+            self.flows.radiation_w[i] = radiation_w;
+            self.flows.conduction_w[i] = given_w - convection_w - radiation_w - stored_w;
+        }
+        self.flows.support_w = (self.network.boundary_heat_j(self.support) - support_before_j) / interval_s;
+    }
+
+    /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on temperature a little, and its
+    /// heat flows.
+    pub fn settle(&mut self, power_w: impl Fn(usize, f64) -> f64) {
+        // A resistor's power changes by 0.4 % a kelvin: each round gains two digits at least.
+        for _ in 0..10 {
+            for (i, &node) in self.elements.iter().enumerate() {
+                self.node_power_w[node] = power_w(i, self.element_temperature_c(i));
+            }
+            self.network.settle(&self.node_power_w);
+        }
+        // The present rates, without letting time pass.
+        let mut ahead = self.clone();
+        ahead.advance(1e-3, power_w);
+        self.flows = ahead.flows;
+    }
+
+    /// Heat flows of the last interval, or of the steady state.
+    pub fn flows(&self) -> &Flows {
+        &self.flows
+    }
+
+    pub fn element_temperature_c(&self, element: usize) -> f64 {
+        self.network.temperature_k(self.elements[element]) - ZERO_CELSIUS_K
+    }
+
+    pub fn surface_temperature_c(&self, surface: usize) -> f64 {
+        self.network.temperature_k(self.surfaces[surface].node) - ZERO_CELSIUS_K
+    }
+
+    /// Names of the surfaces, in the order of their temperatures and flows.
+    pub fn surface_names(&self) -> impl Iterator<Item = &str> {
+        self.surfaces.iter().map(|surface| surface.name.as_str())
+    }
+
+    /// Heat stored in the whole body and its rod, J, up to a constant.
+    pub fn stored_heat_j(&self) -> f64 {
+        self.network.stored_heat_j()
+    }
+
+    fn balance(&self, surface: usize) -> Balance {
+        let network = &self.network;
+        let heat = |node: usize| network.capacity_j_k(node) * network.temperature_k(node);
+        let Surface { node, carries, .. } = &self.surfaces[surface];
+        Balance {
+            convection_j: network.boundary_heat_j(self.gas_links[surface]),
+            radiation_j: network.radiator_heat_j(self.radiators[surface]),
+            stored_j: heat(*node) + carries.iter().map(|&node| heat(node)).sum::<f64>(),
+        }
+    }
+
+    /// Conductance of every surface to the gas, W/K.
+    #[cfg(test)]
+    pub fn conductance_w_k(&self) -> &[f64] {
+        &self.conductance_w_k
+    }
+
+    /// Conductances that no wind gives.
+    #[cfg(test)]
+    pub fn set_conductance_w_k(&mut self, conductance_w_k: &[f64]) {
+        self.conductance_w_k.copy_from_slice(conductance_w_k);
+        self.apply_conductance();
+    }
+}

@@ -1,0 +1,132 @@
+//! Tests of the REMS network against hand calculation and published behaviour.
+
+use super::*;
+use crate::sensor::gas::Species;
+
+const GAS_C: f64 = 21.0;
+const BOOM: usize = DICE;
+
+fn air() -> Gas {
+    Gas::new(Species::Air, 24_000.0, GAS_C + 273.15).unwrap()
+}
+
+fn body() -> Body {
+    Construction::default().body(&air(), GAS_C + 273.15).unwrap()
+}
+
+/// Rises above the gas in the steady state of a wind.
+fn rises_k(wind_m_s: [f64; 3], power_w: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut body = body();
+    body.set_wind(wind_m_s);
+    body.settle(|i, _| power_w(i));
+    (0..=BOOM).map(|i| body.element_temperature_c(i) - GAS_C).collect()
+}
+
+#[test]
+fn heat_in_is_heat_out_and_heat_stored() {
+    let mut body = body();
+    let start = body.stored_heat_j();
+    let (mut given, mut left) = (0.0, 0.0);
+    for tick in 0..100_000 {
+        let phase = tick as f64 * 1e-3;
+        body.set_wind([0.5 * phase.cos(), 0.5 * phase.sin(), 0.1]);
+        let high = tick / 3 % 2 == 0;
+        body.advance(0.025, |i, _| if high { 0.02 } else { 0.001 * i as f64 });
+        let flows = body.flows();
+        given += 0.025 * flows.power_w.iter().sum::<f64>();
+        left += 0.025 * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
+    }
+    let balance = given - left - (body.stored_heat_j() - start);
+    // 12 J/K at 294 K are 3.4 kJ of stored heat: rounding counts in those.
+    assert!((balance / given).abs() < 1e-9, "{balance} J of {given} J");
+}
+
+#[test]
+fn twelve_dice_alike_warm_as_a_chain_of_resistances_says() {
+    // All alike: no heat between neighbours. Die, leg, card and head from the boundary inwards, the head's rise from the run.
+    let construction = Construction { card_emissivity: 0.0, ..Construction::default() };
+    let mut body = construction.body(&air(), GAS_C + 273.15).unwrap();
+    body.set_wind([0.0; 3]);
+    body.settle(|i, _| if i < DICE { 0.005 } else { 0.0 });
+    let conductance = body.conductance_w_k().to_vec();
+    let head = body.element_temperature_c(BOOM) - GAS_C;
+    let to_card = 1.0 / (1.0 / construction.die_to_leg_w_k + 1.0 / construction.leg_to_card_w_k);
+    let (die_gas, card_gas, post) = (conductance[0], conductance[DICE], construction.card_to_head_w_k);
+    // 5 mW = die_gas D + to_card (D − K) and 4 to_card (D − K) = card_gas K + post (K − head), D the die's rise, K the card's.
+    let determinant = (die_gas + to_card) * (4.0 * to_card + card_gas + post) - 4.0 * to_card * to_card;
+    let die = (0.005 * (4.0 * to_card + card_gas + post) + to_card * post * head) / determinant;
+    for i in 0..DICE {
+        let rise = body.element_temperature_c(i) - GAS_C;
+        assert!((rise / die - 1.0).abs() < 1e-9, "die {i}: {rise} for {die}");
+    }
+}
+
+#[test]
+fn dice_alike_are_alike_neighbours_too_and_the_diagonal_one_is_warmed_much_less() {
+    let heated = |die: usize| rises_k([0.0; 3], |i| if i == die { 0.01 } else { 0.0 });
+    let first = heated(0);
+    for die in 1..DICE {
+        assert!((heated(die)[die] / first[0] - 1.0).abs() < 1e-9, "die {die}");
+    }
+    assert!((first[1] / first[3] - 1.0).abs() < 1e-9, "neighbours");
+    // Beyond what the whole card has, which all four share.
+    let mut body = body();
+    body.set_wind([0.0; 3]);
+    body.settle(|i, _| if i == 0 { 0.01 } else { 0.0 });
+    let card = body.surface_temperature_c(DICE) - GAS_C;
+    assert!(first[2] - card < 0.4 * (first[1] - card) && first[2] > card, "{first:?} {card}");
+    // Other cards get heat through the boom only.
+    assert!(first[4..DICE].iter().all(|rise| *rise < first[BOOM] && *rise > 0.0), "{first:?}");
+}
+
+#[test]
+fn heat_goes_both_ways_alike() {
+    // Reciprocity of a linear network; radiation bends it by some 1e-4.
+    let by_die = rises_k([0.3, 0.1, 0.0], |i| if i == 2 { 0.01 } else { 0.0 });
+    let by_boom = rises_k([0.3, 0.1, 0.0], |i| if i == BOOM { 0.01 } else { 0.0 });
+    assert!((by_die[BOOM] / by_boom[2] - 1.0).abs() < 5e-3, "{} {}", by_die[BOOM], by_boom[2]);
+}
+
+#[test]
+fn head_on_cools_more_than_reverse_and_reverse_more_than_still_gas() {
+    // ±7.5 m/min; of 6 K at 10 mW.
+    let rise = |x| rises_k([x, 0.0, 0.0], |i| if i == 0 { 0.01 } else { 0.0 })[0];
+    let (head, reverse, still) = (rise(-0.125), rise(0.125), rise(0.0));
+    assert!(head < reverse - 0.05 && reverse < still - 0.05, "{head} {reverse} {still}");
+}
+
+#[test]
+fn four_dice_at_17_k_warm_the_boom_as_published() {
+    let card = |power: f64| rises_k([0.0; 3], |i| if i < DICE_PER_CARD { power } else { 0.0 });
+    let per_watt = card(1e-3)[0] / 1e-3;
+    let rises = card(17.0 / per_watt);
+    assert!((rises[0] - 17.0).abs() < 0.3, "{}", rises[0]);
+    // Published: 0.6 to 0.7 K; the construction was calibrated to it.
+    assert!((0.55..0.75).contains(&rises[BOOM]), "{}", rises[BOOM]);
+}
+
+#[test]
+fn refuses_an_impossible_construction_by_name() {
+    let shape = Construction::default().shape;
+    for (construction, name) in [
+        (Construction { shank_w_k: 0.0, ..Construction::default() }, "shank_w_k"),
+        (Construction { leg_to_card_w_k: f64::NAN, ..Construction::default() }, "leg_to_card_w_k"),
+        (Construction { card_emissivity: -0.1, ..Construction::default() }, "card_emissivity"),
+        (Construction { shape: Shape { shade: 1.1, ..shape }, ..Construction::default() }, "shape.shade"),
+        (Construction { shape: Shape { front_to_rear: 0.5, ..shape }, ..Construction::default() }, "front_to_rear"),
+    ] {
+        let error = construction.body(&air(), 294.15).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn a_warm_support_warms_the_head_by_the_shank() {
+    let mut body = Construction::default().body(&air(), GAS_C + 10.0 + 273.15).unwrap();
+    body.set_wind([0.0; 3]);
+    body.settle(|_, _| 0.0);
+    let rise = body.element_temperature_c(BOOM) - GAS_C;
+    // 0.2 mW/K and its own loss of a few mW/K on the way leave little of 10 K.
+    assert!((1e-3..0.5).contains(&rise), "{rise}");
+    assert!(body.flows().support_w < 0.0, "heat comes in");
+}

@@ -1,0 +1,231 @@
+//! Prototype A as a thermal network: two silver hemispheres, a packaged platinum resistor on each, two core heaters, a stem.
+//!
+//! ```text
+//!   gas ── hemisphere 1 ── ceramic 1 ── film 1        and the same with 2; the hemispheres touch along
+//!             │   ╲                                   their seam and radiate to surroundings at gas
+//!             │    hemisphere 2 …                     temperature
+//!          core 1 ══ core 2
+//!               ╲    ╱
+//!            stem, 8 cells ── support at a fixed temperature
+//! ```
+//!
+//! | part | value | origin |
+//! |---|---|---|
+//! | sphere | 10 mm | published |
+//! | hemisphere | 0.282 J/K | published 1.2 g of silver, 235 J/(kg·K) |
+//! | film | 1.0 mJ/K | derived: film under its glass cover, about 1.2 mg at 0.8 J/(g·K) |
+//! | film to ceramic | 0.10 W/K | derived: 2.5 mm² of alumina, 25 W/(m·K) / 0.5 mm is 0.125, with cover and spreading |
+//! | ceramic | 3.8 mJ/K | derived: alumina of 0.5 × 1.25 × 2 mm (a 0805 chip), 4.9 mg, 780 J/(kg·K) |
+//! | ceramic to hemisphere | 8 mW/K | calibrated to the published slow tail of tens of seconds: 2.5 mm² of unfilled epoxy, 0.25 W/(m·K), 80 µm |
+//! | hemisphere to hemisphere | 3 mW/K | assumed: equator, 19 mm² of joint, 0.1 mm wide: gas 2, dots of epoxy 1 mW/K |
+//! | hemisphere to core | 2.5 mW/K | assumed: two spacers and four copper wires of 0.1 mm, 0.5 mW/K each at 6 mm, and gas 0.5 mW/K |
+//! | core | 75 mJ/K each | as for sphere B: one FR4 board of 6 × 6 × 0.8 mm with copper, solder and resistor |
+//! | core to core | 20 mW/K | as for sphere B: the boards back to back |
+//! | stem | 2.0 mW/K, 0.3 J/K | assumed: thicker than sphere B's 1.2 mW/K, for the wires of the packaged parts; 8 cells |
+//! | emissivity | 0.03 | sputtered gold, as for sphere B |
+//!
+//! What heats and senses is the film. Between it and the silver, which the wind sees, are two resistances and the chip's own heat: at
+//! 20 mW the film stands 2.7 K above the silver (2.5 K of glue and 0.2 K of ceramic). A loop that holds the film lets the silver follow
+//! the wind through these, so its power answers with the time constants of the silver on the glue besides that of the film. That is the
+//! difference from sphere B, whose bare chip is soldered and which has one significant pole.
+//!
+//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`. Surfaces: the two hemispheres, looking along +x and −x; the
+//! stem is along −z.
+//!
+//! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the chips lose nothing to the gas inside,
+//! the stem nothing to the wind; no temperature dependence of the parts.
+
+use std::f64::consts::PI;
+
+use super::SensorError;
+use super::body::{Body, Surface};
+use super::construction::{Part, check};
+use super::convection::Convection;
+use super::convection::hemispheres::{AXES, HEMISPHERES, Hemispheres};
+use super::gas::Gas;
+use super::network::Network;
+use super::rod::Rod;
+
+/// What the sphere is made of; the default is prototype A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Construction {
+    pub diameter_m: f64,
+    pub hemisphere_capacity_j_k: f64,
+    pub film_capacity_j_k: f64,
+    pub film_to_ceramic_w_k: f64,
+    pub ceramic_capacity_j_k: f64,
+    pub ceramic_to_hemisphere_w_k: f64,
+    pub hemisphere_to_core_w_k: f64,
+    pub hemisphere_to_hemisphere_w_k: f64,
+    pub core_capacity_j_k: f64,
+    pub core_to_core_w_k: f64,
+    pub stem_w_k: f64,
+    pub stem_capacity_j_k: f64,
+    pub stem_cells: usize,
+    pub emissivity: f64,
+}
+
+impl Default for Construction {
+    fn default() -> Construction {
+        Construction {
+            diameter_m: 0.01,
+            hemisphere_capacity_j_k: 0.282,
+            film_capacity_j_k: 1e-3,
+            film_to_ceramic_w_k: 0.1,
+            ceramic_capacity_j_k: 3.8e-3,
+            ceramic_to_hemisphere_w_k: 8e-3,
+            hemisphere_to_core_w_k: 2.5e-3,
+            hemisphere_to_hemisphere_w_k: 3e-3,
+            core_capacity_j_k: 0.075,
+            core_to_core_w_k: 0.02,
+            stem_w_k: 2e-3,
+            stem_capacity_j_k: 0.3,
+            stem_cells: 8,
+            emissivity: 0.03,
+        }
+    }
+}
+
+impl Construction {
+    pub(super) fn body(&self, gas: &Gas, support_k: f64) -> Result<Body, SensorError> {
+        self.check()?;
+        let mut network = Network::new();
+        let gas_k = gas.temperature_k;
+        let mut pair = |capacity_j_k| [(); HEMISPHERES].map(|()| network.add_node(capacity_j_k, gas_k));
+        let hemispheres = pair(self.hemisphere_capacity_j_k);
+        let ceramics = pair(self.ceramic_capacity_j_k);
+        let films = pair(self.film_capacity_j_k);
+        let cores = pair(self.core_capacity_j_k);
+        for i in 0..HEMISPHERES {
+            network.link(films[i], ceramics[i], self.film_to_ceramic_w_k);
+            network.link(ceramics[i], hemispheres[i], self.ceramic_to_hemisphere_w_k);
+            network.link(hemispheres[i], cores[i], self.hemisphere_to_core_w_k);
+        }
+        network.link(hemispheres[0], hemispheres[1], self.hemisphere_to_hemisphere_w_k);
+        network.link(cores[0], cores[1], self.core_to_core_w_k);
+        let stem = Rod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
+        let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
+
+        let surface = |i: usize| Surface {
+            name: format!("hemisphere{}", i + 1),
+            node: hemispheres[i],
+            emissivity: self.emissivity,
+            area_m2: PI * self.diameter_m * self.diameter_m / HEMISPHERES as f64,
+            carries: vec![ceramics[i], films[i]],
+            element: Some(i),
+        };
+        let surfaces = (0..HEMISPHERES).map(surface).collect();
+        let elements = films.into_iter().chain(cores).collect();
+        let convection = Convection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
+        Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
+    }
+
+    fn check(&self) -> Result<(), SensorError> {
+        let positive = [
+            ("diameter_m", self.diameter_m),
+            ("hemisphere_capacity_j_k", self.hemisphere_capacity_j_k),
+            ("film_capacity_j_k", self.film_capacity_j_k),
+            ("film_to_ceramic_w_k", self.film_to_ceramic_w_k),
+            ("ceramic_capacity_j_k", self.ceramic_capacity_j_k),
+            ("ceramic_to_hemisphere_w_k", self.ceramic_to_hemisphere_w_k),
+            ("hemisphere_to_core_w_k", self.hemisphere_to_core_w_k),
+            ("hemisphere_to_hemisphere_w_k", self.hemisphere_to_hemisphere_w_k),
+            ("core_capacity_j_k", self.core_capacity_j_k),
+            ("core_to_core_w_k", self.core_to_core_w_k),
+            ("stem_w_k", self.stem_w_k),
+            ("stem_capacity_j_k", self.stem_capacity_j_k),
+            ("stem_cells", self.stem_cells as f64),
+        ];
+        check(&positive, &[("emissivity", self.emissivity)])
+    }
+}
+
+/// The elements.
+pub(super) fn parts() -> Vec<Part> {
+    let hemispheres = AXES.iter().enumerate().map(|(i, &axis)| Part::facing(format!("hemisphere{}", i + 1), axis));
+    hemispheres.chain((0..HEMISPHERES).map(|i| Part::inside(format!("core{}", i + 1)))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::gas::{Species, ZERO_CELSIUS_K};
+
+    fn mars() -> Gas {
+        Gas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
+    }
+
+    fn body() -> Body {
+        Construction::default().body(&mars(), 230.0).unwrap()
+    }
+
+    #[test]
+    fn heat_in_is_heat_out_and_heat_stored() {
+        let mut body = body();
+        let start = body.stored_heat_j();
+        let (mut given, mut left) = (0.0, 0.0);
+        for tick in 0..50_000 {
+            // A wind that turns and a square wave of heat, so that every path carries a changing flow.
+            let phase = tick as f64 * 1e-3;
+            body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
+            let high = tick / 3 % 2 == 0;
+            body.advance(0.01, |i, _| if high { 0.04 } else { 0.001 * i as f64 });
+            let flows = body.flows();
+            given += 0.01 * flows.power_w.iter().sum::<f64>();
+            left += 0.01 * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
+        }
+        let balance = given - left - (body.stored_heat_j() - start);
+        assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");
+    }
+
+    #[test]
+    fn the_film_stands_above_the_silver_by_glue_and_ceramic() {
+        let mut body = body();
+        body.set_wind([0.0, 3.0, 0.0]);
+        body.settle(|i, _| if i < HEMISPHERES { 0.02 } else { 0.01 });
+        body.advance(0.01, |i, _| if i < HEMISPHERES { 0.02 } else { 0.01 });
+        for i in 0..HEMISPHERES {
+            let rise = body.element_temperature_c(i) - body.surface_temperature_c(i);
+            assert!((rise - 0.02 * (1.0 / 0.1 + 1.0 / 8e-3)).abs() < 1e-8, "{rise}");
+            // What is not given to the gas or radiated goes inside.
+            let flows = body.flows();
+            let overheat = body.surface_temperature_c(i) + ZERO_CELSIUS_K - 220.0;
+            assert!((flows.convection_w[i] - body.conductance_w_k()[i] * overheat).abs() < 1e-10);
+            let left = flows.convection_w[i] + flows.radiation_w[i] + flows.conduction_w[i];
+            assert!((left - 0.02).abs() < 1e-9, "{left}");
+        }
+    }
+
+    #[test]
+    fn in_a_wind_from_the_side_both_halves_are_alike_and_head_on_the_front_is_colder() {
+        let mut body = body();
+        let mut ends = |wind| {
+            body.set_wind(wind);
+            body.settle(|_, _| 0.02);
+            [0, 1].map(|i| body.surface_temperature_c(i))
+        };
+        let [one, other] = ends([0.0, 4.0, 1.0]);
+        assert!((one - other).abs() < 1e-9, "{one} {other}");
+        let [front, back] = ends([-4.0, 0.0, 0.0]);
+        assert!(front < back - 1.0, "{front} {back}");
+    }
+
+    #[test]
+    fn a_free_hemisphere_cools_with_the_time_constant_of_its_silver() {
+        // 2 · 0.282 J/K over 1.28 mW/K at 1 m/s: 440 s; A has 1.2 times the silver of B.
+        let mut body = body();
+        body.set_wind([0.0, 1.0, 0.0]);
+        let total: f64 = body.conductance_w_k().iter().sum();
+        let time_constant_s = 2.0 * Construction::default().hemisphere_capacity_j_k / total;
+        assert!((400.0..480.0).contains(&time_constant_s), "{time_constant_s}");
+    }
+
+    #[test]
+    fn refuses_an_impossible_construction_by_name() {
+        let bad = Construction { ceramic_to_hemisphere_w_k: -1.0, ..Construction::default() };
+        let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
+        assert!(error.contains("ceramic_to_hemisphere_w_k"), "{error}");
+        let bad = Construction { emissivity: 1.5, ..Construction::default() };
+        assert!(bad.body(&mars(), 230.0).unwrap_err().to_string().contains("emissivity"));
+    }
+}

@@ -1,0 +1,238 @@
+//! Prototype B as a thermal network: four silver sectors, a platinum chip on each, two core heaters, a support stem.
+//!
+//! ```text
+//!   gas ── sector 1 ── chip 1        sectors 1 and 2 face core 1, sectors 3 and 4 core 2;
+//!            │   ╲                   every sector also touches the three others,
+//!            │    sector 2 …         and all four radiate to surroundings at gas temperature
+//!          core 1 ══ core 2
+//!               ╲    ╱
+//!            stem, 8 cells ── support at a fixed temperature
+//! ```
+//!
+//! | part | value | reason |
+//! |---|---|---|
+//! | sphere | 10 mm | thesis, prototype B |
+//! | sector | 0.118 J/K | 0.5 g of silver, 235 J/(kg·K); at 0.6 mm its own gradient is 1e-3 of that to the gas |
+//! | chip | 4.7 mJ/K | bare silicon, 2.5 × 2.5 × 0.5 mm, 2330 kg/m³, 650 J/(kg·K) at 250 K |
+//! | chip to sector | 2 W/K | soldered: half its thickness 0.2, 25 µm of solder 0.1, spreading in 0.6 mm of silver 0.2 K/W |
+//! | sector to core | 0.6 mW/K | gas gap and wires |
+//! | sector to sector | 0.1 mW/K | three seams each |
+//! | core | 75 mJ/K each | half of 0.15 J/K: two FR4 boards of 6 × 6 × 0.8 mm with copper, solder and resistor |
+//! | core to core | 20 mW/K | the boards back to back, 36 mm² through 2 × 0.4 mm of FR4 at 0.3 W/(m·K), and some vias |
+//! | stem | 1.2 mW/K, 0.2 J/K | from the cores to the support in 8 cells |
+//! | emissivity | 0.03 | sputtered gold |
+//!
+//! The element that heats and senses is the chip on a sector, and the board itself in the core. What a chip reads right after a period
+//! at the high level lies above its sector by power times contact (20 mK here). A one-bit loop turns part of that into an offset of
+//! the mean: up to 9 mK at 100 Hz; glued with 20 µm of silver epoxy (0.5 W/K) it would be 25 mK.
+//!
+//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`. Surfaces: the four sectors.
+//!
+//! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of the parts.
+
+use std::f64::consts::PI;
+
+use super::SensorError;
+use super::body::{Body, Surface};
+use super::construction::{Part, check};
+use super::convection::Convection;
+use super::convection::sectors::{SECTORS, Sectors, sector_axis};
+use super::gas::Gas;
+use super::network::Network;
+use super::rod::Rod;
+
+const CORES: usize = 2;
+
+/// What the sphere is made of; the default is prototype B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Construction {
+    pub diameter_m: f64,
+    pub sector_capacity_j_k: f64,
+    pub chip_capacity_j_k: f64,
+    pub chip_contact_w_k: f64,
+    pub sector_to_core_w_k: f64,
+    pub sector_to_sector_w_k: f64,
+    pub core_capacity_j_k: f64,
+    pub core_to_core_w_k: f64,
+    pub stem_w_k: f64,
+    pub stem_capacity_j_k: f64,
+    pub stem_cells: usize,
+    pub emissivity: f64,
+}
+
+impl Default for Construction {
+    fn default() -> Construction {
+        Construction {
+            diameter_m: 0.01,
+            sector_capacity_j_k: 0.118,
+            chip_capacity_j_k: 4.7e-3,
+            chip_contact_w_k: 2.0,
+            sector_to_core_w_k: 6e-4,
+            sector_to_sector_w_k: 1e-4,
+            core_capacity_j_k: 0.075,
+            core_to_core_w_k: 0.02,
+            stem_w_k: 1.2e-3,
+            stem_capacity_j_k: 0.2,
+            stem_cells: 8,
+            emissivity: 0.03,
+        }
+    }
+}
+
+impl Construction {
+    pub(super) fn body(&self, gas: &Gas, support_k: f64) -> Result<Body, SensorError> {
+        self.check()?;
+        let mut network = Network::new();
+        let gas_k = gas.temperature_k;
+        let sectors: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.sector_capacity_j_k, gas_k));
+        let chips: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.chip_capacity_j_k, gas_k));
+        let cores: [usize; CORES] = std::array::from_fn(|_| network.add_node(self.core_capacity_j_k, gas_k));
+        for i in 0..SECTORS {
+            network.link(chips[i], sectors[i], self.chip_contact_w_k);
+            network.link(sectors[i], cores[i / 2], self.sector_to_core_w_k);
+            for j in 0..i {
+                network.link(sectors[i], sectors[j], self.sector_to_sector_w_k);
+            }
+        }
+        network.link(cores[0], cores[1], self.core_to_core_w_k);
+        let stem = Rod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
+        let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
+
+        let area_m2 = PI * self.diameter_m * self.diameter_m / SECTORS as f64;
+        let surface = |i: usize| Surface {
+            name: format!("sector{}", i + 1),
+            node: sectors[i],
+            emissivity: self.emissivity,
+            area_m2,
+            carries: vec![chips[i]],
+            element: Some(i),
+        };
+        let surfaces = (0..SECTORS).map(surface).collect();
+        let elements = chips.into_iter().chain(cores).collect();
+        let convection = Convection::Sectors(Sectors::new(gas, self.diameter_m)?);
+        Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
+    }
+
+    fn check(&self) -> Result<(), SensorError> {
+        let positive = [
+            ("diameter_m", self.diameter_m),
+            ("sector_capacity_j_k", self.sector_capacity_j_k),
+            ("chip_capacity_j_k", self.chip_capacity_j_k),
+            ("chip_contact_w_k", self.chip_contact_w_k),
+            ("sector_to_core_w_k", self.sector_to_core_w_k),
+            ("sector_to_sector_w_k", self.sector_to_sector_w_k),
+            ("core_capacity_j_k", self.core_capacity_j_k),
+            ("core_to_core_w_k", self.core_to_core_w_k),
+            ("stem_w_k", self.stem_w_k),
+            ("stem_capacity_j_k", self.stem_capacity_j_k),
+            ("stem_cells", self.stem_cells as f64),
+        ];
+        check(&positive, &[("emissivity", self.emissivity)])
+    }
+}
+
+/// The elements.
+pub(super) fn parts() -> Vec<Part> {
+    let sectors = (0..SECTORS).map(|i| Part::facing(format!("sector{}", i + 1), sector_axis(i)));
+    sectors.chain((0..CORES).map(|i| Part::inside(format!("core{}", i + 1)))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::body::STEFAN_BOLTZMANN;
+    use crate::sensor::gas::{Species, ZERO_CELSIUS_K};
+
+    fn mars() -> Gas {
+        Gas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
+    }
+
+    fn body() -> Body {
+        Construction::default().body(&mars(), 230.0).unwrap()
+    }
+
+    #[test]
+    fn heat_in_is_heat_out_and_heat_stored() {
+        let mut body = body();
+        let start = body.stored_heat_j();
+        let (mut given, mut left) = (0.0, 0.0);
+        for tick in 0..100_000 {
+            // A wind that turns and a square wave of heat, so that every path carries a changing flow.
+            let phase = tick as f64 * 1e-3;
+            body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
+            let high = tick / 3 % 2 == 0;
+            body.advance(0.01, |i, _| if high { 0.04 } else { 0.001 * i as f64 });
+            let flows = body.flows();
+            given += 0.01 * flows.power_w.iter().sum::<f64>();
+            left += 0.01 * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
+        }
+        let balance = given - left - (body.stored_heat_j() - start);
+        assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");
+    }
+
+    #[test]
+    fn steady_heat_of_a_sector_is_what_it_conducts_radiates_and_gives_to_the_gas() {
+        let mut body = body();
+        body.set_wind([2.0, 0.0, 0.0]);
+        body.settle(|_, _| 0.02);
+        body.advance(0.01, |_, _| 0.02);
+        let flows = body.flows();
+        for (i, conductance) in body.conductance_w_k().iter().enumerate() {
+            let overheat = body.surface_temperature_c(i) + ZERO_CELSIUS_K - 220.0;
+            assert!((flows.convection_w[i] - conductance * overheat).abs() < 1e-12);
+            let left = flows.convection_w[i] + flows.radiation_w[i] + flows.conduction_w[i];
+            assert!((left - 0.02).abs() < 1e-9, "{left}");
+            // The chip stands above its sector by the heat through its contact.
+            let contact = body.element_temperature_c(i) - body.surface_temperature_c(i);
+            assert!((contact - 0.02 / 2.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn gold_radiates_about_a_fiftieth_of_a_milliwatt_a_kelvin() {
+        let mut body = body();
+        // A warm sphere: 4 ε σ A T³ at the mean of 220 K and its own temperature.
+        body.set_conductance_w_k(&[1e-12; SECTORS]);
+        body.settle(|i, _| if i < SECTORS { 5e-3 } else { 0.0 });
+        body.advance(1e-3, |i, _| if i < SECTORS { 5e-3 } else { 0.0 });
+        let flows = body.flows();
+        let overheat = body.surface_temperature_c(0) + ZERO_CELSIUS_K - 220.0;
+        let per_kelvin = flows.radiation_w.iter().sum::<f64>() / overheat;
+        let mean_k: f64 = 220.0 + 0.5 * overheat;
+        let expected = 4.0 * 0.03 * STEFAN_BOLTZMANN * PI * 1e-4 * mean_k.powi(3);
+        assert!((per_kelvin / expected - 1.0).abs() < 0.02, "{per_kelvin} for {expected}");
+        let at_gas = 4.0 * 0.03 * STEFAN_BOLTZMANN * PI * 1e-4 * 220.0_f64.powi(3);
+        assert!((at_gas * 1e3 - 0.02).abs() < 0.005, "{at_gas}");
+    }
+
+    #[test]
+    fn the_stem_conducts_what_it_should() {
+        // Only core 1 is heated and nothing leaves through the gas: all heat goes down the stem.
+        let mut body = Construction { emissivity: 0.0, ..Construction::default() }.body(&mars(), 230.0).unwrap();
+        body.set_conductance_w_k(&[0.0; SECTORS]);
+        body.settle(|i, _| if i == SECTORS { 0.012 } else { 0.0 });
+        body.advance(0.01, |i, _| if i == SECTORS { 0.012 } else { 0.0 });
+        let flows = body.flows();
+        assert!((flows.support_w - 0.012).abs() < 1e-9);
+        // The mean of the two cores drives it: 12 mW over 1.2 mW/K is 10 K, the symmetric half-links see exactly the mean.
+        let mean_core = 0.5 * (body.element_temperature_c(4) + body.element_temperature_c(5)) + ZERO_CELSIUS_K;
+        assert!((mean_core - 240.0).abs() < 1e-6, "{mean_core}");
+    }
+
+    #[test]
+    fn a_free_sector_cools_with_the_published_time_constant() {
+        // Silver sphere in still gas of 1 m/s or less: C/G = 4 · 0.118 / (1.2 to 1.4 mW/K), 340–400 s.
+        let mut body = body();
+        body.set_wind([1.0, 0.0, 0.0]);
+        let total: f64 = body.conductance_w_k().iter().sum();
+        let time_constant_s = 4.0 * Construction::default().sector_capacity_j_k / total;
+        assert!((340.0..=400.0).contains(&time_constant_s), "{time_constant_s}");
+    }
+
+    #[test]
+    fn refuses_an_impossible_construction_by_name() {
+        let bad = Construction { chip_contact_w_k: 0.0, ..Construction::default() };
+        let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
+        assert!(error.contains("chip_contact_w_k"), "{error}");
+    }
+}
