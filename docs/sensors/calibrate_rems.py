@@ -14,8 +14,9 @@ records go there as CSV, to be identified with `anemo identify`. numpy and scipy
 Axes: x along the boom, the tip at +x; card k has the outward normal (0, cos, sin) of 90, 210 and 330 degrees. Wind is the vector the
 air moves along, so head-on is (-U, 0, 0).
 """
+import itertools
 import sys
-from math import pi, sqrt, log, exp
+from math import pi, sqrt
 
 import numpy as np
 from scipy.linalg import eigh, expm
@@ -66,13 +67,13 @@ def cylinder_still(diameter):
 C_DIE = given("C_die", 9.3e-4, "J/K", "derived: silicon 1.5 x 1.5 x 0.25 mm (thickness assumed), 2330 kg/m3, 710 J/(kg K)")
 C_LEG = given("C_leg", 3.2e-4, "J/K", "derived: four Pyrex legs 0.4 x 0.4 x 0.3 mm, 2230 kg/m3, 750 J/(kg K)")
 G_DIE_LEG = given("G_die_leg", 4.7e-3, "W/K", "derived: upper half of the legs, 0.64 mm2 x 1.1 W/(m K) / 0.15 mm")
-G_LEG_CARD = given("G_leg_card", 1.52e-3, "W/K", "calibrated (common pole of four dice 0.17 Hz); lower half of the legs 4.7, in series "
-                   "with a 1.5 mm footprint on a board of 0.6 W/(m K) with tracks 2.0 and bond wires 0.1 mW/K give 1.45")
+G_LEG_CARD = given("G_leg_card", 1.63e-3, "W/K", "calibrated (pole of a die 0.24 Hz); lower half of the legs 4.7, in series with a "
+                   "1.5 mm footprint on a board of 0.7 W/(m K) with its tracks 2.4 and bond wires 0.1 mW/K, gives 1.63")
 G_LEG_LEG = given("G_leg_leg", 3.7e-4, "W/K", "calibrated (diagonal against adjacent die): board and tracks between neighbours")
 G_DIE_DIE = given("G_die_die", 1.4e-5, "W/K", "derived: gas between two sides, k 1.5 x 0.25 mm2 / 0.7 mm")
 C_CARD = given("C_card", 1.1, "J/K", "derived: FR4 45 x 22 x 0.6 mm (assumed), 1850 kg/m3, 1000 J/(kg K); pole near 2e-3 Hz")
 C_HEAD = given("C_head", 3.6, "J/K", "calibrated (pole near 2e-4 Hz): solid aluminium, 10 mm, 18 mm long (assumed) is 3.4, Pt100 and screws")
-G_CARD_HEAD = given("G_card_head", 7.0e-4, "W/K", "calibrated (rise of the boom): two plastic posts and wires")
+G_CARD_HEAD = given("G_card_head", 6.7e-4, "W/K", "calibrated (rise of the boom): two plastic posts and wires")
 G_SHANK = given("G_shank", 2.0e-4, "W/K", "derived: glass-fibre tube, 28 mm2 x 0.4 W/(m K), and 27 manganin wires over 0.1 m; in 3 cells")
 C_SHANK = given("C_shank", 4.8, "J/K", "derived: the same tube, 100 mm long, 28 mm2 x 1.7 J/(cm3 K), as a whole")
 EMISSIVITY = given("emissivity_card", 0.9, "", "assumed: bare FR4 outside; inside it faces gold and does not radiate")
@@ -81,7 +82,7 @@ H_HEAD = given("h_head_still", cylinder_still(HEAD_D_M), "W/(m2 K)", "derived: h
 G_DIE_STILL = given("G_die_gas_still", 4 / sqrt(pi) * CONDUCTIVITY * DIE_M, "W/K", "derived: square on a plane into a half space, 4/sqrt(pi) k a")
 DIE_EXPOSED = given("A_die_exposed", DIE_M**2 + 4 * DIE_M * DIE_THICK_M, "m2", "derived: face and four sides")
 SHADE = given("shade_reverse", 0.3, "", "assumed: share of the speed that is left behind the boom's root and the carriage (head-on 1)")
-ROWS = given("front_to_rear", 0.15, "", "assumed: upstream dice 1 + 0.15, downstream 1 - 0.15 (thicker boundary layer and warm wake)")
+ROWS = given("front_to_rear", 0.10, "", "assumed: upstream dice 1 + 0.1, downstream 1 - 0.1 (thicker boundary layer and warm wake)")
 R0, ALPHA = given("R_die_0C", 2600.0, "ohm", "calibrated: 4 mA must hold 52 C and give about 10 K of cross-heating"), 0.0031
 given("alpha_die", ALPHA, "1/K", "assumed: thin film, as prototype B")
 I_LOW, I_HIGH = given("I_low", 1e-3, "A", "published"), given("I_high", 4e-3, "A", "published")
@@ -128,7 +129,8 @@ def cylinder_wind(speed, diameter):
 
 
 def joined(still, wind):
-    return (still**3 + wind**3) ** (1 / 3)
+    """Free and forced together, Churchill's blend with n = 4 (flow across)."""
+    return (still**4 + wind**4) ** 0.25
 
 
 def gas_conductances(wind):
@@ -139,7 +141,7 @@ def gas_conductances(wind):
         speeds.append(speed)
         forced = plate_wind(speed, DIE_M) * DIE_EXPOSED if speed else 0.0
         # A die is upstream if its place is opposite to the stream.
-        dice.append([G_DIE_STILL + forced * (1 - ROWS * (along * a + around * b) / sqrt(2) * 1.0) for a, b in PLACES])
+        dice.append([G_DIE_STILL + forced * (1 - ROWS * (along * a + around * b)) for a, b in PLACES])
         outer = joined(H_CARD, plate_wind(speed, CARD_LONG_M)) if speed else H_CARD
         cards.append(CARD_M2 * (outer + H_RADIATION + H_CARD))
     mean = float(np.mean(speeds))
@@ -177,7 +179,10 @@ def conductance(wind):
     ground.append((HEAD + SHANK_CELLS, 2 * cell))    # the support is at gas temperature
     g = np.zeros((NODES, NODES))
     for a, b, w in links:
-        g[a, a] += w; g[b, b] += w; g[a, b] -= w; g[b, a] -= w
+        g[a, a] += w
+        g[b, b] += w
+        g[a, b] -= w
+        g[b, a] -= w
     for a, w in ground:
         g[a, a] += w
     return g
@@ -235,7 +240,7 @@ def prbs(n, hold, seed):
     return np.repeat(bits, hold)[:n]
 
 
-# --- identification, as `anemo identify --order K --mesh FIRST:LAST` does it in the main -------------------------------------------------
+# --- identification, in the main as `anemo identify --order K --mesh FIRST:LAST --initial-state settled` does it -------------------------------------------------
 def states(u, rates, ts):
     """x_k of the normalised state, settled under the first input."""
     gains = -np.expm1(-np.asarray(rates) * ts)
@@ -263,10 +268,10 @@ def write(name, ts, temperatures, powers, event=None):
     names = [f"die{k + 1}{i + 1}" for k in range(3) for i in range(4)] + ["boom"]
     keep = [0, 1, 2, 3, 12]
     with open(f"{sys.argv[1]}/{name}.csv", "w") as file:
-        head = ["time_s"] + [f"power_w:{names[i]}" for i in keep] + [f"temperature_c:{names[i]}" for i in keep]
+        head = ["time_s", "power_w:card1"] + [f"power_w:{names[i]}" for i in keep] + [f"temperature_c:{names[i]}" for i in keep]
         file.write(",".join(head + (["event"] if event else [])) + "\n")
         for m in range(len(temperatures)):
-            row = [f"{m * ts:.3f}"] + [f"{powers[m, i]:.7g}" for i in keep] + [f"{temperatures[m, i]:.5f}" for i in keep]
+            row = [f"{m * ts:.3f}", f"{powers[m, :4].sum():.7g}"] + [f"{powers[m, i]:.7g}" for i in keep] + [f"{temperatures[m, i]:.5f}" for i in keep]
             file.write(",".join(row + ([event[m]] if event else [])) + "\n")
 
 
@@ -290,7 +295,7 @@ def ratio(ours, published):
 MESH_STILL = np.geomspace(1 / 900, 10, 8) * 2 * pi
 MESH_WIND = np.geomspace(0.0075, 99.0, 8)
 MESH_CROSS = np.geomspace(0.0024, 10.0, 7)
-MESH_BOOM = np.geomspace(2 * pi / 72000 * 1.0, 2 * pi * 0.02, 6)
+MESH_BOOM = np.geomspace(2 * pi / 72000, 2 * pi * 0.02, 6)
 
 
 def self_heating_still():
@@ -337,9 +342,24 @@ def self_heating_wind():
         if i == 0:
             write("self-wind", ts, t, p, [LABELS[j] for j in wind])
             observe("self, wind run: peak, Hz", "0.3 ±20 %", f"{hz(MESH_WIND)[k]:.3f}", abs(hz(MESH_WIND)[k] / 0.3 - 1) <= 0.2, ratio(hz(MESH_WIND)[k], 0.3))
-            observe("self, wind: largest other change / peak's", "< 10 %", f"{100 * others / abs(change[k]):.0f} %", others < 0.1 * abs(change[k]))
+            observe("self, wind: largest other change / peak's (mesh)", "< 10 %", f"{100 * others / abs(change[k]):.0f} %", others < 0.1 * abs(change[k]))
         observe(f"self, wind: die {i + 1} peak still > reverse > head-on, K/W", "order", " > ".join(f"{x:.1f}" for x in (r[0, k], r[2, k], r[1, k])),
                 r[0, k] > r[2, k] > r[1, k])
+
+
+def clusters():
+    """Modes of the network itself, in three groups: what the wind changes in the self-heating of die 1."""
+    sums = []
+    for wind in WINDS:
+        rates, v = modes(wind)
+        r = v[0] ** 2 / rates
+        f = hz(rates)
+        sums.append([r[(f >= a) & (f < b)].sum() for a, b in ((0, 0.02), (0.02, 1), (1, 99))])
+    for label, row in zip(LABELS, sums):
+        print(f"true self-heating, {label:8}: slow {row[0]:.1f}, die {row[1]:.1f}, fast {row[2]:.1f} K/W")
+    change = np.array(sums[0]) - np.array(sums[1])
+    observe("self, wind: other true changes / the pole's", "< 10 %", f"slow {100 * change[0] / change[1]:.0f} %, fast {100 * change[2] / change[1]:.0f} %",
+            np.abs(change[[0, 2]]).max() < 0.1 * change[1])
 
 
 def cross_heating():
@@ -410,14 +430,10 @@ def boom_setpoints():
     for ours, published in zip(free, (2e-4, 2e-3)):
         observe("boom: pole (two free), Hz", f"{published:g} x/÷ 1.5", f"{ours:.2e}", 1 / 1.5 < ours / published < 1.5, ratio(ours, published))
     write("boom", 1.0, t, p)
-    reached = t[600:, :4] - np.repeat(points, 300, axis=0)[600:len(t)]
-    print(f"boom run: dice within {np.abs(reached[::7]).mean():.3f} K of their set-points on average")
-    observe("boom run: powers of a die, W, under the high level", f"< {I_HIGH**2 * R0 * (1 + ALPHA * 42):.3f}", f"{p[300:, :4].reshape(-1, 4).max():.3f}", True)
     z = np.linalg.inv(conductance(WINDS[0]))
     per_watt = z[0, :4].sum()
     rise = 17 / per_watt * 4 * z[0, HEAD]
     observe("boom: rise for 17 K of overheat of four dice, K", "0.6-0.7", f"{rise:.2f}", 0.6 <= rise <= 0.7, ratio(rise, 0.65))
-    return z
 
 
 def boom_switched(air_c):
@@ -456,7 +472,7 @@ def boom_prbs():
     boom_c, dice_w = t[600:, 12].reshape(-1, 60).mean(1), p[600:, :4].sum(1).reshape(-1, 60).mean(1)
     hot = np.corrcoef(boom_c, dice_w)[0, 1]
     slope = np.polyfit(boom_c, dice_w, 1)[0]
-    swing = np.ptp(t[600:, 12])
+    swing = np.ptp(boom_c)
     observe("boom PRBS: slope of four dice's power on the boom, mW/K", "< 0", f"{1e3 * slope:.2f} (r {hot:.2f}, boom moves {swing:.1f} K)", slope < 0)
 
 
@@ -468,8 +484,24 @@ def closed_loop():
     t, p = simulate(0.1, 26000, regulated(targets), settle=LOW, seed=12, keep=10)
     measured = p[2000:, 0].mean()
     others = p[2000:, 1:].mean(0)
-    expected = (42 - GAS_C - z[0, ELEMENTS[1:]] @ others) / z[0, 0]
-    observe("closed loop, still: mean power against steady network", "≤ 2 %", f"{1e3 * measured:.3f} / {1e3 * expected:.3f} mW", abs(measured / expected - 1) < 0.02, ratio(measured, expected))
+    background = z[0, ELEMENTS[1:]] @ others
+    mean_c = t[2000:, 0].mean()
+    expected = (mean_c - GAS_C - background) / z[0, 0]
+    # At 10 Hz the die swings by kelvins and its mean is not the set-point: a prediction has to know that.
+    print(f"closed loop: mean reading {mean_c:.2f} C; power at the set-point would be {1e3 * (42 - GAS_C - background) / z[0, 0]:.2f} mW")
+    observe("closed loop, still: power, network at the mean reading", "≤ 2 %", f"{1e3 * measured:.2f} / {1e3 * expected:.2f} mW",
+            abs(measured / expected - 1) < 0.02, ratio(measured, expected))
+
+
+def reach():
+    """Power that each die of a card needs for every choice of 42, 47 and 52 C, all others passive."""
+    z = np.linalg.inv(conductance(WINDS[0]))[np.ix_(ELEMENTS, ELEMENTS)]
+    low = LOW**2 * R_0 * (1 + ALPHAS * GAS_C)
+    floor = z[:4, 4:] @ low[4:]
+    needed = [np.linalg.solve(z[:4, :4], np.array(c) - GAS_C - floor) for c in itertools.product([42.0, 47.0, 52.0], repeat=4)]
+    levels = [i**2 * R0 * (1 + ALPHA * c) for i, c in ((I_LOW, 42), (I_HIGH, 42))]
+    observe("42/47/52 C in any choice: power of a die, mW", f"{1e3 * levels[0]:.1f} to {1e3 * levels[1]:.1f}",
+            f"{1e3 * np.min(needed):.1f} to {1e3 * np.max(needed):.1f}", levels[0] < np.min(needed) and np.max(needed) < levels[1])
 
 
 if __name__ == "__main__":
@@ -488,6 +520,7 @@ if __name__ == "__main__":
         print(f"true {name}: {r.sum():.1f} K/W =", "  ".join(f"{a:.3g} Hz {b:.1f}" for a, b in zip(hz(rates[big]), r[big])))
     self_heating_still()
     self_heating_wind()
+    clusters()
     cross_heating()
     boom_setpoints()
     boom_switched(21.0)
@@ -495,6 +528,7 @@ if __name__ == "__main__":
     boom_held()
     boom_prbs()
     closed_loop()
+    reach()
     print()
     for row in TABLE:
         print("{:58} {:14} {:34} {:8} {}".format(*row))
