@@ -293,7 +293,7 @@ def ratio(ours, published):
 
 # --- observations ----------------------------------------------------------------------------------------------------------------
 MESH_STILL = np.geomspace(1 / 900, 10, 8) * 2 * pi
-MESH_WIND = np.geomspace(0.0075, 99.0, 8)
+MESH_WIND = np.geomspace(2 * pi * 3 / 1700, 75.0, 8)
 MESH_CROSS = np.geomspace(0.0024, 10.0, 7)
 MESH_BOOM = np.geomspace(2 * pi / 72000, 2 * pi * 0.02, 6)
 
