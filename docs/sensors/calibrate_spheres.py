@@ -215,7 +215,8 @@ def report(name, s):
             slowest[cores, text] = times, left
         overheat, end = open_loop(s, cores)
         free = [settling(TIME, overheat, end, x) for x in (10, 5, 2)]
-        print(f"  open,   cores {'warm' if cores else 'cold'}, all parts       : {overheat[0]:.2f} -> {end:.2f} K, to 10/5/2 %: " + " / ".join(f"{x:.4g}" for x in free) + " s")
+        print(f"  open,   cores {'warm' if cores else 'cold'}, all parts       : {overheat[0]:.2f} -> {end:.2f} K, to 10/5/2 %: "
+              + " / ".join(f"{x:.4g}" for x in free) + " s")
         slowest[cores, "open"] = free, None
     power, end, _ = closed_loop(s, everywhere, s.heated[:1])
     times = [settling(TIME, power, end, x) for x in (10, 5, 2)]
@@ -247,11 +248,13 @@ if __name__ == "__main__":
     print("\nobservation                                              published             ours")
     for (cores, text), (times, left) in a.items():
         if text != "open":
-            print(f"A, cores {STATE[cores]}, {text:17}: tail to 5 %, s       tens of seconds      {times[1]:.0f} {'met' if times[1] >= 20 else 'NOT MET'}")
+            verdict = "met" if times[1] >= 20 else "NOT MET"
+            print(f"A, cores {STATE[cores]}, {text:17}: tail to 5 %, s       tens of seconds      {times[1]:.0f} {verdict}")
     for (cores, text), (times, left) in b.items():
         if text != "open":
-            print(f"B, cores {STATE[cores]}, {text:17}: left after 1 s, %    under 2              {left:+.2f} {'met' if abs(left) < 2 and times[2] < 1 else 'NOT MET'}")
+            verdict = "met" if abs(left) < 2 and times[2] < 1 else "NOT MET"
+            print(f"B, cores {STATE[cores]}, {text:17}: left after 1 s, %    under 2              {left:+.2f} {verdict}")
     for name, x in (("A", a), ("B", b)):
         for cores in (True, False):
             ratio = x[cores, "open"][0][2] / x[cores, "all parts"][0][2]
-            print(f"{name}, cores {'held' if cores else 'free'}: open / closed, to 2 %               {'over 100' if name == 'B' else '-':20} {ratio:.0f}")
+            print(f"{name}, cores {STATE[cores]}: open / closed, to 2 %               {'over 100' if name == 'B' else '-':20} {ratio:.0f}")
