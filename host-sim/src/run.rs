@@ -3,10 +3,10 @@
 //! Row n holds what sample n says and the wind of the interval after it. Samples that got lost on the way leave a gap in the rows'
 //! times and are counted.
 
-use dr_core::control::{Drive, Refusal, Reply, RunState};
+use dr_core::control::{Command, Drive, Refusal, Reply, RunState};
 use dr_core::model::Reachability;
 
-use crate::experiment::Experiment;
+use crate::experiment::{Change, Experiment};
 use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
 use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
@@ -79,7 +79,11 @@ fn observe(
     let names = experiment.head.names();
     let observed = experiment.observed();
     let mut next = 0;
+    let mut changes = experiment.changes.iter().peekable();
     while next < experiment.ticks {
+        while let Some(change) = changes.next_if(|change| change.tick <= next) {
+            change_drives(experiment, instrument, change)?;
+        }
         let observation = instrument.observe()?;
         let sample = &observation.sample;
         if sample.tick < next {
@@ -118,6 +122,23 @@ fn observe(
             event: experiment.event(sample.tick),
             state: &totals.state,
             wind_m_s: observation.wind_m_s,
+        })?;
+    }
+    Ok(())
+}
+
+/// Tells an instrument what its elements do from now on. In lock-step that is the tick that comes next, on a board one soon after.
+fn change_drives(experiment: &Experiment, instrument: &mut dyn Instrument, change: &Change) -> Result<(), RunError> {
+    for &(place, drive) in &change.drives {
+        instrument.command(Command::Drive { element: place as u8, drive }).map_err(|error| match &error {
+            InstrumentError::Refused(refusal) => {
+                let at = experiment.changes.iter().position(|own| own == change).unwrap_or_default();
+                let name = &experiment.head.elements[place].name;
+                let sentence = unreachable(experiment, refusal)
+                    .unwrap_or_else(|| format!("is refused: {}", without_number(refusal)));
+                experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into()
+            }
+            _ => RunError::from(error),
         })?;
     }
     Ok(())
@@ -377,6 +398,22 @@ mod tests {
         println!("gusts, sector 1: the structure takes {structure_w:.5} W, at rest it would take {steady_w:.5} W");
         // Held for 800 s, twice the slowest time constant of the still gas, in whatever wind; the closed loop's own are shorter.
         assert!((structure_w / steady_w - 1.0).abs() < 0.02, "{structure_w} {steady_w}");
+    }
+
+    #[test]
+    fn a_change_of_drives_begins_with_its_tick() {
+        let change = "\n[[changes]]\nstart_s = 1.0\ndrives = { sector1 = \"passive\", core2 = { level = \"high\" } }\n\n[[wind]]\nstart_s = 0.0\n";
+        let experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", change);
+        let mut heaters = Vec::new();
+        run(&experiment, in_process(&experiment), &mut |row| {
+            heaters.push(row.heaters);
+            Ok(())
+        })
+        .unwrap();
+        // From rest far below their set-points all heat, until sector 1 is told to stop.
+        assert!(heaters[..100].iter().all(|bits| *bits == 0b11_1111), "{heaters:?}");
+        assert!(heaters[100..].iter().all(|bits| bits & 1 == 0 && bits >> 5 == 1));
+        assert!(heaters[100..200].iter().all(|bits| *bits == 0b11_1110));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Heads of other sizes than the sphere's six, as lists of elements without any sensor around them: host and emulated board alike.
 
-use anemo_tests::{experiment, firmware, sphere};
+use anemo_tests::{experiment, firmware, sensor};
 use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Heaters, Limits, Refusal, RunState};
 use dr_core::model::{SelfHeatingConfig, mesh};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
@@ -40,9 +40,9 @@ fn head(elements: usize, observe: bool) -> Setup {
     Setup { sample_period_s: 0.01, guard: GuardConfig::default(), observe, elements }
 }
 
-/// A body set up for a head and running. The sphere is only there because an instrument has one: no time passes for it.
+/// A body set up for a head and running. The sensor is only there because an instrument has one: no time passes for it.
 fn running<B: Body>(body: B, head: &Setup) -> LockStep<B> {
-    let mut instrument = LockStep::new(body, sphere(&experiment("gusts.toml")));
+    let mut instrument = LockStep::new(body, sensor(&experiment("gusts.toml")));
     setup::start(&mut instrument, head).unwrap();
     instrument
 }

@@ -6,7 +6,9 @@
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
+//! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
 //! | `[drives]` | one line an element; one without is passive |
+//! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, `turbulence = { intensity, correlation_time_s }` |
 //! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
@@ -18,23 +20,23 @@
 //! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions. Set-points are
 //! judged by the [`models`], where there are some.
 
+mod drives;
 pub mod models;
 mod table;
 mod wind;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use dr_core::control::Drive;
 use dr_core::model::SelfHeatingConfig;
-use dr_core::sensor::Level;
 
 use crate::head::Head;
 use crate::model::Conditions;
 use crate::sensor::{Construction, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry};
 use crate::toml_file::{FileError, Source, suggest};
+pub use drives::Change;
 use models::Models;
-use table::{DriveTable, ExperimentTable, FaultTable};
+use table::{ExperimentTable, FaultTable};
 
 /// Sample periods between 1 kHz and 1 Hz.
 const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
@@ -59,6 +61,8 @@ pub struct Experiment {
     pub imperfections: Imperfections,
     /// One an element of the head, in its order.
     pub drives: Vec<Drive>,
+    /// What elements do from a later tick on, ascending.
+    pub changes: Vec<Change>,
     /// In order of their start, the first at 0.
     pub wind: Vec<WindEntry>,
     pub faults: Vec<TimedFault>,
@@ -80,7 +84,11 @@ impl Experiment {
                 Some(_) => error,
             }
         };
-        let head = Head::read(&folder.join(&table.head)).map_err(place("head"))?;
+        let mut head = Head::read(&folder.join(&table.head)).map_err(place("head"))?;
+        for (name, currents) in &table.currents {
+            head.set_currents(name, currents.low_a, currents.high_a)
+                .map_err(|sentence| source.refuse(&format!("currents.{name}"), sentence))?;
+        }
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;
 
@@ -105,6 +113,7 @@ impl Experiment {
             support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
             imperfections: table.front_end.into(),
             drives: Vec::new(),
+            changes: Vec::new(),
             source: source.clone(),
         };
         if experiment.observe && experiment.observed().is_empty() {
@@ -114,7 +123,8 @@ impl Experiment {
         }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
-        experiment.drives = drives(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
+        experiment.drives = drives::of_all(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
+        experiment.changes = drives::changes(&grid, &table.changes, &experiment.head, gas_temperature_c, ticks)?;
         Ok(experiment)
     }
 
@@ -260,80 +270,6 @@ impl Grid<'_> {
 /// Twelve digits of a product, so that 3 × 0.01 is written 0.03.
 fn tidy(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
-}
-
-fn drives(
-    grid: &Grid,
-    tables: &BTreeMap<String, DriveTable>,
-    head: &Head,
-    gas_c: f64,
-) -> Result<Vec<Drive>, FileError> {
-    let source = grid.source;
-    let known = head.names();
-    if let Some(unknown) = tables.keys().find(|name| !known.contains(&name.as_str())) {
-        let sentence = format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
-        return Err(source.refuse(&format!("drives.{unknown}"), sentence));
-    }
-    let mut drives = Vec::with_capacity(known.len());
-    for element in &head.elements {
-        let key = format!("drives.{}", element.name);
-        let set_point = |key: &str, celsius: f64| {
-            let (coldest, hottest) = (gas_c, f64::from(element.config.limits.temperature_max_c));
-            if celsius.is_nan() || celsius > hottest {
-                let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
-                return Err(source.refuse(key, sentence));
-            }
-            if celsius <= coldest {
-                let sentence = format!(
-                    "is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above"
-                );
-                return Err(source.refuse(key, sentence));
-            }
-            Ok(celsius as f32)
-        };
-        drives.push(match tables.get(&element.name) {
-            None | Some(DriveTable::Passive) => Drive::Passive,
-            Some(DriveTable::Level(level)) => Drive::Level((*level).into()),
-            Some(&DriveTable::PowerW(power_w)) => {
-                // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power.
-                let least = element.power_w(gas_c, Level::Low);
-                let most = element.power_w(gas_c, Level::High);
-                if !(least..=most).contains(&power_w) {
-                    let sentence = format!(
-                        "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
-                        element.name, gas_c
-                    );
-                    return Err(source.refuse(&format!("{key}.power_w"), sentence));
-                }
-                Drive::Power { power_w: power_w as f32 }
-            }
-            Some(&DriveTable::TemperatureC(target_c)) => {
-                Drive::Temperature { target_c: set_point(&format!("{key}.temperature_c"), target_c)? }
-            }
-            Some(DriveTable::Prbs(prbs)) => {
-                let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), prbs.bit_time_s)?;
-                // Order and seed are dr-core's to judge; the place is known here.
-                let order = prbs.order;
-                source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
-                dr_core::signal::Prbs::new(order, prbs.seed).map_err(|error| {
-                    let sentence = format!("is {}: {error}", prbs.seed);
-                    source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
-                })?;
-                Drive::Prbs { order, seed: prbs.seed, ticks_per_bit }
-            }
-            Some(DriveTable::Setpoints(set_points)) => {
-                let low_c = set_point(&format!("{key}.setpoints.low_c"), set_points.low_c)?;
-                let high_c = set_point(&format!("{key}.setpoints.high_c"), set_points.high_c)?;
-                if low_c >= high_c {
-                    let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
-                    return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
-                }
-                let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), set_points.dwell_s)?;
-                Drive::Setpoints { low_c, high_c, dwell_ticks, seed: set_points.seed }
-            }
-        });
-    }
-    Ok(drives)
 }
 
 fn faults(grid: &Grid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {

@@ -25,7 +25,11 @@ pub(super) struct ExperimentTable {
     #[serde(default)]
     pub front_end: FrontEndTable,
     #[serde(default)]
+    pub currents: BTreeMap<String, CurrentsTable>,
+    #[serde(default)]
     pub drives: BTreeMap<String, DriveTable>,
+    #[serde(default)]
+    pub changes: Vec<ChangeTable>,
     #[serde(default)]
     pub wind: Vec<WindTable>,
     pub tunnel: Option<TunnelTable>,
@@ -106,6 +110,21 @@ impl From<LevelName> for Level {
             LevelName::High => Self::High,
         }
     }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurrentsTable {
+    pub low_a: f64,
+    pub high_a: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChangeTable {
+    pub start_s: f64,
+    #[serde(default)]
+    pub drives: BTreeMap<String, DriveTable>,
 }
 
 #[derive(Deserialize)]

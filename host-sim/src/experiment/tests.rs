@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use dr_core::sensor::Level;
+
 use super::*;
 
 fn path(name: &str) -> PathBuf {
@@ -221,4 +223,40 @@ fn a_damaged_file_is_refused_or_read_but_never_panics() {
             }
         }
     }
+}
+
+#[test]
+fn changes_and_currents_are_read_and_checked() {
+    let changed = |text: &str| with("[[wind]]\nstart_s = 0.0", &format!("{text}\n\n[[wind]]\nstart_s = 0.0"));
+    let change = |start_s: f64, drives: &str| format!("[[changes]]\nstart_s = {start_s:?}\ndrives = {{ {drives} }}\n");
+    let found =
+        changed(&(change(2.0, "core2 = \"passive\"") + &change(4.5, "sector1 = { temperature_c = -30.0 }"))).unwrap();
+    let exact = [
+        Change { tick: 200, drives: vec![(5, Drive::Passive)] },
+        Change { tick: 450, drives: vec![(0, Drive::Temperature { target_c: -30.0 })] },
+    ];
+    assert_eq!(found.changes, exact);
+    let refused = |text: String| changed(&text).unwrap_err();
+    let hint = refused(change(2.0, "core9 = \"passive\""));
+    assert!(hint.contains("`changes[0].drives.core9` is no element of head `sphere-b`; did you mean"), "{hint}");
+    assert!(refused(change(10.0, "core1 = \"passive\"")).contains("is 10 s, but the experiment is over at 10 s"));
+    assert!(refused(change(1.005, "core1 = \"passive\"")).contains("whole number of sample periods"));
+    let back = change(3.0, "core1 = \"passive\"") + &change(2.0, "core2 = \"passive\"");
+    assert!(refused(back).contains("changes must come in the order of their start"));
+    assert!(refused(change(3.0, "")).contains("changes nothing"));
+    assert!(
+        refused(change(3.0, "core1 = { temperature_c = 200.0 }")).contains("changes[0].drives.core1.temperature_c")
+    );
+
+    let with_currents = |line: &str| with("[drives]", &format!("[currents]\n{line}\n\n[drives]"));
+    let found = with_currents("core1 = { low_a = 0.005, high_a = 0.0199 }").unwrap();
+    assert_eq!(found.head.elements[4].nominal.current_high_a, 0.0199);
+    let power_w = found.head.elements[4].power_w(0.0, Level::High);
+    assert!((power_w / (175.0 * 0.0199 * 0.0199) - 1.0).abs() < 1e-6, "{power_w}");
+    assert!(
+        with_currents("core1 = { low_a = 0.02, high_a = 0.01 }")
+            .unwrap_err()
+            .contains("`currents.core1` cannot be used")
+    );
+    assert!(with_currents("core9 = { low_a = 0.01, high_a = 0.02 }").unwrap_err().contains("is no element of head"));
 }

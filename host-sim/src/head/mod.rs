@@ -115,6 +115,23 @@ impl Head {
         self.elements.iter().map(|element| element.name.as_str()).collect()
     }
 
+    /// Gives an element other levels than the file does, A.
+    ///
+    /// # Errors
+    /// A sentence: no such element, or currents that dr-core refuses.
+    pub fn set_currents(&mut self, name: &str, low_a: f64, high_a: f64) -> Result<(), String> {
+        let known = self.names();
+        let Some(place) = known.iter().position(|own| *own == name) else {
+            return Err(format!("is no element of head `{}`; {}", self.name, suggest(name, known.iter().copied())));
+        };
+        let element = &mut self.elements[place];
+        let platinum = *element.config.channel.platinum();
+        element.config.channel = Channel::new(platinum, self.volt_per_code as f32, low_a as f32, high_a as f32)
+            .map_err(|error| format!("cannot be used: {error}"))?;
+        (element.nominal.current_low_a, element.nominal.current_high_a) = (low_a, high_a);
+        Ok(())
+    }
+
     /// The guard's patience in ticks of a sample period.
     pub fn guard_config(&self, sample_period_s: f64) -> GuardConfig {
         let unreachable_limit_ticks =

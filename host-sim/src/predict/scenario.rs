@@ -59,6 +59,12 @@ impl Scenario {
     pub fn of(experiment: &Experiment, model: &Model) -> Result<(Self, Vec<String>), String> {
         let names = experiment.head.names();
         let mut notes = Vec::new();
+        if let Some(change) = experiment.changes.first() {
+            return Err(format!(
+                "the experiment changes its drives at {} s, and a prediction is of drives that stay: predict its parts one by one",
+                experiment.time_s(change.tick)
+            ));
+        }
         let mut elements = Vec::with_capacity(model.inputs.len());
         for input in &model.inputs {
             let name = element(input);

@@ -1,0 +1,142 @@
+//! What the elements of an experiment do, at first and later.
+
+use std::collections::BTreeMap;
+
+use dr_core::control::Drive;
+use dr_core::sensor::Level;
+
+use super::Grid;
+use super::table::{ChangeTable, DriveTable};
+use crate::head::{Element, Head};
+use crate::toml_file::{FileError, suggest};
+
+/// What elements do from a tick on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    pub tick: u32,
+    /// Place of the element in the head, and its new drive. The others go on.
+    pub drives: Vec<(usize, Drive)>,
+}
+
+/// One drive an element of the head, in its order; one without is passive.
+pub(super) fn of_all(
+    grid: &Grid,
+    tables: &BTreeMap<String, DriveTable>,
+    head: &Head,
+    gas_c: f64,
+) -> Result<Vec<Drive>, FileError> {
+    let mut drives = vec![Drive::Passive; head.elements.len()];
+    for (element, drive) in named(grid, "drives", tables, head, gas_c)? {
+        drives[element] = drive;
+    }
+    Ok(drives)
+}
+
+/// The changes of an experiment of `ticks`.
+pub(super) fn changes(
+    grid: &Grid,
+    tables: &[ChangeTable],
+    head: &Head,
+    gas_c: f64,
+    ticks: u32,
+) -> Result<Vec<Change>, FileError> {
+    let mut changes: Vec<Change> = Vec::with_capacity(tables.len());
+    for (index, table) in tables.iter().enumerate() {
+        let key = format!("changes[{index}]");
+        let start_key = format!("{key}.start_s");
+        let tick = grid.whole_ticks(&start_key, table.start_s)?;
+        if tick >= ticks {
+            let sentence = format!("is {} s, but the experiment is over at {} s", table.start_s, grid.time_s(ticks));
+            return Err(grid.source.refuse(&start_key, sentence));
+        }
+        if changes.last().is_some_and(|before| before.tick >= tick) {
+            let sentence =
+                format!("is {} s: changes must come in the order of their start, one at a time", table.start_s);
+            return Err(grid.source.refuse(&start_key, sentence));
+        }
+        if table.drives.is_empty() {
+            return Err(grid.source.refuse(&key, "changes nothing: give it `drives`, one line an element"));
+        }
+        changes.push(Change { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas_c)? });
+    }
+    Ok(changes)
+}
+
+/// The drives of a table, by their elements' places in the head.
+fn named(
+    grid: &Grid,
+    key: &str,
+    tables: &BTreeMap<String, DriveTable>,
+    head: &Head,
+    gas_c: f64,
+) -> Result<Vec<(usize, Drive)>, FileError> {
+    let known = head.names();
+    let of = |(name, table): (&String, &DriveTable)| {
+        let key = format!("{key}.{name}");
+        let Some(place) = known.iter().position(|own| own == name) else {
+            let hint = suggest(name, known.iter().copied());
+            return Err(grid.source.refuse(&key, format!("is no element of head `{}`; {hint}", head.name)));
+        };
+        Ok((place, drive(grid, &key, table, &head.elements[place], gas_c)?))
+    };
+    tables.iter().map(of).collect()
+}
+
+/// One drive, whose key in the file is `key`.
+fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas_c: f64) -> Result<Drive, FileError> {
+    let source = grid.source;
+    let set_point = |key: &str, celsius: f64| {
+        let (coldest, hottest) = (gas_c, f64::from(element.config.limits.temperature_max_c));
+        if celsius.is_nan() || celsius > hottest {
+            let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
+            return Err(source.refuse(key, sentence));
+        }
+        if celsius <= coldest {
+            let sentence =
+                format!("is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above");
+            return Err(source.refuse(key, sentence));
+        }
+        Ok(celsius as f32)
+    };
+    Ok(match table {
+        DriveTable::Passive => Drive::Passive,
+        DriveTable::Level(level) => Drive::Level((*level).into()),
+        &DriveTable::PowerW(power_w) => {
+            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power.
+            let least = element.power_w(gas_c, Level::Low);
+            let most = element.power_w(gas_c, Level::High);
+            if !(least..=most).contains(&power_w) {
+                let sentence = format!(
+                    "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
+                    element.name, gas_c
+                );
+                return Err(source.refuse(&format!("{key}.power_w"), sentence));
+            }
+            Drive::Power { power_w: power_w as f32 }
+        }
+        &DriveTable::TemperatureC(target_c) => {
+            Drive::Temperature { target_c: set_point(&format!("{key}.temperature_c"), target_c)? }
+        }
+        DriveTable::Prbs(prbs) => {
+            let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), prbs.bit_time_s)?;
+            // Order and seed are dr-core's to judge; the place is known here.
+            let order = prbs.order;
+            source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
+            dr_core::signal::Prbs::new(order, prbs.seed).map_err(|error| {
+                let sentence = format!("is {}: {error}", prbs.seed);
+                source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
+            })?;
+            Drive::Prbs { order, seed: prbs.seed, ticks_per_bit }
+        }
+        DriveTable::Setpoints(set_points) => {
+            let low_c = set_point(&format!("{key}.setpoints.low_c"), set_points.low_c)?;
+            let high_c = set_point(&format!("{key}.setpoints.high_c"), set_points.high_c)?;
+            if low_c >= high_c {
+                let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
+                return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
+            }
+            let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), set_points.dwell_s)?;
+            Drive::Setpoints { low_c, high_c, dwell_ticks, seed: set_points.seed }
+        }
+    })
+}
