@@ -20,7 +20,7 @@
 
 pub mod models;
 mod table;
-mod wind;
+pub mod wind;
 
 use std::collections::BTreeMap;
 use std::path::Path;
