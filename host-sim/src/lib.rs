@@ -5,7 +5,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`experiment`], [`head`] | the files that people write, read strictly ([`toml_file`]) and checked |
-//! | [`sensor`] | the simulated sphere in its wind |
+//! | [`sensor`] | the simulated sensors in their wind |
 //! | [`instrument`] | what runs an experiment: in this process, in the emulator, at a serial port |
 //! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |

@@ -23,7 +23,7 @@
 mod drives;
 pub mod models;
 mod table;
-mod wind;
+pub mod wind;
 
 use std::path::Path;
 
