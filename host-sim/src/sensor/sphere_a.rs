@@ -16,7 +16,7 @@
 //! | film | 1.0 mJ/K | derived: film under its glass cover, about 1.2 mg at 0.8 J/(g·K) |
 //! | film to ceramic | 0.10 W/K | derived: 2.5 mm² of alumina, 25 W/(m·K) / 0.5 mm is 0.125, with cover and spreading |
 //! | ceramic | 3.8 mJ/K | derived: alumina of 0.5 × 1.25 × 2 mm (a 0805 chip), 4.9 mg, 780 J/(kg·K) |
-//! | ceramic to hemisphere | 8 mW/K | calibrated to the published slow tail of tens of seconds: 2.5 mm² of unfilled epoxy, 0.25 W/(m·K), 80 µm |
+//! | ceramic to hemisphere | 8 mW/K | calibrated to a tail of tens of seconds (published is a slow one): 2.5 mm² of unfilled epoxy, 0.25 W/(m·K), 80 µm |
 //! | hemisphere to hemisphere | 3 mW/K | assumed: equator, 19 mm² of joint, 0.1 mm wide: gas 2, dots of epoxy 1 mW/K |
 //! | hemisphere to core | 2.5 mW/K | assumed: two spacers and four copper wires of 0.1 mm, 0.5 mW/K each at 6 mm, and gas 0.5 mW/K |
 //! | core | 75 mJ/K each | as for sphere B: one FR4 board of 6 × 6 × 0.8 mm with copper, solder and resistor |

@@ -9,17 +9,17 @@
 //!            stem, 8 cells ── support at a fixed temperature
 //! ```
 //!
-//! | part | value | reason |
+//! | part | value | origin |
 //! |---|---|---|
-//! | sphere | 10 mm | thesis, prototype B |
-//! | sector | 0.118 J/K | 0.5 g of silver, 235 J/(kg·K); at 0.6 mm its own gradient is 1e-3 of that to the gas |
-//! | chip | 4.7 mJ/K | bare silicon, 2.5 × 2.5 × 0.5 mm, 2330 kg/m³, 650 J/(kg·K) at 250 K |
-//! | chip to sector | 2 W/K | soldered: half its thickness 0.2, 25 µm of solder 0.1, spreading in 0.6 mm of silver 0.2 K/W |
-//! | sector to core | 0.6 mW/K | gas gap and wires |
-//! | sector to sector | 0.1 mW/K | three seams each |
-//! | core | 75 mJ/K each | half of 0.15 J/K: two FR4 boards of 6 × 6 × 0.8 mm with copper, solder and resistor |
-//! | core to core | 20 mW/K | the boards back to back, 36 mm² through 2 × 0.4 mm of FR4 at 0.3 W/(m·K), and some vias |
-//! | stem | 1.2 mW/K, 0.2 J/K | from the cores to the support in 8 cells |
+//! | sphere | 10 mm | published |
+//! | sector | 0.118 J/K | published 0.5 g of silver, 235 J/(kg·K); at 0.6 mm its own gradient is 1e-3 of that to the gas |
+//! | chip | 4.7 mJ/K | derived: bare silicon, 2.5 × 2.5 × 0.5 mm, 2330 kg/m³, 650 J/(kg·K) at 250 K |
+//! | chip to sector | 2 W/K | derived: soldered; half its thickness 0.2, 25 µm of solder 0.1, spreading in 0.6 mm of silver 0.2 K/W |
+//! | sector to core | 0.6 mW/K | assumed: gas gap and wires |
+//! | sector to sector | 0.1 mW/K | assumed: three seams each |
+//! | core | 75 mJ/K each | derived: half of 0.15 J/K: two FR4 boards of 6 × 6 × 0.8 mm with copper, solder and resistor |
+//! | core to core | 20 mW/K | derived: the boards back to back, 36 mm² through 2 × 0.4 mm of FR4 at 0.3 W/(m·K), and some vias |
+//! | stem | 1.2 mW/K, 0.2 J/K | assumed; from the cores to the support in 8 cells |
 //! | emissivity | 0.03 | sputtered gold |
 //!
 //! The element that heats and senses is the chip on a sector, and the board itself in the core. What a chip reads right after a period

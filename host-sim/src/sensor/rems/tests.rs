@@ -130,3 +130,24 @@ fn a_warm_support_warms_the_head_by_the_shank() {
     assert!((1e-3..0.5).contains(&rise), "{rise}");
     assert!(body.flows().support_w < 0.0, "heat comes in");
 }
+
+#[test]
+fn agrees_with_the_network_worked_out_by_another_program() {
+    // The same network as a conductance matrix in numpy, inverted: rise in K/W of card 1's dice 1, 2 and 3, of card 2's die 1 and of the
+    // boom, with heat in card 1's die 1; of card 2's die 2 with heat in itself; of the boom with heat in itself.
+    for (wind_m_s, expected) in [
+        ([0.0; 3], [681.440, 137.558, 89.997, 0.5173, 10.5218, 681.440, 214.014]),
+        ([-0.125, 0.0, 0.0], [644.507, 121.198, 77.749, 0.2946, 6.6946, 644.507, 152.124]),
+        ([0.125, 0.0, 0.0], [664.897, 130.460, 84.158, 0.4239, 8.9672, 664.897, 189.707]),
+        ([0.2, 0.3, -0.1], [629.906, 110.703, 67.722, 0.1793, 4.8045, 624.087, 123.576]),
+    ] {
+        // So little heat that radiation is linear, as it is there.
+        let heated = |element: usize| rises_k(wind_m_s, |i| if i == element { 1e-5 } else { 0.0 });
+        let (first, other, boom) = (heated(0), heated(5), heated(BOOM));
+        let found = [first[0], first[1], first[2], first[4], first[BOOM], other[5], boom[BOOM]].map(|rise| rise / 1e-5);
+        for (found, expected) in found.iter().zip(expected) {
+            // It has 1005 J/(kg·K) for the heat capacity of air, where ours is computed; and the digits printed here.
+            assert!((found / expected - 1.0).abs() < 6e-4, "{wind_m_s:?}: {found} for {expected}");
+        }
+    }
+}
