@@ -9,7 +9,9 @@
 //! | [`instrument`] | what runs an experiment: in this process, in the emulator, at a serial port |
 //! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |
-//! | [`predict`] | what a closed loop will do, from a model |
+//! | [`identify`], [`model`] | models from recordings |
+//! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
+//! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
 //! | [`cli`] | the command line |
 
 pub mod cli;
@@ -25,4 +27,5 @@ pub mod recording;
 pub mod run;
 pub mod sensor;
 pub mod summary;
+pub mod thesis;
 pub mod toml_file;

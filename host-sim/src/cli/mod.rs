@@ -22,6 +22,7 @@ mod plot;
 mod predict;
 mod reduce;
 mod run;
+mod thesis;
 mod validate;
 
 use std::fmt::Display;
@@ -70,6 +71,7 @@ enum Command {
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
+    Thesis(thesis::Arguments),
 }
 
 /// Why the command ends, and with which exit code.
@@ -136,6 +138,7 @@ pub fn main() -> ExitCode {
         Command::Reduce(arguments) => reduce::execute(&arguments),
         Command::Analyse(arguments) => analyse::execute(&arguments),
         Command::Predict(arguments) => predict::execute(&arguments),
+        Command::Thesis(arguments) => thesis::execute(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -23,6 +23,7 @@ pub use super::reduce::Bin;
 pub use chart::{Chart, Lines, Series};
 pub use fit::{FitBuilder, FitSeries};
 pub use page::page;
+pub use words::brief;
 
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,130 @@
+//! `anemo thesis`: the experiments of the thesis on the simulated sensors.
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::Failure;
+use crate::thesis::{Findings, Lab, STUDIES, Study, StudyError, page};
+use crate::toml_file::suggest;
+
+/// Run the experiments of the thesis on the simulated sensors, and set its findings beside ours.
+///
+/// Each study runs its experiments, identifies models, predicts with them, and leaves a page and a picture: the published value, ours,
+/// and whether the bar between them is met.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo thesis --list
+  anemo thesis
+  anemo thesis rems-self -o out/results")]
+pub struct Arguments {
+    /// The studies to run: all if none is named.
+    names: Vec<String>,
+    /// Say which studies there are.
+    #[arg(long)]
+    list: bool,
+    /// The folder for pages and pictures.
+    #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
+    output: PathBuf,
+    /// The folder with the experiments.
+    #[arg(long, value_name = "FOLDER", default_value = "experiments/thesis")]
+    experiments: PathBuf,
+    /// Print one JSON object instead of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.list {
+        return super::print(
+            &STUDIES.iter().map(|study| format!("{:22} {}\n", study.name, study.title)).collect::<String>(),
+        );
+    }
+    let studies = chosen(&arguments.names).map_err(Failure::usage)?;
+    if !arguments.experiments.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: no folder of experiments; run it from the project's own, or say where with --experiments",
+            arguments.experiments.display()
+        )));
+    }
+    std::fs::create_dir_all(&arguments.output)
+        .map_err(|error| Failure::usage(format!("{}: {error}", arguments.output.display())))?;
+    let terminal = std::io::stderr().is_terminal();
+    let told = |what: &str| {
+        if terminal {
+            eprintln!("  {what}");
+        }
+    };
+    let lab = Lab::new(&arguments.experiments, &told);
+    let mut done = Vec::with_capacity(studies.len());
+    for study in studies {
+        told(study.name);
+        let findings = study.run(&lab).map_err(|error| failure(study, error))?;
+        page::write(&arguments.output, study, &findings).map_err(Failure::work)?;
+        done.push((study, findings));
+    }
+    // The page over all of them is of all of them.
+    if arguments.names.is_empty() {
+        page::write_index(&arguments.output, &done).map_err(Failure::work)?;
+    }
+    if arguments.json {
+        let of = |(study, findings): &(&Study, Findings)| (study.name.to_owned(), as_json(findings));
+        return super::print_json(&serde_json::Value::Object(done.iter().map(of).collect()));
+    }
+    super::print(&done.iter().map(|(study, findings)| text(study, findings)).collect::<String>())
+}
+
+/// The studies of these names.
+fn chosen(names: &[String]) -> Result<Vec<&'static Study>, String> {
+    let of = |name: &String| {
+        STUDIES.iter().find(|study| study.name == name).ok_or_else(|| {
+            let hint = suggest(name, STUDIES.iter().map(|study| study.name));
+            format!("there is no study `{name}`; {hint}")
+        })
+    };
+    if names.is_empty() { Ok(STUDIES.iter().collect()) } else { names.iter().map(of).collect() }
+}
+
+fn failure(study: &Study, error: StudyError) -> Failure {
+    match error {
+        StudyError::File(error) => error.into(),
+        StudyError::Run(error) => error.into(),
+        other => Failure::work(format!("{}: {other}", study.name)),
+    }
+}
+
+fn text(study: &Study, findings: &Findings) -> String {
+    let mut text = format!("{}\n", study.title);
+    for finding in &findings.findings {
+        let mark = match finding.met {
+            None => "      ",
+            Some(true) => "met   ",
+            Some(false) => "MISSED",
+        };
+        let or = |words: &str, nothing: &str| if words.is_empty() { nothing.to_owned() } else { words.to_owned() };
+        text += &format!(
+            "  {mark}  {}: {}  (published: {}; bar: {})\n",
+            finding.what,
+            finding.ours,
+            or(&finding.published, "nothing"),
+            or(&finding.bar, "none")
+        );
+    }
+    text + "\n"
+}
+
+fn as_json(findings: &Findings) -> serde_json::Value {
+    let (bars, met) = findings.score();
+    let rows = findings.findings.iter().map(|finding| {
+        json!({
+            "what": finding.what,
+            "published": finding.published,
+            "ours": finding.ours,
+            "bar": finding.bar,
+            "met": finding.met,
+        })
+    });
+    json!({ "bars": bars, "met": met, "findings": rows.collect::<Vec<_>>() })
+}

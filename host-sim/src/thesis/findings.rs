@@ -1,0 +1,107 @@
+//! What a study found: published values, ours, and the bar between them.
+
+use crate::plot::PlotError;
+use crate::plot::model::{Chart, Lines};
+
+/// One line of a study's table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    pub what: String,
+    /// Empty where nothing was published.
+    pub published: String,
+    pub ours: String,
+    /// What had to be reached; empty where the value is only told.
+    pub bar: String,
+    pub met: Option<bool>,
+}
+
+impl Finding {
+    /// A value that is only told.
+    pub fn told(what: impl Into<String>, published: impl Into<String>, ours: impl Into<String>) -> Self {
+        Self { what: what.into(), published: published.into(), ours: ours.into(), bar: String::new(), met: None }
+    }
+
+    /// A value with a bar that the caller has judged.
+    #[must_use]
+    pub fn judged(mut self, bar: impl Into<String>, met: bool) -> Self {
+        self.bar = bar.into();
+        self.met = Some(met);
+        self
+    }
+
+    /// A value in a unit, which has to lie in a range.
+    pub fn between(
+        what: impl Into<String>,
+        published: impl Into<String>,
+        (ours, unit): (f64, &str),
+        (least, most): (f64, f64),
+    ) -> Self {
+        let number = crate::plot::model::brief;
+        let bar = match (least.is_finite(), most.is_finite()) {
+            (true, true) => format!("{} to {}", number(least), number(most)),
+            (true, false) => format!("at least {}", number(least)),
+            _ => format!("at most {}", number(most)),
+        };
+        let met = (least..=most).contains(&ours);
+        Self::told(what, published, in_unit(ours, unit)).judged(in_words(bar, unit), met)
+    }
+
+    /// A value within some percent of a published one.
+    pub fn near(what: impl Into<String>, published: f64, (ours, unit): (f64, &str), percent: f64) -> Self {
+        let off = 100.0 * (ours / published - 1.0);
+        let ours = format!("{} ({off:+.1} %)", in_unit(ours, unit));
+        let met = off.abs() <= percent;
+        Self::told(what, in_unit(published, unit), ours).judged(format!("within {percent} %"), met)
+    }
+}
+
+fn in_unit(value: f64, unit: &str) -> String {
+    in_words(crate::plot::model::brief(value), unit)
+}
+
+fn in_words(words: String, unit: &str) -> String {
+    if unit.is_empty() { words } else { format!("{words} {unit}") }
+}
+
+/// All of a study.
+#[derive(Debug, Clone, Default)]
+pub struct Findings {
+    /// Paragraphs of the page, in Markdown: what was done, and what it shows.
+    pub words: Vec<String>,
+    pub findings: Vec<Finding>,
+    /// The picture.
+    pub svg: String,
+    /// What the picture shows, for those who cannot see it.
+    pub caption: String,
+}
+
+impl Findings {
+    /// Draws rows of charts as the study's picture.
+    ///
+    /// # Errors
+    /// If a chart cannot be drawn.
+    pub fn picture(
+        &mut self,
+        title: &str,
+        caption: impl Into<String>,
+        rows: impl IntoIterator<Item = Vec<Chart>>,
+    ) -> Result<(), PlotError> {
+        self.caption = caption.into();
+        self.svg = rows.into_iter().fold(Lines::new(title), Lines::row).svg()?;
+        Ok(())
+    }
+
+    pub fn push(&mut self, finding: Finding) {
+        self.findings.push(finding);
+    }
+
+    pub fn say(&mut self, paragraph: impl Into<String>) {
+        self.words.push(paragraph.into());
+    }
+
+    /// How many bars there are, and how many are met.
+    pub fn score(&self) -> (usize, usize) {
+        let judged = || self.findings.iter().filter_map(|finding| finding.met);
+        (judged().count(), judged().filter(|met| *met).count())
+    }
+}
