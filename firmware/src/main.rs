@@ -209,22 +209,28 @@ mod app {
         let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
         CHECK_INS.check_in(Member::Transmit);
         while host_transmitter.is_free() {
-            let message = if QUESTIONS.take_identity() {
-                FromBoard::Identity(identity.clone())
-            } else if let Some(message) = messages.dequeue() {
-                message
+            let mut number = || sequence.next(UNSENT.count());
+            if QUESTIONS.take_identity() {
+                transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
+            } else if let Some(message) = messages.peek() {
+                // Sent where it stands: messages have room for many elements, and are slow to move.
+                transmit_one(host_transmitter, number(), message);
+                messages.dequeue();
             } else if let Some(status) = cx.shared.status.lock(|status| status.take()) {
-                FromBoard::Status(status)
+                transmit_one(host_transmitter, number(), &FromBoard::Status(status));
             } else {
                 break;
-            };
-            if let FromBoard::Event(event) = &message {
-                vitals::log_event(event);
             }
-            let mut buffer = [0; MAX_FRAME];
-            if let Ok(frame) = encode(sequence.next(UNSENT.count()), &message, &mut buffer) {
-                host_transmitter.send(frame);
-            }
+        }
+    }
+
+    fn transmit_one(transmitter: &mut HostTransmitter, number: u16, message: &FromBoard) {
+        if let FromBoard::Event(event) = message {
+            vitals::log_event(event);
+        }
+        let mut buffer = [0; MAX_FRAME];
+        if let Ok(frame) = encode(number, message, &mut buffer) {
+            transmitter.send(frame);
         }
     }
 
