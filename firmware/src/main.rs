@@ -110,7 +110,7 @@ mod app {
         loop {
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                    wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                    wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
         }
@@ -186,7 +186,7 @@ mod app {
         CHECK_INS.check_in(Member::Receive);
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
-                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
         cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
@@ -198,7 +198,7 @@ mod app {
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
     }
