@@ -85,8 +85,8 @@ impl<'a> Inbox<'a> {
     }
 
     /// Puts a message where it belongs.
-    pub fn accept(&mut self, received: Received<ToBoard>) -> Wake {
-        match received.message {
+    pub fn accept(&mut self, received: &Received<ToBoard>) -> Wake {
+        match &received.message {
             // Asking twice does no harm, and a host asks until it is answered.
             ToBoard::Hello => {
                 self.questions.identity.store(true, Relaxed);
@@ -94,18 +94,18 @@ impl<'a> Inbox<'a> {
             }
             _ if received.repeated => Wake::Nobody,
             ToBoard::Command(command) => {
-                let queued = self.requests.enqueue((received.sequence, command)).is_ok();
+                let queued = self.requests.enqueue((received.sequence, *command)).is_ok();
                 self.wake_control_if(queued)
             }
             ToBoard::Telemetry { every } => {
-                self.questions.telemetry_every.store(every, Relaxed);
+                self.questions.telemetry_every.store(*every, Relaxed);
                 Wake::Nobody
             }
             ToBoard::Readings(readings) if self.is_virtual => {
-                let queued = self.exchanges.enqueue((received.sequence, readings)).is_ok();
+                let queued = self.exchanges.enqueue((received.sequence, readings.clone())).is_ok();
                 self.wake_control_if(queued)
             }
-            ToBoard::Finish { code } if self.is_virtual => Wake::Finish(code),
+            ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),
             ToBoard::Readings(_) | ToBoard::Finish { .. } => self.wake_control_if(false),
         }
     }
@@ -138,13 +138,13 @@ mod tests {
     fn a_sensor_board_takes_no_readings_from_a_link() {
         let readings = Readings::new(&[dr_core::sensor::Reading::Code(1); 6]).unwrap();
         with_inbox(false, |inbox, _| {
-            assert_eq!(inbox.accept(received(ToBoard::Readings(readings.clone()))), Wake::Nobody);
-            assert_eq!(inbox.accept(received(ToBoard::Finish { code: 0 })), Wake::Nobody);
+            assert_eq!(inbox.accept(&received(ToBoard::Readings(readings.clone()))), Wake::Nobody);
+            assert_eq!(inbox.accept(&received(ToBoard::Finish { code: 0 })), Wake::Nobody);
             assert_eq!(inbox.refused, 2);
         });
         with_inbox(true, |inbox, _| {
-            assert_eq!(inbox.accept(received(ToBoard::Readings(readings))), Wake::Control);
-            assert_eq!(inbox.accept(received(ToBoard::Finish { code: 7 })), Wake::Finish(7));
+            assert_eq!(inbox.accept(&received(ToBoard::Readings(readings))), Wake::Control);
+            assert_eq!(inbox.accept(&received(ToBoard::Finish { code: 7 })), Wake::Finish(7));
         });
     }
 
@@ -152,17 +152,20 @@ mod tests {
     fn a_repeated_command_is_not_carried_out_again() {
         with_inbox(false, |inbox, _| {
             let again = Received { sequence: 1, repeated: true, message: ToBoard::Command(Command::Start) };
-            assert_eq!(inbox.accept(again), Wake::Nobody);
-            assert_eq!(inbox.accept(Received { sequence: 1, repeated: true, message: ToBoard::Hello }), Wake::Transmit);
+            assert_eq!(inbox.accept(&again), Wake::Nobody);
+            assert_eq!(
+                inbox.accept(&Received { sequence: 1, repeated: true, message: ToBoard::Hello }),
+                Wake::Transmit
+            );
         });
     }
 
     #[test]
     fn commands_beyond_the_queue_are_counted() {
         with_inbox(false, |inbox, _| {
-            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Control);
-            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Control);
-            assert_eq!(inbox.accept(received(ToBoard::Command(Command::Stop))), Wake::Nobody);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Nobody);
             assert_eq!(inbox.refused, 1);
         });
     }
@@ -171,11 +174,11 @@ mod tests {
     fn samples_are_thinned_as_asked() {
         with_inbox(false, |inbox, questions| {
             assert!(questions.wants_sample(7));
-            inbox.accept(received(ToBoard::Telemetry { every: 10 }));
+            inbox.accept(&received(ToBoard::Telemetry { every: 10 }));
             assert!(questions.wants_sample(20) && !questions.wants_sample(21));
-            inbox.accept(received(ToBoard::Telemetry { every: 0 }));
+            inbox.accept(&received(ToBoard::Telemetry { every: 0 }));
             assert!(!questions.wants_sample(0));
-            inbox.accept(received(ToBoard::Hello));
+            inbox.accept(&received(ToBoard::Hello));
             assert!(questions.take_identity() && !questions.take_identity());
         });
     }

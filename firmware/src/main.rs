@@ -110,7 +110,7 @@ mod app {
         loop {
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                    wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                    wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
         }
@@ -186,7 +186,7 @@ mod app {
         CHECK_INS.check_in(Member::Receive);
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
-                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
         cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
@@ -198,7 +198,7 @@ mod app {
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                wake(cx.shared.inbox.lock(|inbox| inbox.accept(received)));
+                wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
     }
@@ -209,22 +209,28 @@ mod app {
         let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
         CHECK_INS.check_in(Member::Transmit);
         while host_transmitter.is_free() {
-            let message = if QUESTIONS.take_identity() {
-                FromBoard::Identity(identity.clone())
-            } else if let Some(message) = messages.dequeue() {
-                message
+            let mut number = || sequence.next(UNSENT.count());
+            if QUESTIONS.take_identity() {
+                transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
+            } else if let Some(message) = messages.peek() {
+                // Sent where it stands: messages have room for many elements, and are slow to move.
+                transmit_one(host_transmitter, number(), message);
+                messages.dequeue();
             } else if let Some(status) = cx.shared.status.lock(|status| status.take()) {
-                FromBoard::Status(status)
+                transmit_one(host_transmitter, number(), &FromBoard::Status(status));
             } else {
                 break;
-            };
-            if let FromBoard::Event(event) = &message {
-                vitals::log_event(event);
             }
-            let mut buffer = [0; MAX_FRAME];
-            if let Ok(frame) = encode(sequence.next(UNSENT.count()), &message, &mut buffer) {
-                host_transmitter.send(frame);
-            }
+        }
+    }
+
+    fn transmit_one(transmitter: &mut HostTransmitter, number: u16, message: &FromBoard) {
+        if let FromBoard::Event(event) = message {
+            vitals::log_event(event);
+        }
+        let mut buffer = [0; MAX_FRAME];
+        if let Ok(frame) = encode(number, message, &mut buffer) {
+            transmitter.send(frame);
         }
     }
 

@@ -41,6 +41,7 @@ impl<'a> Outbox<'a> {
     }
 
     /// Leaves a message to be sent, or counts it.
+    #[inline(never)]
     pub fn put(&mut self, message: FromBoard) {
         if self.queue.enqueue(message).is_err() {
             // Only this task writes it: load and store are enough.

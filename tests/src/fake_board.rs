@@ -195,7 +195,7 @@ impl Life {
                     {
                         receiver = between_frames.clone();
                     }
-                    Some(received) => drop(inbox.accept(received)),
+                    Some(received) => drop(inbox.accept(&received)),
                     None => {}
                 }
                 if byte == 0 {

@@ -27,6 +27,7 @@ pub type Name = heapless::String<32>;
 
 /// Host to board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[repr(u32)] // moved by words: behind a tag of one byte it would be moved byte by byte
 pub enum ToBoard {
     /// Who are you? Answered by `Identity`.
     Hello,
@@ -48,6 +49,7 @@ pub enum ToBoard {
 
 /// Board to host.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[repr(u32)] // moved by words: behind a tag of one byte it would be moved byte by byte
 pub enum FromBoard {
     /// Answer to `Hello`.
     Identity(Identity),
@@ -130,8 +132,27 @@ pub enum ResetCause {
 pub struct Readings {
     /// Bit i is set if element i has no fresh reading.
     absent: u16,
-    /// Codes, 24 bit, little-endian, two's complement. Where there is no fresh reading: 0 if it is missing, 1 if stale.
-    codes: List<[u8; 3]>,
+    /// Codes. Where there is no fresh reading: 0 if it is missing, 1 if stale.
+    codes: List<Code>,
+}
+
+/// A code of 24 bit, little-endian, two's complement. Bytes only on the way: words are moved many times faster, by the emulator too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "[u8; 3]", from = "[u8; 3]")]
+struct Code(i32);
+
+impl From<Code> for [u8; 3] {
+    fn from(Code(code): Code) -> Self {
+        let [low, middle, high, _] = code.to_le_bytes();
+        [low, middle, high]
+    }
+}
+
+impl From<[u8; 3]> for Code {
+    fn from([low, middle, high]: [u8; 3]) -> Self {
+        // The sign is in the highest byte: shifting down from the top carries it along.
+        Self(i32::from_le_bytes([0, low, middle, high]) >> 8)
+    }
 }
 
 impl Readings {
@@ -146,8 +167,7 @@ impl Readings {
                     i32::from(*reading == Reading::Stale)
                 }
             };
-            let [low, middle, high, _] = code.to_le_bytes();
-            packed.codes.push([low, middle, high]).ok()?;
+            packed.codes.push(Code::from(<[u8; 3]>::from(Code(code)))).ok()?;
         }
         Some(packed)
     }
@@ -155,9 +175,7 @@ impl Readings {
     /// Unpacks them. An element of which nothing was said has no reading.
     pub fn readings(&self) -> [Reading; MOST_ELEMENTS] {
         let mut readings = [Reading::Missing; MOST_ELEMENTS];
-        for (i, (reading, &[low, middle, high])) in readings.iter_mut().zip(&self.codes).enumerate() {
-            // The sign is in the highest byte: shifting down from the top carries it along.
-            let code = i32::from_le_bytes([0, low, middle, high]) >> 8;
+        for (i, (reading, &Code(code))) in readings.iter_mut().zip(&self.codes).enumerate() {
             *reading = match (self.absent >> i & 1, code) {
                 (0, code) => Reading::Code(code),
                 (_, 0) => Reading::Missing,

@@ -131,9 +131,11 @@ pub struct FrontEnd {
 impl FrontEnd {
     /// The readings of the next exchange, if they have come.
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        let (sequence, readings) = self.exchanges.dequeue()?;
-        self.answering = sequence;
-        Some(readings.readings())
+        let (sequence, readings) = self.exchanges.peek()?;
+        self.answering = *sequence;
+        let readings = readings.readings();
+        self.exchanges.dequeue();
+        Some(readings)
     }
 
     /// Answers the exchange with the levels and a digest of all that led to them. Gives the answer back if it has to go

@@ -21,6 +21,9 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let still = still(lab, &mut findings)?;
     let wind = wind(lab, &mut findings)?;
     findings.say(
+        "Both published peaks are one pole: free of any mesh it lies between them, and each mesh of eight rates shows it at its nearest point.",
+    );
+    findings.say(
         "What else changes with the wind: a path through the legs loses twice the die's relative change, and the card is in the wind as well. In a passive network no pole can be alone in changing; the others' share is told.",
     );
     findings.picture(
@@ -53,7 +56,8 @@ fn still(lab: &Lab, findings: &mut Findings) -> Result<Chart, StudyError> {
             let free = with_free_poles(record.table(&[die], &[die], false)?, 3)?;
             let own = pair(&free, die, die)?;
             let found = peak(own, &free.classes[0], DIE_HZ)?;
-            findings.push(Finding::near("the same with 3 free poles", 0.2, (found.frequency_hz, "Hz"), 20.0));
+            let hz = format!("{:.3} Hz", found.frequency_hz);
+            findings.push(Finding::told("the die's pole, free of any mesh", "", hz));
         }
         peaks.push(found.r_k_per_w);
     }
