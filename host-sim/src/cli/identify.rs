@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Ridge on columns of unit norm; 0 for plain least squares.
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
-    /// Which resistances may not be negative: `auto`, `all`, `none`, or pairs as INPUT:OUTPUT,….
+    /// Which resistances may not be negative: `auto` (none, of structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
     /// What the record began with.

@@ -381,7 +381,7 @@ mod tests {
         let found = analyse(&windy, Some(CONDITIONS));
         let held = found.held.as_ref().unwrap();
         let (met_s, settled_s) = (held.reaching_time_s.unwrap(), held.settled_s.unwrap());
-        assert!(found.closed_settling_s.unwrap() < 0.1 && settled_s >= met_s && met_s > 60.0, "{held:?}");
+        assert!(found.closed_settling_s.unwrap() < 0.2 && settled_s >= met_s && met_s > 60.0, "{held:?}");
         let verdict = found.verdict(&[]);
         assert!(verdict.starts_with("Answers fast") && verdict.contains("under the high level"), "{verdict}");
         assert!(verdict.contains("times the steady power at once"), "{verdict}");

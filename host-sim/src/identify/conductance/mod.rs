@@ -40,7 +40,7 @@ use super::record::{Source, Survey};
 use super::residuals::{Fitted, look};
 use super::symbol::{self, chosen_by};
 use super::{GasGiven, IdentifyError, Options, Progress, Sight, support};
-use crate::model::{End, Model, Output, Pair, Structure};
+use crate::model::{Chosen, End, Model, Output, Pair, Structure};
 use plan::{GasBanks, beginnings, design, drive_scale, followings, gas_guess, meshes, priors};
 use report::{doubts, following, reasons, resistances, weights, wind};
 use solver::Solver;
@@ -210,8 +210,14 @@ pub fn identify(
         let rise_k = passed.facts.output_range.iter().map(over_k).fold(0.0, f64::max);
         warnings.extend(gas::contradiction(source, (given_c, rise_k), &rms, options, progress)?);
     }
-    let chosen =
-        chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons(&trials, best, &meshes));
+    let mut reasons = reasons(&trials, best, &meshes);
+    if pairs.iter().any(|pair| pair.non_negative) {
+        reasons.push("signs: none negative where asked for".to_owned());
+    }
+    let chosen = Chosen {
+        non_negative: pairs.iter().all(|pair| pair.non_negative),
+        ..chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons)
+    };
     let end = End {
         next_time_s: looked.next_time_s,
         decays: looked.end.iter().map(|amplitudes| symbol::decays(design, amplitudes)).collect(),

@@ -243,3 +243,23 @@ fn resistances_that_may_not_be_negative_are_not_and_winds_make_the_best_of_it() 
     assert!(any.0 < 0.0 && held.0 == 0.0, "{any:?} {held:?}");
     assert!(held.1.abs() < 0.02 && held.2.abs() < 1e-3, "{held:?}");
 }
+
+#[test]
+fn signs_that_were_asked_for_are_in_the_model() {
+    let of = |signs: Signs| {
+        let (mut table, ..) = held(0.02, -1e-2);
+        let options = Options {
+            structure: Some(Structure::Conductance),
+            gas: GasGiven::ConstantC(GAS_C),
+            signs,
+            ..Options::default()
+        };
+        identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap()
+    };
+    let (any, held) = (of(Signs::Any), of(Signs::AllPositive));
+    let least = |model: &Model| {
+        model.pairs[0].classes.values().flat_map(|class| &class.r_k_per_w).fold(f64::INFINITY, |a, b| a.min(*b))
+    };
+    assert!(least(&any) < 0.0 && !any.pairs[0].non_negative, "{}", least(&any));
+    assert!(least(&held) >= 0.0 && held.pairs[0].non_negative && held.chosen.non_negative, "{}", least(&held));
+}
