@@ -6,15 +6,18 @@ use dr_core::model::Reachability;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::analysis_summary::summary;
-use crate::model::Model;
+use super::analysis_summary::{brief, summary};
 use crate::model::export::part::Part;
+use crate::model::{Model, Pair};
 use crate::plot::Canvas;
 use crate::plot::model::closed_loop;
 use crate::predict::analysis::{Analysis, Conditions, SETTLED, analyse, change_between};
 use crate::predict::decays::Term;
 use crate::predict::disturbance::Change;
-use crate::predict::windy::Windy;
+use crate::predict::windy::{Windy, of_another_gas};
+
+/// Swings beyond this share of the rise are not small.
+const COARSE: f64 = 0.1;
 
 /// Say from a model what the closed loop will do: whether it can hold a set-point, and how fast its power answers.
 ///
@@ -29,7 +32,8 @@ A zero's weight is what the power has beyond its steady value on that zero, in u
 temperature was lifted to the set-point at once. Weights of a change of the wind depend on the change, and are in `changes`.
 
 Settling after a change of the wind is counted from the change until the power stays within 2 % of the whole change, with the
-temperature back at its set-point where a level was in the way of the power at once.
+temperature back at its set-point where a level was in the way. Of a step of the set-point it is counted from rest, under the high level
+first and between the levels then.
 
 Examples:
   anemo analyse model.json
@@ -99,17 +103,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
-    for (name, value) in [
+    super::finite(&[
         ("--target", arguments.target),
         ("--low", arguments.low),
         ("--high", arguments.high),
         ("--sample-period", arguments.sample_period),
         ("--gas-temperature", arguments.gas_temperature),
-    ] {
-        if value.is_some_and(|value| !value.is_finite()) {
-            return Err(format!("{name} must be a finite number"));
-        }
-    }
+    ])?;
     let named = arguments.element.as_ref().map(|element| format!("{element}:{element}"));
     let pair = arguments.pair.as_ref().or(named.as_ref());
     let mut notes = Vec::new();
@@ -119,19 +119,17 @@ fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
     if arguments.class.is_none() && model.classes.len() > 1 {
         notes.push(format!("class `{label}` of {}: choose another with --class", model.classes.join(", ")));
     }
-    if !part.is_self_heating() {
-        notes.push("this pair is cross-heating: no loop measures here and heats there".to_owned());
-    }
+    own_heat(&part)?;
     if part.pair.dead_time_samples > 0 {
-        let dead_s = part.dead_time_s();
+        let dead_s = brief(part.dead_time_s());
         notes.push(format!("the model's dead time of {dead_s} s is in the reaching time only: a real loop swings further by what a level does in that time"));
     }
-    if !model.supported {
-        notes.push(format!("the record does not support this model: {}", model.warnings.join("; ")));
-    }
+    notes.extend(model.doubt(Some(part.pair)));
+    notes.extend(of_another_gas(model, arguments.gas_temperature));
     let windy = Windy::of(&part, arguments.gas_temperature)?;
     let conditions = conditions(arguments, &part, &windy, &mut notes)?;
     let analysis = analyse(&windy, conditions);
+    notes.extend(too_coarse(&analysis));
     let (mut changes, mut others) = (Vec::new(), Vec::new());
     for other in model.classes.iter().filter(|other| *other != label) {
         let Ok(part) = Part::find(model, pair.map(String::as_str), Some(other)) else {
@@ -141,7 +139,9 @@ fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
         match Windy::of(&part, arguments.gas_temperature) {
             Ok(to) => {
                 let target_c = conditions.map_or(windy.unheated_c + 1.0, |conditions| conditions.target_c);
-                changes.extend(change_between(&windy, &to, target_c).map(|change| (other.clone(), change)));
+                // From a wind in which nothing is held nothing changes.
+                let change = change_between(&windy, &to, target_c).filter(|_| reachable(&analysis) != Some(false));
+                changes.extend(change.map(|change| (other.clone(), change)));
                 others.push(analyse(&to, conditions));
             }
             Err(sentence) => notes.push(sentence),
@@ -156,6 +156,29 @@ fn find(arguments: &Arguments, model: &Model) -> Result<Found, String> {
         verdict,
         fast,
         notes,
+    })
+}
+
+/// Refuses a pair whose output is another element's.
+pub fn own_heat(part: &Part<'_>) -> Result<(), String> {
+    if part.is_self_heating() {
+        return Ok(());
+    }
+    let Pair { input, output, .. } = part.pair;
+    Err(format!("pair {input} → {output} is cross-heating: no loop measures here and heats there"))
+}
+
+/// A remark on a sample period in which a level moves the temperature by a good part of the rise.
+fn too_coarse(analysis: &Analysis) -> Option<String> {
+    let held = analysis.held.as_ref()?;
+    let swing_k = held.chatter?.peak_to_peak_k();
+    (swing_k > COARSE * held.rise_k).then(|| {
+        format!(
+            "a sample period of {} s is too long for what is said here, which is of the limit of fast sampling: a tick moves the temperature by up to {} K, of a rise of {} K",
+            held.conditions.sample_period_s,
+            brief(swing_k),
+            brief(held.rise_k)
+        )
     })
 }
 
@@ -229,6 +252,7 @@ fn as_json(found: &Found) -> Value {
         "power_high_w": held.map(|held| held.conditions.power_high_w),
         "sample_period_s": held.map(|held| held.conditions.sample_period_s),
         "margins_w": held.map(|held| [held.margins_w.0, held.margins_w.1]),
+        "settling_from_rest_s": held.and_then(|held| held.settled_s),
         "arrival_w": held.and_then(|held| held.arrival_w),
         "chatter_k": held.and_then(|held| held.chatter).map(|chatter| chatter.peak_to_peak_k()),
         "chatter_below_k": held.and_then(|held| held.chatter).map(|chatter| chatter.below_k),

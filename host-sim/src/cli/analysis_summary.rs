@@ -30,31 +30,44 @@ pub fn summary(found: &Found) -> String {
     poles_and_zeros(&mut text, analysis);
     for (to, change) in &found.changes {
         let limited = analysis.limited(change);
-        let settled = limited.settled_s.map_or("never".to_owned(), |time_s| format!("in {} s", brief(time_s)));
+        let Some(off_s) = limited.off_s else {
+            let _ = writeln!(text, "\n{} → {to}: OUT OF REACH between these levels", analysis.label);
+            continue;
+        };
         let _ = writeln!(
             text,
-            "\n{} → {to}: {} W before, {} W at once, {} W in the end; within 2 % {settled}\n  {:.1} % of the disturbance is mismatched",
+            "\n{} → {to}: {} W before, {} W at once, {} W in the end; within 2 % of the change {}\n  {:.1} % of the disturbance is mismatched",
             analysis.label,
             brief(change.before_w),
             brief(change.at_once_w),
             brief(change.finally_w),
+            within(limited.settled_s),
             100.0 * change.mismatched_share()
         );
-        let free = change
-            .settled_s(SETTLED)
-            .map_or(String::new(), |time_s| format!(", and would be settled in {} s if it could", brief(time_s)));
-        let _ = match limited.off_s {
-            Some(0.0) => Ok(()),
-            Some(off_s) => writeln!(
+        if off_s > 0.0 {
+            let free = within(change.settled_s(SETTLED));
+            let free = if free == within(limited.settled_s) {
+                String::new()
+            } else {
+                format!(", and would be settled {free} if it could")
+            };
+            let _ = writeln!(
                 text,
                 "  a level is in the way: the temperature is off its set-point for {} s{free}",
                 brief(off_s)
-            ),
-            None => writeln!(text, "  OUT OF REACH between these levels"),
-        };
+            );
+        }
     }
     let _ = writeln!(text, "\n{}", found.verdict);
     text
+}
+
+fn within(time_s: Option<f64>) -> String {
+    match time_s {
+        None => "never".to_owned(),
+        Some(0.0) => "at once".to_owned(),
+        Some(time_s) => format!("in {} s", brief(time_s)),
+    }
 }
 
 fn set_point(text: &mut String, held: &Held) {
@@ -70,7 +83,13 @@ fn set_point(text: &mut String, held: &Held) {
         verdict(held)
     );
     if let (Some(time_s), Some(arrival_w)) = (held.reaching_time_s, held.arrival_w) {
-        let _ = writeln!(text, "  reached from rest after {} s, then with {} W", brief(time_s), brief(arrival_w));
+        let _ = writeln!(
+            text,
+            "  reached from rest after {} s, then with {} W; the power is within 2 % of the steady one {}",
+            brief(time_s),
+            brief(arrival_w),
+            within(held.settled_s)
+        );
         let (low_w, high_w) = conditions.levels_w();
         if !(low_w..=high_w).contains(&arrival_w) {
             text.push_str(
@@ -84,7 +103,8 @@ fn set_point(text: &mut String, held: &Held) {
             "  readings stay between about {} mK below and {} mK above it; their mean, and so the power, is off by {:.3} % of the rise",
             brief(1e3 * chatter.below_k),
             brief(1e3 * chatter.above_k),
-            100.0 * chatter.mean_k() / held.rise_k
+            // Rounded here, so that there is no -0.000.
+            (1e5 * chatter.mean_k() / held.rise_k).round() / 1e3 + 0.0
         );
     }
 }

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::Failure;
+use super::analyse::own_heat;
 use crate::design::{Design, Wish, design};
 use crate::model::Model;
 use crate::model::export::part::Part;
-use crate::predict::windy::Windy;
+use crate::predict::windy::{Windy, of_another_gas};
 
 /// Recommend levels, sample period and set-point for a closed loop, from a model and a wish.
 ///
@@ -28,7 +29,7 @@ pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,
     /// The set-point in K above the temperature without heating (of the first wind), or a range of those that would do.
-    #[arg(long, value_name = "K|LOW..HIGH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K|LOW..HIGH", allow_hyphen_values = true)]
     target: String,
     /// The pair of input and output, as `sector1:sector1`, where the model has several.
     #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
@@ -40,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LABEL,…", value_delimiter = ',', conflicts_with = "conductance")]
     wind: Vec<String>,
     /// The winds as a range of ΔG in W/K over the reference, of a model in which the wind is a conductance.
-    #[arg(long, value_name = "LOW..HIGH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LOW..HIGH", allow_hyphen_values = true)]
     conductance: Option<String>,
     /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
     #[arg(long, value_name = "°C", allow_negative_numbers = true)]
@@ -72,7 +73,21 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let refuse = |sentence: String| Failure::usage(format!("{}: {sentence}", arguments.model.display()));
     let (first, last) = range("--target", &arguments.target).map_err(Failure::usage)?;
-    let (winds, pair) = winds(arguments, &model).map_err(refuse)?;
+    super::finite(&[
+        ("--low", arguments.low),
+        ("--high", arguments.high),
+        ("--margin", Some(arguments.margin)),
+        ("--ripple", Some(arguments.ripple)),
+        ("--response", arguments.response),
+        ("--reach", arguments.reach),
+        ("--gas-temperature", arguments.gas_temperature),
+    ])
+    .map_err(Failure::usage)?;
+    let twice = arguments.wind.iter().enumerate().find(|(at, label)| arguments.wind[..*at].contains(label));
+    if let Some((_, label)) = twice {
+        return Err(Failure::usage(format!("--wind names `{label}` twice: once is enough")));
+    }
+    let (winds, Chosen { pair, notes }) = winds(arguments, &model).map_err(refuse)?;
     let wish = Wish {
         rise_k: (first, last),
         power_low_w: arguments.low,
@@ -84,9 +99,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let found = design(&winds, &wish).map_err(refuse)?;
     if arguments.json {
-        return super::print_json(&as_json(&pair, &found));
+        return super::print_json(&as_json(&pair, &found, &notes));
     }
-    super::print(&summary(&pair, &found, &model))
+    super::print(&summary(&pair, &found, &notes))
 }
 
 /// One number, or two with `..` between them.
@@ -101,26 +116,32 @@ fn range(option: &str, text: &str) -> Result<(f64, f64), String> {
     both.ok_or_else(|| format!("{option} is `{text}`: a number belongs there, or a range such as 10..40"))
 }
 
-/// The winds that were asked for, and what the pair is called.
-fn winds(arguments: &Arguments, model: &Model) -> Result<(Vec<Windy>, String), String> {
+/// What the pair is called, and what is to be said of it.
+struct Chosen {
+    pair: String,
+    notes: Vec<String>,
+}
+
+/// The winds that were asked for, and of what.
+fn winds(arguments: &Arguments, model: &Model) -> Result<(Vec<Windy>, Chosen), String> {
     let named = arguments.element.as_ref().map(|element| format!("{element}:{element}"));
     let pair = arguments.pair.as_ref().or(named.as_ref()).map(String::as_str);
     let reference = model.wind.as_ref().map_or(&model.classes[0], |wind| &wind.reference);
     let part = Part::find(model, pair, Some(reference))?;
     let called = format!("{} → {}", part.pair.input, part.pair.output);
-    if !part.is_self_heating() {
-        return Err(format!("pair {called} is cross-heating: no loop measures here and heats there"));
-    }
+    own_heat(&part)?;
     let late = part.pair.dead_time_samples;
     if late > 0 {
         return Err(format!(
             "pair {called} has a dead time of {late} samples, in which the temperature runs on past its set-point, and which no design here allows for: identify it with --dead-time 0"
         ));
     }
+    let notes = model.doubt(Some(part.pair)).into_iter().chain(of_another_gas(model, arguments.gas_temperature));
+    let chosen = Chosen { pair: called, notes: notes.collect() };
     let Some(conductance) = &arguments.conductance else {
         let labels = if arguments.wind.is_empty() { &model.classes } else { &arguments.wind };
         let of = |label: &String| Windy::of(&Part::find(model, pair, Some(label))?, arguments.gas_temperature);
-        return Ok((labels.iter().map(of).collect::<Result<_, String>>()?, called));
+        return Ok((labels.iter().map(of).collect::<Result<_, String>>()?, chosen));
     };
     if model.wind.is_none() {
         return Err("the wind of this model is no conductance: name its classes with --wind".to_owned());
@@ -134,10 +155,10 @@ fn winds(arguments: &Arguments, model: &Model) -> Result<(Vec<Windy>, String), S
         Windy::of(&Part { label: &label, wind_w_per_k: Some(*value), ..part }, arguments.gas_temperature)
     };
     let values = if low == high { vec![low] } else { vec![low, high] };
-    Ok((values.iter().map(of).collect::<Result<_, String>>()?, called))
+    Ok((values.iter().map(of).collect::<Result<_, String>>()?, chosen))
 }
 
-fn summary(pair: &str, found: &Design, model: &Model) -> String {
+fn summary(pair: &str, found: &Design, notes: &[String]) -> String {
     // Writing to a String cannot fail.
     let mut text = format!(
         "{pair}\n\nset-point      {:.3} °C, {:.4} K above the temperature without heating\nlow level      {:.5} W\nhigh level     {:.5} W\nsample period  {} s\nresolution     {:.3e} W, averaged over {} s\n\n",
@@ -176,13 +197,13 @@ fn summary(pair: &str, found: &Design, model: &Model) -> String {
     text.push_str(
         "\nThe swing is a bound to first order in the fastest pole and without reading noise, which adds to it.\n",
     );
-    if !model.supported {
-        let _ = writeln!(text, "The record does not support this model: {}", model.warnings.join("; "));
+    for note in notes {
+        let _ = writeln!(text, "{note}");
     }
     text
 }
 
-fn as_json(pair: &str, found: &Design) -> Value {
+fn as_json(pair: &str, found: &Design, notes: &[String]) -> Value {
     let wind = |wind: &crate::design::InWind| {
         let of = json!({
             "steady_power_w": wind.steady_power_w,
@@ -209,6 +230,7 @@ fn as_json(pair: &str, found: &Design) -> Value {
         "settling_s": found.settling_s,
         "winds": found.winds.iter().map(wind).collect::<serde_json::Map<_, _>>(),
         "reasons": found.reasons,
+        "notes": notes,
     })
 }
 

@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Ridge on columns of unit norm; 0 for plain least squares.
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
-    /// Which resistances may not be negative: `auto`, `all`, `none`, or pairs as INPUT:OUTPUT,….
+    /// Which resistances may not be negative: `auto` (none, of structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
     /// What the record began with.
@@ -259,15 +259,7 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let same = |path: &PathBuf| {
-        path.canonicalize().ok().is_some_and(|path| arguments.record.canonicalize().ok() == Some(path))
-    };
-    if arguments.output_file.as_ref().is_some_and(same) || arguments.plot.as_ref().is_some_and(same) {
-        return Err(Failure::usage(format!(
-            "{}: is the record itself, and would be overwritten",
-            arguments.record.display()
-        )));
-    }
+    super::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.plot.as_deref()])?;
     let (selection, gas) = arguments.selection();
     let mut stream = Stream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;

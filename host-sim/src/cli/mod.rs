@@ -20,6 +20,8 @@ mod merge;
 mod model_summary;
 mod plot;
 mod predict;
+mod predict_against;
+mod predict_summary;
 mod reduce;
 mod run;
 mod thesis;
@@ -174,6 +176,26 @@ fn read_experiment(path: &std::path::Path) -> Result<(Experiment, dr_core::contr
     let experiment = Experiment::read(path)?;
     let reply = crate::run::rehearse(&experiment)?;
     Ok((experiment, reply))
+}
+
+/// Refuses to write over a file that is read, by whatever path.
+fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> Result<(), Failure> {
+    let whole: Vec<_> = read.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    let lost = written.iter().flatten().find(|path| path.canonicalize().is_ok_and(|path| whole.contains(&path)));
+    lost.map_or(Ok(()), |path| {
+        Err(Failure::usage(format!(
+            "{}: is read by this command, and would be overwritten: name another file",
+            path.display()
+        )))
+    })
+}
+
+/// An option's numbers, none of which may be infinite or no number.
+fn finite(options: &[(&str, Option<f64>)]) -> Result<(), String> {
+    match options.iter().find(|(_, value)| value.is_some_and(|value| !value.is_finite())) {
+        Some((name, _)) => Err(format!("{name} must be a finite number")),
+        None => Ok(()),
+    }
 }
 
 /// Clap's message without its usage block, in one line.

@@ -1,5 +1,6 @@
 //! How soon the power shows a change of the wind: between given levels, and at best.
 
+use super::levels::{BEYOND_ABOVE, BEYOND_BELOW};
 use crate::predict::analysis::{SETTLED, change_between};
 use crate::predict::disturbance::Change;
 use crate::predict::windy::Windy;
@@ -21,10 +22,11 @@ pub fn changes<'a>(winds: &'a [Windy], target_c: f64) -> Vec<Step<'a>> {
     pairs.filter(|(from, to)| !std::ptr::eq(*from, *to)).filter_map(step).collect()
 }
 
-/// The least and the most power in W that a change asks for at once; nothing where there is no change.
-pub fn at_once_w(changes: &[Step<'_>]) -> Option<(f64, f64)> {
-    let powers = || changes.iter().map(|step| step.change.at_once_w);
-    Some((powers().reduce(f64::min)?, powers().reduce(f64::max)?))
+/// The least and the most power in W that any change asks for at any time; nothing where there is no change.
+pub fn asked_w(changes: &[Step<'_>]) -> Option<(f64, f64)> {
+    let extremes = || changes.iter().filter_map(|step| step.change.extremes_w());
+    let least_w = extremes().map(|[least, _]| least.1).reduce(f64::min)?;
+    Some((least_w, extremes().map(|[_, most]| most.1).reduce(f64::max)?))
 }
 
 /// The longest settling in s of all changes between levels in W; `None` where there is no change.
@@ -37,43 +39,84 @@ pub fn settling_s(
     levels_w: (f64, f64),
     reasons: &mut Vec<String>,
 ) -> Result<Option<f64>, String> {
-    let settled_s = |step: &Step<'_>| step.change.between(SETTLED, levels_w).settled_s.unwrap_or(f64::INFINITY);
-    let slowest = changes.iter().max_by(|a, b| settled_s(a).total_cmp(&settled_s(b)));
-    let Some(step) = slowest else { return Ok(None) };
+    let settled_s =
+        |step: &Step<'_>, levels_w| step.change.between(SETTLED, levels_w).settled_s.unwrap_or(f64::INFINITY);
+    let slowest = changes.iter().max_by(|a, b| settled_s(a, levels_w).total_cmp(&settled_s(b, levels_w)));
+    let Some(step) = slowest else {
+        if let Some(response_s) = response_s {
+            reasons.push(format!(
+                "response: there is one wind only, and so no change that {response_s} s could be looked at for; bits are averaged over them"
+            ));
+        }
+        return Ok(None);
+    };
     let Step { from, to, change } = step;
-    let (between_s, at_best_s) = (settled_s(step), change.settled_s(SETTLED).unwrap_or(f64::INFINITY));
+    let (between_s, at_best_s) = (settled_s(step, levels_w), change.settled_s(SETTLED).unwrap_or(f64::INFINITY));
     let limited = between_s > at_best_s * (1.0 + 1e-9);
+    let (lacks, wide_w) = lacking(change, levels_w);
     if let Some(response_s) = response_s.filter(|response_s| between_s > *response_s) {
         let tail = "That tail is the structure's; wish for that long, or take it out by the observer (`observe`)";
         return Err(if limited {
             let (low_w, high_w) = levels_w;
-            let at_once_w = change.at_once_w;
-            let level = if at_once_w > high_w { "a high level above" } else { "a low level below" };
-            let remedy = if at_once_w < 0.0 {
-                format!("{tail}: the change asks for less than no power")
-            } else if at_best_s > response_s {
+            let wide_s = settled_s(step, wide_w);
+            let remedy = if wide_s > response_s {
                 tail.to_owned()
             } else {
-                format!("With {level} {at_once_w:.5} W it would be {at_best_s:.3} s")
+                format!("With {} it would be {wide_s:.3} s", lacks.join(" and "))
             };
             format!(
-                "a response in {response_s} s cannot be had between {low_w:.5} and {high_w:.5} W: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 %. {remedy}"
+                "a response in {response_s} s cannot be had between {low_w:.5} and {high_w:.5} W: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 % of the change. {remedy}"
             )
         } else {
             format!(
-                "a response in {response_s} s cannot be had: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 %, whatever the levels and the sample period. {tail}"
+                "a response in {response_s} s cannot be had: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 % of the change, whatever the levels and the sample period. {tail}"
             )
         });
     }
-    reasons.push(if limited {
+    let within = |time_s: f64| if time_s == 0.0 { "at once".to_owned() } else { format!("in {time_s:.3} s") };
+    reasons.push(if limited && lacks.is_empty() {
         format!(
-            "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % in {between_s:.3} s, and in {at_best_s:.3} s if the levels gave the {:.5} W that it asks for at once",
-            change.at_once_w
+            "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % of it {}: for a while it asks for less than no heat",
+            within(between_s)
+        )
+    } else if limited {
+        format!(
+            "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % of it {}, and {} with {}",
+            within(between_s),
+            within(settled_s(step, wide_w)),
+            lacks.join(" and ")
         )
     } else {
         format!(
-            "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % in {between_s:.3} s, by the structure alone"
+            "response: the slowest change of the wind, from `{from}` to `{to}`, shows within 2 % of it {}, by the structure alone",
+            within(between_s)
         )
     });
     Ok(Some(between_s))
+}
+
+/// Which levels would be out of the way of a change, in words, and those levels in W, none below zero.
+fn lacking(change: &Change, (low_w, high_w): (f64, f64)) -> (Vec<String>, (f64, f64)) {
+    let Some([(least_s, least_w), (most_s, most_w)]) = change.extremes_w() else {
+        return (Vec::new(), (low_w, high_w));
+    };
+    let after = |time_s: f64| match time_s {
+        0.0 => "at once".to_owned(),
+        f64::INFINITY => "in the end".to_owned(),
+        time_s => format!("{time_s:.3} s after the change"),
+    };
+    let (mut lacks, mut wide_w) = (Vec::new(), (low_w, high_w));
+    if least_w < low_w && low_w > 0.0 {
+        wide_w.0 = (BEYOND_BELOW * least_w).max(0.0);
+        lacks.push(if least_w > 0.0 {
+            format!("a low level below the {least_w:.5} W that it asks for {}", after(least_s))
+        } else {
+            format!("a low level of 0 W, as it asks for no heat at all {}", after(least_s))
+        });
+    }
+    if most_w > high_w {
+        wide_w.1 = BEYOND_ABOVE * most_w;
+        lacks.push(format!("a high level above the {most_w:.5} W that it asks for {}", after(most_s)));
+    }
+    (lacks, wide_w)
 }

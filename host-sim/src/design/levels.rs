@@ -4,9 +4,9 @@ use super::Wish;
 use crate::predict::reaching::reaching_time_s;
 use crate::predict::windy::Windy;
 
-/// How far the levels that are recommended lie beyond the powers that a change asks for at once.
-const BEYOND_BELOW: f64 = 0.95;
-const BEYOND_ABOVE: f64 = 1.05;
+/// How far the levels that are recommended lie beyond the powers that a change asks for.
+pub const BEYOND_BELOW: f64 = 0.95;
+pub const BEYOND_ABOVE: f64 = 1.05;
 
 /// A wind's label and its u_Q in W for a rise over the first wind's temperature without heating.
 fn powers(winds: &[Windy], rise_k: f64) -> impl Iterator<Item = (&str, f64)> {
@@ -91,9 +91,9 @@ pub fn set_point(winds: &[Windy], wish: &Wish, reasons: &mut Vec<String>) -> Res
     Ok(rise_k)
 }
 
-/// Low and high level in W: those given, or those that the margin, the reaching time and answers at once ask for.
+/// Low and high level in W: those given, or those that the margin, the reaching time and changes of the wind ask for.
 ///
-/// `at_once_w` is the least and the most power that a change of the wind asks for at once, where a response is wished.
+/// `asked_w` is the least and the most power that a change of the wind asks for at any time, where a response is wished.
 ///
 /// # Errors
 /// If the set-point is not reached in time.
@@ -101,24 +101,24 @@ pub fn levels(
     winds: &[Windy],
     wish: &Wish,
     rise_k: f64,
-    at_once_w: Option<(f64, f64)>,
+    asked_w: Option<(f64, f64)>,
     reasons: &mut Vec<String>,
 ) -> Result<(f64, f64), String> {
     let [(calm, least_w), (strong, most_w)] = extremes(winds, rise_k);
     let percent = 100.0 * wish.margin;
-    let below_w = at_once_w.map_or(f64::INFINITY, |(least_w, _)| BEYOND_BELOW * least_w).max(0.0);
+    let below_w = asked_w.map_or(f64::INFINITY, |(least_w, _)| BEYOND_BELOW * least_w).max(0.0);
     let low_w = wish.power_low_w.unwrap_or((least_w * (1.0 - wish.margin)).min(below_w));
     reasons.push(match wish.power_low_w {
         Some(_) => format!("low level: as given, below the {least_w:.5} W that `{calm}` takes"),
         None if low_w == below_w => format!(
-            "low level: {low_w:.5} W, below the least power that a change of the wind asks for at once; {percent} % below the {least_w:.5} W that `{calm}` takes would hold the set-point"
+            "low level: {low_w:.5} W, below the least power that a change of the wind asks for; {percent} % below the {least_w:.5} W that `{calm}` takes would hold the set-point"
         ),
         None => format!(
             "low level: {low_w:.5} W, {percent} % below the {least_w:.5} W that `{calm}` takes, the least of all winds"
         ),
     });
     let by_margin_w = most_w * (1.0 + wish.margin);
-    let above_w = at_once_w.map_or(0.0, |(_, most_w)| BEYOND_ABOVE * most_w);
+    let above_w = asked_w.map_or(0.0, |(_, most_w)| BEYOND_ABOVE * most_w);
     let target_c = winds[0].unheated_c + rise_k;
     let slowest_s = |high_w: f64| {
         let times = winds.iter().map(|windy| reaching_time_s(&windy.plane, target_c - windy.unheated_c, high_w));
@@ -128,7 +128,7 @@ pub fn levels(
     let mut reason = match wish.power_high_w {
         Some(_) => format!("high level: as given, above the {most_w:.5} W that `{strong}` takes"),
         None if high_w == above_w => format!(
-            "high level: {high_w:.5} W, above the most power that a change of the wind asks for at once; {by_margin_w:.5} W would hold the set-point"
+            "high level: {high_w:.5} W, above the most power that a change of the wind asks for; {by_margin_w:.5} W would hold the set-point"
         ),
         None => format!(
             "high level: {high_w:.5} W, {percent} % above the {most_w:.5} W that `{strong}` takes, the most of all winds"

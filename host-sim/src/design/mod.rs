@@ -5,7 +5,7 @@
 //! | set-point | the highest of the wished ones that the levels can hold: what wind takes grows with it, and the swing does not |
 //! | levels | below and above u_Q = ΔT/ΣR_k (thesis 2.51) of every wind, by a share of it |
 //! | high level | besides, reaches the set-point from rest in the time allowed, in the strongest wind |
-//! | both | besides, beyond what a change of the wind asks for at once, where a response is wished |
+//! | both | besides, beyond what a change of the wind asks for at any time, where a response is wished |
 //! | sample period | the longest of 1, 2, 5 times a power of ten at which the temperature swings by no more than wished |
 //!
 //! Every number is [`predict`](crate::predict)'s, in the limit of fast sampling of a linear model. What a wish asks beyond the structure
@@ -86,8 +86,8 @@ pub fn design(winds: &[Windy], wish: &Wish) -> Result<Design, String> {
     let rise_k = levels::set_point(winds, wish, &mut reasons)?;
     let target_c = winds[0].unheated_c + rise_k;
     let changes = answers::changes(winds, target_c);
-    let at_once_w = wish.response_s.and_then(|_| answers::at_once_w(&changes));
-    let (power_low_w, power_high_w) = levels::levels(winds, wish, rise_k, at_once_w, &mut reasons)?;
+    let asked_w = wish.response_s.and_then(|_| answers::asked_w(&changes));
+    let (power_low_w, power_high_w) = levels::levels(winds, wish, rise_k, asked_w, &mut reasons)?;
     let settling_s = answers::settling_s(&changes, wish.response_s, (power_low_w, power_high_w), &mut reasons)?;
     let most_s = wish.response_s.map_or(period::LONGEST_S, |response_s| response_s / LEAST_SAMPLES);
     let range_w = power_high_w - power_low_w;
@@ -126,7 +126,8 @@ fn check(winds: &[Windy], wish: &Wish) -> Result<(), String> {
     }
     let (least_k, most_k) = wish.rise_k;
     if !(least_k.is_finite() && most_k.is_finite() && 0.0 < least_k && least_k <= most_k) {
-        return Err(format!("the set-point {least_k}..{most_k} K must be one number above zero, or two that ascend"));
+        let wished = if least_k == most_k { format!("{least_k}") } else { format!("{least_k}..{most_k}") };
+        return Err(format!("the set-point {wished} K must be one number above zero, or two that ascend"));
     }
     if !(0.0 < wish.margin && wish.margin < 1.0) {
         return Err(format!("the margin {} must lie between 0 and 1: it is a share of the power", wish.margin));

@@ -84,6 +84,7 @@ fn wishes_that_cannot_be_met_are_refused_with_what_could_be() {
     let late = refused(Wish { power_high_w: Some(0.4), reach_s: Some(0.5), ..WISH });
     assert!(late.contains("is not reached in 0.5 s") && late.contains("W or more"), "{late}");
     assert!(refused(Wish { rise_k: (-1.0, 3.0), ..WISH }).contains("above zero"));
+    assert!(refused(Wish { rise_k: (-5.0, -5.0), ..WISH }).starts_with("the set-point -5 K must be"));
     assert!(refused(Wish { rise_k: (f64::NAN, 3.0), ..WISH }).contains("above zero"));
     assert!(refused(Wish { margin: 1.0, ..WISH }).contains("between 0 and 1"));
     assert!(refused(Wish { power_low_w: Some(0.5), power_high_w: Some(0.4), ..WISH }).contains("must be above"));
@@ -117,11 +118,48 @@ fn levels_that_stand_in_the_way_of_a_response_are_moved_or_refused() {
     let winds = [of(&[50.0, 50.0], "calm"), of(&[50.0, 20.0], "storm")];
     let wish = Wish { ripple_k: 1.0, margin: 0.2, ..WISH };
     let plain = design(&winds, &wish).unwrap();
-    assert!(plain.reasons.iter().any(|reason| reason.contains("if the levels gave the")), "{:?}", plain.reasons);
+    assert!(plain.reasons.iter().any(|reason| reason.contains("with a low level below the")), "{:?}", plain.reasons);
     let slow_s = plain.settling_s.unwrap();
     let fast = design(&winds, &Wish { response_s: Some(slow_s), ..wish.clone() }).unwrap();
     assert!(fast.settling_s.unwrap() < slow_s && fast.power_high_w > plain.power_high_w);
     let wished = Wish { response_s: Some(0.98 * slow_s), power_high_w: Some(plain.power_high_w), ..wish };
     let refused = design(&winds, &Wish { power_low_w: Some(plain.power_low_w), ..wished }).unwrap_err();
     assert!(refused.contains("cannot be had between") && refused.contains("level "), "{refused}");
+}
+
+#[test]
+fn a_demand_that_comes_later_is_met_by_levels_beyond_it() {
+    // From 0.14 W at once to 0.17, to 0.29 after some nine seconds, and in the end to 0.18 W: heat flows on into the slowest pole.
+    let of = |r: &[f64], label: &str| {
+        let model = testing::model(&[0.02, 0.2, 2.0], r);
+        let mut windy = Windy::of(&Part::find(&model, None, None).unwrap(), None).unwrap();
+        label.clone_into(&mut windy.label);
+        windy
+    };
+    let winds = [of(&[10.0, 90.0, 40.0], "calm"), of(&[60.0, 10.0, 40.0], "storm")];
+    let change = crate::predict::analysis::change_between(&winds[0], &winds[1], winds[0].unheated_c + 20.0).unwrap();
+    let [_, (most_s, most_w)] = change.extremes_w().unwrap();
+    assert!(
+        (5.0..15.0).contains(&most_s) && most_w > 1.4 * change.at_once_w.max(change.finally_w),
+        "{most_s} {most_w}"
+    );
+    let free_s = change.settled_s(0.02).unwrap();
+    let back = crate::predict::analysis::change_between(&winds[1], &winds[0], winds[0].unheated_c + 20.0).unwrap();
+    let worst_s = free_s.max(back.settled_s(0.02).unwrap());
+    // Wished for no more than the structure takes: the levels that are chosen cost nothing.
+    let wish = Wish { response_s: Some(1.001 * worst_s), ripple_k: 1.0, margin: 0.2, ..WISH };
+    let found = design(&winds, &wish).unwrap();
+    assert!(found.power_high_w > most_w, "{} {most_w}", found.power_high_w);
+    // Given levels between which u_eq begins and ends, but does not stay.
+    let changes = answers::changes(&winds, winds[0].unheated_c + 20.0);
+    let levels_w = (found.power_low_w, 0.19);
+    let refused = answers::settling_s(&changes[..1], Some(1.001 * free_s), levels_w, &mut Vec::new()).err().unwrap();
+    let named = format!("a high level above the {most_w:.5} W that it asks for {most_s:.3} s after the change");
+    assert!(refused.contains(&named) && refused.ends_with(&format!("it would be {free_s:.3} s")), "{refused}");
+}
+
+#[test]
+fn with_one_wind_a_response_is_not_looked_at_and_that_is_said() {
+    let found = design(&winds()[..1], &Wish { response_s: Some(5.0), ..WISH }).unwrap();
+    assert!(found.reasons.iter().any(|reason| reason.contains("one wind only")), "{:?}", found.reasons);
 }

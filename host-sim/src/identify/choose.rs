@@ -55,6 +55,17 @@ pub enum Signs {
     AllPositive,
 }
 
+impl Signs {
+    /// Whether a pair was asked to have no negative resistances.
+    pub fn asks(&self, input: usize, output: usize) -> bool {
+        match self {
+            Self::Choose | Self::Any => false,
+            Self::Positive(pairs) => pairs.contains(&(input, output)),
+            Self::AllPositive => true,
+        }
+    }
+}
+
 /// Absolute differences of others' steady gains from a choice's own, K/W.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spread {

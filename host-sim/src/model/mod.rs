@@ -15,6 +15,7 @@
 
 mod check;
 mod conditions;
+mod doubt;
 pub mod export;
 mod file;
 mod forward;

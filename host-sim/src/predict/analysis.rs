@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use super::chatter::{Chatter, chatter};
 use super::decays::Decays;
 use super::disturbance::{Change, change, change_of_conductance};
-use super::limited::Limited;
+use super::limited::{self, Limited};
 use super::reaching::reaching_time_s;
 use super::windy::Windy;
 use super::zeros::decays_of_a_lift;
@@ -15,6 +15,8 @@ use super::zeros::decays_of_a_lift;
 pub const SETTLED: f64 = 0.02;
 /// A loop is fast if it settles in this share of the time that the structure takes by itself.
 const FAST: f64 = 0.1;
+/// Levels are worth a word where they make an answer so many times as long.
+const COSTS: f64 = 1.01;
 
 /// Under which conditions the loop runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +68,9 @@ pub struct Held {
     pub reaching_time_s: Option<f64>,
     /// u_eq on arrival, W.
     pub arrival_w: Option<f64>,
+    /// From rest until the power stays within 2 % of the steady one, under the high level first and between the levels then, s; `None`
+    /// if never.
+    pub settled_s: Option<f64>,
     pub chatter: Option<Chatter>,
 }
 
@@ -101,19 +106,23 @@ fn held(windy: &Windy, conditions: Conditions) -> Held {
     let steady_w = rise_k / plane.steady_gain_k_per_w();
     let reachable = matches!(verdict, Reachability::Reachable { .. });
     let met_s = if reachable { reaching_time_s(plane, rise_k, high_w) } else { None };
-    let arrival = |time_s: f64| {
+    let arrival = met_s.map(|time_s| -> Vec<f64> {
         let poles = plane.rates_rad_s().iter().zip(plane.r_k_per_w());
-        let z: Vec<f64> = poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect();
-        plane.equivalent_control_w(&z)
-    };
+        poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect()
+    });
+    let after_s = arrival
+        .as_ref()
+        .and_then(|z| limited::settle(plane, z, steady_w, SETTLED * steady_w, (low_w, high_w)).settled_s);
+    // What is read is late by the dead time.
+    let reaching_time_s = met_s.map(|met_s| met_s + windy.dead_time_s);
     Held {
         conditions,
         rise_k,
         verdict,
         margins_w: sliding_margins_w(steady_w, low_w, high_w),
-        // What is read is late by the dead time.
-        reaching_time_s: met_s.map(|met_s| met_s + windy.dead_time_s),
-        arrival_w: met_s.map(arrival),
+        reaching_time_s,
+        arrival_w: arrival.map(|z| plane.equivalent_control_w(&z)),
+        settled_s: reaching_time_s.zip(after_s).map(|(met_s, after_s)| met_s + after_s),
         chatter: reachable.then(|| chatter(plane, sample_period_s, steady_w, low_w, high_w)),
     }
 }
@@ -145,10 +154,18 @@ impl Analysis {
         self.zeros.iter().any(|(rate, _)| rate.re <= 0.0)
     }
 
-    /// Whether it settles in a tenth of the structure's own time, after a step of the set-point and after all changes.
+    /// Whether it settles in a tenth of the structure's own time, after all changes to winds that can be held, or else after a step of the
+    /// set-point. The way to a set-point under the high level is no tail: what comes after it is.
     pub fn is_fast(&self, changes: &[(String, Change)]) -> bool {
         let (Some(open_s), Some(worst_s)) = (self.open_settling_s, self.worst_s(changes)) else { return false };
-        worst_s <= FAST * open_s
+        let winds = changes.iter().any(|(_, change)| self.can_hold(change));
+        let way_s = if winds { 0.0 } else { self.way_s() };
+        worst_s - way_s <= FAST * open_s
+    }
+
+    /// The way to the set-point from rest, s; none without levels.
+    fn way_s(&self) -> f64 {
+        self.held.as_ref().and_then(|held| held.reaching_time_s).unwrap_or(0.0)
     }
 
     /// What a change comes to between the loop's levels, or without any where none are known.
@@ -159,12 +176,17 @@ impl Analysis {
         }
     }
 
+    /// Settling after a step of the set-point from rest: between the loop's levels, or without any where none are known.
+    fn step_s(&self) -> Option<f64> {
+        self.held.as_ref().map_or(self.closed_settling_s, |held| held.settled_s)
+    }
+
     /// The longest settling: of changes to winds that can be held where there are some, else of the set-point.
     fn worst_s(&self, changes: &[(String, Change)]) -> Option<f64> {
         let held: Vec<&Change> =
             changes.iter().map(|(_, change)| change).filter(|change| self.can_hold(change)).collect();
         if held.is_empty() {
-            return self.closed_settling_s;
+            return self.step_s();
         }
         held.iter()
             .map(|change| self.limited(change).settled_s)
@@ -198,15 +220,16 @@ impl Analysis {
             );
         }
         let winds = changes.iter().any(|(_, change)| self.can_hold(change));
-        let what = if winds { "a change of the wind" } else { "a step of the set-point" };
+        let what = if winds { "a change of the wind" } else { "a step of the set-point from rest" };
+        let free = if winds { String::new() } else { self.without_levels() };
         let answers = match self.worst_s(changes) {
             Some(worst_s) if self.is_fast(changes) => format!(
-                "Answers fast: after {what} the power is within 2 % of its final value in {}, where the structure by itself takes {open}.{}",
+                "Answers fast: after {what} the power is within 2 % of the whole change in {}{free}, where the structure by itself takes {open}.{}",
                 seconds(Some(worst_s)),
                 self.set_point_too(winds)
             ),
             worst_s => format!(
-                "Answers with a tail: after {what} the power takes {} to within 2 % of its final value, and the structure by itself {open}; the slowest time constant of the loop is {} s.",
+                "Answers with a tail: after {what} the power takes {} to within 2 % of the whole change{free}, and the structure by itself {open}; the slowest time constant of the loop is {} s.",
                 seconds(worst_s),
                 three_digits(1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min))
             ),
@@ -214,10 +237,27 @@ impl Analysis {
         answers + &self.of_the_levels(changes)
     }
 
+    /// What a step of the set-point would come to without levels, where they cost time.
+    fn without_levels(&self) -> String {
+        let (Some(free_s), Some(between_s), true) = (self.closed_settling_s, self.step_s(), self.held.is_some()) else {
+            return String::new();
+        };
+        if between_s <= COSTS * free_s {
+            return String::new();
+        }
+        let share = 1.0 + self.lift.at(0.0) * self.steady_gain_k_per_w;
+        format!(
+            ", {} s of them on the way there under the high level ({} s if a level gave {} times the steady power at once)",
+            three_digits(self.way_s()),
+            three_digits(free_s),
+            three_digits(share)
+        )
+    }
+
     fn set_point_too(&self, winds: bool) -> String {
-        match self.closed_settling_s {
+        match self.step_s() {
             Some(time_s) if winds && !self.is_fast(&[]) => {
-                format!(" After a step of the set-point there is a tail of {} s.", three_digits(time_s))
+                format!(" After a step of the set-point from rest there is a tail of {} s.", three_digits(time_s))
             }
             _ => String::new(),
         }
@@ -227,13 +267,14 @@ impl Analysis {
     fn of_the_levels(&self, changes: &[(String, Change)]) -> String {
         let lost: Vec<&str> =
             changes.iter().filter(|(_, change)| !self.can_hold(change)).map(|(to, _)| to.as_str()).collect();
-        let off = |change: &Change| self.limited(change).off_s.unwrap_or(0.0) > 0.0;
-        let slowed = changes.iter().any(|(_, change)| self.can_hold(change) && off(change));
+        let slower = |change: &Change| {
+            let (between_s, free_s) = (self.limited(change).settled_s, change.settled_s(SETTLED));
+            free_s.is_some_and(|free_s| between_s.is_none_or(|between_s| between_s > COSTS * free_s))
+        };
+        let slowed = changes.iter().any(|(_, change)| self.can_hold(change) && slower(change));
         let mut text = String::new();
         if slowed {
-            text.push_str(
-                " A level stands in the way of the answer at once: levels further apart would make it faster.",
-            );
+            text.push_str(" A level stands in the way of the answer: levels further apart would make it faster.");
         }
         if !lost.is_empty() {
             text.push_str(&format!(" Between these levels the set-point cannot be held in {}.", lost.join(", ")));
@@ -310,7 +351,10 @@ mod tests {
         let steady = |windy: &Windy| (30.0 - windy.unheated_c) / windy.plane.steady_gain_k_per_w();
         assert!((steady(&gust) - change.finally_w).abs() < 1e-12);
         let verdict = analyse(&still, None).verdict(&[("gust".to_owned(), change)]);
-        assert!(verdict.starts_with("Answers fast") && verdict.contains("set-point there is a tail"), "{verdict}");
+        assert!(
+            verdict.starts_with("Answers fast") && verdict.contains("set-point from rest there is a tail"),
+            "{verdict}"
+        );
     }
 
     #[test]
@@ -328,6 +372,34 @@ mod tests {
         assert!(!wide.verdict(&change()).contains("level"));
         let lost = analysis(1.2);
         assert!(lost.verdict(&change()).ends_with("cannot be held in gale."), "{}", lost.verdict(&change()));
+    }
+
+    #[test]
+    fn a_step_of_the_set_point_is_counted_from_rest_between_the_levels() {
+        // A fast pole that matters little: without levels it is settled at once, and 2 W take their time to the set-point.
+        let windy = windy(&[0.01, 100.0], &[10.0, 1e-4]);
+        let found = analyse(&windy, Some(CONDITIONS));
+        let held = found.held.as_ref().unwrap();
+        let (met_s, settled_s) = (held.reaching_time_s.unwrap(), held.settled_s.unwrap());
+        assert!(found.closed_settling_s.unwrap() < 0.2 && settled_s >= met_s && met_s > 60.0, "{held:?}");
+        let verdict = found.verdict(&[]);
+        assert!(verdict.starts_with("Answers fast") && verdict.contains("under the high level"), "{verdict}");
+        assert!(verdict.contains("times the steady power at once"), "{verdict}");
+        // With levels as far apart as it asks for, both are the same.
+        let wide = analyse(&windy, Some(Conditions { power_high_w: 1e6, ..CONDITIONS }));
+        let (free_s, between_s) = (wide.closed_settling_s.unwrap(), wide.held.unwrap().settled_s.unwrap());
+        assert!((between_s / free_s - 1.0).abs() < 0.01, "{between_s} {free_s}");
+    }
+
+    #[test]
+    fn a_level_that_costs_nothing_is_not_complained_of() {
+        let (calm, gale) = (windy(&[0.01, 1.0], &[5.0, 5.0]), windy(&[0.01, 1.0], &[5.0, 4.9]));
+        let change = change_between(&calm, &gale, 30.0).unwrap();
+        let high_w = change.at_once_w * (1.0 - 1e-6);
+        let found = analyse(&calm, Some(Conditions { power_high_w: high_w, ..CONDITIONS }));
+        assert!(found.limited(&change).off_s.unwrap() > 0.0);
+        let verdict = found.verdict(&[("gale".to_owned(), change)]);
+        assert!(!verdict.contains("stands in the way") && verdict.contains("of the whole change"), "{verdict}");
     }
 
     #[test]

@@ -41,6 +41,8 @@ pub struct Predicted {
     pub sampled_w: Vec<f64>,
     /// Temperature at t_n under the one-bit rule, °C.
     pub sampled_c: Vec<f64>,
+    /// Set-point of every tick, °C; none where it is not regulated.
+    pub target_c: Vec<f64>,
     /// Moment in s at which the surface was first met; `None` if never.
     pub first_met_s: Option<f64>,
 }
@@ -114,6 +116,7 @@ pub fn predict(model: &Model, scenario: &Scenario, start: Start) -> Result<Predi
             held: Vec::with_capacity(scenario.ticks),
             sampled_w: Vec::with_capacity(scenario.ticks),
             sampled_c: Vec::with_capacity(scenario.ticks),
+            target_c: Vec::with_capacity(scenario.ticks),
             first_met_s: None,
         })
         .collect();
@@ -229,6 +232,7 @@ fn limit(
                         targets[i] = target_c;
                         modes[i] = Mode::Under(if temperature_c < target_c { Level::High } else { Level::Low });
                     }
+                    elements[i].target_c.push(target_c);
                 }
                 Drive::Power { power_w } => power[i] = f64::from(power_w),
                 Drive::Passive | Drive::Level(_) | Drive::Prbs { .. } => power[i] = of_level(level, levels[i]),

@@ -8,6 +8,11 @@ use dr_core::signal::{Decimator, DecimatorState};
 /// Moving averages in a row.
 const ORDER: usize = 3;
 
+/// Whether the decimator can take windows of so many ticks.
+pub fn fits(ratio: usize) -> bool {
+    u32::try_from(ratio).is_ok_and(|ratio| Decimator::<ORDER>::new(ratio).is_ok())
+}
+
 /// How far apart they are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {

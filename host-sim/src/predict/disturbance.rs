@@ -55,6 +55,13 @@ impl Change {
         }
     }
 
+    /// Least and greatest power in W that is asked for at any time after the change, each with the moment in s: 0 is at once, infinity in
+    /// the end. `None` if the states run away.
+    pub fn extremes_w(&self) -> Option<[(f64, f64); 2]> {
+        let extremes = self.decays.extremes()?;
+        Some(extremes.map(|(time_s, beyond_w)| (time_s, self.finally_w + beyond_w)))
+    }
+
     fn step_w(&self) -> f64 {
         (self.finally_w - self.before_w).abs()
     }

@@ -9,12 +9,13 @@
 //! | [`disturbance`], [`limited`] | what a change of the wind asks of it, and what its levels make of that |
 //! | [`windy`], [`analysis`] | one class of a model, and all that there is to say of it |
 //! | [`scenario`], [`system`], [`closed`] | whole experiments with several elements, tick by tick |
-//! | [`compare`] | predicted power against a bit stream |
+//! | [`compare`], [`arrival`] | predicted power against a bit stream, where both are at the set-point |
 //!
 //! The limit of infinitely fast sampling is exact for a linear model; equations that the board needs as well are
 //! [`dr_core::model::sliding`]'s.
 
 pub mod analysis;
+pub mod arrival;
 pub mod chatter;
 pub mod closed;
 pub mod compare;

@@ -3,6 +3,7 @@
 use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
+use super::windy::of_another_gas;
 use crate::experiment::Experiment;
 use crate::head;
 use crate::model::export::part::element;
@@ -86,14 +87,19 @@ impl Scenario {
             notes.push(format!("the model knows nothing of {}, which are heated as well", strangers.join(", ")));
         }
         let follows = model.wind.as_ref().is_some_and(|wind| wind.following.is_some());
+        let another_gas = of_another_gas(model, Some(experiment.gas_temperature_c));
         if let Some(own) = &model.provenance.conditions {
-            let differences = own.differences(&experiment.conditions(), !follows);
+            let differences = own.differences(&experiment.conditions(), !follows && another_gas.is_none());
             if !differences.is_empty() {
                 notes.push(format!(
                     "the experiment runs {}: the model's resistances and offset are of its own record, and do not change with that",
                     differences.join(", ")
                 ));
             }
+        }
+        notes.extend(another_gas);
+        if let Some(fault) = experiment.faults.first() {
+            notes.push(format!("faults are left out: {} breaks at {} s", names[fault.element], fault.start_s));
         }
         let mut winds = Vec::with_capacity(experiment.wind.len());
         for entry in &experiment.wind {

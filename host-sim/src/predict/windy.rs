@@ -97,6 +97,27 @@ pub fn gas_temperature_c(wind: &Wind, given_c: Option<f64>, needed: bool) -> Res
     }
 }
 
+/// Temperatures nearer than this are one gas's.
+const SAME_GAS_K: f64 = 0.5;
+
+/// A remark on a gas that is not the one to which the model belongs, where it does not follow its gas.
+///
+/// The part in the wind's conductance is moved by what was given; resistances and offset are not, as nothing tells how they would.
+pub fn of_another_gas(model: &Model, gas_c: Option<f64>) -> Option<String> {
+    let (wind, its_c) = (model.wind.as_ref()?, gas_c?);
+    if wind.following.is_some() {
+        return None;
+    }
+    let recorded_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
+    let own_c = gas_temperature_c(wind, None, false).ok()?.or(recorded_c)?;
+    ((its_c - own_c).abs() > SAME_GAS_K).then(|| {
+        format!(
+            "the gas is at {its_c} °C, and the model is of a gas at {own_c} °C: the model's resistances and offset are of its own record, and do not change with that",
+            own_c = (1e3 * own_c).round() / 1e3
+        )
+    })
+}
+
 /// What an output has of a gas that differs from the one to which its offset belongs, in K.
 pub fn followed_k(model: &Model, output: &str, gas_c: Option<f64>) -> f64 {
     let following = model.wind.as_ref().and_then(|wind| wind.following.as_ref());
@@ -113,7 +134,7 @@ fn in_wind(structure: &Plane, conductance_w_per_k: f64) -> Result<Plane, String>
         .map(|(rate, eta)| (*rate, *eta))
         .unzip();
     if eta.iter().any(|eta| *eta < 0.0) {
-        return Err("is a wind on resistances of both signs, whose poles need not be real: analyse the reference, or identify with non-negative resistances".to_owned());
+        return Err("is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all".to_owned());
     }
     let loop_gain = conductance_w_per_k * structure.steady_gain_k_per_w();
     if loop_gain <= -1.0 {
@@ -165,6 +186,28 @@ mod tests {
         assert!((windy.unheated_c - (20.0 - 10.0 / 3.0)).abs() < 1e-12);
         assert_eq!(windy.taken_w(25.0), 2.0);
         assert!((windy.plane.rates_rad_s()[0] - 0.5 * 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn another_gas_than_the_models_is_said_unless_it_is_followed() {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        assert_eq!(of_another_gas(&model, Some(15.0)), None);
+        testing::add_wind(&mut model, "gust", 0.2);
+        assert_eq!((of_another_gas(&model, Some(20.4)), of_another_gas(&model, None)), (None, None));
+        let said = of_another_gas(&model, Some(15.0)).unwrap();
+        assert!(said.starts_with("the gas is at 15 °C, and the model is of a gas at 20 °C: "), "{said}");
+        // A column that was not followed: the record's own conditions tell, if anything does.
+        model.wind.as_mut().unwrap().gas = Gas::Column("gas_c".to_owned());
+        assert_eq!(of_another_gas(&model, Some(15.0)), None);
+        model.provenance.conditions = Some(crate::model::Conditions {
+            species: "air".to_owned(),
+            pressure_pa: 1e5,
+            gas_temperature_c: 20.0,
+            support_temperature_c: 20.0,
+        });
+        assert!(of_another_gas(&model, Some(15.0)).is_some());
+        testing::follow_gas(&mut model, 18.0);
+        assert_eq!(of_another_gas(&model, Some(15.0)), None);
     }
 
     #[test]

@@ -14,12 +14,15 @@ const STANDARD_ERRORS: f64 = 4.0;
 /// By how much of itself the residual must fall: less is of no use, however sure it is.
 const RELEVANT: f64 = 0.01;
 
+/// Conductances are wrong by the share of the rise over the gas that the gas is wrong by: less than this is of no use either.
+const NEAR: f64 = 0.005;
+
 /// What a user must know of a gas temperature that the record contradicts; `None` if it does not.
 ///
-/// `residual_rms` is what the given temperature leaves of each output.
+/// `residual_rms` is what the given temperature leaves of each output, `rise_k` how far the warmest is above the gas.
 pub(super) fn contradiction(
     source: &mut dyn Source,
-    given_c: f64,
+    (given_c, rise_k): (f64, f64),
     residual_rms: &[f64],
     options: &Options,
     progress: &mut Progress<'_>,
@@ -29,10 +32,9 @@ pub(super) fn contradiction(
     Ok(estimated(&free).and_then(|gas| {
         let logs = free.outputs.iter().zip(residual_rms).map(|(free, given)| (free.residual_rms / given).ln());
         let ratio = (logs.sum::<f64>() / residual_rms.len() as f64).exp();
-        let contradicted = (gas.value - given_c).abs() > STANDARD_ERRORS * gas.se && 1.0 - ratio > RELEVANT;
-        contradicted.then(|| {
+        contradicts(gas, given_c, rise_k, ratio).then(|| {
             format!(
-                "the gas temperature was given as {given_c} °C, but the record says some {:.1} °C, with which residuals are smaller by {:.0} %: conductances are wrong with it; measure it, or leave --gas-temperature out to have it estimated",
+                "the gas temperature was given as {given_c} °C, but the record says some {:.2} °C, with which residuals are smaller by {:.0} %: conductances are wrong with it; measure it, or leave --gas-temperature out to have it estimated",
                 gas.value,
                 100.0 * (1.0 - ratio)
             )
@@ -40,9 +42,30 @@ pub(super) fn contradiction(
     }))
 }
 
+/// Whether an estimate that leaves `ratio` of the residuals contradicts a number.
+fn contradicts(gas: &Estimate, given_c: f64, rise_k: f64, ratio: f64) -> bool {
+    let apart_k = (gas.value - given_c).abs();
+    apart_k > STANDARD_ERRORS * gas.se && apart_k > NEAR * rise_k && 1.0 - ratio > RELEVANT
+}
+
 fn estimated(model: &Model) -> Option<&Estimate> {
     match &model.wind.as_ref()?.gas {
         Gas::EstimatedC(gas) => Some(gas),
         Gas::ConstantC(_) | Gas::Column(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_contradicted_only_where_conductances_would_be_wrong() {
+        let estimate = |value| Estimate { value, se: 1e-4 };
+        // 20 K over the gas: 0.1 K are half a percent of the conductance.
+        assert!(!contradicts(&estimate(-52.99), -53.0, 20.0, 0.9));
+        assert!(contradicts(&estimate(-52.8), -53.0, 20.0, 0.9));
+        assert!(!contradicts(&estimate(-52.8), -53.0, 20.0, 0.995));
+        assert!(!contradicts(&Estimate { value: -52.8, se: 0.1 }, -53.0, 20.0, 0.9));
     }
 }

@@ -40,7 +40,7 @@ use super::record::{Source, Survey};
 use super::residuals::{Fitted, look};
 use super::symbol::{self, chosen_by};
 use super::{GasGiven, IdentifyError, Options, Progress, Sight, support};
-use crate::model::{End, Model, Output, Pair, Structure};
+use crate::model::{Chosen, End, Model, Output, Pair, Structure};
 use plan::{GasBanks, beginnings, design, drive_scale, followings, gas_guess, meshes, priors};
 use report::{doubts, following, reasons, resistances, weights, wind};
 use solver::Solver;
@@ -108,6 +108,7 @@ pub fn identify(
         beginning,
         outputs,
         sample_period_s: survey.sample_period_s,
+        signs: &options.signs,
     };
     let roles: Vec<Vec<Role>> = designs.iter().map(Design::roles).collect();
     let mut trials: Vec<Trial> = Vec::new();
@@ -130,7 +131,8 @@ pub fn identify(
                         let of = |fold: &Gram| Problem::of(fold, &terms, outputs, output);
                         let folds: Vec<Problem> = passed.folds[index].iter().map(of).collect();
                         let whole = of(&total);
-                        score(&folds, &whole, &solver.penalty(&terms, &whole), None)
+                        let positive = solver.positive(&terms, output);
+                        score(&folds, &whole, &solver.penalty(&terms, &whole), positive.as_deref())
                     })
                     .collect();
                 trials.push(Trial { mesh: index, beginning, prior, follows, winds, scores });
@@ -193,7 +195,7 @@ pub fn identify(
                 mesh_rad_s: meshes[best.mesh].rates_rad_s.clone(),
                 se_rate_rad_s: None,
                 dead_time_samples: 0,
-                non_negative: false,
+                non_negative: options.signs.asks(input, output),
                 classes: BTreeMap::from([(classes[reference].clone(), class)]),
             });
         }
@@ -204,10 +206,18 @@ pub fn identify(
     warnings.extend(doubts(&wind, &outputs, best, &passed, options));
     if let GasGiven::ConstantC(given_c) = options.gas {
         let rms: Vec<f64> = outputs.iter().map(|output| output.residual_rms).collect();
-        warnings.extend(gas::contradiction(source, given_c, &rms, options, progress)?);
+        let over_k = |range: &[f64; 2]| (f64::midpoint(range[0], range[1]) - given_c).abs();
+        let rise_k = passed.facts.output_range.iter().map(over_k).fold(0.0, f64::max);
+        warnings.extend(gas::contradiction(source, (given_c, rise_k), &rms, options, progress)?);
     }
-    let chosen =
-        chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons(&trials, best, &meshes));
+    let mut reasons = reasons(&trials, best, &meshes);
+    if pairs.iter().any(|pair| pair.non_negative) {
+        reasons.push("signs: none negative where asked for".to_owned());
+    }
+    let chosen = Chosen {
+        non_negative: pairs.iter().all(|pair| pair.non_negative),
+        ..chosen_by(&meshes[best.mesh], best.beginning, best.prior, &best.scores[0], reasons)
+    };
     let end = End {
         next_time_s: looked.next_time_s,
         decays: looked.end.iter().map(|amplitudes| symbol::decays(design, amplitudes)).collect(),

@@ -4,6 +4,7 @@ use dr_core::model::mesh;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::candidates::Beginning;
+use super::super::choose::Signs;
 use super::super::design::Role;
 use super::super::gram::Gram;
 use super::super::prior::{Prior, Scales};
@@ -32,11 +33,22 @@ pub(super) struct Solver<'a> {
     pub(super) beginning: Beginning,
     pub(super) outputs: usize,
     pub(super) sample_period_s: f64,
+    pub(super) signs: &'a Signs,
 }
 
 impl Solver<'_> {
     pub(super) fn penalty(&self, terms: &[Term], problem: &Problem) -> DMatrix<f64> {
         self.scales.penalty(self.prior, terms, problem)
+    }
+
+    /// Which parameters of an output may not be negative; `None` where all may.
+    pub(super) fn positive(&self, terms: &[Term], output: usize) -> Option<Vec<bool>> {
+        let of = |term: &Term| match term.role {
+            Role::Relaxation { bank, .. } => bank < self.places.elements && self.signs.asks(bank, output),
+            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset => false,
+        };
+        let positive: Vec<bool> = terms.iter().map(of).collect();
+        positive.contains(&true).then_some(positive)
     }
 
     /// Resistances for given winds, output by output.
@@ -46,7 +58,7 @@ impl Solver<'_> {
         for output in 0..self.outputs {
             let problem = Problem::of(gram, &terms, self.outputs, output);
             let penalty = self.penalty(&terms, &problem);
-            let theta = problem.estimate(&penalty, None);
+            let theta = problem.estimate(&penalty, self.positive(&terms, output).as_deref());
             errors.push(problem.squared_error(&theta) + theta.dot(&(&penalty * &theta)));
             thetas.push(theta);
         }
@@ -101,10 +113,17 @@ impl Solver<'_> {
             let problem = Problem::of(gram, &all, self.outputs, output);
             let plain = Problem::of(gram, &terms, self.outputs, output);
             let penalty = self.penalty(&terms, &plain);
-            let solution = plain.solve(&penalty, None);
-            // The winds with the resistances projected out: the Schur complement.
+            let positive = self.positive(&terms, output);
+            let solution = plain.solve(&penalty, positive.as_deref());
+            // The winds with the resistances projected out: the Schur complement. Those that are held at zero do not move.
             let cross = problem.g.view((0, own), (own, shared)).into_owned();
-            let projected = &solution.inverse * &cross;
+            let projected = match &positive {
+                None => &solution.inverse * &cross,
+                Some(positive) => {
+                    let is_free = |at: &usize| !positive[*at] || solution.theta[*at] != 0.0;
+                    inverse_of(&plain, &penalty, &(0..own).filter(is_free).collect::<Vec<_>>()) * &cross
+                }
+            };
             let schur = problem.g.view((own, own), (shared, shared)) - cross.tr_mul(&projected);
             let gradient = problem.b.rows(own, shared) - cross.tr_mul(&solution.theta);
             let weight = 1.0 / solution.noise_variance.max(f64::MIN_POSITIVE);
@@ -197,4 +216,19 @@ impl Solver<'_> {
         }
         winds
     }
+}
+
+/// (G + P)⁻¹ of the free parameters, and zero for the others.
+fn inverse_of(problem: &Problem, penalty: &DMatrix<f64>, free: &[usize]) -> DMatrix<f64> {
+    let (rows, penalised) = (problem.g.select_rows(free), penalty.select_rows(free));
+    let part =
+        Problem { g: rows.select_columns(free), b: problem.b.select_rows(free), yy: problem.yy, rows: problem.rows };
+    let inverse = part.solve(&penalised.select_columns(free), None).inverse;
+    let mut all = DMatrix::zeros(problem.b.len(), problem.b.len());
+    for (i, &row) in free.iter().enumerate() {
+        for (j, &column) in free.iter().enumerate() {
+            all[(row, column)] = inverse[(i, j)];
+        }
+    }
+    all
 }

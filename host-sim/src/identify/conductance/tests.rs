@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::*;
 use crate::identify::candidates::{self, Mesh};
+use crate::identify::choose::Signs;
 use crate::identify::pass::Passed;
 use crate::identify::prior::Prior;
 use crate::identify::record::Table;
@@ -61,6 +62,7 @@ fn solver<'a>(roles: &'a [Role], design: &Design, gates: bool) -> Solver<'a> {
         beginning: Beginning::Rest,
         outputs: 2,
         sample_period_s: PERIOD_S,
+        signs: &Signs::Any,
     }
 }
 
@@ -154,7 +156,7 @@ fn slopes_are_differences_of_the_prediction() {
 }
 
 /// A record of one element that is the structure itself, without noise, and what a kelvin of it takes from the next row.
-fn held(loop_gain: f64) -> (Table, Mesh, Winds) {
+fn held(loop_gain: f64, noise_k: f64) -> (Table, Mesh, Winds) {
     let (resistances, rates_rad_s) = ([100.0, 50.0], vec![0.05, 0.5]);
     let gains: Vec<f64> = rates_rad_s.iter().map(|rate: &f64| -(-rate * PERIOD_S).exp_m1()).collect();
     let of_a_watt: f64 = resistances.iter().zip(&gains).map(|(resistance, gain)| resistance * gain).sum();
@@ -164,7 +166,7 @@ fn held(loop_gain: f64) -> (Table, Mesh, Winds) {
         let (class, power_w) = ((n / 23) % 2, 0.04 + 0.03 * (0.37 * (n * n % 101) as f64).sin());
         let rise_k = x[0] * resistances[0] + x[1] * resistances[1];
         powers_w.push(power_w);
-        temperatures_c.push(GAS_C + rise_k);
+        temperatures_c.push(GAS_C + rise_k + noise_k * (2.3 * (n * n % 89) as f64).sin());
         events.push(["a", "b"][class]);
         for (x, gain) in x.iter_mut().zip(&gains) {
             *x += gain * (power_w - taken[class] * rise_k - *x);
@@ -177,23 +179,28 @@ fn held(loop_gain: f64) -> (Table, Mesh, Winds) {
     (table, Mesh { rates_rad_s, ..small_mesh() }, Winds { conductance: vec![taken.to_vec()], gas_c: 0.0 })
 }
 
+fn one_element<'a>(roles: &'a [Role], design: &Design) -> Solver<'a> {
+    Solver {
+        places: Places { roles, elements: 1, classes: 2, reference: 0, gates: false, follows: false },
+        scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
+        prior: Prior::Tapered(1e-13),
+        beginning: Beginning::Rest,
+        outputs: 1,
+        sample_period_s: PERIOD_S,
+        signs: &Signs::Any,
+    }
+}
+
 #[test]
 fn a_loss_that_takes_more_than_a_kelvin_of_a_kelvin_by_the_next_row_is_never_chosen() {
     for loop_gain in [0.9, 1.1] {
-        let (mut table, mesh, winds) = held(loop_gain);
+        let (mut table, mesh, winds) = held(loop_gain, 0.0);
         let design = design(&mesh, 1, 2, 0, GasBanks::None);
         let gas = GasSource::Constant(GAS_C);
         let passed = pass(&mut table, std::slice::from_ref(&design), 1, gas, u64::MAX, &mut |_| {}).unwrap();
         let total = Gram::total(&passed.folds[0]);
         let roles = design.roles();
-        let solver = Solver {
-            places: Places { roles: &roles, elements: 1, classes: 2, reference: 0, gates: false, follows: false },
-            scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
-            prior: Prior::Tapered(1e-13),
-            beginning: Beginning::Rest,
-            outputs: 1,
-            sample_period_s: PERIOD_S,
-        };
+        let solver = one_element(&roles, &design);
         // The truth explains all either way: only what it would do from row to row tells them apart.
         let (terms, thetas, errors) = solver.linear(&total, &winds);
         let swing = passed.facts.output_sd(0).powi(2) * ROWS as f64;
@@ -211,4 +218,48 @@ fn a_loss_that_takes_more_than_a_kelvin_of_a_kelvin_by_the_next_row_is_never_cho
             assert!((solved.conductance[0][1] / winds.conductance[0][1] - 1.0).abs() < 1e-3, "{solved:?}");
         }
     }
+}
+
+#[test]
+fn resistances_that_may_not_be_negative_are_not_and_winds_make_the_best_of_it() {
+    let (mut table, mesh, winds) = held(0.02, -1e-2);
+    // One rate that the record does not have, between two that it has: noise of any kind gives it a sign.
+    let mesh = Mesh { rates_rad_s: vec![0.05, 0.12, 0.5, 2.0], ..mesh };
+    let design = design(&mesh, 1, 2, 0, GasBanks::None);
+    let passed = pass(&mut table, std::slice::from_ref(&design), 1, GasSource::Constant(GAS_C), u64::MAX, &mut |_| {});
+    let total = Gram::total(&passed.unwrap().folds[0]);
+    let roles = design.roles();
+    let of = |signs: &Signs| {
+        let solver = Solver { signs, ..one_element(&roles, &design) };
+        let solved = solver.solve(&total, Winds { conductance: vec![vec![0.0; 2]], gas_c: 0.0 });
+        let (terms, thetas, _) = solver.linear(&total, &solved);
+        let least = thetas[0].iter().take(4).fold(f64::INFINITY, |least, theta| least.min(*theta));
+        // At the best winds no step is left.
+        let step = solver.step(&total, &solved).change[0] / solved.conductance[0][1];
+        assert_eq!(terms.len(), 5);
+        (least, solved.conductance[0][1] / winds.conductance[0][1] - 1.0, step)
+    };
+    let (any, held) = (of(&Signs::Any), of(&Signs::AllPositive));
+    assert!(any.0 < 0.0 && held.0 == 0.0, "{any:?} {held:?}");
+    assert!(held.1.abs() < 0.02 && held.2.abs() < 1e-3, "{held:?}");
+}
+
+#[test]
+fn signs_that_were_asked_for_are_in_the_model() {
+    let of = |signs: Signs| {
+        let (mut table, ..) = held(0.02, -1e-2);
+        let options = Options {
+            structure: Some(Structure::Conductance),
+            gas: GasGiven::ConstantC(GAS_C),
+            signs,
+            ..Options::default()
+        };
+        identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap()
+    };
+    let (any, held) = (of(Signs::Any), of(Signs::AllPositive));
+    let least = |model: &Model| {
+        model.pairs[0].classes.values().flat_map(|class| &class.r_k_per_w).fold(f64::INFINITY, |a, b| a.min(*b))
+    };
+    assert!(least(&any) < 0.0 && !any.pairs[0].non_negative, "{}", least(&any));
+    assert!(least(&held) >= 0.0 && held.pairs[0].non_negative && held.chosen.non_negative, "{}", least(&held));
 }

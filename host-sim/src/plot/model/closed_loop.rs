@@ -37,21 +37,46 @@ pub fn analysis_page(
     }
     let times: Vec<f64> =
         (0..=POINTS).map(|n| 2.0 * end_s * 10_f64.powf(-DECADES * (1.0 - f64::from(n) / f64::from(POINTS)))).collect();
-    let steady = 1.0 / analysis.steady_gain_k_per_w;
-    let lift = times.iter().map(|time_s| (*time_s, 1.0 + analysis.lift.at(*time_s) / steady)).collect();
-    lines = lines.row([Chart::new("Power after a step of the set-point", "of its steady value")
-        .x(Scale::Log, "s")
-        .limit(1.0)
-        .series(Series::line("closed loop", lift))]);
+    let steady_w_per_k = 1.0 / analysis.steady_gain_k_per_w;
+    let lift: Vec<(f64, f64)> =
+        times.iter().map(|time_s| (*time_s, 1.0 + analysis.lift.at(*time_s) / steady_w_per_k)).collect();
+    let mut chart = Chart::new("Power after a step of the set-point", "of its steady value").x(Scale::Log, "s");
+    if lift.iter().all(|(_, share)| *share > 0.0) {
+        chart = chart.y(Scale::Log);
+    }
+    let held = analysis.held.as_ref();
+    let levels_w = held.map_or(Vec::new(), |held| vec![held.conditions.power_low_w, held.conditions.power_high_w]);
+    let share = |power_w: f64| held.map_or(f64::NAN, |held| power_w / (held.rise_k * steady_w_per_k));
+    let in_the_way = within(&levels_w.iter().map(|level_w| share(*level_w)).collect::<Vec<_>>(), &[&lift]);
+    if !in_the_way.is_empty() {
+        chart = chart.note("if no level were in the way; dashed: 1, and the levels");
+    }
+    chart = in_the_way.into_iter().fold(chart.limit(1.0), Chart::limit);
+    lines = lines.row([chart.series(Series::line("closed loop", lift))]);
     if !changes.is_empty() {
         let mut chart = Chart::new(format!("Power after {} gives way", analysis.label), "W").x(Scale::Log, "s");
-        for (to, change) in changes {
-            let power = times.iter().map(|time_s| (*time_s, change.finally_w + change.decays.at(*time_s))).collect();
-            chart = chart.series(Series::line(format!("to {to}"), power)).limit(change.finally_w);
+        let power = |change: &Change| -> Vec<(f64, f64)> {
+            times.iter().map(|time_s| (*time_s, change.finally_w + change.decays.at(*time_s))).collect()
+        };
+        let curves: Vec<Vec<(f64, f64)>> = changes.iter().map(|(_, change)| power(change)).collect();
+        let in_the_way = within(&levels_w, &curves.iter().collect::<Vec<_>>());
+        let note = if in_the_way.is_empty() { "" } else { "; grey: levels, as if they were not in the way" };
+        for (colour, ((to, change), curve)) in changes.iter().zip(curves).enumerate() {
+            let ends = [times[0], times[times.len() - 1]].map(|time_s| (time_s, change.finally_w)).to_vec();
+            chart = chart.series(Series::line(format!("to {to}"), curve).colour(colour));
+            chart = chart.series(Series::dashed("", ends).colour(colour));
         }
-        lines = lines.row([chart.note("dashed: where it ends; levels in the way are left out")]);
+        chart = in_the_way.into_iter().fold(chart, Chart::limit);
+        lines = lines.row([chart.note(format!("dashed: where it ends{note}"))]);
     }
     lines.svg()
+}
+
+/// Those levels that lie within what curves reach.
+fn within(levels: &[f64], curves: &[&Vec<(f64, f64)>]) -> Vec<f64> {
+    let values = || curves.iter().flat_map(|curve| curve.iter().map(|(_, value)| *value));
+    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    levels.iter().copied().filter(|level| least < *level && *level < most).collect()
 }
 
 /// What `anemo predict` has found: for every element decimated rows of (time in s, predicted in W, taken in W, counts), with winds as
@@ -74,11 +99,14 @@ pub fn prediction_page<'a>(
         let power = Chart::new(format!("Power of {name}"), "W")
             .series(Series::line(what, of(|row| row.2)))
             .series(Series::dashed("predicted", of(|row| row.1)));
-        let left = Chart::new("Difference", "W")
-            .height(110.0)
-            .note("without edges")
-            .series(Series::line("", of(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
-        lines = lines.row([with_winds(power)]).row([with_winds(left)]);
+        lines = lines.row([with_winds(power)]);
+        if rows.iter().any(|row| row.3) {
+            let left = Chart::new("Difference", "W")
+                .height(110.0)
+                .note("without edges")
+                .series(Series::line("", of(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
+            lines = lines.row([with_winds(left)]);
+        }
     }
     lines.svg()
 }
