@@ -16,7 +16,7 @@ const BOOM: &str = "boom";
 const FOUR: &str = "four dice";
 const MESH: Mesh = Mesh { order: 6, edges_rad_s: (8.73e-5, 0.1257) };
 const HOUR_S: f64 = 3600.0;
-/// The overhead of the published rise, K.
+/// The overheat of the published rise, K.
 const OVERHEAT_K: f64 = 17.0;
 /// At the end of each stretch, long enough for the noise and short against the boom's answer, s.
 const END_S: f64 = 600.0;
@@ -40,7 +40,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
 /// 20 h of random set-points: the symbol, its poles, and the rise for a given overheat.
 fn setpoints(lab: &Lab, findings: &mut Findings) -> Result<(Model, Vec<Vec<Chart>>), StudyError> {
     findings.say(
-        "Four dice of a card are held at set-points drawn from 42 to 52 °C, each for five minutes, for 20 h; the boom only senses. What heats the boom is the summed power of the four, as means over 1 s. On six rates its symbol has one large point, next to the slow pole; with two free poles in place of the mesh the two published ones are found.",
+        "Four dice of a card are held at set-points drawn from 42 to 52 °C, each for five minutes, for 20 h; the boom only senses. What heats the boom is the summed power of the four, as means over 1 s. On six rates its symbol has one large point, next to the slow pole; two free poles in place of the mesh lie where the thesis has them, and leave no more than the noise of the readings. The faster one is negative: the heat arrives late.",
     );
     let (experiment, record) = lab.run("rems-boom-setpoints")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
@@ -104,7 +104,7 @@ fn switched(lab: &Lab, model: &Model, findings: &mut Findings) -> Result<Chart, 
     let in_cool_k = on_less_off(&cool, &lab.record(&cool)?, BOOM)?;
     findings.push(Finding::told("the same rise in air at 21 °C", "", in_unit(in_cool_k, "K")));
     findings.say(format!(
-        "Switched on for 3 h and off for 3 h, dice at 42 °C lift the boom by half a kelvin in air at {warm_c} °C. Both published rises, 0.65 K for 17 K of overheat and 0.5 K at 42 °C, cannot be had of one transducer in air at 21 °C: 42 °C are 21 K above it, and the rise is larger, as told. The thesis does not say how warm the air was in that run. The model of the 20 h predicts this run in other air without having seen it.",
+        "Dice at 42 °C, 3 h on and 3 h off, lift the boom by half a kelvin in air at {warm_c} °C. Both published rises, 0.65 K for 17 K of overheat and 0.5 K at 42 °C, cannot be had of one transducer in air at 21 °C: 42 °C are 21 K above it, and the rise in proportion is larger. The thesis does not say how warm the air was in that run. The model of the 20 h predicts this run, in other air, without having seen it.",
     ));
     let all = (0.0, record.duration_s());
     Ok(over_hours("Boom, dice at 42 °C on and off", "°C", &record, record.temperature_c(BOOM)?, "measured").series(
@@ -139,7 +139,7 @@ fn held(lab: &Lab, findings: &mut Findings) -> Result<Vec<Chart>, StudyError> {
         .judged("warmer", rise_k > 0.0),
     );
     findings.say(
-        "The other way round, the boom's own Pt100 is held at 28.5 °C for 2 h and left alone for 2 h. The dice, which only sense, warm with it by a third of a kelvin: they hang on the gas more than on the boom.",
+        "The other way round, the boom's own Pt100 is held at 28.5 °C for 2 h and left alone for 2 h. The dice, which only sense, warm with it by a third of a kelvin: their heat goes to the gas more than to the boom.",
     );
     Ok(vec![
         over_hours("Boom, held and not", "°C", &record, record.temperature_c(BOOM)?, ""),
@@ -169,7 +169,7 @@ fn heated(lab: &Lab, findings: &mut Findings) -> Result<Vec<Chart>, StudyError> 
         format!("{correlation:.2}").replace('-', "−"),
     ));
     findings.say(
-        "Heated by bits of two minutes, the boom moves by some kelvins, and four dice held at 40 °C take less power while it is warm. The correlation of minute means is not complete, since a die's power also answers to the one-bit loop's own rest of the last bit, and to the card between boom and die, which lags behind.",
+        "Heated by bits of two minutes, the boom moves by some kelvins, and four dice held at 40 °C take less power while it is warm. The correlation of minute means is not complete: between boom and dice lies the card, which follows later, so that the power still falls when the boom already cools.",
     );
     let shown =
         |values: &[f64]| (warm..).zip(values).map(|(n, v)| (n as f64 * minutes.sample_period_s / 60.0, *v)).collect();

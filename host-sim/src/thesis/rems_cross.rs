@@ -47,7 +47,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         findings.push(Finding::told(what, "no dependence", format!("{} %", brief(change))));
     }
     findings.say(
-        "The peak is lower in wind, by about a tenth, where the thesis saw no dependence. In a passive network it cannot be otherwise: heat that reaches a neighbour has passed two surfaces that the wind cools, so that a cross term changes by at least twice as many percent as the self-heating of a die does. A change of a tenth is easily lost in an hour's record of a real transducer.",
+        "The peak is lower in wind, where the thesis saw no dependence. In a passive network it cannot be otherwise: heat that reaches a neighbour has passed two surfaces that the wind cools, so that a cross term changes by at least twice as many percent as the self-heating of a die does. Each record here is of one wind; the thesis had no error figure against which to hold a change of this size.",
     );
     findings.picture(
         "REMS: cross-heating between dice",

@@ -9,7 +9,7 @@ use super::rems_self::STILL_MESH;
 use super::{Finding, Findings, Lab, StudyError};
 use crate::model::Model;
 use crate::model::merge::merge;
-use crate::plot::model::{Chart, Series, brief};
+use crate::plot::model::{Chart, Scale, Series, brief};
 
 /// From one turn in the record to its Nyquist frequency, three rates a decade: self- and cross-heating on one mesh.
 const WIDE_MESH: Mesh = Mesh { order: 14, edges_rad_s: (0.0017, 62.8) };
@@ -55,7 +55,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let words = format!("{} %, {} mK rms", brief(coarse.least_fit_percent()), brief(1e3 * coarse.worst_rmse_k()));
     findings.push(Finding::told("the same with the meshes of the thesis", "matches", words));
     findings.say(
-        "With the meshes of the thesis, eight rates for a die and seven for its neighbours from two kinds of records, the sum follows as well, with some twelve times the error. What is left then is not superposition but the coarseness of the meshes: two rates a decade have to stand for poles between them.",
+        "With the meshes of the thesis, eight rates for a die and seven for its neighbours from two kinds of records, the sum follows as well, with a larger error that the same dice show alone: two rates a decade have to stand for the poles between them. It is the meshes that are coarse, not superposition that fails.",
     );
     findings.picture(
         "REMS: four dice at once",
@@ -138,7 +138,7 @@ fn difference(record: &Record, predicted: &Predicted) -> Result<Chart, StudyErro
     let all = (0.0, record.duration_s());
     Ok(Chart::new("Measured less predicted", "mK")
         .note("the whole hour")
-        .x(crate::plot::model::Scale::Linear, "min")
+        .x(Scale::Linear, "min")
         .height(110.0)
         .series(Series::line("", record.over_time(&left, all, 60.0))))
 }
@@ -147,7 +147,7 @@ fn neighbours(record: &Record, heating: &[(String, Vec<f64>)]) -> Chart {
     let all = (0.0, record.duration_s());
     let chart = Chart::new(format!("Cross-heating of {}", DICE[0]), "K")
         .note("by the models, over no power")
-        .x(crate::plot::model::Scale::Linear, "min");
+        .x(Scale::Linear, "min");
     let sum: Vec<f64> = (0..record.ticks()).map(|tick| heating.iter().map(|(_, of)| of[tick]).sum()).collect();
     let chart = chart.series(Series::line("all three", record.over_time(&sum, all, 60.0)));
     heating
