@@ -110,6 +110,33 @@ fn json_is_one_object_with_the_promised_keys() {
 }
 
 #[test]
+fn check_tells_what_changes_and_whose_currents_are_the_experiment_s() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = experiment("thesis/rems-boom-held.toml");
+    let text = String::from_utf8(anemo(folder.path(), &["check", &file]).stdout).unwrap();
+    for line in [
+        "boom        constant temperature, 28.5 °C",
+        "from   7200 s  boom: passive: only senses",
+        "from  14400 s  boom: constant temperature, 28.5 °C",
+        "boom: 10 mA low and 19.9 mA high, in place of the head's",
+    ] {
+        assert!(text.lines().any(|own| own == line), "{line}\n{text}");
+    }
+    let output = anemo(folder.path(), &["check", &file, "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["changes"].as_array().unwrap().len(), 3);
+    assert_eq!(
+        json["changes"][0],
+        serde_json::json!({ "start_s": 7200.0, "drives": { "boom": "passive: only senses" } })
+    );
+    assert_eq!(json["currents"], serde_json::json!({ "boom": { "low_a": 0.01, "high_a": 0.0199 } }));
+
+    let output = anemo(folder.path(), &["check", &experiment("gusts.toml")]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(!text.contains("in place of the head's") && !text.contains("passive: only senses;"), "{text}");
+}
+
+#[test]
 fn wrong_usage_is_code_2_and_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let gusts = experiment("gusts.toml");

@@ -10,8 +10,8 @@ use super::Failure;
 use crate::experiment::Experiment;
 use crate::sensor::Species;
 
-/// Entries of the wind that are told one by one.
-const MOST_WINDS: usize = 12;
+/// Entries of a list that are told one by one.
+const MOST: usize = 12;
 
 /// Read an experiment and its head, and say what would run.
 #[derive(clap::Args)]
@@ -43,6 +43,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             "sample_period_s": experiment.sample_period_s,
             "duration_s": experiment.duration_s(),
             "drives": drives.collect::<serde_json::Map<_, _>>(),
+            "changes": experiment.changes.iter().map(|change| serde_json::json!({
+                "start_s": experiment.time_s(change.tick),
+                "drives": (change.drives.iter())
+                    .map(|(element, drive)| (names[*element].to_owned(), describe(drive, &experiment).into()))
+                    .collect::<serde_json::Map<_, _>>(),
+            })).collect::<Vec<_>>(),
+            "currents": experiment.currents.iter().map(|&element| {
+                let nominal = &experiment.head.elements[element].nominal;
+                let levels = serde_json::json!({ "low_a": nominal.current_low_a, "high_a": nominal.current_high_a });
+                (names[element].to_owned(), levels)
+            }).collect::<serde_json::Map<_, _>>(),
             "winds": experiment.wind.len(),
             "judged": judged,
             "unjudged": unjudged,
@@ -69,8 +80,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for (name, drive) in names.iter().zip(&experiment.drives) {
         let _ = writeln!(text, "{name:width$}  {}", describe(drive, &experiment));
     }
+    text += &changes(&experiment, &names);
+    text += &currents(&experiment, &names);
     text.push('\n');
-    for entry in experiment.wind.iter().take(MOST_WINDS) {
+    for entry in experiment.wind.iter().take(MOST) {
         let turbulence = entry.turbulence.map_or(String::new(), |t| format!(", {} % turbulence", t.intensity * 100.0));
         let _ = writeln!(
             text,
@@ -83,9 +96,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             entry.label
         );
     }
-    if let Some(more @ 1..) = experiment.wind.len().checked_sub(MOST_WINDS) {
-        let _ = writeln!(text, "… and {more} more");
-    }
+    text += &left_out(experiment.wind.len());
     for fault in &experiment.faults {
         let _ = writeln!(text, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault);
     }
@@ -104,6 +115,42 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ),
     };
     super::print(&text)
+}
+
+/// What elements do later.
+fn changes(experiment: &Experiment, names: &[&str]) -> String {
+    let mut text = if experiment.changes.is_empty() { String::new() } else { "\n".to_owned() };
+    for change in experiment.changes.iter().take(MOST) {
+        let drives = change
+            .drives
+            .iter()
+            .map(|(element, drive)| format!("{}: {}", names[*element], describe(drive, experiment)));
+        let drives = drives.collect::<Vec<_>>().join("; ");
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "from {:>6} s  {drives}", experiment.time_s(change.tick));
+    }
+    text + &left_out(experiment.changes.len())
+}
+
+/// Levels that are the experiment's and not the head's.
+fn currents(experiment: &Experiment, names: &[&str]) -> String {
+    let mut text = if experiment.currents.is_empty() { String::new() } else { "\n".to_owned() };
+    for &element in &experiment.currents {
+        let nominal = &experiment.head.elements[element].nominal;
+        // 8.9 mA has no end in A.
+        let milliampere = |current_a: f64| (1e9 * current_a).round() / 1e6;
+        let (low, high) = (milliampere(nominal.current_low_a), milliampere(nominal.current_high_a));
+        let _ = writeln!(text, "{}: {low} mA low and {high} mA high, in place of the head's", names[element]);
+    }
+    text
+}
+
+/// What is not told one by one.
+fn left_out(entries: usize) -> String {
+    match entries.checked_sub(MOST) {
+        Some(more @ 1..) => format!("… and {more} more\n"),
+        _ => String::new(),
+    }
 }
 
 fn describe(drive: &Drive, experiment: &Experiment) -> String {

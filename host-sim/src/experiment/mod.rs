@@ -59,6 +59,8 @@ pub struct Experiment {
     pub gas_temperature_c: f64,
     pub support_temperature_c: f64,
     pub imperfections: Imperfections,
+    /// Places in `head` of the elements whose currents the experiment sets.
+    pub currents: Vec<usize>,
     /// One an element of the head, in its order.
     pub drives: Vec<Drive>,
     /// What elements do from a later tick on, ascending.
@@ -85,10 +87,14 @@ impl Experiment {
             }
         };
         let mut head = Head::read(&folder.join(&table.head)).map_err(place("head"))?;
-        for (name, currents) in &table.currents {
-            head.set_currents(name, currents.low_a, currents.high_a)
+        let mut currents = Vec::with_capacity(table.currents.len());
+        for (name, levels) in &table.currents {
+            let place = head
+                .set_currents(name, levels.low_a, levels.high_a)
                 .map_err(|sentence| source.refuse(&format!("currents.{name}"), sentence))?;
+            currents.push(place);
         }
+        currents.sort_unstable();
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;
 
@@ -112,6 +118,7 @@ impl Experiment {
             gas_temperature_c,
             support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
             imperfections: table.front_end.into(),
+            currents,
             drives: Vec::new(),
             changes: Vec::new(),
             source: source.clone(),

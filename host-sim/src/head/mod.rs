@@ -119,7 +119,7 @@ impl Head {
     ///
     /// # Errors
     /// A sentence: no such element, or currents that dr-core refuses.
-    pub fn set_currents(&mut self, name: &str, low_a: f64, high_a: f64) -> Result<(), String> {
+    pub fn set_currents(&mut self, name: &str, low_a: f64, high_a: f64) -> Result<usize, String> {
         let known = self.names();
         let Some(place) = known.iter().position(|own| *own == name) else {
             return Err(format!("is no element of head `{}`; {}", self.name, suggest(name, known.iter().copied())));
@@ -129,7 +129,7 @@ impl Head {
         element.config.channel = Channel::new(platinum, self.volt_per_code as f32, low_a as f32, high_a as f32)
             .map_err(|error| format!("cannot be used: {error}"))?;
         (element.nominal.current_low_a, element.nominal.current_high_a) = (low_a, high_a);
-        Ok(())
+        Ok(place)
     }
 
     /// The guard's patience in ticks of a sample period.

@@ -53,9 +53,15 @@ impl Finding {
         let met = off.abs() <= percent;
         Self::told(what, in_unit(published, unit), ours).judged(format!("within {percent} %"), met)
     }
+
+    /// A value within a factor of a published one, where the figure that it was read from is logarithmic.
+    pub fn within_factor(what: impl Into<String>, published: f64, (ours, unit): (f64, &str), factor: f64) -> Self {
+        let met = (published / factor..=published * factor).contains(&ours);
+        Self::told(what, in_unit(published, unit), in_unit(ours, unit)).judged(format!("within a factor {factor}"), met)
+    }
 }
 
-fn in_unit(value: f64, unit: &str) -> String {
+pub(super) fn in_unit(value: f64, unit: &str) -> String {
     in_words(crate::plot::model::brief(value), unit)
 }
 
@@ -103,5 +109,34 @@ impl Findings {
     pub fn score(&self) -> (usize, usize) {
         let judged = || self.findings.iter().filter_map(|finding| finding.met);
         (judged().count(), judged().filter(|met| *met).count())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bars_are_met_up_to_their_edges_and_not_beyond() {
+        let near = |ours| Finding::near("", 0.2, (ours, "Hz"), 20.0).met;
+        assert_eq!([near(0.161), near(0.239), near(0.159), near(0.241)], [true, true, false, false].map(Some));
+        let factor = |ours| Finding::within_factor("", 2e-4, (ours, "Hz"), 1.5).met;
+        assert_eq!(
+            [factor(1.34e-4), factor(2.99e-4), factor(1.3e-4), factor(3.1e-4)],
+            [true, true, false, false].map(Some)
+        );
+        let between = |ours| Finding::between("", "", (ours, "%"), (97.0, f64::INFINITY)).met;
+        assert_eq!([between(97.0), between(96.9), between(f64::NAN)], [true, false, false].map(Some));
+    }
+
+    #[test]
+    fn a_finding_says_its_bar_and_what_was_found() {
+        let of = Finding::between("", "", (99.5, "%"), (97.0, f64::INFINITY));
+        assert_eq!((of.ours.as_str(), of.bar.as_str()), ("99.5 %", "at least 97 %"));
+        let of = Finding::within_factor("", 2e-3, (1e-3, "Hz"), 1.5);
+        assert_eq!((of.ours.as_str(), of.bar.as_str(), of.met), ("0.001 Hz", "within a factor 1.5", Some(false)));
+        let told = Finding::told("", "", "3 s");
+        let findings = Findings { findings: vec![of, told], ..Findings::default() };
+        assert_eq!(findings.score(), (1, 0));
     }
 }

@@ -6,6 +6,7 @@
 //! | [`identified`] | models of such records on the meshes of the thesis, and their peaks |
 //! | [`findings`] | a published value, ours, and the bar between them |
 //! | [`page`] | what is written: a page and a picture a study |
+//! | `rems` | what the studies of that transducer share |
 //! | `rems_…`, `sphere_…` | the studies, one file each |
 //!
 //! A study runs the experiments of its own name in `experiments/thesis`, and every number on its page comes from these runs. Where the
@@ -16,6 +17,10 @@ pub mod identified;
 pub mod lab;
 pub mod page;
 pub mod record;
+mod rems;
+mod rems_boom;
+mod rems_cross;
+mod rems_dice;
 mod rems_self;
 
 pub use findings::{Finding, Findings};
@@ -32,8 +37,12 @@ pub struct Study {
 }
 
 /// All of them, in the order of the pages.
-pub const STUDIES: [Study; 1] =
-    [Study { name: "rems-self", title: "REMS: self-heating of a die", source: "chapter 4", run: rems_self::run }];
+pub const STUDIES: [Study; 4] = [
+    Study { name: "rems-self", title: "REMS: self-heating of a die", source: "chapter 4", run: rems_self::run },
+    Study { name: "rems-cross", title: "REMS: cross-heating between dice", source: "chapter 4", run: rems_cross::run },
+    Study { name: "rems-dice", title: "REMS: four dice at once", source: "chapter 4", run: rems_dice::run },
+    Study { name: "rems-boom", title: "REMS: the boom", source: "chapter 4", run: rems_boom::run },
+];
 
 impl Study {
     /// # Errors

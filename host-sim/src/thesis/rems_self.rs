@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::identified::{Mesh, of, on_mesh, pair, peak, points, with_free_poles};
+use super::rems::{DICE, moved};
 use super::{Finding, Findings, Lab, StudyError};
 use crate::plot::model::{Chart, Scale, Series};
 
-const DICE: [&str; 4] = ["card1-die1", "card1-die2", "card1-die3", "card1-die4"];
-const STILL_MESH: Mesh = Mesh { order: 8, edges_rad_s: (0.00698, 62.8) };
+/// Of the record in still air.
+pub(super) const STILL_MESH: Mesh = Mesh { order: 8, edges_rad_s: (0.00698, 62.8) };
 const WIND_MESH: Mesh = Mesh { order: 8, edges_rad_s: (0.0111, 75.0) };
 /// Where the peak of a die is looked for, Hz: slower poles are the card's and the boom's.
 const DIE_HZ: (f64, f64) = (0.05, 2.0);
@@ -39,9 +40,7 @@ fn still(lab: &Lab, findings: &mut Findings) -> Result<Chart, StudyError> {
     let mut chart = Chart::new("Still air, four dice one by one", "K/W").x(Scale::Log, "Hz").height(200.0);
     let mut peaks = Vec::new();
     for (place, die) in DICE.iter().enumerate() {
-        let mut experiment = base.clone();
-        experiment.drives.swap(0, place);
-        let record = lab.record(&experiment)?;
+        let record = lab.record(&moved(&base, place))?;
         let model = on_mesh(record.table(&[die], &[die], false)?, STILL_MESH)?;
         let own = pair(&model, die, die)?;
         let found = peak(own, &model.classes[0], DIE_HZ)?;
