@@ -139,7 +139,7 @@ fn held(lab: &Lab, findings: &mut Findings) -> Result<Vec<Chart>, StudyError> {
         .judged("warmer", rise_k > 0.0),
     );
     findings.say(
-        "The other way round, the boom's own Pt100 is held at 28.5 °C for 2 h and left alone for 2 h. The dice, which only sense, warm with it by a third of a kelvin: their heat goes to the gas more than to the boom.",
+        "The other way round, the boom's own Pt100 is held at 28.5 °C for 2 h and left alone for 2 h. The dice, which only sense, warm with it by a quarter of a kelvin: their heat goes to the gas more than to the boom.",
     );
     Ok(vec![
         over_hours("Boom, held and not", "°C", &record, record.temperature_c(BOOM)?, ""),
