@@ -117,9 +117,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         rows.push(Row { of, decimated, compared });
     }
     of_recording.extend(of_milliwatts(&prediction, &means_w));
-    notes.extend(
-        of_recording.iter().zip(against.into_iter().cycle()).map(|(note, path)| format!("{}: {note}", path.display())),
-    );
+    if let Some(path) = against {
+        notes.extend(of_recording.iter().map(|note| format!("{}: {note}", path.display())));
+    }
     if let Some(path) = &arguments.output {
         write(path, &prediction)?;
     }

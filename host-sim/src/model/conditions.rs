@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::recording::Metadata;
 
 /// Temperatures and pressures nearer than this are the same.
-const SAME_TEMPERATURE_K: f64 = 0.5;
+pub const SAME_TEMPERATURE_K: f64 = 0.5;
 const SAME_PRESSURE: f64 = 0.01;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@
 use super::plane::{Plane, PlaneError};
 use super::secular;
 use crate::model::export::part::{Part, name};
-use crate::model::{Gas, Model, Wind};
+use crate::model::{Gas, Model, SAME_TEMPERATURE_K, Wind};
 
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 
@@ -97,9 +97,6 @@ pub fn gas_temperature_c(wind: &Wind, given_c: Option<f64>, needed: bool) -> Res
     }
 }
 
-/// Temperatures nearer than this are one gas's.
-const SAME_GAS_K: f64 = 0.5;
-
 /// A remark on a gas that is not the one to which the model belongs, where it does not follow its gas.
 ///
 /// The part in the wind's conductance is moved by what was given; resistances and offset are not, as nothing tells how they would.
@@ -110,7 +107,7 @@ pub fn of_another_gas(model: &Model, gas_c: Option<f64>) -> Option<String> {
     }
     let recorded_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
     let own_c = gas_temperature_c(wind, None, false).ok()?.or(recorded_c)?;
-    ((its_c - own_c).abs() > SAME_GAS_K).then(|| {
+    ((its_c - own_c).abs() > SAME_TEMPERATURE_K).then(|| {
         format!(
             "the gas is at {its_c} °C, and the model is of a gas at {own_c} °C: the model's resistances and offset are of its own record, and do not change with that",
             own_c = (1e3 * own_c).round() / 1e3
