@@ -5,6 +5,7 @@
 //! | [`lab`], [`record`] | runs an experiment file and keeps what it recorded |
 //! | [`identified`] | models of such records on the meshes of the thesis, and their peaks |
 //! | [`findings`] | a published value, ours, and the bar between them |
+//! | [`settling`] | how fast a step is answered, from noisy streams |
 //! | [`page`] | what is written: a page and a picture a study |
 //! | `rems_…`, `sphere_…` | the studies, one file each |
 //!
@@ -16,7 +17,11 @@ pub mod identified;
 pub mod lab;
 pub mod page;
 pub mod record;
+mod rems_loops;
 mod rems_self;
+mod settling;
+mod sphere_identification;
+mod sphere_response;
 
 pub use findings::{Finding, Findings};
 pub use lab::{Lab, StudyError};
@@ -32,8 +37,22 @@ pub struct Study {
 }
 
 /// All of them, in the order of the pages.
-pub const STUDIES: [Study; 1] =
-    [Study { name: "rems-self", title: "REMS: self-heating of a die", source: "chapter 4", run: rems_self::run }];
+pub const STUDIES: [Study; 4] = [
+    Study { name: "rems-self", title: "REMS: self-heating of a die", source: "chapter 4", run: rems_self::run },
+    Study { name: "rems-loops", title: "REMS: a die in closed loop", source: "chapter 4", run: rems_loops::run },
+    Study {
+        name: "sphere-response",
+        title: "Spheres A and B: a step of the wind",
+        source: "the spherical sensors",
+        run: sphere_response::run,
+    },
+    Study {
+        name: "sphere-identification",
+        title: "Spheres A and B: why one is slow and one is fast",
+        source: "the spherical sensors",
+        run: sphere_identification::run,
+    },
+];
 
 impl Study {
     /// # Errors

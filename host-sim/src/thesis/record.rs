@@ -1,7 +1,10 @@
 //! What an experiment recorded, in memory.
 
+use dr_core::sensor::Level;
+
 use super::StudyError;
 use crate::experiment::Experiment;
+use crate::head::Element;
 use crate::identify::record::Table;
 use crate::instrument::LockStep;
 use crate::instrument::in_process::InProcess;
@@ -19,6 +22,8 @@ pub struct Record {
     pub temperature_c: Vec<Vec<f64>>,
     /// Label of the wind over [t_n, t_{n+1}).
     pub event: Vec<String>,
+    /// By element: what it took before the first tick, standing by at its low level.
+    pub standby_w: Vec<f64>,
     /// Ticks in which the simulated convection was an extrapolation.
     pub extrapolated: u32,
 }
@@ -37,6 +42,7 @@ impl Record {
             power_w: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
             temperature_c: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
             event: Vec::with_capacity(experiment.ticks as usize),
+            standby_w: Vec::new(),
             extrapolated: 0,
             names,
         };
@@ -56,6 +62,8 @@ impl Record {
                 experiment.title, trip.time_s, trip.cause, trip.element
             )));
         }
+        let low_w = |(element, celsius): (&Element, &Vec<f64>)| Some(element.power_w(*celsius.first()?, Level::Low));
+        record.standby_w = experiment.head.elements.iter().zip(&record.temperature_c).filter_map(low_w).collect();
         record.extrapolated = summary.extrapolated.unwrap_or(0);
         Ok(record)
     }
@@ -90,18 +98,31 @@ impl Record {
                 .map(|values| values.iter().step_by(ratio).take(rows).copied().collect())
                 .collect(),
             event: self.event.iter().step_by(ratio).take(rows).cloned().collect(),
+            standby_w: self.standby_w.clone(),
             extrapolated: self.extrapolated,
         }
     }
 
     /// For identification: powers of some elements as inputs, temperatures of some as outputs, with the winds as events if `events`.
+    ///
+    /// A row of standing by goes before the first, so that "settled" means the low level and not what the first bit happens to be.
     pub fn table(&self, inputs: &[&str], outputs: &[&str], events: bool) -> Result<Table, StudyError> {
-        let column = |prefix: &str, name: &str, values: &[f64]| (format!("{prefix}:{name}"), values.to_vec());
-        let inputs = inputs.iter().map(|name| Ok(column("power_w", name, self.power_w(name)?)));
-        let outputs = outputs.iter().map(|name| Ok(column("temperature_c", name, self.temperature_c(name)?)));
-        let inputs = inputs.collect::<Result<Vec<_>, StudyError>>()?;
-        let table = Table::new(self.sample_period_s, inputs, outputs.collect::<Result<_, StudyError>>()?)?;
-        Ok(if events { table.with_events(&self.event)? } else { table })
+        let column = |prefix: &str, name: &str, before: f64, values: &[f64]| {
+            (format!("{prefix}:{name}"), std::iter::once(before).chain(values.iter().copied()).collect::<Vec<_>>())
+        };
+        let power = |name: &&str| {
+            let place = self.place(name)?;
+            Ok(column("power_w", name, self.standby_w[place], &self.power_w[place]))
+        };
+        let temperature = |name: &&str| {
+            let celsius = self.temperature_c(name)?;
+            Ok(column("temperature_c", name, celsius[0], celsius))
+        };
+        let inputs = inputs.iter().map(power).collect::<Result<Vec<_>, StudyError>>()?;
+        let outputs = outputs.iter().map(temperature).collect::<Result<Vec<_>, StudyError>>()?;
+        let table = Table::new(self.sample_period_s, inputs, outputs)?;
+        let labels: Vec<String> = self.event.first().into_iter().chain(&self.event).cloned().collect();
+        Ok(if events { table.with_events(&labels)? } else { table })
     }
 
     /// Mean of an element's power over ticks in a range of times in s.
