@@ -34,10 +34,10 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let still = one(lab, &mut findings, ("rems-self-still", "rems-loop-still"), (STILL_MESH, WARM_S), "still air")?;
     let wind = one(lab, &mut findings, ("rems-self-wind", "rems-loop-wind"), (WIND_MESH, 0.0), "linear tunnel")?;
     findings.say(
-        "A reading decides over the whole next period, in which the die warms by two kelvin or cools by one. So the loop's mean temperature is not its set-point, and its power not that of the limit of fast sampling. The prediction with the bar runs the same one-bit rule on the model; the limit is told beside it.",
+        "A reading decides over the whole next period, in which the die warms by two kelvin or cools by one. So the loop's mean temperature is not its set-point, and its power not that of the limit of fast sampling. The prediction with the bar runs the same one-bit rule on the model; the limit is told beside it. So slow a loop also locks into short patterns of bits, and its mean power moves in steps: prediction and record agree on a step, and differ where one of them takes the next step some seconds earlier.",
     );
     findings.say(
-        "The other eleven dice and the boom sense at 1 mA, which is 2.8 mW a die, and warm this one. They do so in the identification as well: it is in the model's offset, which lies above the air. A wind takes some of that away, and a model has one offset for all winds; that, and rates that all winds share, is what remains of the difference in the tunnel.",
+        "The other eleven dice and the boom sense at 1 mA, which is 2.8 mW a die, and warm this one. They do so in the identification as well: it is in the model's offset, which lies above the air. A wind takes some of that away, while a model has one offset and one set of rates for all winds.",
     );
     findings.picture(
         "REMS: closed loop, predicted and measured",

@@ -29,7 +29,7 @@ pub struct Window {
     pub before: usize,
     /// Ticks from the step on.
     pub after: usize,
-    /// The last ticks of these, which count as the end.
+    /// The last ticks of these, which count as the end; more than both averages reach over.
     pub end: usize,
     /// Half of a moving average: it is of 2·half + 1 ticks.
     pub half: usize,
@@ -48,10 +48,12 @@ impl Response {
         let before = mean(&average[..window.before]);
         let finally = mean(&average[length - window.end..]);
         let smooth = moving(&moving(&average, window.half), window.half);
-        let missing: Vec<(f64, f64)> = (smooth[window.before..].iter().enumerate())
+        // The last ones are means of less.
+        let whole = length - 2 * window.half;
+        let missing: Vec<(f64, f64)> = (smooth[window.before..whole].iter().enumerate())
             .map(|(n, value)| (n as f64 * sample_period_s, 100.0 * (finally - value) / (finally - before)))
             .collect();
-        let end = &missing[missing.len() - window.end..];
+        let end = &missing[window.after - window.end..];
         let noise = (end.iter().map(|(_, share)| share * share).sum::<f64>() / end.len() as f64).sqrt();
         let resolution_s = 2.0 * window.half as f64 * sample_period_s;
         Self { sample_period_s, resolution_s, before, finally, missing, noise }

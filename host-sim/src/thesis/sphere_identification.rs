@@ -7,7 +7,7 @@ use dr_core::sensor::Level;
 use super::identified::for_a_loop;
 use super::record::Record;
 use super::settling::{Response, SHARES};
-use super::sphere_response::{of_a, of_b_repeated};
+use super::sphere_response::{FAST_PERIOD_S, of_a, of_b_repeated};
 use super::{Finding, Findings, Lab, StudyError};
 use crate::experiment::Experiment;
 use crate::identify::candidates::Beginning;
@@ -33,7 +33,7 @@ struct Sphere {
     parts: &'static [&'static str],
     /// Rates of the parts together, and of the front part by itself.
     poles: (usize, usize),
-    /// Time unit of the page's words.
+    /// Whether the thesis found it so.
     fast: bool,
 }
 
@@ -74,7 +74,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let b = winds(lab, &B)?;
     findings.say(poles_and_zeros(&[(&A, &a), (&B, &b)]));
     findings.say(
-        "The zeros of such a symbol are the rates of the closed loop. Sphere A has three poles that matter: the silver, the packaged resistor on its glue, and its film. Between the first two lies a zero of tens of seconds, which weighs more in the power than all that is steady. Sphere B has one pole that matters. Its second one is the chip on its solder, some 0.5 K/W of 800, and the zero that comes with it is a rate of 17 a second.",
+        "The zeros of such a symbol are the rates of the closed loop. Sphere A has three poles that matter: the silver, the packaged resistor on its glue, and its film, whose rate is beyond what samples of 20 Hz tell. Between the first two lies a zero of tens of seconds, which weighs more in the power than all that is steady. Sphere B has one pole that matters. Its second one is the chip on its solder, some 0.5 K/W of 800, and the zero that comes with it is a rate of 17 a second.",
     );
     for (sphere, winds) in [(&A, &a), (&B, &b)] {
         let last = &winds[winds.len() - 1];
@@ -87,21 +87,24 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     }
     judge(&mut findings, (&a, &b));
     let measured_a = of_a(lab)?;
-    let measured_b = of_b_repeated(lab, &lab.experiment(B.step)?)?;
+    let measured_b = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
+    let slow_period_s = lab.experiment(A.step)?.sample_period_s;
     findings.say(
-        "A wind cools the silver, and the zero stands between the silver and the platinum. So after a step the share of its change that the power has not yet told falls as e^(−μt), with μ the slowest zero that matters in the new wind. That predicts the times to 10, 5 and 2 %, which [the step itself](sphere-response.md) shows; where other zeros take a part, as in A, it is an upper bound.",
+        "A wind cools the silver, and the zero stands between the silver and the platinum. So after a step the share of its change that the power has not yet told falls as e^(−μt), with μ the slowest zero that matters in the new wind. That predicts the times to 10, 5 and 2 %, which [the step itself](sphere-response.md) shows. Sphere A's real step ends some 10 % earlier: more than one rate takes a part in it.",
     );
-    for (sphere, winds, measured) in [(&A, &a, &measured_a), (&B, &b, &measured_b)] {
-        predicted(&mut findings, sphere, &winds[winds.len() - 1], measured);
+    findings.say(
+        "A one-bit loop is not infinitely fast: its mean temperature falls by S = ΣR(1 − e^(−ξTs)) for each watt that it has to give more, as if S stood in series with the element. The rate is then the root of H(−μ) = −S instead of H(−μ) = 0. Sphere A's glue, 125 K/W, hides that. In sphere B at 1 kHz S is a third of the solder's resistance, and the reason why the measured times are longer than in the limit.",
+    );
+    for (sphere, winds, measured, period_s) in
+        [(&A, &a, &measured_a, slow_period_s), (&B, &b, &measured_b, FAST_PERIOD_S)]
+    {
+        predicted(&mut findings, sphere, &winds[winds.len() - 1], (measured, period_s));
     }
     findings.say(
-        "The front part by itself has one slow pole more, and next to it a zero of small weight: under equal powers it is colder than its neighbours and gains from them. Loops that hold every part leave nothing to gain; a loop that held one part and heated the others by constant power would have that tail, in B as well.",
+        "The front part by itself has one slow pole more, and next to it a zero of small weight: under equal powers it is colder than its neighbours and gains from them. Loops that hold every part leave nothing to gain, which is why the sphere is judged as one body.",
     );
     let chart = |sphere: &Sphere, winds: &[InWind], of: fn(&InWind) -> &Vec<(f64, f64)>, what: &str| {
-        let base = Chart::new(format!("Sphere {}, {what}", sphere.letter), "K/W")
-            .x(Scale::Log, "Hz")
-            .y(Scale::Log)
-            .height(220.0);
+        let base = Chart::new(format!("Sphere {}, {what}", sphere.letter), "K/W").x(Scale::Log, "Hz").height(220.0);
         winds.iter().fold(base, |chart, wind| chart.series(Series::stems(wind.label.clone(), of(wind).clone())))
     };
     findings.picture(
@@ -236,18 +239,72 @@ fn judge(findings: &mut Findings, (a, b): (&[InWind], &[InWind])) {
     }
 }
 
+/// The rate that a zero becomes when the loop decides once a sample period: the root of H(−μ) = −S between the pole below and the zero.
+fn of_one_bit(points: &[(f64, f64)], zero_rad_s: f64, period_s: f64) -> f64 {
+    let poles = || points.iter().map(|(hz, r)| (TAU * hz, *r));
+    let s: f64 = poles().map(|(rate, r)| -r * (-rate * period_s).exp_m1()).sum();
+    let sum = |mu: f64| s + poles().map(|(rate, r)| rate * r / (rate - mu)).sum::<f64>();
+    let below = poles().map(|(rate, _)| rate).filter(|rate| *rate < zero_rad_s).fold(0.0, f64::max);
+    let (mut low, mut high) = (below, zero_rad_s);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if sum(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    f64::midpoint(low, high)
+}
+
 /// Times to 10, 5 and 2 % from the slowest zero, beside those of the step.
-fn predicted(findings: &mut Findings, sphere: &Sphere, wind: &InWind, measured: &Response) {
+fn predicted(findings: &mut Findings, sphere: &Sphere, wind: &InWind, (measured, period_s): (&Response, f64)) {
     let Some((rate, _)) = slowest(&wind.together) else { return };
+    let sampled = of_one_bit(&wind.points, rate, period_s);
     for share in SHARES {
-        let own_s = (100.0 / share).ln() / rate;
-        let what = format!("{}: time to {share} % of a step to {}, predicted from the zero", sphere.letter, wind.label);
+        let (limit_s, own_s) = ((100.0 / share).ln() / rate, (100.0 / share).ln() / sampled);
+        let what = format!(
+            "{}: time to {share} % after a step to {}: in the limit, with a bit each {} ms, measured",
+            sphere.letter,
+            wind.label,
+            1e3 * period_s
+        );
         let seen = match measured.settled_s(share) {
-            Some(time_s) => {
-                format!("{} s, measured {} s ({:+.0} %)", brief(own_s), brief(time_s), 100.0 * (own_s / time_s - 1.0))
-            }
-            None => format!("{} s, never measured", brief(own_s)),
+            Some(time_s) => format!(
+                "{} s, {} s ({:+.0} %), {} s",
+                brief(limit_s),
+                brief(own_s),
+                100.0 * (own_s / time_s - 1.0),
+                brief(time_s)
+            ),
+            None => format!("{} s, {} s, not in this run", brief(limit_s), brief(own_s)),
         };
         findings.push(Finding::told(what, "", seen));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_loop_acts_as_a_resistance_beside_the_solder() {
+        // Silver of 0.118 J/K behind 2 W/K and a chip without capacity to speak of: C (R + S) is the loop's time constant.
+        let points = [(0.01 / TAU, 800.0), (400.0 / TAU, 0.47)];
+        let chip = 1.0 - (-0.4_f64).exp();
+        let s = 800.0 * 1e-5 + 0.47 * chip;
+        let limit = slow_zero(&points);
+        let found = of_one_bit(&points, limit, 1e-3);
+        // 8/(0.01 − μ) + 0.47·400/(400 − μ) + S = 0 at the root, by its parts.
+        let value = 8.0 / (0.01 - found) + 0.47 * 400.0 / (400.0 - found) + s;
+        assert!(value.abs() < 1e-6 && found < limit && found > 0.5 * limit, "{found} {limit} {value}");
+        // Infinitely fast, it is the zero.
+        assert!((of_one_bit(&points, limit, 1e-12) / limit - 1.0).abs() < 1e-6);
+    }
+
+    /// Of two poles, in closed form: Σ η_k (ξ_other − μ) = 0.
+    fn slow_zero(points: &[(f64, f64); 2]) -> f64 {
+        let [(a, ra), (b, rb)] = points.map(|(hz, r)| (TAU * hz, r));
+        a * b * (ra + rb) / (a * ra + b * rb)
     }
 }
