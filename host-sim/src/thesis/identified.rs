@@ -103,6 +103,13 @@ pub fn heating_k(model: &Model, record: &Record, from: &str, to: &str) -> Result
     Ok(record.power_w(from)?.iter().map(step).collect())
 }
 
+/// The same for a prediction of the loop, which knows no dead time and no feed-through.
+pub fn for_a_loop(mut table: Table, poles: usize, beginning: Beginning) -> Result<Model, StudyError> {
+    let given = Given { beginning: Some(beginning), feed_through: Some(false), delay: Some(0), ..Given::default() };
+    let options = Options { given, free_poles: Some(poles), ..Options::default() };
+    Ok(identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {})?)
+}
+
 /// The largest resistance of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {

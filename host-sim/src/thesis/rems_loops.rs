@@ -1,0 +1,156 @@
+//! One die held at 42 °C: the power that the loop takes, against what open-loop models said it would.
+
+use super::identified::{Mesh, for_a_loop, on_mesh};
+use super::record::Record;
+use super::{Finding, Findings, Lab, StudyError};
+use crate::experiment::Experiment;
+use crate::identify::candidates::Beginning;
+use crate::model::Model;
+use crate::plot::model::{Chart, Series};
+use crate::predict::closed::{Predicted, Start, predict};
+use crate::predict::compare::{Decimated, decimate};
+use crate::predict::scenario::Scenario;
+
+const DIE: &str = "card1-die1";
+/// Free rates of the models: die, legs, card and boom.
+const POLES: usize = 4;
+const STILL_MESH: Mesh = Mesh { order: 8, edges_rad_s: (0.00698, 62.8) };
+const WIND_MESH: Mesh = Mesh { order: 8, edges_rad_s: (0.0111, 75.0) };
+/// Window of the decimators, ticks: 2 s, as `anemo predict` has it at 10 Hz.
+const WINDOW: usize = 20;
+/// Until then the card is still warming, s.
+const WARM_S: f64 = 200.0;
+/// What has to be reached, % of the mean power.
+const MOST_PERCENT: f64 = 2.0;
+
+pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
+    let mut findings = Findings::default();
+    findings.say(
+        "A die is held at 42 °C by one bit at 10 Hz. Its power is predicted from models that were identified open loop, in other runs: those of [self-heating](rems-self.md), in still air and in the linear tunnel. Nothing of the closed loop's own record goes into the prediction.",
+    );
+    findings.say(
+        "Prediction and record go through the same sinc³ decimator with a window of 2 s. In the tunnel only outputs count whose whole response lies in one wind. In still air the first 200 s are left out, in which the card warms up.",
+    );
+    let still = one(lab, &mut findings, ("rems-self-still", "rems-loop-still"), (STILL_MESH, WARM_S), "still air")?;
+    let wind = one(lab, &mut findings, ("rems-self-wind", "rems-loop-wind"), (WIND_MESH, 0.0), "linear tunnel")?;
+    findings.say(
+        "A reading decides over the whole next period, in which the die warms by two kelvin or cools by one. So the loop's mean temperature is not its set-point, and its power not that of the limit of fast sampling. The prediction with the bar runs the same one-bit rule on the model; the limit is told beside it. So slow a loop also locks into short patterns of bits, and its mean power moves in steps: prediction and record agree on a step, and differ where one of them takes the next step some seconds earlier.",
+    );
+    findings.say(
+        "The other eleven dice and the boom sense at 1 mA, which is 2.8 mW a die, and warm this one. They do so in the identification as well: it is in the model's offset, which lies above the air. A wind takes some of that away, while a model has one offset and one set of rates for all winds.",
+    );
+    findings.picture(
+        "REMS: closed loop, predicted and measured",
+        "Power of a die at 42 °C in still air and in the linear tunnel: measured, and predicted by the one-bit rule on an open-loop model",
+        still.into_iter().chain(wind).map(|chart| vec![chart]),
+    )?;
+    Ok(findings)
+}
+
+/// Identifies from one experiment, predicts another, and compares.
+fn one(
+    lab: &Lab,
+    findings: &mut Findings,
+    (open, closed): (&str, &str),
+    (mesh, from_s): (Mesh, f64),
+    place: &str,
+) -> Result<[Chart; 2], StudyError> {
+    let (_, heated) = lab.run(open)?;
+    let (experiment, held) = lab.run(closed)?;
+    let winds = experiment.wind.len() > 1;
+    let table = || heated.table(&[DIE], &[DIE], winds);
+    let model = for_a_loop(table()?, POLES, Beginning::Settled)?;
+    let steps = Steps::of(&model, &experiment, &held, from_s)?;
+    let share = |by: &Decimated| -> Result<(f64, f64, f64), StudyError> {
+        let nothing = || StudyError::Other(format!("{}: no output can be compared", experiment.title));
+        let found = by.compare().ok_or_else(nothing)?;
+        Ok((100.0 * found.rms_w / found.mean_w, 100.0 * found.bias_w / found.mean_w, 1e3 * found.mean_w))
+    };
+    let (rms, bias, mean_mw) = share(&steps.sampled)?;
+    let words = format!("{rms:.2} % rms, {bias:+.2} % in the mean, of {mean_mw:.2} mW");
+    let bar = Finding::told(format!("measured against predicted power, {place}"), "matches", words);
+    findings.push(bar.judged(format!("at most {MOST_PERCENT} % rms"), rms <= MOST_PERCENT));
+    let (rms, bias, _) = share(&steps.limit)?;
+    let limit = Finding::told(
+        format!("the same against the limit of fast sampling, {place}"),
+        "",
+        format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
+    );
+    findings.push(limit);
+    let of_mesh = Steps::of(&on_mesh(table()?, mesh)?, &experiment, &held, from_s)?;
+    let (rms, bias, _) = share(&of_mesh.sampled)?;
+    findings.push(Finding::told(
+        format!("the same with the eight rates of the thesis, one-bit rule, {place}"),
+        "",
+        format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
+    ));
+    let mean_c = held.mean_temperature_c(DIE, from_s.max(20.0), experiment.duration_s())?;
+    findings.push(Finding::told(
+        format!("mean reading at a set-point of 42 °C, {place}"),
+        "",
+        format!("{mean_c:.2} °C"),
+    ));
+    findings.push(Finding::told(
+        format!("offset of the model over the air, {place}"),
+        "",
+        format!("{:.2} K", model.offset_c - experiment.gas_temperature_c),
+    ));
+    Ok(steps.charts(place, &experiment))
+}
+
+/// Decimated powers, measured beside both predictions.
+struct Steps {
+    sampled: Decimated,
+    limit: Decimated,
+}
+
+impl Steps {
+    fn of(model: &Model, experiment: &Experiment, held: &Record, from_s: f64) -> Result<Self, StudyError> {
+        let (scenario, _) = Scenario::of(experiment, model).map_err(StudyError::Other)?;
+        let prediction = predict(model, &scenario, Start::Standby).map_err(StudyError::Other)?;
+        let of: &Predicted = &prediction.elements[0];
+        let first = (from_s / experiment.sample_period_s).round() as usize;
+        let good: Vec<bool> = of.held.iter().enumerate().map(|(tick, held)| *held && tick >= first).collect();
+        let decimated = |predicted: &[f64]| {
+            let period_s = experiment.sample_period_s;
+            decimate(predicted, held.power_w(DIE)?, &good, &prediction.class, WINDOW, period_s)
+                .map_err(StudyError::Other)
+        };
+        Ok(Self { sampled: decimated(&of.sampled_w)?, limit: decimated(&of.limit_w)? })
+    }
+
+    /// Powers, and by how much the prediction is off.
+    fn charts(&self, place: &str, experiment: &Experiment) -> [Chart; 2] {
+        let rows = &self.sampled.rows;
+        let winds = |chart: Chart| {
+            let end_s = experiment.duration_s();
+            let ends = experiment.wind.iter().skip(1).map(|wind| wind.start_s).chain([end_s]);
+            let several = experiment.wind.len() > 1;
+            experiment.wind.iter().zip(ends).filter(|_| several).fold(chart, |chart, (wind, to_s)| {
+                chart.span(wind.start_s, to_s, colour(&wind.label), wind.label.clone())
+            })
+        };
+        let milli = |value: fn(&(f64, f64, f64, bool)) -> f64| {
+            rows.iter().map(|row| (row.0, 1e3 * value(row))).collect::<Vec<_>>()
+        };
+        let limit = self.limit.rows.iter().map(|row| (row.0, 1e3 * row.1)).collect();
+        let power = Chart::new(format!("Power of {DIE}, {place}"), "mW")
+            .height(200.0)
+            .series(Series::line("measured", milli(|row| row.2)))
+            .series(Series::dashed("predicted, one-bit rule", milli(|row| row.1)))
+            .series(Series::line("predicted, limit of fast sampling", limit));
+        let off = Chart::new("Measured less predicted", "mW")
+            .height(110.0)
+            .note("only what is compared")
+            .series(Series::line("", milli(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
+        // The first seconds at the high level would dwarf the rest.
+        let settled = rows.iter().filter(|row| row.0 > 10.0).flat_map(|row| [row.1, row.2]);
+        let (least, most) = settled.fold((f64::INFINITY, 0.0_f64), |(least, most), w| (least.min(w), most.max(w)));
+        let air = 0.15 * (most - least);
+        [winds(power.range(1e3 * (least - air), 1e3 * (most + air))), winds(off)]
+    }
+}
+
+fn colour(label: &str) -> usize {
+    ["rest", "forward", "back"].iter().position(|known| label.starts_with(known)).unwrap_or(0)
+}
