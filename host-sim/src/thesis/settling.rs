@@ -112,7 +112,7 @@ mod tests {
             let time_s = n as f64 * 1e-3;
             let lag = (-time_s / 0.1).exp();
             let share = if step % 2 == 1 { 1.0 - lag } else { lag };
-            20.0 + 10.0 * share + if (n + step).is_multiple_of(2) { 20.0 } else { -20.0 }
+            20.0 + 10.0 * share + if (n + step / 2).is_multiple_of(2) { 20.0 } else { -20.0 }
         };
         let values =
             (0..steps).flat_map(|step| (0..3000).map(move |n| (step, n))).map(|(step, n)| of(step, n)).collect();

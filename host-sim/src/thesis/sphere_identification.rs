@@ -101,8 +101,12 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         predicted(&mut findings, sphere, &winds[winds.len() - 1], (measured, period_s));
     }
     findings.say(
-        "The front part by itself has one slow pole more, and next to it a zero of small weight: under equal powers it is colder than its neighbours and gains from them. Loops that hold every part leave nothing to gain, which is why the sphere is judged as one body.",
+        "The front part by itself has one slow pole more, and next to it a zero of small weight: under equal powers it is colder than its neighbours and gains from them. Loops that hold every part leave nothing to gain, which is why the sphere is judged as one body. Judged by its front part's symbol, sphere B would have a tail too:",
     );
+    for (sphere, winds) in [(&A, &a), (&B, &b)] {
+        let last = &winds[winds.len() - 1];
+        findings.say(format!("The front part of {} in {}: *{}*", sphere.letter, last.label, last.front.verdict(&[])));
+    }
     let chart = |sphere: &Sphere, winds: &[InWind], of: fn(&InWind) -> &Vec<(f64, f64)>, what: &str| {
         let base = Chart::new(format!("Sphere {}, {what}", sphere.letter), "K/W").x(Scale::Log, "Hz").height(220.0);
         winds.iter().fold(base, |chart, wind| chart.series(Series::stems(wind.label.clone(), of(wind).clone())))
