@@ -55,7 +55,7 @@ fn table(findings: &Findings) -> String {
 }
 
 fn index(studies: &[(&Study, Findings)]) -> String {
-    let mut text = "# The experiments of the thesis, on the simulated sensors\n\nMade by `anemo thesis`: every number and picture here comes from running the experiments in [`experiments/thesis`](../../experiments/thesis).\nPublished values are those of the thesis; where it gives none, ours is the first. The sensors are thermal networks\n([sphere A](../sensors/sphere-a.md), [sphere B](../sensors/sphere-b.md), [REMS](../sensors/rems.md)), never diffusive models.\n\n| study | bars | met |\n|---|---|---|\n".to_owned();
+    let mut text = "# The experiments of the thesis, on the simulated sensors\n\nMade by `anemo thesis`: every number and picture here comes from running the experiments in [`experiments/thesis`](../../experiments/thesis).\nPublished values are those of the thesis; where it gives none, ours is the first. The sensors are thermal networks\n([sphere A](../sensors/sphere-a.md), [sphere B](../sensors/sphere-b.md), [REMS](../sensors/rems.md)), never diffusive models.\n\nWhat the thesis does not publish of a sensor is derived from its size and material, assumed, or calibrated to some of the values below: the pole of a\ndie, the diagonal against the adjacent die, cross-heating as a whole, poles and rise of the boom, and the tail of sphere A. Of those the tables say that a\nnetwork of plausible parts has them, not that it was foreseen. All else is found.\n\n| study | bars | met |\n|---|---|---|\n".to_owned();
     for (study, findings) in studies {
         let (bars, met) = findings.score();
         let _ = writeln!(text, "| [{}]({}.md) | {bars} | {met} |", study.title, study.name);

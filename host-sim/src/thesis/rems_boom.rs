@@ -72,7 +72,7 @@ fn setpoints(lab: &Lab, findings: &mut Findings) -> Result<(Model, Vec<Vec<Chart
         fit(&Predicted::of(&free, &record, &[FOUR], &[BOOM])?),
     ));
     findings.say(
-        "The rise for 17 K is the identified steady gain times the power that the dice take for 17 K above the gas, from the means of the record. No die was held there: the set-points lie higher, and the network is all but linear.",
+        "The rise for 17 K is the identified steady gain times the power that the dice take for 17 K above the gas, from the means of the record: what four dice add to a boom without any heat. No die was held there: the set-points lie higher, and the network is all but linear. The run with dice on and off below is less by what dice take that only sense.",
     );
     let symbol = Chart::new("Symbol from the summed power of four dice to the boom", "K/W")
         .x(Scale::Log, "Hz")
@@ -97,6 +97,16 @@ fn switched(lab: &Lab, model: &Model, findings: &mut Findings) -> Result<Chart, 
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
     findings.push(Finding::near("rise of the boom in 3 h on, 3 h off, dice at 42 °C", 0.5, (rise_k, "K"), 20.0));
+    let first_on_s = experiment.changes.first().map_or(record.duration_s(), |change| experiment.time_s(change.tick));
+    let reading_c = record.mean_temperature_c(FOUR, first_on_s - END_S, first_on_s)?;
+    let over_air_k = reading_c - experiment.gas_temperature_c;
+    findings.push(Finding::told(
+        "mean reading of the dice, held at 42 °C by a bit at 10 Hz",
+        "",
+        format!("{reading_c:.2} °C"),
+    ));
+    let in_proportion = format!("{} K", brief(17.0 * rise_k / over_air_k));
+    findings.push(Finding::told("that rise in proportion to 17 K of this reading over the air", "", in_proportion));
     let predicted = Predicted::of(model, &record, &[FOUR], &[BOOM])?;
     findings.push(Finding::told("fit of that run, predicted by the model of the 20 h", "", fit(&predicted)));
     let mut cool = first_cycle(&experiment);
@@ -175,7 +185,7 @@ fn heated(lab: &Lab, findings: &mut Findings) -> Result<Vec<Chart>, StudyError> 
     let (least, most) = die_w.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), w| (least.min(*w), most.max(*w)));
     let step_mw = 1e3 * (most - least) / (60 * per_second(&experiment)) as f64;
     findings.say(format!(
-        "Heated by bits of two minutes, the boom moves by some kelvins, and four dice held at 40 °C take less power while it is warm. The correlation of minute means is not complete. One bit of a die more or less in a minute is {} mW, and the picture shows these steps; and between boom and dice lies the card, which follows later.",
+        "Heated by bits of two minutes, the boom moves by some kelvins, and four dice held at 40 °C take less power while it is warm. Slope and correlation are those of one hour of one sequence, which is shorter than the sequence's period, and other seeds move both by a third. One bit of a die more or less in a minute is {} mW, and the picture shows these steps; and between boom and dice lies the card, which follows later.",
         brief(step_mw)
     ));
     let shown =

@@ -21,7 +21,7 @@ const SHOWN_S: (f64, f64) = (1800.0, 1920.0);
 pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let mut findings = Findings::default();
     findings.say(
-        "One die is heated by pseudo-random bits of 0.8 s, and its three neighbours on the card only sense, sampled at 2.5 Hz for an hour. A neighbour answers late: first the heat has to cross the legs. So resistances of a symbol may be negative here, and on the mesh of seven rates each neighbour's symbol has one peak. It is lower in the diagonal die, which is farther away; the slow poles of the card are all dice's alike.",
+        "One die is heated by pseudo-random bits of 0.8 s, and its three neighbours on the card only sense, sampled at 2.5 Hz for an hour. A neighbour answers late: first the heat has to cross the legs. So resistances of a symbol may be negative here. On the mesh of seven rates the largest point of an adjacent die lies at 0.1 Hz; slower points, of the card, are much the same for all dice, and in the diagonal die, which is farther away, they are the larger ones. What is compared is the point at 0.1 Hz.",
     );
     let (_, still) = lab.run("rems-cross-still")?;
     let model = on_mesh_of_any_sign(still.table(&[HEATED], &OTHERS, false)?, CROSS_MESH)?;
@@ -36,6 +36,10 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     findings.push(
         Finding::told("diagonal die, of an adjacent one", "much weaker", weaker).judged("under 40 %", share < 40.0),
     );
+    let label = &model.classes[0];
+    let largest = peak(pair(&model, HEATED, OTHERS[2])?, label, (0.0, f64::INFINITY))?;
+    let own = format!("{} Hz ({})", brief(largest.frequency_hz), in_unit(largest.r_k_per_w, "K/W"));
+    findings.push(Finding::told("largest point of the diagonal die by itself", "", own));
     mesh_or_poles(&still, &model, &mut findings)?;
 
     let (_, windy) = lab.run("rems-cross-wind")?;
@@ -47,12 +51,12 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         findings.push(Finding::told(what, "no dependence", format!("{} %", brief(change))));
     }
     findings.say(
-        "The peak is lower in wind, where the thesis saw no dependence. In a passive network it cannot be otherwise: heat that reaches a neighbour has passed two surfaces that the wind cools, so that a cross term changes by at least twice as many percent as the self-heating of a die does. Each record here is of one wind; the thesis had no error figure against which to hold a change of this size.",
+        "The peak is lower in wind, where the thesis saw no dependence. In a passive network it cannot be otherwise: heat that reaches a neighbour has passed two surfaces that the wind cools, so that a cross term changes by more percent than the [self-heating](rems-self.md) of a die does. Each record here is of one wind; the thesis had no error figure against which to hold a change of this size.",
     );
     findings.picture(
         "REMS: cross-heating between dice",
         format!(
-            "Symbols from {HEATED} to its neighbours in still air and in wind, each with a peak at 0.1 Hz, and two minutes of an adjacent die"
+            "Symbols from {HEATED} to its neighbours in still air and in wind, whose points at 0.1 Hz are compared, and two minutes of an adjacent die"
         ),
         [
             vec![symbols("Still air", &model)?],
