@@ -5,7 +5,7 @@
 //! | [`lab`], [`record`] | runs an experiment file and keeps what it recorded |
 //! | [`identified`] | models of such records on the meshes of the thesis, and their peaks |
 //! | [`findings`] | a published value, ours, and the bar between them |
-//! | [`settling`] | how fast a step is answered, from noisy streams |
+//! | `settling` | how fast a step is answered, from noisy streams |
 //! | [`page`] | what is written: a page and a picture a study |
 //! | `rems` | what the studies of that transducer share |
 //! | `rems_…`, `sphere_…` | the studies, one file each |
