@@ -1,7 +1,7 @@
 //! `anemo thesis`: the experiments of the thesis on the simulated sensors.
 
 use std::io::IsTerminal as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
@@ -12,7 +12,7 @@ use crate::toml_file::suggest;
 /// Run the experiments of the thesis on the simulated sensors, and set its findings beside ours.
 ///
 /// Each study runs its experiments, identifies models, predicts with them, and leaves a page and a picture: the published value, ours,
-/// and whether the bar between them is met.
+/// and whether the bar between them is met. All together take about a minute.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -20,12 +20,13 @@ Examples:
   anemo thesis
   anemo thesis rems-self -o out/results")]
 pub struct Arguments {
-    /// The studies to run: all if none is named.
+    /// The studies to run, as --list names them: all, and a page over them, if none is named.
+    #[arg(value_name = "STUDY")]
     names: Vec<String>,
     /// Say which studies there are.
     #[arg(long)]
     list: bool,
-    /// The folder for pages and pictures.
+    /// The folder for pages and pictures, which are written anew. They link to each other, and to docs/sensors as from the default.
     #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
     output: PathBuf,
     /// The folder with the experiments.
@@ -73,7 +74,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let of = |(study, findings): &(&Study, Findings)| (study.name.to_owned(), as_json(findings));
         return super::print_json(&serde_json::Value::Object(done.iter().map(of).collect()));
     }
-    super::print(&done.iter().map(|(study, findings)| text(study, findings)).collect::<String>())
+    let all: String = done.iter().map(|(study, findings)| text(study, findings)).collect();
+    super::print(&(all + &total(&done, &arguments.output)))
 }
 
 /// The studies of these names.
@@ -99,20 +101,23 @@ fn text(study: &Study, findings: &Findings) -> String {
     let mut text = format!("{}\n", study.title);
     for finding in &findings.findings {
         let mark = match finding.met {
-            None => "      ",
-            Some(true) => "met   ",
-            Some(false) => "MISSED",
+            None => "       ",
+            Some(true) => "met    ",
+            Some(false) => "NOT MET",
         };
-        let or = |words: &str, nothing: &str| if words.is_empty() { nothing.to_owned() } else { words.to_owned() };
-        text += &format!(
-            "  {mark}  {}: {}  (published: {}; bar: {})\n",
-            finding.what,
-            finding.ours,
-            or(&finding.published, "nothing"),
-            or(&finding.bar, "none")
-        );
+        let published = Some(&finding.published).filter(|words| !words.is_empty()).map(|words| format!("published: {words}"));
+        let bar = Some(&finding.bar).filter(|words| !words.is_empty()).map(|words| format!("bar: {words}"));
+        let known: Vec<String> = published.into_iter().chain(bar).collect();
+        let known = if known.is_empty() { String::new() } else { format!("  ({})", known.join("; ")) };
+        text += &format!("  {mark}  {}: {}{known}\n", finding.what, finding.ours);
     }
     text + "\n"
+}
+
+/// What was written where, and how many bars are met.
+fn total(done: &[(&Study, Findings)], folder: &Path) -> String {
+    let (bars, met) = done.iter().map(|(_, findings)| findings.score()).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    format!("{met} of {bars} bars met; pages and pictures are in {}\n", folder.display())
 }
 
 fn as_json(findings: &Findings) -> serde_json::Value {

@@ -216,7 +216,7 @@ impl Analysis {
         }
         if self.zeros.is_empty() {
             return format!(
-                "Answers at once: with one significant pole every disturbance is matched, and the power follows within sample periods, where the structure by itself takes {open} to within 2 %."
+                "Answers at once: with one significant pole every disturbance is matched, and the power follows within sample periods, where the structure's own temperature takes {open} to within 2 % after a step of power."
             );
         }
         let winds = changes.iter().any(|(_, change)| self.can_hold(change));
@@ -224,12 +224,12 @@ impl Analysis {
         let free = if winds { String::new() } else { self.without_levels() };
         let answers = match self.worst_s(changes) {
             Some(worst_s) if self.is_fast(changes) => format!(
-                "Answers fast: after {what} the power is within 2 % of the whole change in {}{free}, where the structure by itself takes {open}.{}",
+                "Answers fast: after {what} the power is within 2 % of the whole change in {}{free}, where the structure's own temperature takes {open} after a step of power.{}",
                 seconds(Some(worst_s)),
                 self.set_point_too(winds)
             ),
             worst_s => format!(
-                "Answers with a tail: after {what} the power takes {} to within 2 % of the whole change{free}, and the structure by itself {open}; the slowest time constant of the loop is {} s.",
+                "Answers with a tail: after {what} the power takes {} to within 2 % of the whole change{free}, and the structure's own temperature {open} after a step of power; the slowest time constant of the loop is {} s.",
                 seconds(worst_s),
                 three_digits(1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min))
             ),

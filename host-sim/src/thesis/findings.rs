@@ -18,7 +18,8 @@ pub struct Finding {
 impl Finding {
     /// A value that is only told.
     pub fn told(what: impl Into<String>, published: impl Into<String>, ours: impl Into<String>) -> Self {
-        Self { what: what.into(), published: published.into(), ours: ours.into(), bar: String::new(), met: None }
+        let (published, ours) = (with_minus(&published.into()), with_minus(&ours.into()));
+        Self { what: what.into(), published, ours, bar: String::new(), met: None }
     }
 
     /// A value with a bar that the caller has judged.
@@ -63,6 +64,18 @@ impl Finding {
 
 pub(super) fn in_unit(value: f64, unit: &str) -> String {
     in_words(crate::plot::model::brief(value), unit)
+}
+
+/// A hyphen before a digit, and not within a word, is a minus.
+fn with_minus(text: &str) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    let is_minus = |at: usize| {
+        let before = at.checked_sub(1).map(|before| letters[before]);
+        letters[at] == '-'
+            && letters.get(at + 1).is_some_and(char::is_ascii_digit)
+            && before.is_none_or(|before| before.is_whitespace() || "([".contains(before))
+    };
+    (0..letters.len()).map(|at| if is_minus(at) { '−' } else { letters[at] }).collect()
 }
 
 fn in_words(words: String, unit: &str) -> String {
@@ -115,6 +128,12 @@ impl Findings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_below_zero_have_a_minus_and_words_keep_their_hyphens() {
+        let found = Finding::told("", "-1 to 2 Hz", "0.202 Hz (-1.1 %) of card1-die1, 2-D");
+        assert_eq!((found.published.as_str(), found.ours.as_str()), ("−1 to 2 Hz", "0.202 Hz (−1.1 %) of card1-die1, 2-D"));
+    }
 
     #[test]
     fn bars_are_met_up_to_their_edges_and_not_beyond() {

@@ -72,7 +72,7 @@ fn setpoints(lab: &Lab, findings: &mut Findings) -> Result<(Model, Vec<Vec<Chart
         fit(&Predicted::of(&free, &record, &[FOUR], &[BOOM])?),
     ));
     findings.say(
-        "The rise for 17 K is the identified steady gain times the power that the dice take for 17 K above the gas, from the means of the record: what four dice add to a boom without any heat. No die was held there: the set-points lie higher, and the network is all but linear. The run with dice on and off below is less by what dice take that only sense.",
+        "The rise for 17 K is the identified steady gain times the power that the dice take for 17 K above the gas, from the means of the record: what four dice would add to a boom that nothing heats. No die was held there: the set-points lie higher, and the network is all but linear. The run with dice on and off below is less by what dice take that only sense.",
     );
     let symbol = Chart::new("Symbol from the summed power of four dice to the boom", "K/W")
         .x(Scale::Log, "Hz")
@@ -96,7 +96,7 @@ fn switched(lab: &Lab, model: &Model, findings: &mut Findings) -> Result<Chart, 
     let (experiment, record) = lab.run("rems-boom-switched")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.push(Finding::near("rise of the boom in 3 h on, 3 h off, dice at 42 °C", 0.5, (rise_k, "K"), 20.0));
+    findings.push(Finding::near("rise of the boom in 3 h on, 3 h off, dice at 42 °C, in air of 27 °C, which was chosen so", 0.5, (rise_k, "K"), 20.0));
     let first_on_s = experiment.changes.first().map_or(record.duration_s(), |change| experiment.time_s(change.tick));
     let reading_c = record.mean_temperature_c(FOUR, first_on_s - END_S, first_on_s)?;
     let over_air_k = reading_c - experiment.gas_temperature_c;
@@ -115,7 +115,7 @@ fn switched(lab: &Lab, model: &Model, findings: &mut Findings) -> Result<Chart, 
     let in_cool_k = on_less_off(&cool, &lab.record(&cool)?, BOOM)?;
     findings.push(Finding::told("the same rise in air at 21 °C", "", in_unit(in_cool_k, "K")));
     findings.say(format!(
-        "Dice at 42 °C, 3 h on and 3 h off, lift the boom by half a kelvin in air at {warm_c} °C. Both published rises, 0.65 K for 17 K of overheat and 0.5 K at 42 °C, cannot be had of one transducer in air at 21 °C: 42 °C are 21 K above it, and the rise in proportion is larger. The thesis does not say how warm the air was in that run. The model of the 20 h predicts this run, in other air, without having seen it.",
+        "Dice at 42 °C, 3 h on and 3 h off, lift the boom by half a kelvin in air at {warm_c} °C. Both published rises, 0.65 K for 17 K of overheat and 0.5 K at 42 °C, cannot be had of one transducer in air at 21 °C: 42 °C are 21 K above it, and the rise in proportion is larger. The thesis does not say how warm the air was in that run. A bit at 10 Hz is coarse for a die: its mean reading lies off the set-point, to which side depends on how much of the time it heats ([a die in closed loop](rems-loops.md)). The model of the 20 h predicts this run, in other air, without having seen it.",
     ));
     let all = (0.0, record.duration_s());
     Ok(over_hours("Boom, dice at 42 °C on and off", "°C", &record, record.temperature_c(BOOM)?, "measured").series(

@@ -40,7 +40,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         "The other eleven dice and the boom sense at 1 mA, which is 2.8 mW a die, and warm this one. They do so in the identification as well: it is in the model's offset, which lies above the air. A wind takes some of that away, while a model has one offset and one set of rates for all winds.",
     );
     findings.picture(
-        "REMS: closed loop, predicted and measured",
+        "REMS: a die in closed loop",
         "Power of a die at 42 °C in still air and in the linear tunnel: measured, and predicted by the one-bit rule on an open-loop model",
         still.into_iter().chain(wind).map(|chart| vec![chart]),
     )?;

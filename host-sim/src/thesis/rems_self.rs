@@ -89,7 +89,7 @@ fn wind(lab: &Lab, findings: &mut Findings) -> Result<Chart, StudyError> {
     let main = [rest[die_pole.place], back[die_pole.place], forward[die_pole.place]];
     findings.push(
         Finding::told(
-            "amplitude at rest, back, forward",
+            "amplitude of the free pole at rest, back, forward",
             "more wind, less; forward less than back",
             format!("{:.1}, {:.1}, {:.1} K/W", main[0], main[1], main[2]),
         )
@@ -97,9 +97,9 @@ fn wind(lab: &Lab, findings: &mut Findings) -> Result<Chart, StudyError> {
     );
     let worst = others_share(own, die_pole.place)?;
     let only =
-        Finding::told("change of any other pole, of that one's", "only that pole changes", format!("{worst:.0} %"));
+        Finding::told("largest change of another pole with wind, of this one's", "only that pole changes", format!("{worst:.0} %"));
     findings.push(only.judged("under 10 %", worst < 10.0));
-    findings.push(Finding::told("the same for points of the mesh", "", format!("{on_mesh:.0} %")));
+    findings.push(Finding::told("the same among points of the mesh", "", format!("{on_mesh:.0} %")));
     Ok(chart)
 }
 

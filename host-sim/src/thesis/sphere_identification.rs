@@ -90,7 +90,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let measured_b = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
     let slow_period_s = lab.experiment(A.step)?.sample_period_s;
     findings.say(
-        "A wind cools the silver, and the zero stands between the silver and the platinum. So after a step the share of its change that the power has not yet told falls as e^(−μt), with μ the slowest zero that matters in the new wind. That predicts the times to 10, 5 and 2 %, which [the step itself](sphere-response.md) shows. Sphere A's real step ends some 10 % earlier: more than one rate takes a part in it.",
+        "A wind cools the silver, and the zero stands between the silver and the platinum. So after a step the share of its change that the power has not yet told falls as e^(−μt), with μ the slowest zero that matters in the new wind. That predicts the times to 10, 5 and 2 %, which [the step itself](sphere-response.md) shows. Sphere A's real step ends some 10 % earlier than in the limit: more than one rate takes a part in it.",
     );
     findings.say(
         "A one-bit loop is not infinitely fast: its mean temperature falls by S = ΣR(1 − e^(−ξTs)) for each watt that it has to give more, as if S stood in series with the element. The rate is then the root of H(−μ) = −S instead of H(−μ) = 0. Sphere A's glue, 125 K/W, hides that. In sphere B at 1 kHz S is a third of the solder's resistance, and the reason why the measured times are longer than in the limit.",
@@ -112,8 +112,8 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         winds.iter().fold(base, |chart, wind| chart.series(Series::stems(wind.label.clone(), of(wind).clone())))
     };
     findings.picture(
-        "Symbols of spheres A and B in three winds",
-        "Thermal resistances over frequency: sphere A with three poles between 2 mHz and 20 Hz, sphere B with one at 2 mHz and a weak one at 70 Hz",
+        "Spheres A and B: why one is slow and one is fast",
+        "Thermal resistances over frequency: sphere A with three poles between 2 mHz and 20 Hz, sphere B with one near 1.5 mHz and a weak one at 70 Hz; and below, the same of the front part by itself",
         [
             vec![
                 chart(&A, &a, |wind| &wind.points, "parts together"),

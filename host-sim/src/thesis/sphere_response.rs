@@ -57,7 +57,7 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     ));
     judge(&mut findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
     findings.say(
-        "In sphere A the platinum is a packaged resistor, glued on: the hemisphere behind the glue cools before the loop is told to give more. In sphere B a chip is soldered to the silver, and what is left is the time in which silver and chip share their heat; [identification](sphere-identification.md) finds both. At 100 Hz the answer begins a tenth of a second late, and is at its end as soon. Whether B's cores are held hardly matters for the time, as a sector at constant temperature does not change what it gives to the core. Held cores save power.",
+        "In sphere A the platinum is a packaged resistor, glued on: the hemisphere behind the glue cools before the loop is told to give more. In sphere B a chip is soldered to the silver, and what is left is the time in which silver and chip share their heat; [identification](sphere-identification.md) finds both. At 100 Hz the answer begins a tenth of a second late, and is at its end as soon. Whether B's cores are held hardly matters for the time, as a sector at constant temperature does not change what it gives to the core. Held cores relieve the sectors, and take more than that themselves.",
     );
     let line = |case: &Case, from_s: f64| Series::line(case.what, absolute(case.response.points(from_s, 1e4)));
     let chart = Chart::new("Missing after the step", "% of the change")
@@ -88,8 +88,8 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
         .series(gone(power, 1.0))
         .series(gone(current, 1.0));
     findings.picture(
-        "A step of the wind from 2 to 6 m/s",
-        "Share of the change that the front part has answered, and what is missing, over time after the step: sphere B in closed loop within a second, sphere A in a minute and a half, sphere B in open loop in up to ten minutes",
+        "Spheres A and B: a step of the wind from 2 to 6 m/s",
+        "Share of the change that the front part has answered, and what is missing, over time after the step: sphere B in closed loop within a second, sphere A in a minute and a half, sphere B in open loop in up to eleven minutes",
         [vec![answered], vec![chart]],
     )?;
     Ok(findings)

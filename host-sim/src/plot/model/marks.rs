@@ -18,9 +18,15 @@ const DODGE: f64 = 7.0;
 const HEADROOM: f64 = 18.0;
 
 impl Laid<'_> {
-    /// How far the stems of several series stand apart.
+    /// How far the stems of several series stand apart: not at all if no two of them have one place, as on a mesh.
     pub(super) fn dodge(&self, panel: &Panel) -> f64 {
         let stems: Vec<&Series> = self.chart.series.iter().filter(|series| series.style == Style::Stems).collect();
+        let mut all: Vec<u64> =
+            stems.iter().flat_map(|series| series.points.iter().map(|point| point.0.to_bits())).collect();
+        all.sort_unstable();
+        if all.windows(2).all(|pair| pair[0] != pair[1]) {
+            return 0.0;
+        }
         let mut closest = f64::INFINITY;
         for series in &stems {
             let mut places: Vec<f64> = series.points.iter().map(|point| panel.x(self.x.shown(point.0))).collect();
