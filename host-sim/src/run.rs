@@ -39,16 +39,14 @@ pub fn run(
 ) -> Result<RunSummary, RunError> {
     let firmware = instrument.identity().firmware.as_str().to_owned();
     let mut totals = Totals::new(experiment);
-    let observed = start(experiment, instrument.as_mut()).and_then(|reply| {
+    let observed = start(experiment, instrument.as_mut()).and_then(|judgement| {
         observe(experiment, instrument.as_mut(), &mut totals, sink)?;
-        Ok(reply)
+        Ok(judgement)
     });
     let hash = instrument.digest();
     // Stopped whatever happened: a board must not be left heating.
     let finished = instrument.finish();
-    let (Reply::Started { judged, unjudged }, account) = (observed?, finished?) else {
-        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
-    };
+    let (Judgement { judged, unjudged }, account) = (observed?, finished?);
     let simulated = totals.simulated;
     Ok(RunSummary {
         title: experiment.title.clone(),
@@ -82,7 +80,7 @@ fn observe(
     let mut changes = experiment.changes.iter().peekable();
     while next < experiment.ticks {
         while let Some(change) = changes.next_if(|change| change.tick <= next) {
-            change_drives(experiment, instrument, change)?;
+            change_drives(experiment, instrument, change, &mut |element, drive| totals.change(element, drive))?;
         }
         let observation = instrument.observe()?;
         let sample = &observation.sample;
@@ -128,34 +126,56 @@ fn observe(
 }
 
 /// Tells an instrument what its elements do from now on. In lock-step that is the tick that comes next, on a board one soon after.
-fn change_drives(experiment: &Experiment, instrument: &mut dyn Instrument, change: &Change) -> Result<(), RunError> {
+///
+/// `taken` hears of every drive that begins.
+fn change_drives(
+    experiment: &Experiment,
+    instrument: &mut dyn Instrument,
+    change: &Change,
+    taken: &mut dyn FnMut(usize, Drive),
+) -> Result<(), RunError> {
     for &(place, drive) in &change.drives {
-        instrument.command(Command::Drive { element: place as u8, drive }).map_err(|error| match &error {
-            InstrumentError::Refused(refusal) => {
+        match instrument.command(Command::Drive { element: place as u8, drive }) {
+            Ok(_) => taken(place, drive),
+            // Heaters stay low from the trip on, whatever the experiment had in mind; the samples tell of it.
+            Err(InstrumentError::Refused(Refusal::Tripped(_))) => return Ok(()),
+            Err(InstrumentError::Refused(refusal)) => {
                 let at = experiment.changes.iter().position(|own| own == change).unwrap_or_default();
                 let name = &experiment.head.elements[place].name;
-                let sentence = unreachable(experiment, refusal)
-                    .unwrap_or_else(|| format!("is refused: {}", without_number(refusal)));
-                experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into()
+                let sentence = unreachable(experiment, &refusal)
+                    .unwrap_or_else(|| format!("is refused: {}", without_number(&refusal)));
+                return Err(experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into());
             }
-            _ => RunError::from(error),
-        })?;
+            Err(error) => return Err(error.into()),
+        }
     }
     Ok(())
 }
 
-/// Lets a controller in this process judge the set-up before any instrument is touched.
-pub fn rehearse(experiment: &Experiment) -> Result<Reply, RunError> {
+/// How many set-points of an experiment, those of its changes included, a model says can be held, and how many none could judge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Judgement {
+    pub judged: u32,
+    pub unjudged: u32,
+}
+
+/// Lets a controller in this process judge the set-up and all changes before any instrument is touched.
+pub fn rehearse(experiment: &Experiment) -> Result<Judgement, RunError> {
     // Which sensor is around it does not matter: no time passes.
     let sensor = Sensor::new(&experiment.sensor_config().unwrap_or_else(|_| SensorConfig::default()));
     let sensor = sensor.map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
-    start(experiment, &mut LockStep::new(InProcess::new(), sensor))
+    let mut instrument = LockStep::new(InProcess::new(), sensor);
+    let judgement = start(experiment, &mut instrument)?;
+    for change in &experiment.changes {
+        change_drives(experiment, &mut instrument, change, &mut |_, _| ())?;
+    }
+    Ok(judgement)
 }
 
 /// Sets an instrument up for an experiment and starts it.
 ///
 /// A refusal is said of the place in the file where the user can do something about it.
-pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Reply, RunError> {
+pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Judgement, RunError> {
     let setup = Setup {
         sample_period_s: experiment.sample_period_s as f32,
         guard: experiment.head.guard_config(experiment.sample_period_s),
@@ -169,7 +189,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
             })
             .collect(),
     };
-    setup::start(instrument, &setup).map_err(|error| match &error {
+    let reply = setup::start(instrument, &setup).map_err(|error| match &error {
         InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
             // Said of the place in the file, where the user can do something about it.
@@ -185,8 +205,21 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         InstrumentError::TooManyElements { .. } => {
             experiment.source.refuse("head", format!("cannot be used: {error}")).into()
         }
-        _ => error.into(),
-    })
+        _ => RunError::from(error),
+    })?;
+    let Reply::Started { judged, unjudged } = reply else {
+        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
+    };
+    let mut judgement = Judgement { judged: judged.into(), unjudged: unjudged.into() };
+    // The instrument has not heard of what comes later.
+    for (element, drive) in experiment.changes.iter().flat_map(|change| &change.drives) {
+        match (drive.target_range_c(), experiment.model(*element)) {
+            (None, _) => {}
+            (Some(_), Some(_)) => judgement.judged += 1,
+            (Some(_), None) => judgement.unjudged += 1,
+        }
+    }
+    Ok(judgement)
 }
 
 /// The instrument knows elements by number; the key of the file has the name.
@@ -235,8 +268,12 @@ struct Totals {
     /// Sums and counts of good temperatures, and sums of powers.
     temperature_c: Vec<(f64, u32)>,
     power_w: Vec<f64>,
-    /// Elements that have been at their set-point.
+    /// What every element does now.
+    drives: Vec<Drive>,
+    /// Elements that have been at the set-point they have now.
     reached: Vec<bool>,
+    /// Elements that had a set-point before, and were not at it until they got another drive.
+    missed: Vec<bool>,
 }
 
 impl Totals {
@@ -252,8 +289,22 @@ impl Totals {
             last: None,
             temperature_c: vec![(0.0, 0); elements],
             power_w: vec![0.0; elements],
+            drives: experiment.drives.clone(),
             reached: vec![false; elements],
+            missed: vec![false; elements],
         }
+    }
+
+    /// An element does something else from now on.
+    fn change(&mut self, element: usize, drive: Drive) {
+        self.missed[element] |= self.misses(element);
+        self.reached[element] = false;
+        self.drives[element] = drive;
+    }
+
+    /// Whether an element is told to hold a temperature that it has not had since.
+    fn misses(&self, element: usize) -> bool {
+        matches!(self.drives[element], Drive::Temperature { .. }) && !self.reached[element]
     }
 
     fn take(&mut self, sample: &wire::Sample, experiment: &Experiment, names: &[&str]) {
@@ -262,7 +313,7 @@ impl Totals {
             if sample.valid >> i & 1 == 1 {
                 *sum += f64::from(sample.temperature_c[i]);
                 *count += 1;
-                if let Drive::Temperature { target_c } = experiment.drives[i] {
+                if let Drive::Temperature { target_c } = self.drives[i] {
                     self.reached[i] |= (sample.temperature_c[i] - target_c).abs() <= REACHED_WITHIN_K;
                 }
             }
@@ -283,12 +334,12 @@ impl Totals {
         self.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element: element.to_owned() });
     }
 
-    /// Elements that were to be held at a temperature, and never had it.
+    /// Elements that were to be held at a temperature, at first or later, and never had it.
     fn unreached(&self, experiment: &Experiment) -> Vec<String> {
-        let names = experiment.head.names().into_iter().zip(&experiment.drives).zip(&self.reached);
+        let names = experiment.head.names().into_iter().enumerate();
         names
-            .filter(|((_, drive), reached)| matches!(drive, Drive::Temperature { .. }) && !**reached)
-            .map(|((name, _), _)| name.to_owned())
+            .filter(|(element, _)| self.missed[*element] || self.misses(*element))
+            .map(|(_, name)| name.to_owned())
             .collect()
     }
 
@@ -367,6 +418,45 @@ mod tests {
                 .iter()
                 .all(|(state, heaters, t)| state == "tripped:open:sector3" && *heaters == 0 && t.is_nan())
         );
+    }
+
+    #[test]
+    fn a_change_after_a_trip_changes_nothing() {
+        let fault = "\n[[faults]]\nstart_s = 1.0\nelement = \"sector3\"\nkind = \"open\"\n\n[[wind]]\nstart_s = 0.0\n";
+        let change =
+            "\n[[changes]]\nstart_s = 2.0\ndrives = { sector1 = \"passive\", core2 = { temperature_c = -18.0 } }\n";
+        let run_of = |text: &str| {
+            let mut experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", text);
+            experiment.ticks = 300;
+            let mut rows = Vec::new();
+            let summary = run(&experiment, in_process(&experiment), &mut |row| {
+                rows.push((row.state.to_owned(), row.heaters));
+                Ok(())
+            });
+            (summary.unwrap(), rows)
+        };
+        let (summary, rows) = run_of(&format!("{change}{fault}"));
+        let (without, rows_without) = run_of(fault);
+        assert_eq!(summary.trips, [TripSummary { time_s: 1.01, cause: "open", element: "sector3".to_owned() }]);
+        assert_eq!((rows.len(), rows), (300, rows_without));
+        assert_eq!((summary.hash, summary.unreached), (without.hash, without.unreached));
+    }
+
+    #[test]
+    fn set_points_of_changes_are_judged_and_said_to_be_missed_too() {
+        let wind = "\n[[wind]]\nstart_s = 0.0\n";
+        // core2 is far too cold to get to −18 °C in a second; core1 has a set-point for a while, and misses it.
+        let text = "\n[[changes]]\nstart_s = 1.0\ndrives = { core1 = { temperature_c = -20.0 }, core2 = { temperature_c = -18.0 } }\n\
+                    \n[[changes]]\nstart_s = 1.5\ndrives = { core1 = \"passive\", sector1 = \"passive\" }\n";
+        let mut experiment = shortened("steady.toml", wind, &format!("{text}{wind}"));
+        experiment.ticks = 200;
+        let plain = shortened("steady.toml", wind, wind);
+        let (with, without) = (rehearse(&experiment).unwrap(), rehearse(&plain).unwrap());
+        assert_eq!(with.judged + with.unjudged, without.judged + without.unjudged + 2);
+        let summary = run(&experiment, in_process(&experiment), &mut |_| Ok(())).unwrap();
+        assert_eq!((summary.judged, summary.unjudged), (with.judged, with.unjudged));
+        assert!(summary.unreached.contains(&"core1".to_owned()) && summary.unreached.contains(&"core2".to_owned()));
+        assert_eq!(summary.unreached.iter().filter(|name| *name == "core1").count(), 1);
     }
 
     #[test]

@@ -23,15 +23,15 @@ pub struct RunSummary {
     pub trips: Vec<TripSummary>,
     /// Of all states, temperatures and bits, where the instrument shows them all.
     pub hash: Option<String>,
-    /// Set-points that a model said can be held, and those that none could judge.
-    pub judged: u8,
-    pub unjudged: u8,
+    /// Set-points, those of changes included, that a model said can be held, and those that none could judge.
+    pub judged: u32,
+    pub unjudged: u32,
     /// Ticks in winds beyond what is known of convection, when simulated.
     pub extrapolated: Option<u32>,
     /// What that is, in words.
     #[serde(skip)]
     pub validity: &'static str,
-    /// Elements that never came within 0.1 K of their set-point.
+    /// Elements that never came within 0.1 K of a set-point, the first or one of a change.
     pub unreached: Vec<String>,
     #[serde(serialize_with = "by_name")]
     pub elements: Vec<ElementSummary>,

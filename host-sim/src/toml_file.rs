@@ -154,11 +154,28 @@ fn reword(message: &str, key: Option<&str>) -> String {
         let of = key.map(|key| format!("`{key}`: ")).unwrap_or_default();
         return format!("{of}exactly one choice belongs here, such as {{ temperature_c = -23.15 }}");
     }
-    let plain = message.replace("expected f64", "expected a number").replace('\n', " ");
+    let plain = in_words(message).replace('\n', " ");
     match key {
         Some(key) if message.starts_with("invalid") => format!("`{key}`: {plain}"),
         _ => plain,
     }
+}
+
+/// A message with what was expected in the words of TOML, where serde names types of this program.
+fn in_words(message: &str) -> String {
+    let Some((before, expected)) = message.split_once("expected ") else { return message.to_owned() };
+    let word = expected.split_whitespace().next().unwrap_or_default();
+    let words = match word {
+        "f32" | "f64" => "a number",
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number that is not negative",
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
+        "struct" => return format!("{before}expected a table"),
+        "enum" => return format!("{before}expected one of the choices"),
+        _ => expected,
+    };
+    let rest = if words == expected { "" } else { &expected[word.len()..] };
+    let words = words.replacen("a map", "a table", 1).replacen("a sequence", "a list", 1);
+    format!("{before}expected {}{rest}", words.replacen("path string", "a path in quotes", 1))
 }
 
 #[cfg(test)]
@@ -220,6 +237,23 @@ mod tests {
             sentence("title = \"a\"\nduration_s = \"long\"\n"),
             "example.toml, line 2: `duration_s`: invalid type: string \"long\", expected a number"
         );
+    }
+
+    #[test]
+    fn what_was_expected_is_said_in_the_words_of_toml() {
+        let table = sentence("title = \"a\"\nduration_s = 1.0\nwind = [3.0]\n");
+        assert!(table.ends_with("invalid type: floating point `3.0`, expected a table"), "{table}");
+        let list = sentence("title = \"a\"\nduration_s = 1.0\nwind = true\n");
+        assert!(list.ends_with("invalid type: boolean `true`, expected a list"), "{list}");
+        assert_eq!(
+            in_words("invalid value: integer `-7`, expected u64"),
+            "invalid value: integer `-7`, expected a whole number that is not negative"
+        );
+        assert_eq!(
+            in_words("invalid length 1, expected struct WindTable with 3 elements"),
+            "invalid length 1, expected a table"
+        );
+        assert_eq!(in_words("something else"), "something else");
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use dr_core::control::{Drive, Reply};
+use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
 use super::Failure;
 use crate::experiment::Experiment;
+use crate::run::Judgement;
 use crate::sensor::Species;
 
 /// Entries of a list that are told one by one.
@@ -25,11 +26,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (experiment, reply) = super::read_experiment(&arguments.experiment)?;
-    let (judged, unjudged) = match reply {
-        Reply::Started { judged, unjudged } => (judged, unjudged),
-        Reply::Done => (0, 0),
-    };
+    let (experiment, Judgement { judged, unjudged }) = super::read_experiment(&arguments.experiment)?;
     let names = experiment.head.names();
     if arguments.json {
         let drives = names
@@ -170,6 +167,6 @@ fn describe(drive: &Drive, experiment: &Experiment) -> String {
     }
 }
 
-fn set_points(count: u8) -> String {
+fn set_points(count: u32) -> String {
     if count == 1 { "1 set-point".to_owned() } else { format!("{count} set-points") }
 }

@@ -172,10 +172,10 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
 }
 
 /// Reads an experiment and lets a controller in this process judge it, so that nothing is started that would be refused.
-fn read_experiment(path: &std::path::Path) -> Result<(Experiment, dr_core::control::Reply), Failure> {
+fn read_experiment(path: &std::path::Path) -> Result<(Experiment, crate::run::Judgement), Failure> {
     let experiment = Experiment::read(path)?;
-    let reply = crate::run::rehearse(&experiment)?;
-    Ok((experiment, reply))
+    let judgement = crate::run::rehearse(&experiment)?;
+    Ok((experiment, judgement))
 }
 
 /// Refuses to write over a file that is read, by whatever path.

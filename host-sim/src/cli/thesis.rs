@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::Failure;
+use crate::experiment::Experiment;
 use crate::thesis::{Findings, Lab, STUDIES, Study, StudyError, page};
 use crate::toml_file::suggest;
 
@@ -50,6 +51,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             arguments.experiments.display()
         )));
     }
+    if arguments.output.exists() && !arguments.output.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: is a file, and a folder for pages and pictures belongs here",
+            arguments.output.display()
+        )));
+    }
+    read_all(&arguments.experiments)?;
     std::fs::create_dir_all(&arguments.output)
         .map_err(|error| Failure::usage(format!("{}: {error}", arguments.output.display())))?;
     let terminal = std::io::stderr().is_terminal();
@@ -76,6 +84,18 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let all: String = done.iter().map(|(study, findings)| text(study, findings)).collect();
     super::print(&(all + &total(&done, &arguments.output)))
+}
+
+/// Reads every experiment of the folder, so that no study begins, and no page is written, while one of them is wrong.
+fn read_all(folder: &std::path::Path) -> Result<(), Failure> {
+    let unreadable = |error: std::io::Error| Failure::usage(format!("{}: {error}", folder.display()));
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            Experiment::read(&path)?;
+        }
+    }
+    Ok(())
 }
 
 /// The studies of these names.

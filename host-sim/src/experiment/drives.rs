@@ -49,9 +49,12 @@ pub(super) fn changes(
             let sentence = format!("is {} s, but the experiment is over at {} s", table.start_s, grid.time_s(ticks));
             return Err(grid.source.refuse(&start_key, sentence));
         }
-        if changes.last().is_some_and(|before| before.tick >= tick) {
-            let sentence =
-                format!("is {} s: changes must come in the order of their start, one at a time", table.start_s);
+        if let Some(before) = changes.last().filter(|before| before.tick >= tick) {
+            let (before_s, next_s) = (grid.time_s(before.tick), grid.time_s(before.tick + 1));
+            let sentence = format!(
+                "is {} s: changes must come in the order of their start, one at a time, and the one before starts at {before_s} s, so that {next_s} s or later would do",
+                table.start_s
+            );
             return Err(grid.source.refuse(&start_key, sentence));
         }
         if table.drives.is_empty() {

@@ -160,6 +160,7 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         ("pressure_pa = 1000.0", "pressure_pa = 2.0", "line 9: `gas.pressure_pa` is 2: the gas is no continuum"),
         ("pressure_pa = 1000.0", "pressure_pa = nan", "`gas.pressure_pa` is NaN"),
         ("temperature_c = -53.15", "temperature_c = -300.0", "`gas.temperature_c` is -300"),
+        ("temperature_c = -53.15", "temperature_c = -123.2", "`gas.temperature_c` is -123.2"),
         (
             "temperature_c = -23.15",
             "temperature_c = 90.0",
@@ -183,6 +184,11 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         assert!(sentence.contains(expected), "{to}: {sentence}");
         assert!(!sentence.contains('\n'));
     }
+}
+
+#[test]
+fn a_gas_may_be_as_cold_as_the_manual_says() {
+    assert_eq!(with("temperature_c = -53.15", "temperature_c = -123.15").unwrap().gas_temperature_c, -123.15);
 }
 
 #[test]
@@ -242,7 +248,9 @@ fn changes_and_currents_are_read_and_checked() {
     assert!(refused(change(10.0, "core1 = \"passive\"")).contains("is 10 s, but the experiment is over at 10 s"));
     assert!(refused(change(1.005, "core1 = \"passive\"")).contains("whole number of sample periods"));
     let back = change(3.0, "core1 = \"passive\"") + &change(2.0, "core2 = \"passive\"");
-    assert!(refused(back).contains("changes must come in the order of their start"));
+    let late = refused(back);
+    assert!(late.contains("`changes[1].start_s` is 2 s: changes must come in the order of their start"), "{late}");
+    assert!(late.ends_with("the one before starts at 3 s, so that 3.01 s or later would do"), "{late}");
     assert!(refused(change(3.0, "")).contains("changes nothing"));
     assert!(
         refused(change(3.0, "core1 = { temperature_c = 200.0 }")).contains("changes[0].drives.core1.temperature_c")
@@ -256,7 +264,7 @@ fn changes_and_currents_are_read_and_checked() {
     assert!(
         with_currents("core1 = { low_a = 0.02, high_a = 0.01 }")
             .unwrap_err()
-            .contains("`currents.core1` cannot be used")
+            .contains("`currents.core1` is { low_a = 0.02, high_a = 0.01 }: high_a must be above low_a")
     );
     assert!(with_currents("core9 = { low_a = 0.01, high_a = 0.02 }").unwrap_err().contains("is no element of head"));
 }

@@ -106,7 +106,13 @@ impl<'a> Car<'a> {
             Ok(Run { speed_m_min, ticks: ticks as u64 })
         };
         let pause = |key: &str, pause_s: f64| {
-            if pause_s == 0.0 { Ok(0) } else { grid.whole_ticks(key, pause_s).map(u64::from) }
+            if pause_s == 0.0 {
+                return Ok(0);
+            }
+            if !pause_s.is_finite() || pause_s < 0.0 {
+                return Err(source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
+            }
+            grid.whole_ticks(key, pause_s).map(u64::from)
         };
         // The words that the entries' own check would say of an entry that nobody wrote.
         if !table.azimuth_deg.is_finite() {
@@ -275,7 +281,12 @@ mod tests {
                 "pause_s = 0.03",
                 "`tunnel.pause_s` is 0.03 s, which is not a whole number of sample periods",
             ),
-            ("pause_s = 40.0", "pause_s = -1.0", "`tunnel.pause_s` is -1 s: it must be finite and above 0 s"),
+            ("pause_s = 40.0", "pause_s = -1.0", "`tunnel.pause_s` is -1 s: it must be finite and 0 s or more"),
+            (
+                "pause_s = 40.0",
+                "pause_s = 40.0\nfirst_pause_s = nan",
+                "`tunnel.first_pause_s` is NaN s: it must be finite and 0 s or more",
+            ),
             ("pause_s = 40.0", "pause_s = 40.0\nelevation_deg = 91.0", "`tunnel.elevation_deg` is 91 °"),
             (
                 "pause_s = 40.0",

@@ -127,7 +127,12 @@ impl Head {
         let element = &mut self.elements[place];
         let platinum = *element.config.channel.platinum();
         element.config.channel = Channel::new(platinum, self.volt_per_code as f32, low_a as f32, high_a as f32)
-            .map_err(|error| format!("cannot be used: {error}"))?;
+            // Resistor and converter are the head's, and were found right when it was read.
+            .map_err(|_| {
+                format!(
+                    "is {{ low_a = {low_a}, high_a = {high_a} }}: high_a must be above low_a, and both above 0 and at most 1 A"
+                )
+            })?;
         (element.nominal.current_low_a, element.nominal.current_high_a) = (low_a, high_a);
         Ok(place)
     }

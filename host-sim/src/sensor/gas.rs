@@ -60,10 +60,13 @@ pub struct Gas {
 impl Gas {
     /// Properties of `species`; refuses what lies outside 150–400 K and 1 Pa–200 kPa (`gas.temperature_c`, `gas.pressure_pa`).
     pub fn new(species: Species, pressure_pa: f64, temperature_k: f64) -> Result<Gas, SensorError> {
-        if !TEMPERATURE_RANGE_K.contains(&temperature_k) {
+        // −123.15 °C is 150 K but for its last digits.
+        let (coldest_k, hottest_k) = (TEMPERATURE_RANGE_K.start() - 1e-3, TEMPERATURE_RANGE_K.end() + 1e-3);
+        if !(coldest_k..=hottest_k).contains(&temperature_k) {
             return Err(SensorError::out_of_range(
                 "gas.temperature_c",
-                temperature_k - ZERO_CELSIUS_K,
+                // Without the tail of digits that the difference has.
+                ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
                 "-123.15 to 126.85 °C, where the gas properties are known",
             ));
         }
