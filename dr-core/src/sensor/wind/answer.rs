@@ -2,7 +2,7 @@
 
 use super::arithmetic::{length, scaled, sqrt};
 use super::frame::Frame;
-use super::normal::{Factors, Matrix, quadratic};
+use super::normal::{Factors, Matrix, decouple, quadratic, scale};
 use core::f32::consts::PI;
 
 /// Said of every component where nothing is known, m²/s².
@@ -101,7 +101,8 @@ pub struct Solution<'a> {
     /// The equations' matrix in the frame, to Reynolds numbers, in units of 1/`scale_m2_s2`.
     pub normal: Matrix,
     pub scale_m2_s2: f32,
-    pub converged: bool,
+    /// Whether it is the minimum, or fits as it is.
+    pub fits: bool,
 }
 
 impl Solution<'_> {
@@ -110,9 +111,7 @@ impl Solution<'_> {
         let (determined, unknowns) = (self.frame.determined(), self.frame.unknowns());
         let components = self.frame.inward(self.wind_m_s);
         let mut covariance = Factors::of(&self.normal)?.inverse().map(|row| scaled(row, self.scale_m2_s2));
-        for k in unknowns..3 {
-            covariance[k][k] = 0.0;
-        }
+        (unknowns..3).for_each(|k| decouple(&mut covariance, k, 0.0));
         let mut across_m_s = 0.0;
         if determined < 3 {
             across_m_s = components[determined].max(-components[determined]);
@@ -127,19 +126,14 @@ impl Solution<'_> {
         } else {
             (trace / unknowns as f32, PI)
         };
-        if !self.converged && speed_m_s * speed_m_s > 4.0 * trace {
+        if !self.fits && speed_m_s * speed_m_s > 4.0 * trace {
             return None;
         }
-        quality.no_direction = !self.converged || direction_error_rad > direction_error_max_rad;
+        quality.no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
 
         if determined < 3 {
             let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;
-            for k in determined..3 {
-                for i in 0..3 {
-                    (covariance[i][k], covariance[k][i]) = (0.0, 0.0);
-                }
-                covariance[k][k] = open;
-            }
+            (determined..3).for_each(|k| decouple(&mut covariance, k, open));
         }
         Some(Wind {
             wind_m_s: self.frame.determined_part(self.wind_m_s),
@@ -163,10 +157,6 @@ fn bound_across(covariance: &mut Matrix, k: usize, across_m_s: f32) {
     let variance = covariance[k][k];
     let bound = 2.0 * across_m_s * sqrt(variance);
     if variance > bound {
-        let share = sqrt(bound / variance);
-        for i in 0..3 {
-            covariance[i][k] *= share;
-            covariance[k][i] *= share;
-        }
+        scale(covariance, k, sqrt(bound / variance));
     }
 }

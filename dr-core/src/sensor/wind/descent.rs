@@ -4,7 +4,7 @@
 //! minimise  Σ W_i (Nu_i − Nu_i(r))²          (A + λ diag A) Δ = Σ W_i J_i (Nu_i − Nu_i(r)),   A = Σ W_i J_i J_iᵀ
 //! ```
 //!
-//! λ begins at 0.01; a step that makes the sum smaller is taken and divides it by 10, another one is dropped and multiplies it by 10.
+//! λ begins at 0.01; a step that makes the sum smaller is taken and divides it by 10, down to 10⁻⁵; another one is dropped and multiplies it by 10.
 //! A step is never longer than 0.7 of r, or the least Reynolds number of the grid if that is more: Nu is steep at rest, and a longer one
 //! would run through it. It ends where an undamped step is a hundredth of its standard error or 10⁻⁵ of r, or after `MOST_STEPS`.
 //!
@@ -20,6 +20,8 @@ use super::surface::{Local, Part};
 pub const MOST_STEPS: u8 = 16;
 
 const DAMPING: f32 = 0.01;
+/// Enough for the equations to be solved where one direction has no effect.
+const LEAST_DAMPING: f32 = 1e-5;
 /// Damping above which the length of a step tells nothing about the distance to the minimum.
 const MOST_DAMPING_AT_THE_END: f32 = 0.1;
 const LONGEST_STEP: f32 = 0.7;
@@ -111,7 +113,7 @@ impl<const N: usize> Inverse<'_, N> {
             let there = self.look(next);
             if there.cost <= here.cost * (1.0 + ROUNDING) + nothing {
                 (reynolds, here) = (next, there);
-                damping *= 0.1;
+                damping = (0.1 * damping).max(LEAST_DAMPING);
             } else {
                 damping *= 10.0;
             }

@@ -18,6 +18,7 @@
 mod answer;
 mod arithmetic;
 mod descent;
+mod fold;
 mod frame;
 pub mod gas;
 mod normal;

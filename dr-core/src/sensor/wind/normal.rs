@@ -12,6 +12,27 @@ pub fn plus_outer(a: &mut Matrix, weight: f32, x: [f32; 3]) {
     }
 }
 
+/// a + b
+pub fn plus(a: &mut Matrix, b: &Matrix) {
+    for (a, b) in a.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
+        *a += b;
+    }
+}
+
+/// Takes unknown `k` out of a: nothing couples it to the others, and its diagonal element is `diagonal`.
+pub fn decouple(a: &mut Matrix, k: usize, diagonal: f32) {
+    scale(a, k, 0.0);
+    a[k][k] = diagonal;
+}
+
+/// Multiplies row and column `k` by a factor.
+pub fn scale(a: &mut Matrix, k: usize, by: f32) {
+    a[k] = a[k].map(|x| x * by);
+    for row in a {
+        row[k] *= by;
+    }
+}
+
 /// Share of a diagonal element that must be left when the unknowns before it are eliminated: some rounding errors of an f32.
 const LEAST_PIVOT: f32 = 3e-6;
 
@@ -74,11 +95,9 @@ mod tests {
     fn the_inverse_times_the_matrix_is_one() {
         let a = [[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 5.0]];
         let inverse = Factors::of(&a).unwrap().inverse();
-        for i in 0..3 {
-            for j in 0..3 {
-                let product: f32 = (0..3).map(|k| a[i][k] * inverse[k][j]).sum();
-                assert!((product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-6);
-            }
+        for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
+            let product: f32 = (0..3).map(|k| a[i][k] * inverse[k][j]).sum();
+            assert!((product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-6);
         }
     }
 

@@ -53,7 +53,7 @@ pub struct Amplitudes {
 /// The Nusselt number of a sphere, checked and made ready. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nusselt {
-    /// The points, with one more on either side that gives the edges the slope of a parabola.
+    /// The points, with one more on either side on the parabola through the last three.
     rows: [[f32; ORDERS]; POINTS + 2],
     reynolds: [f32; POINTS],
     least_reynolds: f32,
@@ -184,12 +184,12 @@ fn bend(value: f32, slope: f32) -> f32 {
     if slope > 0.0 && slope <= value { value / slope - 1.0 } else { 0.0 }
 }
 
+/// The points and one more on either side, on the parabola through the last three.
 fn with_neighbours(amplitudes: &[[f32; ORDERS]; POINTS]) -> [[f32; ORDERS]; POINTS + 2] {
-    let beyond =
-        |a: &[f32; ORDERS], b: &[f32; ORDERS], c: &[f32; ORDERS]| core::array::from_fn(|n| 3.0 * (a[n] - b[n]) + c[n]);
+    let beyond = |[a, b, c]: [&[f32; ORDERS]; 3]| core::array::from_fn(|n| 3.0 * (a[n] - b[n]) + c[n]);
     let mut rows = [[0.0; ORDERS]; POINTS + 2];
-    rows[0] = beyond(&amplitudes[0], &amplitudes[1], &amplitudes[2]);
+    rows[0] = beyond([0, 1, 2].map(|k| &amplitudes[k]));
     rows[1..=POINTS].copy_from_slice(amplitudes);
-    rows[POINTS + 1] = beyond(&amplitudes[POINTS - 1], &amplitudes[POINTS - 2], &amplitudes[POINTS - 3]);
+    rows[POINTS + 1] = beyond([1, 2, 3].map(|k| &amplitudes[POINTS - k]));
     rows
 }

