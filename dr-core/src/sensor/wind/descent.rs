@@ -129,7 +129,7 @@ impl<const N: usize> Inverse<'_, N> {
         for (local, observed) in locals.iter().zip(self.observed) {
             let Some(Observed { nusselt, weight }) = observed else { continue };
             let mut slope = self.frame.inward(local.gradient);
-            slope[unknowns..].fill(0.0);
+            slope.iter_mut().skip(unknowns).for_each(|slope| *slope = 0.0);
             let error = nusselt - local.nusselt;
             look.cost += weight * error * error;
             look.right = plus(look.right, weight * error, slope);

@@ -71,7 +71,7 @@ impl Frame {
     /// What of a vector is determined with its sign.
     pub fn determined_part(&self, vector: [f32; 3]) -> [f32; 3] {
         let mut components = self.inward(vector);
-        components[self.determined..].fill(0.0);
+        components.iter_mut().skip(self.determined).for_each(|component| *component = 0.0);
         self.outward(components)
     }
 

@@ -28,11 +28,12 @@ pub fn starts<const N: usize>(inverse: &Inverse<N>) -> [Option<[f32; 3]>; 2] {
         *cost = linear.cost(inverse, a0, a1);
     }
     let mut best: [Option<(f32, [f32; 3])>; 2] = [None; 2];
-    for (j, (reynolds, a0, a1)) in inverse.nusselt.points().enumerate() {
-        let cost = costs[j];
-        let before = if j == 0 { f32::INFINITY } else { costs[j - 1] };
-        let after = costs.get(j + 1).copied().unwrap_or(f32::INFINITY);
-        if before < cost || after <= cost {
+    let mut before = f32::INFINITY;
+    let following = costs.iter().skip(1).chain([&f32::INFINITY]);
+    for (((reynolds, a0, a1), &cost), &after) in inverse.nusselt.points().zip(&costs).zip(following) {
+        let least_here = cost <= before && cost < after;
+        before = cost;
+        if !least_here {
             continue;
         }
         let start = Some((cost, linear.wind(inverse, reynolds, a0, a1)));
@@ -94,9 +95,9 @@ impl Linear {
 
     fn wind<const N: usize>(&self, inverse: &Inverse<N>, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {
         let mut from = self.from(a0, a1);
-        if !self.complete {
-            let left = 1.0 - dot(from, from);
-            from[inverse.frame.determined()] = -sqrt(left.max(LEAST_ACROSS * LEAST_ACROSS));
+        let left = 1.0 - dot(from, from);
+        if let Some(across) = from.get_mut(inverse.frame.determined()) {
+            *across = -sqrt(left.max(LEAST_ACROSS * LEAST_ACROSS));
         }
         inverse.frame.outward(scaled(from, -reynolds))
     }

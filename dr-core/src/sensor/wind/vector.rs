@@ -17,6 +17,15 @@
 //!
 //! What is across and has no sign is not in the vector, but in `speed_m_s` and `across_m_s`; the covariance there is that of a vector of
 //! this size in any of the directions left open, so that it does not look as if the wind had none.
+//!
+//! *Accuracy* on an ideal 10 mm sphere in CO2 of 1000 Pa, Re 22 … 200, whose own table is the calibration: 0.003° and 0.01 % of speed rms
+//! (0.012° and 0.05 % at most, near the table's end), against 2.4° rms of the linear inverse. With 0.1 % of noise on each conductance
+//! 0.09° and 0.14 %; with one sector missing 0.4° and 0.5 %. Six of seven winds then have a twin: without a last wind it is a guess which
+//! of the two it is. Above the calibration nothing is known: a sphere that goes on as Re^0.42 gives 1 % of speed at 1.4 times its last
+//! Reynolds number and less than 10 % at 4 times.
+//!
+//! *Cost*: see the README. No wind and a missing sector cost most; nothing costs more than `descent::MOST_STEPS` steps from each of six
+//! starts.
 
 use super::answer::{Quality, Solution, Wind};
 use super::arithmetic::{length, plus as along, scaled};
@@ -189,7 +198,7 @@ impl<const N: usize> WindVector<N> {
     /// across them its size has no derivative.
     fn normal_off_the_axes(&self, inverse: &Inverse<N>, found: &Found) -> (Matrix, f32) {
         let determined = self.frame.determined();
-        if determined == 3 {
+        if determined >= 3 {
             return (found.normal, 0.0);
         }
         let least = (LEAST_ACROSS * length(found.reynolds)).max(LEAST_ACROSS * self.nusselt.least_reynolds());
@@ -199,7 +208,7 @@ impl<const N: usize> WindVector<N> {
     }
 }
 
-/// Whether it is a minimum, or as good as one: on a fold the steps wander without end.
+/// Whether it is a minimum, or as good as one: on a fold, and about the tip that Nu has in still gas, the steps wander without end.
 fn fits(found: &Found, variance: f32) -> bool {
     found.converged || found.cost <= AS_GOOD * variance
 }
@@ -215,7 +224,7 @@ fn solve<const N: usize>(
 ) -> Option<(Found, Option<Found>)> {
     let [first, second] = starts(inverse);
     let mut best = inverse.descend(first.or(last)?);
-    if best.converged && !degraded {
+    if !degraded && fits(&best, inverse.variance) {
         return Some((best, None));
     }
     let mut other = None;

@@ -86,6 +86,31 @@ fn errors_lie_within_the_stated_covariance() {
 }
 
 #[test]
+fn errors_that_the_variances_do_not_know_show_in_chi_square_and_do_not_stop_it() {
+    let (vector, gas, mut random) = (sphere_b(), carbon_dioxide(PRESSURE_PA), Random::new(8));
+    let (mut chi_square, mut worst) = (0.0, 0.0_f64);
+    for _ in 0..2000 {
+        let speed = 0.5 + 8.5 * random.even();
+        let truth = random.direction().map(|x| speed * x);
+        let exact = conductances(&tetrahedral_sectors(0.01), PRESSURE_PA, truth);
+        // A calibration that is 3 % wrong on each sector, with readings stated to be right to 0.1 %.
+        let wrong = exact.map(|g| g * (1.0 + 0.03 * random.normal()));
+        let wind = vector.step(&mut WindState::default(), &gas, &measured(wrong, 1e-3));
+        assert!(!wind.quality.failed && !wind.quality.no_direction, "{truth:?} {wind:?}");
+        chi_square += f64::from(wind.chi_square) / 2000.0;
+        let error: [f64; 3] = core::array::from_fn(|k| f64::from(wind.wind_m_s[k]) - truth[k]);
+        worst = worst.max(error.iter().map(|e| e * e).sum::<f64>().sqrt() / speed);
+    }
+    std::println!(
+        "3 % errors stated as 0.1 %: χ² {chi_square:.0}, worst error of the vector {:.0} % of speed",
+        100.0 * worst
+    );
+    // 30² times one, and five standard errors of 5 % of speed.
+    assert!((600.0..1200.0).contains(&chi_square), "{chi_square}");
+    assert!(worst < 0.4, "{worst}");
+}
+
+#[test]
 fn still_gas_has_no_direction_and_a_speed_within_its_error() {
     let (vector, gas, mut random) = (sphere_b(), carbon_dioxide(PRESSURE_PA), Random::new(5));
     let still = conductances(&tetrahedral_sectors(0.01), PRESSURE_PA, [0.0; 3]);
