@@ -33,6 +33,21 @@ pub enum Parameter {
     DecimatorRatio,
     MissingLimitTicks,
     UnreachableLimitTicks,
+    LeastReynolds,
+    MostReynolds,
+    NusseltMean,
+    NusseltFirst,
+    NusseltAmplitudes,
+    Axis,
+    Corner,
+    AreaM2,
+    SectorMeans,
+    SectorThreefold,
+    DiameterM,
+    DirectionErrorMaxRad,
+    DensityKgM3,
+    ViscosityPaS,
+    ConductivityWMK,
 }
 
 impl Parameter {
@@ -63,6 +78,21 @@ impl Parameter {
             Self::DecimatorRatio => "ratio",
             Self::MissingLimitTicks => "missing_limit_ticks",
             Self::UnreachableLimitTicks => "unreachable_limit_ticks",
+            Self::LeastReynolds => "least_reynolds",
+            Self::MostReynolds => "most_reynolds",
+            Self::NusseltMean => "nusselt_a0",
+            Self::NusseltFirst => "nusselt_a1",
+            Self::NusseltAmplitudes => "nusselt_amplitudes",
+            Self::Axis => "axis",
+            Self::Corner => "corner",
+            Self::AreaM2 => "area_m2",
+            Self::SectorMeans => "sector_means",
+            Self::SectorThreefold => "sector_threefold",
+            Self::DiameterM => "diameter_m",
+            Self::DirectionErrorMaxRad => "direction_error_max_rad",
+            Self::DensityKgM3 => "density_kg_m3",
+            Self::ViscosityPaS => "viscosity_pa_s",
+            Self::ConductivityWMK => "conductivity_w_m_k",
         }
     }
 }

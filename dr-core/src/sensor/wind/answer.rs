@@ -1,0 +1,162 @@
+//! The wind as it is answered: the vector, its errors, and what they allow to be said.
+
+use super::arithmetic::{length, scaled, sqrt};
+use super::frame::Frame;
+use super::normal::{Factors, Matrix, decouple, quadratic, scale};
+use core::f32::consts::PI;
+
+/// Said of every component where nothing is known, m²/s².
+const UNKNOWN_M2_S2: f32 = f32::MAX;
+
+/// What an answer is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Quality {
+    /// No answer: too few parts, or no wind was found that fits best. The vector is zero and variances are the largest number there is.
+    pub failed: bool,
+    /// A measurement was no finite number greater than zero, or had no such variance; it was left out.
+    pub refused: bool,
+    /// Fewer parts than the head has.
+    pub degraded: bool,
+    /// Another wind fits as well; it is in `other_m_s`.
+    pub ambiguous: bool,
+    /// The head does not tell where all of the wind goes to; `across_m_s` is the size of what it leaves open.
+    pub undetermined: bool,
+    /// The direction's standard error is above the bound that was asked for.
+    pub no_direction: bool,
+    /// The Reynolds number lies above the calibration.
+    pub extrapolated: bool,
+}
+
+/// The wind and what is known about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wind {
+    /// Where the gas goes to, m/s; without what the head leaves open.
+    pub wind_m_s: [f32; 3],
+    /// Speed, all of it, m/s.
+    pub speed_m_s: f32,
+    /// Speed in the directions that the head leaves open, m/s.
+    pub across_m_s: f32,
+    /// Covariance, m²/s², of `wind_m_s`; in the directions left open, of a vector of the size `across_m_s` into any of them.
+    pub covariance_m2_s2: [[f32; 3]; 3],
+    /// Standard error of the speed, m/s.
+    pub speed_error_m_s: f32,
+    /// Standard error of the direction about one axis across it, rad; at most π.
+    pub direction_error_rad: f32,
+    /// Squared errors that are left over the variances, summed: about `degrees_of_freedom` if model and variances are right.
+    pub chi_square: f32,
+    /// Conductances less unknowns.
+    pub degrees_of_freedom: u8,
+    /// Steps of Gauss–Newton to this answer, dropped ones included.
+    pub steps: u8,
+    /// The other wind that fits as well, m/s; without what the head leaves open.
+    pub other_m_s: Option<[f32; 3]>,
+    /// What the answer is worth.
+    pub quality: Quality,
+}
+
+impl Wind {
+    /// Nothing is known.
+    pub(super) fn failed(quality: Quality) -> Self {
+        let mut covariance_m2_s2 = [[0.0; 3]; 3];
+        for (k, row) in covariance_m2_s2.iter_mut().enumerate() {
+            row[k] = UNKNOWN_M2_S2;
+        }
+        Self {
+            wind_m_s: [0.0; 3],
+            speed_m_s: 0.0,
+            across_m_s: 0.0,
+            covariance_m2_s2,
+            speed_error_m_s: UNKNOWN_M2_S2,
+            direction_error_rad: PI,
+            chi_square: 0.0,
+            degrees_of_freedom: 0,
+            steps: 0,
+            other_m_s: None,
+            quality: Quality { failed: true, no_direction: true, ambiguous: false, extrapolated: false, ..quality },
+        }
+    }
+
+    /// Whether every number in it is one.
+    pub(super) fn is_finite(&self) -> bool {
+        let scalars =
+            [self.speed_m_s, self.across_m_s, self.speed_error_m_s, self.direction_error_rad, self.chi_square];
+        let others = self.other_m_s.unwrap_or_default();
+        scalars
+            .iter()
+            .chain(&self.wind_m_s)
+            .chain(&others)
+            .chain(self.covariance_m2_s2.as_flattened())
+            .all(|x| x.is_finite())
+    }
+}
+
+/// A least-squares solution in m/s, and what it needs to be described.
+pub struct Solution<'a> {
+    pub frame: &'a Frame,
+    pub wind_m_s: [f32; 3],
+    /// Least size of what is across, for which `normal` was taken, m/s.
+    pub least_across_m_s: f32,
+    /// The equations' matrix in the frame, to Reynolds numbers, in units of 1/`scale_m2_s2`.
+    pub normal: Matrix,
+    pub scale_m2_s2: f32,
+    /// Whether it is the minimum, or fits as it is.
+    pub fits: bool,
+}
+
+impl Solution<'_> {
+    /// Vector and errors; nothing if the equations do not say where the minimum is.
+    pub fn describe(&self, direction_error_max_rad: f32, mut quality: Quality) -> Option<Wind> {
+        let (determined, unknowns) = (self.frame.determined(), self.frame.unknowns());
+        let components = self.frame.inward(self.wind_m_s);
+        let mut covariance = Factors::of(&self.normal)?.inverse().map(|row| scaled(row, self.scale_m2_s2));
+        (unknowns..3).for_each(|k| decouple(&mut covariance, k, 0.0));
+        let mut across_m_s = 0.0;
+        if determined < 3 {
+            across_m_s = components[determined].max(-components[determined]);
+            bound_across(&mut covariance, determined, across_m_s.max(self.least_across_m_s));
+        }
+
+        let speed_m_s = length(self.wind_m_s);
+        let trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
+        let (along, direction_error_rad) = if speed_m_s > 0.0 {
+            let along = quadratic(&covariance, scaled(components, 1.0 / speed_m_s));
+            (along, sqrt((trace - along).max(0.0) / (unknowns - 1) as f32) / speed_m_s)
+        } else {
+            (trace / unknowns as f32, PI)
+        };
+        if !self.fits && speed_m_s * speed_m_s > 4.0 * trace {
+            return None;
+        }
+        quality.no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
+
+        if determined < 3 {
+            let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;
+            (determined..3).for_each(|k| decouple(&mut covariance, k, open));
+        }
+        Some(Wind {
+            wind_m_s: self.frame.determined_part(self.wind_m_s),
+            speed_m_s,
+            across_m_s,
+            covariance_m2_s2: self.frame.outward_matrix(&covariance),
+            speed_error_m_s: sqrt(along),
+            direction_error_rad: direction_error_rad.min(PI),
+            chi_square: 0.0,
+            degrees_of_freedom: 0,
+            steps: 0,
+            other_m_s: None,
+            quality,
+        })
+    }
+}
+
+/// The size q of what is across enters by its square alone, whose standard error is 2 q σ_q. Near zero that is finite and σ_q is not;
+/// there q² itself is the variance to be had.
+fn bound_across(covariance: &mut Matrix, k: usize, across_m_s: f32) {
+    let variance = covariance[k][k];
+    let bound = 2.0 * across_m_s * sqrt(variance);
+    if variance > bound {
+        scale(covariance, k, sqrt(bound / variance));
+    }
+}
