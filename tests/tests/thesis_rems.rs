@@ -29,7 +29,8 @@ fn self_heating_has_one_peak_which_is_not_alone_in_changing_with_the_wind() {
 #[test]
 fn cross_heating_peaks_at_a_tenth_of_a_hertz_and_less_across() {
     // Heat that reaches a neighbour has passed two surfaces that the wind cools: no passive network is without dependence.
-    let missed = ["an adjacent die", "the diagonal die"].map(|die| format!("peak of {die} in wind from ahead, 7.5 m/min"));
+    let missed =
+        ["an adjacent die", "the diagonal die"].map(|die| format!("peak of {die} in wind from ahead, 7.5 m/min"));
     misses("rems-cross", 5, &[&missed[0], &missed[1]]);
 }
 

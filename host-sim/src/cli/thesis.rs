@@ -125,7 +125,8 @@ fn text(study: &Study, findings: &Findings) -> String {
             Some(true) => "met    ",
             Some(false) => "NOT MET",
         };
-        let published = Some(&finding.published).filter(|words| !words.is_empty()).map(|words| format!("published: {words}"));
+        let published =
+            Some(&finding.published).filter(|words| !words.is_empty()).map(|words| format!("published: {words}"));
         let bar = Some(&finding.bar).filter(|words| !words.is_empty()).map(|words| format!("bar: {words}"));
         let known: Vec<String> = published.into_iter().chain(bar).collect();
         let known = if known.is_empty() { String::new() } else { format!("  ({})", known.join("; ")) };

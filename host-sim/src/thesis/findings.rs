@@ -132,7 +132,10 @@ mod tests {
     #[test]
     fn numbers_below_zero_have_a_minus_and_words_keep_their_hyphens() {
         let found = Finding::told("", "-1 to 2 Hz", "0.202 Hz (-1.1 %) of card1-die1, 2-D");
-        assert_eq!((found.published.as_str(), found.ours.as_str()), ("−1 to 2 Hz", "0.202 Hz (−1.1 %) of card1-die1, 2-D"));
+        assert_eq!(
+            (found.published.as_str(), found.ours.as_str()),
+            ("−1 to 2 Hz", "0.202 Hz (−1.1 %) of card1-die1, 2-D")
+        );
     }
 
     #[test]

@@ -96,7 +96,12 @@ fn switched(lab: &Lab, model: &Model, findings: &mut Findings) -> Result<Chart, 
     let (experiment, record) = lab.run("rems-boom-switched")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.push(Finding::near("rise of the boom in 3 h on, 3 h off, dice at 42 °C, in air of 27 °C, which was chosen so", 0.5, (rise_k, "K"), 20.0));
+    findings.push(Finding::near(
+        "rise of the boom in 3 h on, 3 h off, dice at 42 °C, in air of 27 °C, which was chosen so",
+        0.5,
+        (rise_k, "K"),
+        20.0,
+    ));
     let first_on_s = experiment.changes.first().map_or(record.duration_s(), |change| experiment.time_s(change.tick));
     let reading_c = record.mean_temperature_c(FOUR, first_on_s - END_S, first_on_s)?;
     let over_air_k = reading_c - experiment.gas_temperature_c;

@@ -36,7 +36,8 @@ pub fn run(lab: &Lab) -> Result<Findings, StudyError> {
     let share = 100.0 * across / one;
     let weaker = format!("{share:.0} % ({} of {})", brief(across), in_unit(one, "K/W"));
     findings.push(
-        Finding::told("diagonal die at that point, of an adjacent one", "much weaker", weaker).judged("under 40 %", share < 40.0),
+        Finding::told("diagonal die at that point, of an adjacent one", "much weaker", weaker)
+            .judged("under 40 %", share < 40.0),
     );
     let label = &model.classes[0];
     let largest = peak(pair(&model, HEATED, OTHERS[2])?, label, (0.0, f64::INFINITY))?;

@@ -96,8 +96,11 @@ fn wind(lab: &Lab, findings: &mut Findings) -> Result<Chart, StudyError> {
         .judged("in that order", main[0] > main[1] && main[1] > main[2]),
     );
     let worst = others_share(own, die_pole.place)?;
-    let only =
-        Finding::told("largest change of another pole with wind, of this one's", "only that pole changes", format!("{worst:.0} %"));
+    let only = Finding::told(
+        "largest change of another pole with wind, of this one's",
+        "only that pole changes",
+        format!("{worst:.0} %"),
+    );
     findings.push(only.judged("under 10 %", worst < 10.0));
     findings.push(Finding::told("the same among points of the mesh", "", format!("{on_mesh:.0} %")));
     Ok(chart)
