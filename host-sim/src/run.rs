@@ -424,7 +424,7 @@ mod tests {
     fn a_change_after_a_trip_changes_nothing() {
         let fault = "\n[[faults]]\nstart_s = 1.0\nelement = \"sector3\"\nkind = \"open\"\n\n[[wind]]\nstart_s = 0.0\n";
         let change =
-            "\n[[changes]]\nstart_s = 2.0\ndrives = { sector1 = \"passive\", core2 = { temperature_c = -18.0 } }\n";
+            "\n[[changes]]\nstart_s = 2.0\ndrives = { sector1 = \"passive\", core2 = { temperature_c = -20.0 } }\n";
         let run_of = |text: &str| {
             let mut experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", text);
             experiment.ticks = 300;
@@ -445,8 +445,8 @@ mod tests {
     #[test]
     fn set_points_of_changes_are_judged_and_said_to_be_missed_too() {
         let wind = "\n[[wind]]\nstart_s = 0.0\n";
-        // core2 is far too cold to get to −18 °C in a second; core1 has a set-point for a while, and misses it.
-        let text = "\n[[changes]]\nstart_s = 1.0\ndrives = { core1 = { temperature_c = -20.0 }, core2 = { temperature_c = -18.0 } }\n\
+        // core2 is far too cold to get to −20 °C in a second; core1 has a set-point for a while, and misses it.
+        let text = "\n[[changes]]\nstart_s = 1.0\ndrives = { core1 = { temperature_c = -20.0 }, core2 = { temperature_c = -20.0 } }\n\
                     \n[[changes]]\nstart_s = 1.5\ndrives = { core1 = \"passive\", sector1 = \"passive\" }\n";
         let mut experiment = shortened("steady.toml", wind, &format!("{text}{wind}"));
         experiment.ticks = 200;

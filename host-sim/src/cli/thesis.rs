@@ -154,3 +154,28 @@ fn as_json(findings: &Findings) -> serde_json::Value {
     });
     json!({ "bars": bars, "met": met, "findings": rows.collect::<Vec<_>>() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(output: PathBuf, experiments: PathBuf) -> String {
+        let names = vec!["rems-self".to_owned()];
+        execute(&Arguments { names, list: false, output, experiments, json: false }).err().unwrap().sentence
+    }
+
+    #[test]
+    fn nothing_begins_without_a_folder_to_write_to_or_with_an_experiment_that_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, output) = (folder.path().join("broken.toml"), folder.path().join("pages"));
+        std::fs::write(&file, "title = 3\n").unwrap();
+        let sentence = refused(file.clone(), folder.path().to_owned());
+        assert!(
+            sentence.ends_with("broken.toml: is a file, and a folder for pages and pictures belongs here"),
+            "{sentence}"
+        );
+        let sentence = refused(output.clone(), folder.path().to_owned());
+        assert!(sentence.contains("broken.toml, line 1: `title`"), "{sentence}");
+        assert!(!output.exists());
+    }
+}

@@ -29,7 +29,8 @@ impl Axis {
             .into_iter()
             .filter(|value| value.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-        if low > high {
+        // Of zeros alone there is no telling what would be small.
+        if low > high || (low, high) == (0.0, 0.0) {
             return Self::exactly(0.0, 1.0, ticks);
         }
         // Something that never changes gets a range that does not turn its rounding into mountains.
@@ -183,6 +184,7 @@ mod tests {
     #[test]
     fn nothing_and_constants_have_a_range_too() {
         assert!(Axis::around([], 4).contains(0.5));
+        assert_eq!(Axis::around([0.0, 0.0], 4), Axis::exactly(0.0, 1.0, 4));
         let axis = Axis::around([5.0, 5.0], 4);
         assert!(axis.low < 5.0 && axis.high > 5.0);
         assert!(axis.ticks().len() >= 2);

@@ -3,8 +3,9 @@
 use plotters::style::RGBColor;
 
 use super::PlotError;
-use super::draw::{GREYS, INK, PALETTE};
+use super::draw::{GREYS, INK, PALETTE, shade};
 use super::reduce::{Bin, bins, mean_power};
+use super::set_points::SetPoint;
 use crate::recording::{HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
 
 /// Bins over the width of a panel, some more than a pixel each.
@@ -36,8 +37,8 @@ pub struct Content<'r> {
     pub elements: Vec<(&'r str, RGBColor)>,
     pub wind: Vec<Curve>,
     pub temperatures: Vec<Curve>,
-    /// Element, set-point in °C, from the experiment.
-    pub set_points: Vec<(String, f64)>,
+    /// From the experiment.
+    pub set_points: Vec<SetPoint>,
     pub deviations: Vec<Curve>,
     pub powers: Vec<Power>,
     pub power_window_s: f64,
@@ -59,7 +60,7 @@ impl<'r> Content<'r> {
                     cores += 1;
                     GREYS[(cores - 1) % GREYS.len()]
                 } else {
-                    PALETTE[i % PALETTE.len()]
+                    shade(PALETTE[i % PALETTE.len()], i / PALETTE.len())
                 };
                 (name, colour)
             })
@@ -87,21 +88,26 @@ impl<'r> Content<'r> {
             })
             .collect();
         let running_until = trips.first().map_or(usize::MAX, |(_, row, _)| *row);
-        let set_points = set_points(recording);
+        let set_points = SetPoint::of(recording, trips.first().map_or(f64::INFINITY, |(_, _, time_s)| *time_s));
         let (mut temperatures, mut deviations, mut powers, mut heaters) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut power_window_s = 0.0;
         for &(name, colour) in &elements {
             if let Some(temperature_c) = column(TEMPERATURE, name) {
                 temperatures.push(curve(name, colour, &|row| temperature_c[row]));
-                if let Some((_, set_point_c)) = set_points.iter().find(|(element, _)| element == name) {
-                    // Warming up is another story, and so is cooling down after a trip.
-                    let arrival = temperature_c.iter().position(|celsius| celsius >= set_point_c).unwrap_or(usize::MAX);
-                    let held = arrival..running_until;
+                let held: Vec<_> = set_points
+                    .iter()
+                    .filter(|of| of.element == name)
+                    .map(|of| (held(of, time_s, temperature_c, running_until), of.celsius))
+                    .collect();
+                if !held.is_empty() {
                     let deviation = |row: usize| {
-                        if held.contains(&row) { (temperature_c[row] - set_point_c) * 1e3 } else { f64::NAN }
+                        let now = held.iter().find(|(rows, _)| rows.contains(&row));
+                        now.map_or(f64::NAN, |(_, celsius)| (temperature_c[row] - celsius) * 1e3)
                     };
-                    deviations.push(curve(name, colour, &deviation));
+                    let curve = curve(name, colour, &deviation);
+                    // Elements that never arrived have nothing to show.
+                    deviations.extend(curve.bins.iter().any(|bin| bin.mean.is_finite()).then_some(curve));
                 }
             }
             if let Some(mean) = column(POWER, name).and_then(|power_w| mean_power(time_s, power_w, POWERS)) {
@@ -142,11 +148,16 @@ impl<'r> Content<'r> {
     }
 }
 
-/// Constant set-points, read from the experiment that the recording carries.
-fn set_points(recording: &Recording) -> Vec<(String, f64)> {
-    let table = recording.metadata("experiment").and_then(|text| text.parse::<toml::Table>().ok());
-    let drives = table.as_ref().and_then(|table| table.get("drives")?.as_table());
-    let set_point =
-        |(element, drive): (&String, &toml::Value)| Some((element.clone(), drive.get("temperature_c")?.as_float()?));
-    drives.into_iter().flatten().filter_map(set_point).collect()
+/// Rows in which an element is held at a set-point: from its arrival there, from below or above, until it is told something else.
+///
+/// Warming up is another story, and so is cooling down after a trip.
+fn held(of: &SetPoint, time_s: &[f64], temperature_c: &[f64], running_until: usize) -> std::ops::Range<usize> {
+    // A change belongs to the tick that starts with it, whatever the last digits of its time.
+    let row_at = |moment_s: f64| time_s.partition_point(|row_s| *row_s < moment_s - 1e-6);
+    let (from, to) = (row_at(of.from_s), row_at(of.to_s).min(running_until));
+    let told = temperature_c.get(from..to).unwrap_or_default();
+    let from_below = told.iter().find(|celsius| celsius.is_finite()).is_some_and(|celsius| *celsius < of.celsius);
+    let there = |celsius: &f64| if from_below { *celsius >= of.celsius } else { *celsius <= of.celsius };
+    let arrival = told.iter().position(there).map_or(to, |row| from + row);
+    arrival..to
 }

@@ -26,6 +26,20 @@ pub const PALETTE: [RGBColor; 4] =
     [RGBColor(0x00, 0x72, 0xb2), RGBColor(0xe6, 0x9f, 0x00), RGBColor(0x00, 0x9e, 0x73), RGBColor(0xcc, 0x79, 0xa7)];
 pub const GREYS: [RGBColor; 2] = [RGBColor(0x3a, 0x3f, 0x44), RGBColor(0x9a, 0xa2, 0xa8)];
 
+/// A colour once more for other elements: as it is, darker, paler, and nearly black.
+pub fn shade(colour: RGBColor, round: usize) -> RGBColor {
+    let towards = |to: f64, share: f64| {
+        let mix = |own: u8| (f64::from(own) + (to - f64::from(own)) * share).round() as u8;
+        RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
+    };
+    match round % 4 {
+        0 => colour,
+        1 => towards(0.0, 0.45),
+        2 => towards(255.0, 0.5),
+        _ => towards(0.0, 0.75),
+    }
+}
+
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 /// What plotters says when it cannot draw.
 pub type DrawError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
@@ -127,6 +141,31 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     text.chars().map(|letter| if "iljtf.,:; |'".contains(letter) { 0.3 } else { 0.57 }).sum::<f64>() * size
 }
 
+/// Height of a line of a legend that has lines of its own.
+const LEGEND_LINE: f64 = 17.0;
+/// A legend up to this share of its panel's width stands beside the caption.
+const BESIDE_CAPTION: f64 = 0.6;
+
+/// Room that a legend's label takes with the stroke before it and the gap after.
+fn label_width(label: &str) -> f64 {
+    text_width(label, 12.0) + 38.0
+}
+
+/// How many labels a line of a legend holds: all, if they fit beside the caption; otherwise as many as every line of its own can hold.
+fn labels_a_line<'l>(labels: impl Iterator<Item = &'l str> + Clone, width: f64) -> Option<usize> {
+    if labels.clone().map(label_width).sum::<f64>() <= BESIDE_CAPTION * width {
+        return None;
+    }
+    let widest = labels.map(label_width).fold(1.0, f64::max);
+    Some(((width / widest) as usize).max(1))
+}
+
+/// Room in pixels that a legend needs between its panel's caption and the panel.
+pub fn legend_height<'l>(labels: impl ExactSizeIterator<Item = &'l str> + Clone, width: f64) -> f64 {
+    let count = labels.len();
+    labels_a_line(labels, width).map_or(0.0, |most| LEGEND_LINE * count.div_ceil(most) as f64)
+}
+
 /// A stretch of a figure with a time axis and a value axis.
 pub struct Panel<'f, 'a> {
     pub figure: &'f Figure<'a>,
@@ -180,20 +219,31 @@ impl<'a> Panel<'_, 'a> {
         Ok(())
     }
 
-    /// Caption and legend in the line above the panel, where no data are.
+    /// Caption and legend above the panel, where no data are: in one line, or a long legend in lines of its own, as high as
+    /// [`legend_height`] says.
     pub fn caption(&self, caption: &str, unit: &str, legend: &[(String, RGBColor)]) -> Drawn<'a> {
-        let y = self.rect.top - 13.0;
-        let left = self.rect.left;
+        let Rect { left, right, .. } = self.rect;
+        let labels = legend.iter().map(|(label, _)| label.as_str());
+        let y = self.rect.top - 13.0 - legend_height(labels.clone(), right - left);
         self.figure.text(caption, (left, y), 14.0, INK, Align::Left, true)?;
         let after = left + text_width(caption, 14.0) * 1.08 + 8.0;
         self.figure.text(unit, (after, y), 12.0, QUIET, Align::Left, false)?;
-        let mut x = self.rect.right;
-        for (label, colour) in legend.iter().rev() {
-            x -= text_width(label, 12.0);
-            self.figure.text(label, (x, y), 12.0, INK, Align::Left, false)?;
-            x -= 6.0;
-            self.figure.line(&[(x - 16.0, y), (x, y)], colour.to_rgba(), 3.0)?;
-            x -= 16.0 + 16.0;
+        let entry = |(label, colour): &(String, RGBColor), x: f64, y: f64| {
+            self.figure.line(&[(x, y), (x + 16.0, y)], colour.to_rgba(), 3.0)?;
+            self.figure.text(label, (x + 22.0, y), 12.0, INK, Align::Left, false)
+        };
+        if let Some(most) = labels_a_line(labels.clone(), right - left) {
+            let widest = labels.map(label_width).fold(0.0, f64::max);
+            for (i, of) in legend.iter().enumerate() {
+                let (line, place) = (i / most, i % most);
+                entry(of, left + widest * place as f64, y + LEGEND_LINE * (line + 1) as f64)?;
+            }
+            return Ok(());
+        }
+        let mut x = right + 16.0;
+        for of in legend.iter().rev() {
+            x -= label_width(&of.0);
+            entry(of, x, y)?;
         }
         Ok(())
     }

@@ -5,15 +5,21 @@ use plotters::style::{Color as _, RGBColor, WHITE};
 use super::PlotError;
 use super::axis::Axis;
 use super::content::{BINS, Content, Curve};
-use super::draw::{ALARM, Align, CURVE, DrawError, Figure, INK, Panel, QUIET, Rect, in_pixels, text_width};
+use super::draw::{
+    ALARM, Align, CURVE, DrawError, Figure, INK, Panel, QUIET, Rect, in_pixels, legend_height, text_width,
+};
 use super::reduce::{bins, reach};
+use super::set_points::SetPoint;
 use crate::recording::Recording;
 
 const WIDTH: f64 = 1200.0;
+/// Room to the left of the panels; longer names of elements take more.
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 32.0;
 /// Room above a panel for its caption.
 const CAPTION: f64 = 34.0;
+/// Dashed lines of set-points; more of them would be all that is seen.
+const MOST_SET_POINTS: usize = 40;
 const BAND_COLOURS: [RGBColor; 2] = [RGBColor(0xdd, 0xe8, 0xf0), RGBColor(0xf3, 0xea, 0xd8)];
 
 /// Draws a recording.
@@ -35,6 +41,7 @@ pub fn svg(recording: &Recording) -> Result<String, PlotError> {
 /// Where the panels are, from top to bottom; `None` for those that are left out.
 struct Layout {
     height: f64,
+    left: f64,
     events: Option<Rect>,
     wind: Option<Rect>,
     temperatures: Option<Rect>,
@@ -47,22 +54,28 @@ struct Layout {
 impl Layout {
     fn of(content: &Content) -> Self {
         let mut y = 62.0;
+        let names = content.heaters.iter().map(|(name, _, _)| text_width(name, 12.0));
+        let left = names.fold(LEFT, |left, width| left.max(width + 18.0));
+        let width = WIDTH - RIGHT - left;
         let mut place = |wanted: bool, above: f64, height: f64| {
             wanted.then(|| {
-                let rect = Rect { left: LEFT, right: WIDTH - RIGHT, top: y + above, bottom: y + above + height };
+                let rect = Rect { left, right: WIDTH - RIGHT, top: y + above, bottom: y + above + height };
                 y = rect.bottom;
                 rect
             })
         };
         let rows = content.heaters.len() as f64;
         let named = content.events.iter().any(|(label, _, _)| !label.is_empty());
+        let above = |curves: &[Curve]| CAPTION + legend_height(curves.iter().map(|curve| curve.label.as_str()), width);
+        let above_powers = CAPTION + legend_height(content.powers.iter().map(|power| power.label.as_str()), width);
         let layout = Self {
             height: 0.0,
+            left,
             events: place(named, 4.0, 22.0),
             wind: place(!content.wind.is_empty(), CAPTION, 130.0),
-            temperatures: place(!content.temperatures.is_empty(), CAPTION, 130.0),
+            temperatures: place(!content.temperatures.is_empty(), above(&content.temperatures), 130.0),
             deviations: place(!content.deviations.is_empty(), CAPTION, 100.0),
-            powers: place(!content.powers.is_empty(), CAPTION, 190.0),
+            powers: place(!content.powers.is_empty(), above_powers, 190.0),
             heaters: place(rows > 0.0, CAPTION, 22.0 * rows),
             close_up: place(rows > 0.0, 66.0, 16.0 * rows),
         };
@@ -84,7 +97,7 @@ fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Resul
     let time = Axis::exactly(start_s, end_s, 10);
     let panel = |rect: Rect, value: Axis| Panel { figure: &figure, rect, time: time.clone(), value };
 
-    headline(&figure, content)?;
+    headline(&figure, content, layout.left)?;
     event_bands(&figure, content, layout, &time)?;
     if let Some(rect) = layout.wind {
         let values = content.wind.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
@@ -128,17 +141,17 @@ fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Resul
     figure.finish()
 }
 
-fn headline<'a>(figure: &Figure<'a>, content: &Content) -> Result<(), DrawError<'a>> {
+fn headline<'a>(figure: &Figure<'a>, content: &Content, left: f64) -> Result<(), DrawError<'a>> {
     let of = |key| content.recording.metadata(key);
     let title = of("title").map_or_else(|| content.recording.path.display().to_string(), str::to_owned);
-    figure.text(&title, (LEFT, 26.0), 22.0, INK, Align::Left, true)?;
+    figure.text(&title, (left, 26.0), 22.0, INK, Align::Left, true)?;
     let (rows, elements) = (content.time_s.len(), content.elements.len());
     let mut parts = vec![of("head_name").map_or_else(|| format!("{elements} elements"), |head| format!("head {head}"))];
     parts.extend(of("firmware").map(str::to_owned));
     parts.push(format!("{rows} ticks"));
     parts.extend(of("lost").filter(|lost| *lost != "0").map(|lost| format!("{lost} lost")));
     parts.extend(of("hash").map(|hash| format!("hash {hash}")));
-    figure.text(&parts.join("  ·  "), (LEFT, 49.0), 12.5, QUIET, Align::Left, false)
+    figure.text(&parts.join("  ·  "), (left, 49.0), 12.5, QUIET, Align::Left, false)
 }
 
 /// Bands of alternating colour with the labels of the conditions; they go on, paler, through the panels.
@@ -178,7 +191,7 @@ where
     'a: 'f,
 {
     let values = content.temperatures.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
-    let targets = content.set_points.iter().map(|(_, celsius)| *celsius);
+    let targets = content.set_points.iter().map(|set_point| set_point.celsius);
     let panel = panel(rect, Axis::around(values.chain(targets.clone()), 4));
     panel.grid()?;
     let mut distinct: Vec<f64> = Vec::new();
@@ -193,13 +206,16 @@ where
         _ => "°C, set-points dashed".to_owned(),
     };
     panel.caption("Temperature", &unit, &legend(&content.temperatures))?;
-    for target in distinct.iter().take(6) {
-        let y = panel.y(*target);
-        let mut x = rect.left;
-        while x < rect.right {
-            panel.figure.line(&[(x, y), ((x + 7.0).min(rect.right), y)], QUIET.to_rgba(), 1.0)?;
-            x += 12.0;
+    let mut drawn: Vec<(f64, f64, f64)> = Vec::new();
+    for SetPoint { from_s, to_s, celsius, .. } in &content.set_points {
+        // Most elements share their set-points; one line does for them.
+        if drawn.contains(&(*from_s, *to_s, *celsius)) || drawn.len() == MOST_SET_POINTS {
+            continue;
         }
+        drawn.push((*from_s, *to_s, *celsius));
+        let x = |time_s: f64| panel.x(time_s).clamp(rect.left, rect.right);
+        let y = panel.y(*celsius);
+        panel.figure.dashed(&[(x(*from_s), y), (x(*to_s), y)], QUIET.to_rgba(), 1.0)?;
     }
     for curve in content.temperatures.iter().rev() {
         panel.band(&curve.bins, curve.colour.mix(0.3))?;

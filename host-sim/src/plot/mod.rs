@@ -10,6 +10,7 @@ mod draw;
 mod figure;
 pub mod model;
 mod reduce;
+mod set_points;
 
 use std::path::{Path, PathBuf};
 

@@ -59,6 +59,49 @@ fn short_runs_are_drawn_too() {
     }
 }
 
+/// Columns of temperature over 100 s.
+fn temperatures(names: &[&str], experiment: &str, celsius: impl Fn(u32) -> f64) -> Recording {
+    // A line break in metadata is written as in a string.
+    let mut text = format!("# experiment: {}\n", experiment.replace('\n', "\\n"));
+    let columns: Vec<String> = names.iter().map(|name| format!("temperature_c:{name}")).collect();
+    text += &format!("time_s,{}\n", columns.join(","));
+    for n in 0..100 {
+        text += &format!("{n}{}\n", format!(",{}", celsius(n)).repeat(names.len()));
+    }
+    read(&text)
+}
+
+#[test]
+fn after_a_change_the_new_set_point_counts() {
+    let drives = "[drives]\nboom = { temperature_c = 30.0 }\n";
+    let change = "[[changes]]\nstart_s = 50.0\ndrives = { boom = { temperature_c = 25.0 } }\n";
+    // Held at 30 °C from the first tick; after the change it cools by 1 K a tick, and then stays at 25 °C.
+    let celsius = |n: u32| if n < 50 { 30.0 } else { (80.0 - f64::from(n)).max(25.0) };
+    let recording = temperatures(&["boom"], &format!("{drives}{change}"), celsius);
+    let content = content::Content::of(&recording).unwrap();
+    let means: Vec<f64> = content.deviations[0].bins.iter().map(|bin| bin.mean).collect();
+    assert_eq!(means.len(), 100);
+    assert!(means[..50].iter().chain(&means[55..]).all(|mean_mk| *mean_mk == 0.0), "{means:?}");
+    assert!(means[50..55].iter().all(|mean_mk| mean_mk.is_nan()), "{means:?}");
+}
+
+#[test]
+fn thirteen_elements_have_thirteen_colours_and_a_legend_inside_the_picture() {
+    let names: Vec<String> = (0..13).map(|i| format!("card{}-die{}", i / 4, i % 4)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let recording = temperatures(&names, "", f64::from);
+    let content = content::Content::of(&recording).unwrap();
+    let mut colours: Vec<_> = content.elements.iter().map(|(_, colour)| (colour.0, colour.1, colour.2)).collect();
+    colours.sort_unstable();
+    colours.dedup();
+    assert_eq!(colours.len(), 13);
+    let svg = figure::svg(&recording).unwrap();
+    for (at, _) in svg.match_indices("<text") {
+        let x = svg[at..].split_once("x=\"").unwrap().1.split_once('"').unwrap().0;
+        assert!((0.0..4800.0).contains(&x.parse::<f64>().unwrap()), "{x}");
+    }
+}
+
 #[test]
 fn readings_that_are_missing_leave_gaps() {
     let mut recording = noisy(1000, &[]);
