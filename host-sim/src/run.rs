@@ -11,7 +11,7 @@ use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
 use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
 use crate::recording::{RecordingError, Row};
-use crate::sensor::{Construction, Sensor, SensorConfig};
+use crate::sensor::Construction;
 use crate::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::toml_file::FileError;
 
@@ -142,8 +142,7 @@ fn change_drives(
             Err(InstrumentError::Refused(refusal)) => {
                 let at = experiment.changes.iter().position(|own| own == change).unwrap_or_default();
                 let name = &experiment.head.elements[place].name;
-                let sentence = unreachable(experiment, &refusal)
-                    .unwrap_or_else(|| format!("is refused: {}", without_number(&refusal)));
+                let sentence = of_a_drive(experiment, &refusal);
                 return Err(experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into());
             }
             Err(error) => return Err(error.into()),
@@ -162,8 +161,7 @@ pub struct Judgement {
 /// Lets a controller in this process judge the set-up and all changes before any instrument is touched.
 pub fn rehearse(experiment: &Experiment) -> Result<Judgement, RunError> {
     // Which sensor is around it does not matter: no time passes.
-    let sensor = Sensor::new(&experiment.sensor_config().unwrap_or_else(|_| SensorConfig::default()));
-    let sensor = sensor.map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
+    let sensor = experiment.simulated(&experiment.sensor_config().unwrap_or_default())?;
     let mut instrument = LockStep::new(InProcess::new(), sensor);
     let judgement = start(experiment, &mut instrument)?;
     for change in &experiment.changes {
@@ -193,13 +191,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
             // Said of the place in the file, where the user can do something about it.
-            Some(name) => {
-                let sentence = match unreachable(experiment, refusal) {
-                    Some(sentence) => sentence,
-                    None => format!("is refused: {}", without_number(refusal)),
-                };
-                experiment.source.refuse(&format!("drives.{name}"), sentence).into()
-            }
+            Some(name) => experiment.source.refuse(&format!("drives.{name}"), of_a_drive(experiment, refusal)).into(),
             None => error.into(),
         },
         InstrumentError::TooManyElements { .. } => {
@@ -220,6 +212,11 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         }
     }
     Ok(judgement)
+}
+
+/// A refused drive in words, for the key that asks for it.
+fn of_a_drive(experiment: &Experiment, refusal: &Refusal) -> String {
+    unreachable(experiment, refusal).unwrap_or_else(|| format!("is refused: {}", without_number(refusal)))
 }
 
 /// The instrument knows elements by number; the key of the file has the name.
@@ -373,7 +370,7 @@ mod tests {
     }
 
     fn in_process(experiment: &Experiment) -> Box<dyn Instrument> {
-        Box::new(LockStep::new(InProcess::new(), Sensor::new(&experiment.sensor_config().unwrap()).unwrap()))
+        Box::new(LockStep::new(InProcess::new(), experiment.sensor().unwrap()))
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub mod fake_board;
 pub mod loops;
 pub mod records;
 pub mod speed;
+pub mod studies;
 pub mod winds;
 
 use dr_core::sensor::Reading;
@@ -153,8 +154,7 @@ fn cobs_of(bytes: &[u8]) -> Vec<u8> {
 
 /// The simulated sensor of an experiment.
 pub fn sensor(experiment: &Experiment) -> Sensor {
-    let config = experiment.sensor_config().expect("a shipped experiment can be simulated");
-    Sensor::new(&config).expect("a shipped experiment can be simulated")
+    experiment.sensor().expect("a shipped experiment can be simulated")
 }
 
 /// What the sensor's front end reads now.

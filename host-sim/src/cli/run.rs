@@ -18,7 +18,6 @@ use crate::instrument::{Instrument, LockStep, setup};
 use crate::plot;
 use crate::recording::{Collector, Layout, Metadata, RecordingWriter};
 use crate::run::{RunError, run};
-use crate::sensor::Sensor;
 use crate::summary::RunSummary;
 
 /// Where the firmware of the emulated board stands in the build folder.
@@ -149,18 +148,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instrument>, Failure> {
-    let sensor = || {
-        let sensor = Sensor::new(&experiment.sensor_config()?);
-        sensor.map_err(|error| Failure::from(experiment.source.refuse("head", format!("cannot be simulated: {error}"))))
-    };
     Ok(match &arguments.on {
-        On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
+        On::Sim => Box::new(LockStep::new(InProcess::new(), experiment.sensor()?)),
         On::Qemu => {
             let path = match arguments.link {
                 LinkName::Fifo => emulated::Path::Fifo,
                 LinkName::Usart => emulated::Path::Usart,
             };
-            let sensor = sensor()?;
+            let sensor = experiment.sensor()?;
             Box::new(LockStep::new(Emulated::start(&firmware(arguments), path).map_err(Failure::work)?, sensor))
         }
         On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),

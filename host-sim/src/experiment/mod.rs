@@ -202,6 +202,19 @@ impl Experiment {
         })
     }
 
+    /// That sensor itself.
+    ///
+    /// # Errors
+    /// If the head names none, or the conditions are beyond it.
+    pub fn sensor(&self) -> Result<Sensor, FileError> {
+        self.simulated(&self.sensor_config()?)
+    }
+
+    /// A sensor for this experiment's head: what is in its way is said of that key.
+    pub fn simulated(&self, config: &SensorConfig) -> Result<Sensor, FileError> {
+        Sensor::new(config).map_err(|error| self.source.refuse("head", format!("cannot be simulated: {error}")))
+    }
+
     /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.
     fn check_conditions(&self) -> Result<(), FileError> {
         // A head that cannot be simulated may still be run on a real sensor.

@@ -219,3 +219,31 @@ impl Body {
         self.apply_conductance();
     }
 }
+
+#[cfg(test)]
+pub(super) mod testing {
+    use super::Body;
+
+    /// Heat given less heat that left and heat that stayed, of the heat given, after ticks of some seconds.
+    ///
+    /// The wind turns by its phase, and `power_w` has an element's heat while all are high or low by turns of three ticks: every path
+    /// carries a changing flow.
+    pub fn imbalance(
+        body: &mut Body,
+        (ticks, tick_s): (u32, f64),
+        wind_m_s: impl Fn(f64) -> [f64; 3],
+        power_w: impl Fn(usize, bool) -> f64,
+    ) -> f64 {
+        let start = body.stored_heat_j();
+        let (mut given, mut left) = (0.0, 0.0);
+        for tick in 0..ticks {
+            body.set_wind(wind_m_s(f64::from(tick) * 1e-3));
+            let high = tick / 3 % 2 == 0;
+            body.advance(tick_s, |i, _| power_w(i, high));
+            let flows = body.flows();
+            given += tick_s * flows.power_w.iter().sum::<f64>();
+            left += tick_s * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
+        }
+        (given - left - (body.stored_heat_j() - start)) / given
+    }
+}

@@ -149,6 +149,7 @@ pub(super) fn parts() -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::body::testing::imbalance;
     use crate::sensor::gas::{Species, ZERO_CELSIUS_K};
 
     fn mars() -> Gas {
@@ -161,21 +162,10 @@ mod tests {
 
     #[test]
     fn heat_in_is_heat_out_and_heat_stored() {
-        let mut body = body();
-        let start = body.stored_heat_j();
-        let (mut given, mut left) = (0.0, 0.0);
-        for tick in 0..50_000 {
-            // A wind that turns and a square wave of heat, so that every path carries a changing flow.
-            let phase = tick as f64 * 1e-3;
-            body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
-            let high = tick / 3 % 2 == 0;
-            body.advance(0.01, |i, _| if high { 0.04 } else { 0.001 * i as f64 });
-            let flows = body.flows();
-            given += 0.01 * flows.power_w.iter().sum::<f64>();
-            left += 0.01 * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
-        }
-        let balance = given - left - (body.stored_heat_j() - start);
-        assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");
+        let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
+        let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
+        let imbalance = imbalance(&mut body(), (50_000, 0.01), wind, power_w);
+        assert!(imbalance.abs() < 1e-10, "{imbalance}");
     }
 
     #[test]

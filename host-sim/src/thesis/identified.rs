@@ -28,22 +28,30 @@ pub fn on_mesh_of_any_sign(table: Table, mesh: Mesh) -> Result<Model, StudyError
     signed(table, mesh, Signs::Any)
 }
 
-fn signed(mut table: Table, mesh: Mesh, signs: Signs) -> Result<Model, StudyError> {
+fn signed(table: Table, mesh: Mesh, signs: Signs) -> Result<Model, StudyError> {
     let given = Given {
         order: Some(mesh.order),
         edges_rad_s: Some(mesh.edges_rad_s),
         beginning: Some(Beginning::Settled),
         ..Given::default()
     };
-    let options = Options { given, signs, ..Options::default() };
-    Ok(identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {})?)
+    quietly(table, &Options { given, signs, ..Options::default() })
 }
 
 /// Identifies such a record with so many free rates an output.
-pub fn with_free_poles(mut table: Table, poles: usize) -> Result<Model, StudyError> {
+pub fn with_free_poles(table: Table, poles: usize) -> Result<Model, StudyError> {
     let given = Given { beginning: Some(Beginning::Settled), ..Given::default() };
-    let options = Options { given, free_poles: Some(poles), ..Options::default() };
-    Ok(identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {})?)
+    quietly(table, &Options { given, free_poles: Some(poles), ..Options::default() })
+}
+
+/// The same for a prediction of the loop, which knows no dead time and no feed-through.
+pub fn for_a_loop(table: Table, poles: usize, beginning: Beginning) -> Result<Model, StudyError> {
+    let given = Given { beginning: Some(beginning), feed_through: Some(false), delay: Some(0), ..Given::default() };
+    quietly(table, &Options { given, free_poles: Some(poles), ..Options::default() })
+}
+
+fn quietly(mut table: Table, options: &Options) -> Result<Model, StudyError> {
+    Ok(identify(&mut table, options, &mut |_, _, _| {}, &mut |_| {})?)
 }
 
 /// A record as a model has it.
@@ -101,13 +109,6 @@ pub fn heating_k(model: &Model, record: &Record, from: &str, to: &str) -> Result
         row[0] - offset_c + standby_k
     };
     Ok(record.power_w(from)?.iter().map(step).collect())
-}
-
-/// The same for a prediction of the loop, which knows no dead time and no feed-through.
-pub fn for_a_loop(mut table: Table, poles: usize, beginning: Beginning) -> Result<Model, StudyError> {
-    let given = Given { beginning: Some(beginning), feed_through: Some(false), delay: Some(0), ..Given::default() };
-    let options = Options { given, free_poles: Some(poles), ..Options::default() };
-    Ok(identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {})?)
 }
 
 /// The largest resistance of a symbol.

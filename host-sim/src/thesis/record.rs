@@ -8,7 +8,6 @@ use crate::identify::record::Table;
 use crate::instrument::LockStep;
 use crate::instrument::in_process::InProcess;
 use crate::run::{RunError, run};
-use crate::sensor::Sensor;
 
 /// Powers and temperatures of all elements, tick by tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,8 +33,7 @@ impl Record {
     /// What the run says; a trip too, as no study is made of half an experiment.
     pub fn of(experiment: &Experiment) -> Result<Self, StudyError> {
         let names: Vec<String> = experiment.head.names().iter().map(|name| (*name).to_owned()).collect();
-        let sensor = Sensor::new(&experiment.sensor_config()?)
-            .map_err(|error| experiment.source.refuse("head", format!("cannot be simulated: {error}")))?;
+        let sensor = experiment.sensor()?;
         let mut record = Self {
             sample_period_s: experiment.sample_period_s,
             standby_w: Vec::new(),

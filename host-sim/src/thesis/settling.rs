@@ -4,6 +4,8 @@
 //! stream; half of what both reach over is the resolution in time. A response has settled after the last moment at which it is further
 //! than a share of its whole change from where it ends.
 
+use super::record::mean;
+
 /// Shares of the change, %.
 pub const SHARES: [f64; 3] = [10.0, 5.0, 2.0];
 
@@ -96,10 +98,6 @@ fn moving(values: &[f64], half: usize) -> Vec<f64> {
         (sums[to] - sums[from]) / (to - from) as f64
     };
     (0..values.len()).map(mean).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 #[cfg(test)]
