@@ -1,6 +1,7 @@
 //! Diffusive models: a structure with memory as K relaxations on a geometric mesh of rates (thesis ch. 2).
 
 pub mod mesh;
+pub mod network;
 pub mod observer;
 pub mod real;
 pub mod relaxation;
@@ -8,6 +9,7 @@ pub mod self_heating;
 pub mod sliding;
 pub mod symbol;
 
+pub use network::{Convection, CrossConfig, Look, Network, NetworkState, OwnConfig};
 pub use observer::{Observed, Observer, ObserverState};
 pub use real::Real;
 pub use relaxation::{RelaxationState, Relaxations};

@@ -61,19 +61,39 @@ impl<const K: usize> Relaxations<K> {
         let (x, last_x) = state.x.as_chunks_mut::<4>();
         let (excess, last_excess) = state.excess.as_chunks_mut::<4>();
         for ((gain, x), excess) in gain.iter().zip(x).zip(excess) {
-            advance(gain, x, excess, input);
+            advance(gain, x, excess, &[input; 4]);
         }
         for ((gain, x), excess) in last_gain.iter().zip(last_x).zip(last_excess) {
-            advance(core::array::from_ref(gain), core::array::from_mut(x), core::array::from_mut(excess), input);
+            advance(core::array::from_ref(gain), core::array::from_mut(x), core::array::from_mut(excess), &[input]);
+        }
+    }
+
+    /// One sample period in which every relaxation has an input of its own.
+    #[inline]
+    pub fn step_each(&self, state: &mut RelaxationState<K>, inputs: &[f32; K]) {
+        let (gain, last_gain) = self.gain.as_chunks::<4>();
+        let (x, last_x) = state.x.as_chunks_mut::<4>();
+        let (excess, last_excess) = state.excess.as_chunks_mut::<4>();
+        let (input, last_input) = inputs.as_chunks::<4>();
+        for (((gain, x), excess), input) in gain.iter().zip(x).zip(excess).zip(input) {
+            advance(gain, x, excess, input);
+        }
+        for (((gain, x), excess), input) in last_gain.iter().zip(last_x).zip(last_excess).zip(last_input) {
+            advance(
+                core::array::from_ref(gain),
+                core::array::from_mut(x),
+                core::array::from_mut(excess),
+                core::array::from_ref(input),
+            );
         }
     }
 }
 
 /// Steps P neighbours operation by operation, so that on the board none waits for the result of the instruction before.
 #[inline]
-fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32; P], input: f32) {
+fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32; P], input: &[f32; P]) {
     let before = *x;
-    let away = before.map(|x| input - x);
+    let away: [f32; P] = core::array::from_fn(|i| input[i] - before[i]);
     let wanted: [f32; P] = core::array::from_fn(|i| gain[i] * away[i]);
     let increment: [f32; P] = core::array::from_fn(|i| wanted[i] - excess[i]);
     *x = core::array::from_fn(|i| before[i] + increment[i]);
@@ -96,6 +116,23 @@ mod tests {
         for (x, rate) in state.x.iter().zip([0.5_f64, 20.0]) {
             // x(1 s) = 3 (1 − e^−ξ), to two units in the last place
             assert!((f64::from(*x) - 3.0 * mesh::gain(rate, 1.0)).abs() < 5e-7);
+        }
+    }
+
+    #[test]
+    fn inputs_of_their_own_are_inputs() {
+        let relaxations = Relaxations::new(&[0.5, 2.0, 3.0, 8.0, 20.0], 0.01).unwrap();
+        let (mut together, mut each) = (RelaxationState::default(), RelaxationState::default());
+        for n in 0..50 {
+            let inputs = core::array::from_fn(|k| (n % (k + 2)) as f32);
+            relaxations.step_each(&mut each, &inputs);
+            for (k, &input) in inputs.iter().enumerate() {
+                let mut one = together;
+                relaxations.step(&mut one, input);
+                (together.x[k], together.excess[k]) = (one.x[k], one.excess[k]);
+                // The others have to wait for their own.
+            }
+            assert_eq!(together, each, "{n}");
         }
     }
 

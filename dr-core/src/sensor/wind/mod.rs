@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`gas`] | what of the gas matters: density, viscosity, conductivity |
+//! | [`gas_law`] | the same from pressure and temperature |
 //! | [`nusselt`] | local Nusselt number of the sphere: Legendre amplitudes as functions of the Reynolds number |
 //! | [`surface`] | its mean over one part of the sphere, and how that changes with the wind |
 //! | [`sphere`] | the parts of known heads: four tetrahedral sectors, two hemispheres |
@@ -42,6 +43,7 @@ mod descent;
 mod fold;
 mod frame;
 pub mod gas;
+pub mod gas_law;
 mod normal;
 pub mod nusselt;
 pub mod sphere;
@@ -51,6 +53,7 @@ pub mod vector;
 
 pub use answer::{Quality, Wind};
 pub use gas::Gas;
+pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};
 pub use surface::{Part, PartConfig};
 pub use vector::{Conductance, Measured, WindState, WindVector};
