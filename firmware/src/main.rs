@@ -22,7 +22,7 @@ mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::vitals::{self, CheckIns, Health, Member};
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Command, Controller, Refusal, RunState};
+    use dr_core::control::{Command, Refusal, RunState, Station};
     use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
@@ -55,7 +55,7 @@ mod app {
 
     #[local]
     struct Local {
-        controller: Controller<ELEMENTS>,
+        station: Station<ELEMENTS>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
         outbox: Outbox<'static>,
@@ -89,7 +89,7 @@ mod app {
                 status: None,
             },
             Local {
-                controller: Controller::new(),
+                station: Station::new(),
                 front_end: parts.front_end,
                 requests,
                 outbox: Outbox::new(message_in, &UNSENT),
@@ -116,30 +116,33 @@ mod app {
         }
     }
 
-    /// Owns the controller. Priority 4, the highest: nothing delays a decision.
+    /// Owns the station: controller and anemometer. Priority 4, the highest: nothing delays a decision.
     ///
     /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise still see the old levels.
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 4, local = [controller, front_end, requests, outbox, last_state])]
+    #[task(binds = EXTI4, priority = 4, local = [station, front_end, requests, outbox, last_state])]
     fn control(cx: control::Context) {
-        let control::LocalResources { controller, front_end, requests, outbox, last_state, .. } = cx.local;
+        let control::LocalResources { station, front_end, requests, outbox, last_state, .. } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
 
         while let Some((sequence, command)) = requests.dequeue() {
-            let result = handle(controller, front_end, command);
+            let result = handle(station, front_end, command);
             outbox.put(FromBoard::Reply { to: sequence, result });
         }
 
         // One tick or none, unless the front end makes up for ticks in which it was silent.
         while let Some(readings) = front_end.poll() {
-            let tick = controller.tick(&readings);
-            if let Some(answer) = front_end.apply(controller, &tick) {
+            let tick = station.tick(&readings);
+            // The heaters first: the wind decides nothing.
+            front_end.apply(&tick);
+            let wind = station.sense(&tick);
+            if let Some(answer) = front_end.answer(station, &tick, wind.as_ref()) {
                 outbox.put(answer);
             }
             if QUESTIONS.wants_sample(tick.tick) {
-                outbox.put(FromBoard::of_tick(&tick));
+                outbox.put(FromBoard::of_tick(&tick, wind.as_ref()));
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
@@ -150,9 +153,10 @@ mod app {
             started = ended;
         }
 
-        if controller.state() != *last_state {
-            *last_state = controller.state();
-            outbox.put(FromBoard::Event(Event { tick: controller.ticks(), state: *last_state }));
+        let state = station.controller().state();
+        if state != *last_state {
+            *last_state = state;
+            outbox.put(FromBoard::Event(Event { tick: station.controller().ticks(), state }));
         }
         if outbox.waits() {
             // Fails when it is spawned already: then it will find this tick's messages too.
@@ -160,18 +164,19 @@ mod app {
         }
     }
 
-    /// A command is carried out by the controller; what the front end must know of it, it learns here.
+    /// A command is carried out by the station; what the front end must know of it, it learns here.
     fn handle(
-        controller: &mut Controller<ELEMENTS>,
+        station: &mut Station<ELEMENTS>,
         front_end: &mut FrontEnd,
         command: Command,
     ) -> Result<dr_core::control::Reply, Refusal> {
-        if let (Command::SamplePeriod { sample_period_s }, RunState::Standby) = (command, controller.state()) {
+        if let (Command::SamplePeriod { sample_period_s }, RunState::Standby) = (command, station.controller().state())
+        {
             front_end.set_sample_period(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })?;
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
-        let reply = controller.handle(command)?;
-        MARGINS.put(controller.margins());
+        let reply = station.handle(command)?;
+        MARGINS.put(station.controller().margins());
         // Not before: a start that is refused must not disturb the run.
         if let Command::Start = command {
             front_end.restart();

@@ -243,7 +243,7 @@ impl Life {
                 let tick = controller.tick(&read);
                 sensor.advance(tick.heaters.0);
                 if questions.wants_sample(tick.tick) {
-                    outbox.put(FromBoard::of_tick(&tick));
+                    outbox.put(FromBoard::of_tick(&tick, None));
                 }
             }
 

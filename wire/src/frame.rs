@@ -15,8 +15,8 @@ use crc::{CRC_16_IBM_SDLC, Crc, Table};
 use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Longest frame, terminator included. The longest messages are a status and a tick of 16 elements with observers: 48 numbers of 4 bytes.
-pub const MAX_FRAME: usize = 224;
+/// Longest frame, terminator included. The longest message is a tick of 16 elements with observers and wind: 71 numbers of 4 bytes.
+pub const MAX_FRAME: usize = 320;
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 static CRC: Crc<u16, Table<1>> = CHECK;
@@ -76,13 +76,14 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::{
-        BoardKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample, Readings, ResetCause,
-        Sample, Status, ToBoard,
+        BoardKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample, Parts, Readings,
+        ResetCause, Sample, Status, ToBoard, WindSample,
     };
     use dr_core::control::{
-        Cause, Command, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
+        Cause, Command, Controller, Doubts, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
+        WindCommand,
     };
-    use dr_core::model::{Reachability, SelfHeatingConfig};
+    use dr_core::model::{OwnConfig, Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
 
@@ -102,7 +103,20 @@ mod tests {
             power_w: List::from_array([1.7e38; MOST_ELEMENTS]),
         };
         let equivalent_power_w = List::from_array([-1.7e38; MOST_ELEMENTS]);
-        let observed = ObservedSample { sample: sample.clone(), equivalent_power_w };
+        let wind = WindSample {
+            doubts: Doubts(u16::MAX),
+            wind_m_s: [-1.7e38; 3],
+            speed_m_s: 1.7e38,
+            across_m_s: 1.7e38,
+            covariance_m2_s2: [1.7e38; 6],
+            speed_error_m_s: 1.7e38,
+            direction_error_rad: 3.1,
+            chi_square: 1.7e38,
+            gas_c: -1.7e38,
+            conductance_w_k: Parts::from_array([1.7e38; 4]),
+            raw_w_k: Parts::from_array([1.7e38; 4]),
+        };
+        let observed = ObservedSample { sample: sample.clone(), equivalent_power_w, wind: Some(wind) };
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
         assert_eq!(firmware.len(), firmware.capacity());
         let identity =
@@ -128,7 +142,20 @@ mod tests {
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
         let readings = Readings::new(&[Reading::Code(-8_000_000); MOST_ELEMENTS]).unwrap();
-        for message in [ToBoard::Command(Command::Model { element: 255, model }), ToBoard::Readings(readings)] {
+        let own = OwnConfig {
+            mesh_rad_s: [1.7e38; 8],
+            r_k_per_w: [-1.7e38; 8],
+            surface: [1.7e38; 8],
+            rest_c: -1.7e38,
+            correction_w_per_k: [1.7e38; 8],
+            convection_w_per_k: 1.7e38,
+            weights: [1.7e38; 2],
+        };
+        for message in [
+            ToBoard::Command(Command::Model { element: 255, model }),
+            ToBoard::Command(Command::Wind(WindCommand::Own { element: 255, config: own })),
+            ToBoard::Readings(readings),
+        ] {
             let mut frame = bytes(u16::MAX, &message);
             frame.pop();
             assert_eq!(decode::<ToBoard>(&mut frame), Ok((u16::MAX, message)));
@@ -218,7 +245,7 @@ mod tests {
             let sample = Sample { tick: 5, heaters, valid: 7, state, temperature_c: of(1.0), power_w: of(0.5) };
             (
                 FromBoard::Sample(sample.clone()),
-                FromBoard::Observed(ObservedSample { sample, equivalent_power_w: of(0.25) }),
+                FromBoard::Observed(ObservedSample { sample, equivalent_power_w: of(0.25), wind: None }),
             )
         };
         let mut space = [0; MAX_FRAME];
@@ -234,6 +261,7 @@ mod tests {
             assert_eq!(postcard::to_slice(&sample, &mut space).unwrap(), expected);
             expected[0] = 6;
             add(&mut expected, 0.25);
+            expected.push(0);
             assert_eq!(postcard::to_slice(&observed, &mut space).unwrap(), expected);
         }
     }

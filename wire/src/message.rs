@@ -1,7 +1,8 @@
 //! Every message, on one screen.
 
 use crate::receiver::LinkCounters;
-use dr_core::control::{Command, Heaters, Margins, Refusal, Reply, RunState, Tick};
+use dr_core::control::anemometer::MOST_PARTS;
+use dr_core::control::{Command, Doubts, Heaters, Margins, Refusal, Reply, RunState, Tick, WindTick};
 use dr_core::sensor::Reading;
 use serde::{Deserialize, Serialize};
 
@@ -68,21 +69,20 @@ pub enum FromBoard {
     Event(Event),
     /// Levels for the simulated front end. Sent by the virtual board only.
     Heaters(HeaterFrame),
-    /// One tick, in place of `Sample` while the observers run.
+    /// One tick, in place of `Sample` while the observers run, and where there is an answer to the wind.
     Observed(ObservedSample),
 }
 
 impl FromBoard {
-    /// A tick, with what the observers say of it where they run.
-    pub fn of_tick<const N: usize>(tick: &Tick<N>) -> Self {
+    /// A tick, with what the observers and the anemometer say of it where they do.
+    pub fn of_tick<const N: usize>(tick: &Tick<N>, wind: Option<&WindTick>) -> Self {
         let sample = Sample::from(tick);
-        match &tick.equivalent_power_w {
-            None => Self::Sample(sample),
-            Some(equivalent_power_w) => {
-                let equivalent_power_w = list(equivalent_power_w, tick.elements);
-                Self::Observed(ObservedSample { sample, equivalent_power_w })
-            }
+        if tick.equivalent_power_w.is_none() && wind.is_none() {
+            return Self::Sample(sample);
         }
+        let equivalent_power_w = tick.equivalent_power_w.as_ref().map(|all| list(all, tick.elements));
+        let wind = wind.map(WindSample::from);
+        Self::Observed(ObservedSample { sample, equivalent_power_w: equivalent_power_w.unwrap_or_default(), wind })
     }
 }
 
@@ -216,13 +216,67 @@ impl<const N: usize> From<&Tick<N>> for Sample {
     }
 }
 
-/// A [`Sample`] and what the observers see at its tick. A message of its own, so that a board without observers sends nothing more.
+/// A [`Sample`] and what the observers and the anemometer say at its tick. A message of its own, so that a board without them sends
+/// nothing more.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObservedSample {
     /// The tick.
     pub sample: Sample,
-    /// Equivalent control at the tick, W: what the element's structure takes, by its model. 0 for an element without one.
+    /// Equivalent control at the tick, W: what the element's structure takes, by its model. 0 for an element without one; empty if no
+    /// observers run.
     pub equivalent_power_w: List<f32>,
+    /// The wind, where an answer is due.
+    pub wind: Option<WindSample>,
+}
+
+/// What is known of the wind at a tick: [`WindTick`], as it travels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindSample {
+    /// What is to be doubted; numbers mean nothing where it says `failed`.
+    pub doubts: Doubts,
+    /// Where the gas goes to, m/s.
+    pub wind_m_s: [f32; 3],
+    /// m/s.
+    pub speed_m_s: f32,
+    /// Speed in the directions that the head leaves open, m/s.
+    pub across_m_s: f32,
+    /// Covariance of the vector, m²/s²: xx, yy, zz, xy, xz, yz.
+    pub covariance_m2_s2: [f32; 6],
+    /// Standard error of the speed, m/s.
+    pub speed_error_m_s: f32,
+    /// Standard error of the direction about one axis across it, rad.
+    pub direction_error_rad: f32,
+    /// Squared errors over their variances, of conductances less unknowns degrees of freedom.
+    pub chi_square: f32,
+    /// Temperature of the gas, °C.
+    pub gas_c: f32,
+    /// Conductances of the head's parts, W/K; 0 for one that is not measured.
+    pub conductance_w_k: Parts,
+    /// The same from power and temperature alone, W/K.
+    pub raw_w_k: Parts,
+}
+
+/// One entry a part of the head.
+pub type Parts = heapless::Vec<f32, MOST_PARTS>;
+
+impl From<&WindTick> for WindSample {
+    fn from(told: &WindTick) -> Self {
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = told.wind.covariance_m2_s2;
+        let parts = |of: &[f32; MOST_PARTS]| of.iter().copied().take(usize::from(told.parts)).collect();
+        Self {
+            doubts: told.doubts,
+            wind_m_s: told.wind.wind_m_s,
+            speed_m_s: told.wind.speed_m_s,
+            across_m_s: told.wind.across_m_s,
+            covariance_m2_s2: [xx, yy, zz, xy, xz, yz],
+            speed_error_m_s: told.wind.speed_error_m_s,
+            direction_error_rad: told.wind.direction_error_rad,
+            chi_square: told.wind.chi_square,
+            gas_c: told.gas_c,
+            conductance_w_k: parts(&told.conductance_w_k),
+            raw_w_k: parts(&told.raw_w_k),
+        }
+    }
 }
 
 /// Health, once a second.

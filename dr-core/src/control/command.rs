@@ -3,6 +3,7 @@
 //! Commands set an instrument up in `Standby`; drives may be changed while it runs. The order that a host follows:
 //! `Clear`, `SamplePeriod`, `Guard`, `Observe`, `Element` and `Model` for each element, `Drive` for each element, `Start`.
 
+use super::anemometer::WindCommand;
 use super::controller::ElementConfig;
 use super::drive::Drive;
 use super::guard::{GuardConfig, Trip};
@@ -56,6 +57,8 @@ pub enum Command {
         /// On or off.
         on: bool,
     },
+    /// What the anemometer has to know.
+    Wind(WindCommand),
 }
 
 /// An answer to a command that was carried out.
@@ -111,6 +114,8 @@ pub enum Refusal {
         /// The model's verdict.
         verdict: Reachability,
     },
+    /// A controller by itself knows nothing of the wind.
+    NoAnemometer,
 }
 
 impl fmt::Display for Refusal {
@@ -127,6 +132,7 @@ impl fmt::Display for Refusal {
             Self::NoSuchElement { element } => write!(f, "the instrument has no element {element}"),
             Self::NotConfigured { element } => write!(f, "element {element} has no configuration yet"),
             Self::NoSamplePeriod => write!(f, "the sample period has to be set first"),
+            Self::NoAnemometer => write!(f, "this controller has no anemometer"),
             Self::Invalid { element: Some(element), error } => write!(f, "element {element}: {error}"),
             Self::Invalid { element: None, error } => write!(f, "{error}"),
             Self::Unreachable { element, target_c, verdict } => match verdict {

@@ -9,9 +9,11 @@
 use core::hint::black_box;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use dr_core::control::{Command, Controller, Drive, ElementConfig, Limits, Tick};
-use dr_core::model::{RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh};
-use dr_core::sensor::wind::{self, Gas, Measured, NusseltConfig, Wind, WindState, WindVector};
+use dr_core::control::{
+    AnswerConfig, Command, Controller, Drive, ElementConfig, Limits, PartOfHead, Station, Tick, WindCommand, WindTick,
+};
+use dr_core::model::{CrossConfig, OwnConfig, RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh};
+use dr_core::sensor::wind::{self, Gas, GasLawConfig, Measured, NusseltConfig, Wind, WindState, WindVector};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 // For the table of interrupts, of which none is used.
@@ -127,6 +129,21 @@ fn wind_3_sectors(vector: &WindVector<4>, state: &mut WindState, gas: &Gas, meas
     black_box(vector).step(state, gas, measured)
 }
 
+/// The anemometer's half of a tick: windless network of six elements with all cross-heating, and the wind of four sectors in every tick.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn anemometer_6_elements(station: &mut Station<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
+    station.sense(tick)
+}
+
+/// The same in ticks without an answer.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn anemometer_between_answers(station: &mut Station<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
+    // A word of its own keeps the linker from merging it with the function above.
+    black_box(station).sense(tick)
+}
+
 /// Every kernel, or nothing if a configuration is refused.
 fn measure() -> Option<()> {
     let relaxations = Relaxations::new(&mesh::geometric(0.003, 30.0).ok()?, SAMPLE_PERIOD_S).ok()?;
@@ -155,24 +172,31 @@ fn measure() -> Option<()> {
         black_box(decimator_push(black_box(&decimator), &mut decimated, if bit { 0.0415 } else { 0.0015 }));
     }
     wind()?;
+    anemometer(1, anemometer_6_elements)?;
+    anemometer(u16::MAX, anemometer_between_answers)?;
     control(6, false, control_6_elements)?;
     control(6, true, control_6_elements_observing)?;
     control(6, false, control_6_of_16)?;
     control(13, false, control_13_of_16)
 }
 
-/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides, on a sphere of 10 mm in carbon dioxide of 700 Pa and 220 K.
-fn wind() -> Option<()> {
-    const DIAMETER_M: f32 = 0.01;
+/// Of the sphere on which the wind is counted.
+const DIAMETER_M: f32 = 0.01;
+
+/// a_0 and a_1 of about the right size; for what it costs no more is needed.
+fn nusselt() -> NusseltConfig {
     let mut root = 1.0;
-    // a_0 and a_1 of about the right size; for what it costs no more is needed.
     let amplitudes = core::array::from_fn(|_| {
         root *= 1.089;
         [2.0 + 0.53 * root, 0.55 * root, 0.01 * root, -0.02 * root, 0.01 * root, 0.0]
     });
-    let nusselt = NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes };
+    NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes }
+}
+
+/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides, on a sphere of 10 mm in carbon dioxide of 700 Pa and 220 K.
+fn wind() -> Option<()> {
     let parts = wind::sphere::tetrahedral_sectors(DIAMETER_M);
-    let vector = WindVector::new(&nusselt, &parts, DIAMETER_M, 0.5).ok()?;
+    let vector = WindVector::new(&nusselt(), &parts, DIAMETER_M, 0.5).ok()?;
     let gas = Gas::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut state = WindState::default();
     let mut sign = 1.0;
@@ -188,6 +212,89 @@ fn wind() -> Option<()> {
         black_box(wind_4_sectors(black_box(&vector), &mut state, black_box(&gas), black_box(&measured)));
         measured[1] = None;
         black_box(wind_3_sectors(black_box(&vector), &mut state, black_box(&gas), black_box(&measured)));
+    }
+    Some(())
+}
+
+/// Six elements with all cross-heating, held by their loops on simple bodies; the wind answered every so many ticks.
+fn anemometer(every_ticks: u16, sense: fn(&mut Station<ELEMENTS>, &Tick<ELEMENTS>) -> Option<WindTick>) -> Option<()> {
+    const PARTS: u8 = 4;
+    let mut station = Station::<ELEMENTS>::new();
+    let mut tell = |command| station.handle(command).ok();
+    tell(Command::SamplePeriod { sample_period_s: 1e-3 })?;
+    let platinum = Platinum::linear(175.0, 0.0031).ok()?;
+    let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
+    let limits =
+        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    for element in 0..ELEMENTS as u8 {
+        tell(Command::Element { element, config: ElementConfig { channel, limits } })?;
+        tell(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } })?;
+        let config = OwnConfig {
+            mesh_rad_s: mesh::geometric(0.003, 400.0).ok()?,
+            r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.4],
+            surface: [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.0],
+            rest_c: -50.0,
+            correction_w_per_k: [0.5; 8],
+            convection_w_per_k: if element < PARTS { 0.02 } else { 0.0 },
+            weights: [0.2, 1.8],
+        };
+        tell(Command::Wind(WindCommand::Own { element, config }))?;
+    }
+    for (from, to) in (0..ELEMENTS as u8).flat_map(|from| (0..ELEMENTS as u8).map(move |to| (from, to))) {
+        if from != to {
+            let config = CrossConfig {
+                from,
+                to,
+                mesh_rad_s: mesh::geometric(0.003, 1.0).ok()?,
+                r_k_per_w: [100.0, -20.0, -5.0, -1.0],
+                surface: [1.0; 4],
+            };
+            tell(Command::Wind(WindCommand::Cross(config)))?;
+        }
+    }
+    let NusseltConfig { least_reynolds, most_reynolds, amplitudes } = nusselt();
+    for (point, amplitudes) in (0_u8..).zip(amplitudes) {
+        tell(Command::Wind(WindCommand::Point { point, amplitudes }))?;
+    }
+    for (part, surface) in (0_u8..).zip(wind::sphere::tetrahedral_sectors(DIAMETER_M)) {
+        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: 1.7e-4, variance_w2: 1e-8 };
+        tell(Command::Wind(WindCommand::Part { part, config }))?;
+    }
+    tell(Command::Wind(WindCommand::GasLaw(GasLawConfig {
+        gas_constant_j_kg_k: 188.9,
+        least_c: -120.0,
+        most_c: 100.0,
+        viscosity_pa_s: [13e-6, 6e-6, -1e-6, 1e-7, 1e-7, 1e-8, 1e-8],
+        conductivity_w_m_k: [14e-3, 9e-3, 1e-4, 1e-4, 1e-5, 1e-5, 1e-6],
+    })))?;
+    tell(Command::Wind(WindCommand::Answer(AnswerConfig {
+        parts: PARTS,
+        diameter_m: DIAMETER_M,
+        reynolds: Some([least_reynolds, most_reynolds]),
+        direction_error_max_rad: 0.5,
+        every_ticks,
+        reference: None,
+        smoothing_s: [1.0, 0.1],
+        reference_gas_c: -53.0,
+    })))?;
+    tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }))?;
+    tell(Command::Start)?;
+
+    let mut temperature_c = [-40.0_f32; ELEMENTS];
+    let mut heaters = 0_u16;
+    for _ in 0..CONTROL_TICKS {
+        let readings = core::array::from_fn(|i| {
+            let current_a = if heaters >> i & 1 == 1 { CURRENT_HIGH_A } else { CURRENT_LOW_A };
+            Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
+        });
+        let tick = station.tick(black_box(&readings));
+        heaters = tick.heaters.0;
+        black_box(sense(black_box(&mut station), black_box(&tick)));
+        for (i, (temperature, power_w)) in temperature_c.iter_mut().zip(tick.power_w).enumerate() {
+            // Fronts and rears.
+            let wind_w_k = 1e-3 * (1.0 + 0.3 * i as f32);
+            *temperature += 1e-3 / 0.12 * (power_w - wind_w_k * (*temperature + 53.0));
+        }
     }
     Some(())
 }

@@ -12,7 +12,7 @@
 use super::Parts;
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Controller, Digest, Tick};
+use dr_core::control::{Digest, Station, Tick, WindTick};
 use dr_core::sensor::Reading;
 use firmware::inbox::Exchange;
 use firmware::outbox::Sequence;
@@ -138,10 +138,18 @@ impl FrontEnd {
         Some(readings)
     }
 
-    /// Answers the exchange with the levels and a digest of all that led to them. Gives the answer back if it has to go
-    /// by the host link.
-    pub fn apply(&mut self, controller: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<FromBoard> {
-        controller.fold(tick, &mut self.digest);
+    /// There is no heater: the levels go with the answer.
+    pub const fn apply(&mut self, _tick: &Tick<ELEMENTS>) {}
+
+    /// Answers the exchange with the levels and a digest of all that led to them and followed from them. Gives the answer back if it
+    /// has to go by the host link.
+    pub fn answer(
+        &mut self,
+        station: &Station<ELEMENTS>,
+        tick: &Tick<ELEMENTS>,
+        wind: Option<&WindTick>,
+    ) -> Option<FromBoard> {
+        station.fold(tick, wind, &mut self.digest);
         let answer = HeaterFrame { to: self.answering, heaters: tick.heaters, digest: self.digest.value() };
         let answer = FromBoard::Heaters(answer);
         let Some((usart, sequence)) = &mut self.usart else { return Some(answer) };

@@ -2,14 +2,14 @@
 
 use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, TickReport};
-use dr_core::control::{Command, Controller, Digest, Reply};
+use dr_core::control::{Command, Digest, Reply, Station};
 use dr_core::sensor::Reading;
-use wire::{BoardKind, Identity, MOST_ELEMENTS, Name, ResetCause, Sample};
+use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
 
-/// dr-core's controller, called directly.
+/// dr-core's controller and anemometer, called directly.
 pub struct InProcess {
     identity: Identity,
-    controller: Controller<MOST_ELEMENTS>,
+    station: Station<MOST_ELEMENTS>,
     digest: Digest,
 }
 
@@ -32,14 +32,14 @@ impl InProcess {
                 order,
                 reset: ResetCause::PowerOn,
             },
-            controller: Controller::new(),
+            station: Station::new(),
             digest: Digest::default(),
         }
     }
 
     /// What an element's model says its temperature is, °C.
     pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
-        self.controller.model_temperature_c(element)
+        self.station.controller().model_temperature_c(element)
     }
 }
 
@@ -49,7 +49,7 @@ impl Body for InProcess {
     }
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
-        let reply = self.controller.handle(command).map_err(InstrumentError::Refused)?;
+        let reply = self.station.handle(command).map_err(InstrumentError::Refused)?;
         // Not before: a start that is refused must not disturb the run.
         if command == Command::Start {
             self.digest = Digest::default();
@@ -58,10 +58,11 @@ impl Body for InProcess {
     }
 
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
-        let tick = self.controller.tick(&packed(readings)?.readings());
-        self.controller.fold(&tick, &mut self.digest);
-        let told = |all: [f32; MOST_ELEMENTS]| all.into_iter().take(self.controller.elements()).collect();
-        Ok(TickReport { sample: Sample::from(&tick), equivalent_power_w: tick.equivalent_power_w.map(told) })
+        let tick = self.station.tick(&packed(readings)?.readings());
+        let wind = self.station.sense(&tick);
+        self.station.fold(&tick, wind.as_ref(), &mut self.digest);
+        let told = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
+        told.ok_or_else(|| InstrumentError::Protocol("a tick is told by another message".to_owned()))
     }
 
     fn digest(&self) -> u64 {

@@ -81,11 +81,12 @@ impl<B: Body> Instrument for LockStep<B> {
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         let readings: Vec<Reading> = self.sensor.codes().iter().map(|&code| Reading::Code(code)).collect();
-        let TickReport { sample, equivalent_power_w } = self.body.exchange(&readings)?;
+        let TickReport { sample, equivalent_power_w, wind } = self.body.exchange(&readings)?;
         self.sensor.advance(sample.heaters.0);
         Ok(Observation {
             sample,
             equivalent_power_w,
+            answer: wind,
             wind_m_s: Some(self.sensor.wind_m_s()),
             extrapolated: self.sensor.wind_extrapolated(),
         })

@@ -22,7 +22,7 @@ use dr_core::control::{Command, Refusal, Reply};
 use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
-use wire::{FromBoard, Identity, LinkCounters, List, ObservedSample, Sample, Status};
+use wire::{FromBoard, Identity, LinkCounters, List, ObservedSample, Sample, Status, WindSample};
 
 /// What a controller says of one tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,15 +30,18 @@ pub struct TickReport {
     pub sample: Sample,
     /// What the elements' structures take by their observers, W; where these run.
     pub equivalent_power_w: Option<List<f32>>,
+    /// What the anemometer says of the wind, where an answer is due.
+    pub wind: Option<WindSample>,
 }
 
 impl TickReport {
     /// The tick that a message tells of, if it does.
     pub fn of(message: FromBoard) -> Option<Self> {
         match message {
-            FromBoard::Sample(sample) => Some(Self { sample, equivalent_power_w: None }),
-            FromBoard::Observed(ObservedSample { sample, equivalent_power_w }) => {
-                Some(Self { sample, equivalent_power_w: Some(equivalent_power_w) })
+            FromBoard::Sample(sample) => Some(Self { sample, equivalent_power_w: None, wind: None }),
+            FromBoard::Observed(ObservedSample { sample, equivalent_power_w, wind }) => {
+                let equivalent_power_w = Some(equivalent_power_w).filter(|observed| !observed.is_empty());
+                Some(Self { sample, equivalent_power_w, wind })
             }
             _ => None,
         }
@@ -52,6 +55,8 @@ pub struct Observation {
     pub sample: Sample,
     /// What the elements' structures take by their observers, W; where these run.
     pub equivalent_power_w: Option<List<f32>>,
+    /// What the anemometer says of the wind, where an answer is due.
+    pub answer: Option<WindSample>,
     /// Wind over the tick that follows the sample, m/s, where it is known.
     pub wind_m_s: Option<[f64; 3]>,
     /// The wind is beyond what the simulation has been computed for.

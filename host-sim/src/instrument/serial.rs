@@ -148,8 +148,14 @@ impl Instrument for Serial {
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         let deadline = Instant::now() + self.silence;
         loop {
-            if let Some(TickReport { sample, equivalent_power_w }) = self.heard.samples.pop_front() {
-                return Ok(Observation { sample, equivalent_power_w, wind_m_s: None, extrapolated: false });
+            if let Some(TickReport { sample, equivalent_power_w, wind }) = self.heard.samples.pop_front() {
+                return Ok(Observation {
+                    sample,
+                    equivalent_power_w,
+                    answer: wind,
+                    wind_m_s: None,
+                    extrapolated: false,
+                });
             }
             if self.heard.restarted {
                 let identity = self.link.hello(HELLO_PATIENCE)?;

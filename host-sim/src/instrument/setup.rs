@@ -93,7 +93,13 @@ pub fn name_element(refusal: &Refusal, setup: &Setup) -> Option<String> {
         | Refusal::NotConfigured { element }
         | Refusal::Unreachable { element, .. } => element,
         Refusal::Invalid { element, .. } => element?,
-        Refusal::NotInStandby | Refusal::Tripped(_) | Refusal::NotTripped | Refusal::NoSamplePeriod => return None,
+        Refusal::NotInStandby
+        | Refusal::Tripped(_)
+        | Refusal::NotTripped
+        | Refusal::NoSamplePeriod
+        | Refusal::NoAnemometer => {
+            return None;
+        }
     };
     setup.elements.get(usize::from(element)).map(|element| element.name.clone())
 }

@@ -58,6 +58,7 @@ impl<const N: usize> Controller<N> {
             }
             Command::Observe { on } => self.observe(on)?,
             Command::Drive { element, drive } => self.set_drive(element, drive)?,
+            Command::Wind(_) => return Err(Refusal::NoAnemometer),
             Command::Start => return self.start(),
             Command::Stop => {
                 if let RunState::Tripped(trip) = self.state {

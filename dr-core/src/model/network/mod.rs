@@ -145,7 +145,8 @@ impl<const N: usize> Network<N> {
         let cross = Cross::new(config, sample_period_s)?;
         let same = |slot: &Option<Cross>| slot.is_none_or(|known| (known.from, known.to) == (cross.from, cross.to));
         let most = CROSSES as f32;
-        let full = ConfigError { parameter: Parameter::CrossHeating, problem: Problem::OutOfRange { least: 0.0, most } };
+        let full =
+            ConfigError { parameter: Parameter::CrossHeating, problem: Problem::OutOfRange { least: 0.0, most } };
         *self.cross.iter_mut().find(|slot| same(slot)).ok_or(full)? = Some(cross);
         Ok(())
     }
@@ -258,8 +259,7 @@ impl<const N: usize> Network<N> {
     }
 }
 
-const NO_SUCH_ELEMENT: ConfigError =
-    ConfigError { parameter: Parameter::CrossHeating, problem: Problem::NotPositive };
+const NO_SUCH_ELEMENT: ConfigError = ConfigError { parameter: Parameter::CrossHeating, problem: Problem::NotPositive };
 
 impl Own {
     fn new(config: &OwnConfig, sample_period_s: f32) -> Result<Self, ConfigError> {

@@ -57,6 +57,11 @@ pub struct Wind {
 }
 
 impl Wind {
+    /// No answer, because nothing was asked.
+    pub fn none() -> Self {
+        Self::failed(Quality::default())
+    }
+
     /// Nothing is known.
     pub(super) fn failed(quality: Quality) -> Self {
         let mut covariance_m2_s2 = [[0.0; 3]; 3];

@@ -41,10 +41,7 @@ impl GasLaw {
     /// Names a number that is not finite, temperatures that do not ascend, or a gas constant that is not greater than zero.
     pub fn new(config: &GasLawConfig) -> Result<Self, ConfigError> {
         error::positive(Parameter::GasConstantJKgK, config.gas_constant_j_kg_k)?;
-        error::ascending(
-            (Parameter::GasTemperatureC, config.least_c),
-            (Parameter::GasTemperatureC, config.most_c),
-        )?;
+        error::ascending((Parameter::GasTemperatureC, config.least_c), (Parameter::GasTemperatureC, config.most_c))?;
         error::within(Parameter::GasTemperatureC, config.least_c, -ZERO_CELSIUS_K, 1e4)?;
         for &a in config.viscosity_pa_s.iter().chain(&config.conductivity_w_m_k) {
             error::within(Parameter::GasPolynomial, a, -1.0, 1.0)?;

@@ -19,7 +19,7 @@
 use super::ELEMENTS;
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
 use dr_core::ConfigError;
-use dr_core::control::{Controller, Tick};
+use dr_core::control::{Station, Tick, WindTick};
 use dr_core::sensor::Reading;
 use embedded_hal::spi::MODE_1;
 use embedded_hal_bus::spi::ExclusiveDevice;
@@ -144,9 +144,18 @@ impl FrontEnd {
     }
 
     /// Puts the levels on the pins.
-    pub fn apply(&mut self, _: &Controller<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<wire::FromBoard> {
+    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) {
         // Writing these pins cannot fail, and for a level beyond the last element all are low already.
         self.heaters.apply(tick.heaters).ok();
+    }
+
+    /// Nobody waits for an answer: the levels are where they belong.
+    pub const fn answer(
+        &mut self,
+        _: &Station<ELEMENTS>,
+        _: &Tick<ELEMENTS>,
+        _: Option<&WindTick>,
+    ) -> Option<wire::FromBoard> {
         None
     }
 

@@ -1,0 +1,81 @@
+//! A controller with its anemometer: all that an instrument of N elements decides and answers.
+
+use super::anemometer::{Anemometer, WindCommand, WindTick};
+use super::command::{Command, Refusal, Reply};
+use super::controller::{Controller, RunState, Tick};
+use super::digest::Digest;
+use crate::sensor::Reading;
+
+/// The two, which are told and ticked together.
+///
+/// A tick has two halves, so that heaters have their levels before the wind is worked out:
+/// [`tick`](Self::tick) decides, [`sense`](Self::sense) answers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Station<const N: usize> {
+    controller: Controller<N>,
+    anemometer: Anemometer<N>,
+}
+
+impl<const N: usize> Station<N> {
+    /// In standby, and knowing nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The controller, to look at.
+    pub const fn controller(&self) -> &Controller<N> {
+        &self.controller
+    }
+
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// Says why not, and changes nothing.
+    pub fn handle(&mut self, command: Command) -> Result<Reply, Refusal> {
+        if let Command::Wind(wind) = &command {
+            return self.handle_wind(wind);
+        }
+        let reply = self.controller.handle(command)?;
+        match command {
+            // Its gains were for the old period, or for another head.
+            Command::Clear | Command::SamplePeriod { .. } => self.anemometer = Anemometer::new(),
+            Command::Start => self.anemometer.restart(),
+            _ => {}
+        }
+        Ok(reply)
+    }
+
+    fn handle_wind(&mut self, command: &WindCommand) -> Result<Reply, Refusal> {
+        match (command, self.controller.state()) {
+            (WindCommand::Gas { .. }, _) | (_, RunState::Standby) => {}
+            (_, RunState::Running) => return Err(Refusal::NotInStandby),
+            (_, RunState::Tripped(trip)) => return Err(Refusal::Tripped(trip)),
+        }
+        let sample_period_s = self.controller.sample_period_s().ok_or(Refusal::NoSamplePeriod)?;
+        let element = match command {
+            WindCommand::Own { element, .. } => Some(*element),
+            WindCommand::Cross(cross) => Some(cross.to),
+            WindCommand::Part { config, .. } => Some(config.element),
+            _ => None,
+        };
+        let invalid = |error| Refusal::Invalid { element, error };
+        self.anemometer.handle(command, sample_period_s).map_err(invalid)?;
+        Ok(Reply::Done)
+    }
+
+    /// The first half of a tick: readings in, levels out.
+    pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
+        self.controller.tick(readings)
+    }
+
+    /// The second half: the wind, where an answer is due.
+    pub fn sense(&mut self, tick: &Tick<N>) -> Option<WindTick> {
+        self.anemometer.step(tick)
+    }
+
+    /// Folds all that is known after both halves into a digest.
+    pub fn fold(&self, tick: &Tick<N>, told: Option<&WindTick>, digest: &mut Digest) {
+        self.controller.fold(tick, digest);
+        self.anemometer.fold(told, digest);
+    }
+}
