@@ -30,6 +30,8 @@ const CURRENT_LOW_A: f32 = 3e-3;
 const CURRENT_HIGH_A: f32 = 16e-3;
 /// Long enough for every drive to change its mind, short enough for a log of every instruction.
 const CONTROL_TICKS: u32 = 400;
+/// An answer to the wind in every one of so many.
+const ANSWER_EVERY: u16 = 10;
 
 /// One compensated step of 8 relaxations, and the temperature that they amount to.
 #[unsafe(no_mangle)]
@@ -172,8 +174,7 @@ fn measure() -> Option<()> {
         black_box(decimator_push(black_box(&decimator), &mut decimated, if bit { 0.0415 } else { 0.0015 }));
     }
     wind()?;
-    anemometer(1, anemometer_6_elements)?;
-    anemometer(u16::MAX, anemometer_between_answers)?;
+    anemometer()?;
     control(6, false, control_6_elements)?;
     control(6, true, control_6_elements_observing)?;
     control(6, false, control_6_of_16)?;
@@ -216,9 +217,13 @@ fn wind() -> Option<()> {
     Some(())
 }
 
-/// Six elements with all cross-heating, held by their loops on simple bodies; the wind answered every so many ticks.
-fn anemometer(every_ticks: u16, sense: fn(&mut Station<ELEMENTS>, &Tick<ELEMENTS>) -> Option<WindTick>) -> Option<()> {
+/// Six elements with all cross-heating, held by their loops on simple bodies in a wind.
+fn anemometer() -> Option<()> {
     const PARTS: u8 = 4;
+    const CAPACITY_J_K: f32 = 0.12;
+    const LOSS_W_K: f32 = 1e-3;
+    const WINDLESS_W_K: f32 = 1.7e-4;
+    const GAS_C: f32 = -53.0;
     let mut station = Station::<ELEMENTS>::new();
     let mut tell = |command| station.handle(command).ok();
     tell(Command::SamplePeriod { sample_period_s: 1e-3 })?;
@@ -230,12 +235,13 @@ fn anemometer(every_ticks: u16, sense: fn(&mut Station<ELEMENTS>, &Tick<ELEMENTS
         tell(Command::Element { element, config: ElementConfig { channel, limits } })?;
         tell(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } })?;
         let config = OwnConfig {
-            mesh_rad_s: mesh::geometric(0.003, 400.0).ok()?,
-            r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.4],
-            surface: [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.0],
-            rest_c: -50.0,
-            correction_w_per_k: [0.5; 8],
-            convection_w_per_k: if element < PARTS { 0.02 } else { 0.0 },
+            // The body's own pole, and others that cost as much and do nothing.
+            mesh_rad_s: mesh::geometric(LOSS_W_K / CAPACITY_J_K, 400.0).ok()?,
+            r_k_per_w: [1.0 / LOSS_W_K, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            surface: [1.0; 8],
+            rest_c: GAS_C,
+            correction_w_per_k: [7.0; 8],
+            convection_w_per_k: if element < PARTS { 0.2 } else { 0.0 },
             weights: [0.2, 1.8],
         };
         tell(Command::Wind(WindCommand::Own { element, config }))?;
@@ -246,7 +252,7 @@ fn anemometer(every_ticks: u16, sense: fn(&mut Station<ELEMENTS>, &Tick<ELEMENTS
                 from,
                 to,
                 mesh_rad_s: mesh::geometric(0.003, 1.0).ok()?,
-                r_k_per_w: [100.0, -20.0, -5.0, -1.0],
+                r_k_per_w: [0.0; 4],
                 surface: [1.0; 4],
             };
             tell(Command::Wind(WindCommand::Cross(config)))?;
@@ -257,43 +263,47 @@ fn anemometer(every_ticks: u16, sense: fn(&mut Station<ELEMENTS>, &Tick<ELEMENTS
         tell(Command::Wind(WindCommand::Point { point, amplitudes }))?;
     }
     for (part, surface) in (0_u8..).zip(wind::sphere::tetrahedral_sectors(DIAMETER_M)) {
-        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: 1.7e-4, variance_w2: 1e-8 };
+        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: WINDLESS_W_K, variance_w2: 4e-8 };
         tell(Command::Wind(WindCommand::Part { part, config }))?;
     }
     tell(Command::Wind(WindCommand::GasLaw(GasLawConfig {
         gas_constant_j_kg_k: 188.9,
         least_c: -120.0,
         most_c: 100.0,
-        viscosity_pa_s: [13e-6, 6e-6, -1e-6, 1e-7, 1e-7, 1e-8, 1e-8],
-        conductivity_w_m_k: [14e-3, 9e-3, 1e-4, 1e-4, 1e-5, 1e-5, 1e-6],
+        viscosity_pa_s: [11.05e-6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        conductivity_w_m_k: [10.84e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     })))?;
     tell(Command::Wind(WindCommand::Answer(AnswerConfig {
         parts: PARTS,
         diameter_m: DIAMETER_M,
         reynolds: Some([least_reynolds, most_reynolds]),
         direction_error_max_rad: 0.5,
-        every_ticks,
+        every_ticks: ANSWER_EVERY,
         reference: None,
         smoothing_s: [1.0, 0.1],
-        reference_gas_c: -53.0,
+        reference_gas_c: GAS_C,
     })))?;
-    tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }))?;
+    tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(GAS_C) }))?;
     tell(Command::Start)?;
 
-    let mut temperature_c = [-40.0_f32; ELEMENTS];
+    let vector = WindVector::new(&nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
+    let gas = Gas::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
+    let mut temperature_c = [-30.0_f32; ELEMENTS];
     let mut heaters = 0_u16;
-    for _ in 0..CONTROL_TICKS {
+    for n in 0..CONTROL_TICKS {
         let readings = core::array::from_fn(|i| {
             let current_a = if heaters >> i & 1 == 1 { CURRENT_HIGH_A } else { CURRENT_LOW_A };
             Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
         });
+        let conductances = vector.conductances(&gas, [3.0, -4.0 + 0.005 * n as f32, 1.0]);
         let tick = station.tick(black_box(&readings));
         heaters = tick.heaters.0;
+        let answers = n % u32::from(ANSWER_EVERY) == 0;
+        let sense = if answers { anemometer_6_elements } else { anemometer_between_answers };
         black_box(sense(black_box(&mut station), black_box(&tick)));
         for (i, (temperature, power_w)) in temperature_c.iter_mut().zip(tick.power_w).enumerate() {
-            // Fronts and rears.
-            let wind_w_k = 1e-3 * (1.0 + 0.3 * i as f32);
-            *temperature += 1e-3 / 0.12 * (power_w - wind_w_k * (*temperature + 53.0));
+            let wind_w_k = conductances.get(i).map_or(0.0, |of| of.conductance_w_k - WINDLESS_W_K);
+            *temperature += 1e-3 / CAPACITY_J_K * (power_w - (LOSS_W_K + wind_w_k) * (*temperature - GAS_C));
         }
     }
     Some(())

@@ -16,8 +16,10 @@ use super::normal::{Factors, Matrix, plus_outer};
 use super::nusselt::{CONDUCTION, Nusselt};
 use super::surface::{Local, Part};
 
-/// Most steps, dropped ones included.
+/// Most steps from one start, dropped ones included.
 pub const MOST_STEPS: u8 = 16;
+/// Most steps for one answer: it has to be there before the next tick, whatever was measured.
+pub const MOST_STEPS_IN_ALL: u8 = 36;
 
 const DAMPING: f32 = 0.01;
 /// Enough for the equations to be solved where one direction has no effect.
@@ -92,12 +94,21 @@ impl<const N: usize> Inverse<'_, N> {
     }
 
     /// Goes down from a Reynolds vector.
-    pub fn descend(&self, start: [f32; 3]) -> Found {
+    ///
+    /// The steps are taken off `left`; with none left it goes nowhere.
+    pub fn descend(&self, start: [f32; 3], left: &mut u8) -> Found {
+        let most = MOST_STEPS.min(*left);
+        let found = self.descend_within(start, most);
+        *left -= found.steps;
+        found
+    }
+
+    fn descend_within(&self, start: [f32; 3], most: u8) -> Found {
         let mut reynolds = start;
         let mut here = self.look(reynolds);
         let mut damping = DAMPING;
         let nothing = ROUNDING_OF_NOTHING * self.seen().map(|(_, o)| o.weight * o.nusselt * o.nusselt).sum::<f32>();
-        for steps in 0..MOST_STEPS {
+        for steps in 0..most {
             let found = |converged| Found { reynolds, cost: here.cost, normal: here.normal, steps, converged };
             let Some(factors) = Factors::of(&damped(&here.normal, damping)) else { return found(false) };
             let step = factors.solve(here.right);
@@ -118,7 +129,7 @@ impl<const N: usize> Inverse<'_, N> {
                 damping *= 10.0;
             }
         }
-        Found { reynolds, cost: here.cost, normal: here.normal, steps: MOST_STEPS, converged: false }
+        Found { reynolds, cost: here.cost, normal: here.normal, steps: most, converged: false }
     }
 
     /// The equations at a Reynolds vector.

@@ -24,12 +24,12 @@
 //! of the two it is. Above the calibration nothing is known: a sphere that goes on as Re^0.42 gives 1 % of speed at 1.4 times its last
 //! Reynolds number and less than 10 % at 4 times.
 //!
-//! *Cost*: see the README. No wind and a missing sector cost most; nothing costs more than `descent::MOST_STEPS` steps from each of six
-//! starts.
+//! *Cost*: see the README. No wind and a missing sector cost most; nothing costs more than `descent::MOST_STEPS_IN_ALL` steps from
+//! all starts together.
 
 use super::answer::{Quality, Solution, Wind};
 use super::arithmetic::{length, plus as along, scaled};
-use super::descent::{Found, Inverse, Observed, locals};
+use super::descent::{Found, Inverse, MOST_STEPS_IN_ALL, Observed, locals};
 use super::frame::Frame;
 use super::gas::Gas;
 use super::normal::{Matrix, plus};
@@ -223,20 +223,21 @@ fn solve<const N: usize>(
     degraded: bool,
 ) -> Option<(Found, Option<Found>)> {
     let [first, second] = starts(inverse);
-    let mut best = inverse.descend(first.or(last)?);
+    let mut left = MOST_STEPS_IN_ALL;
+    let mut best = inverse.descend(first.or(last)?, &mut left);
     if !degraded && fits(&best, inverse.variance) {
         return Some((best, None));
     }
     let mut other = None;
     for start in [second, last].into_iter().flatten() {
-        consider(inverse, last, start, &mut best, &mut other);
+        consider(inverse, last, start, &mut left, &mut best, &mut other);
     }
     if other.is_none()
         && let Some(fold) = inverse.fold(&best)
     {
         for start in fold.others {
             if other.is_none() {
-                consider(inverse, last, start, &mut best, &mut other);
+                consider(inverse, last, start, &mut left, &mut best, &mut other);
             }
         }
     }
@@ -248,11 +249,12 @@ fn consider<const N: usize>(
     inverse: &Inverse<N>,
     last: Option<[f32; 3]>,
     start: [f32; 3],
+    left: &mut u8,
     best: &mut Found,
     other: &mut Option<Found>,
 ) {
     let distance = |a: [f32; 3], b: [f32; 3]| length(along(a, -1.0, b));
-    let found = inverse.descend(start);
+    let found = inverse.descend(start, left);
     let same = distance(found.reynolds, best.reynolds) <= SAME * length(best.reynolds);
     match (fits(&found, inverse.variance), fits(best, inverse.variance)) {
         (false, _) => {}
