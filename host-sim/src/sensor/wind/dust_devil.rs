@@ -6,10 +6,10 @@
 //! v    = (V ẑ × r̂ − F r̂) 2ρ/(1 + ρ²)  m/s, ρ = |r|/R
 //! ```
 //!
-//! d is the horizontal direction of travel and n the one to its left, so that a positive m passes on the left; w the speed of travel. Without its own the
-//! entry's mean wind carries it. V is the swirl, counter-clockwise seen from above if positive, and the highest tangential
-//! speed: at ρ = 1, the core's radius R. Inside the air turns like a solid, far outside like 1/r. F is the inflow, of the same profile.
-//! The wind is the sum of entry and vortex.
+//! d is the horizontal direction of travel and n the one to its left, so that a positive m passes on the left; w is the speed of
+//! travel. Without its own the entry's mean wind carries it. V is the swirl, counter-clockwise seen from above if positive, and the
+//! highest tangential speed: at ρ = 1, the core's radius R. Inside, the air turns like a solid, far outside like 1/r. F is the
+//! inflow, of the same profile. The wind is the sum of entry and vortex.
 //!
 //! Source of the profile: Vatistas, Kozel and Mih, Exp. Fluids 11 (1991) 73–76, with n = 1; used for passages of dust devils by
 //! Lorenz, Icarus 271 (2016) 326–337.

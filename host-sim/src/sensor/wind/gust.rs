@@ -1,11 +1,11 @@
-//! A gust on top of a wind, of the form that standards of aircraft and wind turbines use.
+//! A gust on top of a wind, of the form that standards of aircraft use.
 //!
 //! ```text
 //! g(t) = ½ G (1 − cos 2π (t − t0)/D)     t0 ≤ t ≤ t0 + D, otherwise 0
 //! ```
 //!
-//! G is reached in the middle and the mean over D is G/2; g and its first derivative are continuous. Sources: 14 CFR 25.341 (a)(2); IEC
-//! 61400-1, the extreme coherent gust. A negative G is a lull.
+//! G is reached in the middle and the mean over D is G/2; g and its first derivative are continuous. A negative G is a lull.
+//! Sources: EASA CS-25 and 14 CFR 25.341(a), discrete gusts.
 
 use super::{HIGHEST_M_S, Refused, first_refused, towards};
 

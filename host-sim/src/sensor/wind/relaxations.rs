@@ -11,8 +11,8 @@
 //! | von Kármán | (1 + x²)^(−5/6) | (t − 1)^(−5/6)/2π, t > 1 |
 //! | Kaimal | (1 + x)^(−5/3) | (1 + t)^(−5/6) sin(5/3 arctan √t)/π, t > 0 |
 //!
-//! With t = 1 + e^y or t = e^y the trapezoidal rule in y converges exponentially, and steps of 1.5 leave 10⁻⁴: three rates for
-//! each two decades of frequency are enough for a −5/3 that is straight.
+//! With t = 1 + e^y or t = e^y the trapezoidal rule in y converges exponentially, and steps of 1.5 leave 10⁻⁴: three rates a
+//! decade of frequency are enough for a −5/3 that is straight.
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,7 +23,7 @@ pub(super) const EDDY: f64 = 1.338_985_279_065_280_3;
 const STEP: f64 = 1.5;
 /// Below, the rates of von Kármán's spectrum are one: t = 1.
 const VON_KARMAN_FROM: f64 = -4.5;
-/// Below, Kaimal's has less than 10⁻⁴ of its value at f = 0.
+/// Below, Kaimal's has some 10⁻⁴ of its value at f = 0.
 const KAIMAL_FROM: f64 = -18.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,8 +5,8 @@
 //! az(t) = az + B sin 2πf t     °
 //! ```
 //!
-//! t counts from the entry's start, so that both begin at the mean. Turbulence along the mean, and a gust without a direction of its own,
-//! turn with it.
+//! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a gust without a direction of its
+//! own, turn with it.
 
 use super::{Refused, first_refused};
 

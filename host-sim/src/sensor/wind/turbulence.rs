@@ -6,8 +6,9 @@
 //! dx = −x dt/τ + √(2/τ) dW        x ← a x + √(1 − a²) n,  a = exp(−Ts/τ)
 //! ```
 //!
-//! of unit variance in each component, sampled exactly, so that variance and correlation time do not depend on the sample period. It starts in
-//! its stationary distribution and goes on from entry to entry. Its spectrum falls as f⁻², that of real turbulence as f^(−5/3).
+//! of unit variance in each component, sampled exactly, so that variance and correlation time do not depend on the sample period. It
+//! starts in its stationary distribution and goes on from entry to entry. Its spectrum falls as f⁻², that of real turbulence as
+//! f^(−5/3).
 //!
 //! The spectra are one-sided, ∫ S df = σ² over f > 0, and of frozen eddies that the mean U carries past (Taylor): f = n U/L.
 //!
@@ -19,15 +20,15 @@
 //! ```
 //!
 //! with σ = intensity × U: u is along the mean, v horizontal across it, w the third. They are independent, and held as means over
-//! each sample period ([`Series`](super::series)), which is S sinc² (f Ts), folded: 0.97 of S at a tenth of the sample rate, 0.71 to 1
+//! each sample period (`series`), which is S sinc² (f Ts), folded: 0.97 of S at a tenth of the sample rate, 0.71 to 1
 //! up to half of it. Instants instead of means would be folded to 2.9 times S there. Nothing below depends on the sample period.
 //!
-//! Sources: von Kármán, Proc. Natl. Acad. Sci. 34 (1948) 530–539, in the form of ESDU 85020; Kaimal et al., Q. J. R. Meteorol. Soc. 98 (1972) 563–589,
-//! in the form of IEC 61400-1, annex B, whose scale is 0.7 z up to 60 m. Over flat ground, neutral stratification; on Mars, as on Earth, convection
-//! by day adds slow fluctuations that neither has.
+//! Sources: von Kármán, Proc. Natl. Acad. Sci. 34 (1948) 530–539, in the form of ESDU 85020; Kaimal et al., Q. J. R. Meteorol. Soc. 98
+//! (1972) 563–589, in the form of IEC 61400-1, annex B, whose scale is 0.7 z up to 60 m: flat ground, neutral stratification.
 //!
-//! Limits: none of the correlation between u and w that carries momentum to the ground; no dissipation range, which for a sensor of millimetres
-//! lies beyond what it can follow.
+//! Limits: none of the correlation between u and w that carries momentum to the ground; none of the slow fluctuations that
+//! convection by day adds, on Mars even more than on Earth; −5/3 without an end, where viscosity would end it. A mean that is slow
+//! against its fluctuations carries no frozen eddies: intensities above 0.3 are beyond what Taylor's hypothesis is good for.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
