@@ -13,15 +13,17 @@
 //! The spectra are one-sided, ∫ S df = σ² over f > 0, and of frozen eddies that the mean U carries past (Taylor): f = n U/L.
 //!
 //! ```text
-//! von Kármán   S_u = 4σ² (L/U) (1 + (αn)²)^(−5/6)                        n = f L/U, α = 2π·1.339, L the longitudinal integral scale
-//!              S_v = S_w = 2σ² (L/U) (1 + 8/3 (αn)²) (1 + (αn)²)^(−11/6)     which isotropy makes of it; integral scale L/2
-//! Kaimal       S_k = 4σ_k² (L_k/U) (1 + 6 n_k)^(−5/3)                    n_k = f L_k/U;  L_k = 5.67 z, 1.89 z, 0.462 z
-//!                                                                      σ_k = σ, 0.8 σ, 0.5 σ for k = u, v, w
+//! von Kármán   S_u = 4σ² (L/U) (1 + (αn)²)^(−5/6)
+//!              S_v = S_w = 2σ² (L/U) (1 + 8/3 (αn)²) (1 + (αn)²)^(−11/6)
+//!              n = f L/U, α = 2π·1.339; L the longitudinal integral scale, of which isotropy makes a lateral one of L/2
+//! Kaimal       S_k = 4σ_k² (L_k/U) (1 + 6 n_k)^(−5/3)
+//!              n_k = f L_k/U, L_k = 5.67 z, 1.89 z, 0.462 z, σ_k = σ, 0.8 σ, 0.5 σ for k = u, v, w
 //! ```
 //!
 //! with σ = intensity × U: u is along the mean, v horizontal across it, w the third. They are independent, and held as means over
 //! each sample period (`series`), which is S sinc² (f Ts), folded: 0.97 of S at a tenth of the sample rate, 0.71 to 1
-//! up to half of it. Instants instead of means would be folded to 2.9 times S there. Nothing below depends on the sample period.
+//! up to half of it. Instants instead of means would be folded to 2.9 times S there. Lower frequencies do not depend on it.
+//! They begin anew with each entry, in their stationary distribution.
 //!
 //! Sources: von Kármán, Proc. Natl. Acad. Sci. 34 (1948) 530–539, in the form of ESDU 85020; Kaimal et al., Q. J. R. Meteorol. Soc. 98
 //! (1972) 563–589, in the form of IEC 61400-1, annex B, whose scale is 0.7 z up to 60 m: flat ground, neutral stratification.
