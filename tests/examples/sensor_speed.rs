@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use host_sim::head::Head;
-use host_sim::sensor::{Imperfections, Sensor, SensorConfig, Species, Turbulence, WindEntry};
+use host_sim::sensor::{Imperfections, Sensor, SensorConfig, Species, Spectrum, Turbulence, WindEntry};
 
 const SECONDS: f64 = 2000.0;
 
@@ -25,7 +25,11 @@ fn main() {
             speed_m_s,
             azimuth_deg: 200.0,
             elevation_deg: -20.0,
-            turbulence: Some(Turbulence { intensity: 0.15, correlation_time_s: 1.5 }),
+            turbulence: Some(Turbulence {
+                intensity: 0.15,
+                spectrum: Spectrum::Relaxation { correlation_time_s: 1.5 },
+            }),
+            ..WindEntry::default()
         };
         let config = SensorConfig {
             construction: head.sensor.expect("the head names its sensor"),

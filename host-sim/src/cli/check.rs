@@ -9,7 +9,7 @@ use dr_core::sensor::Level;
 use super::Failure;
 use crate::experiment::Experiment;
 use crate::run::Judgement;
-use crate::sensor::Species;
+use crate::sensor::{DustDevil, Gust, Sine, Species, Spectrum, Swing, WindEntry};
 
 /// Entries of a list that are told one by one.
 const MOST: usize = 12;
@@ -81,15 +81,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     text += &currents(&experiment, &names);
     text.push('\n');
     for entry in experiment.wind.iter().take(MOST) {
-        let turbulence = entry.turbulence.map_or(String::new(), |t| format!(", {} % turbulence", t.intensity * 100.0));
         let _ = writeln!(
             text,
-            "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{turbulence}  ({})",
+            "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{}  ({})",
             entry.start_s,
             // 7 m/min has no end in m/s.
             (1e6 * entry.speed_m_s).round() / 1e6,
             entry.azimuth_deg,
             entry.elevation_deg,
+            blown(entry),
             entry.label
         );
     }
@@ -112,6 +112,37 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ),
     };
     super::print(&text)
+}
+
+/// What blows on top of a mean.
+fn blown(entry: &WindEntry) -> String {
+    let mut text = String::new();
+    if let Some(turbulence) = entry.turbulence {
+        let _ = write!(text, ", {} % turbulence", turbulence.intensity * 100.0);
+        let _ = match turbulence.spectrum {
+            Spectrum::Relaxation { .. } => Ok(()),
+            Spectrum::VonKarman { length_m } => write!(text, " (von Kármán, {length_m} m)"),
+            Spectrum::Kaimal { height_m } => write!(text, " (Kaimal, {height_m} m above ground)"),
+        };
+    }
+    if let Some(Sine { amplitude_m_s, frequency_hz }) = entry.sine {
+        let _ = write!(text, ", ± {amplitude_m_s} m/s at {frequency_hz} Hz");
+    }
+    if let Some(Swing { amplitude_deg, frequency_hz }) = entry.swing {
+        let _ = write!(text, ", ± {amplitude_deg}° at {frequency_hz} Hz");
+    }
+    if let Some(Gust { start_s, duration_s, rise_m_s, .. }) = entry.gust {
+        let _ = write!(text, ", a gust of {rise_m_s} m/s at {} s for {duration_s} s", entry.start_s + start_s);
+    }
+    if let Some(DustDevil { time_s, miss_m, swirl_m_s, .. }) = entry.dust_devil {
+        let _ = write!(
+            text,
+            ", a dust devil of {swirl_m_s} m/s passing at {} s in {} m",
+            entry.start_s + time_s,
+            miss_m.abs()
+        );
+    }
+    text
 }
 
 /// What elements do later.

@@ -9,17 +9,29 @@
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
-//! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, `turbulence = { intensity, correlation_time_s }` |
+//! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |
 //! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
 //!
 //! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,
 //! `{ prbs = { order, bit_time_s, seed } }` or `{ setpoints = { low_c, high_c, dwell_s, seed } }`.
-//! Times are whole numbers of sample periods; what is not is refused with the nearest that would be.
+//!
+//! On top of a `[[wind]]`'s mean may blow, with times from its start ([`crate::sensor::wind`] has the formulas):
+//!
+//! | key | value |
+//! |---|---|
+//! | `turbulence` | `{ intensity, correlation_time_s }`, `{ spectrum = "von-karman", intensity, length_m }` or `{ spectrum = "kaimal", intensity, height_m }` |
+//! | `gust` | `{ start_s, duration_s, rise_m_s }`, and optionally `azimuth_deg`, `elevation_deg` |
+//! | `sine` | `{ amplitude_m_s, frequency_hz }` of the speed |
+//! | `swing` | `{ amplitude_deg, frequency_hz }` of the azimuth |
+//! | `dust_devil` | `{ time_s, miss_m, core_radius_m, swirl_m_s }`, and optionally `inflow_m_s`, `travel_m_s`, `travel_azimuth_deg` |
+//!
+//! Starts of tables and durations are whole numbers of sample periods; what is not is refused with the nearest that would be.
 //!
 //! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions. Set-points are
 //! judged by the [`models`], where there are some.
 
+mod blown;
 mod drives;
 pub mod models;
 mod table;

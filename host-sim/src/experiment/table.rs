@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 use serde::Deserialize;
 
-use crate::sensor::{Fault, Imperfections, Species, Turbulence, WindEntry};
+use super::blown::{DustDevilTable, GustTable, SineTable, SwingTable, TurbulenceTable};
+use crate::sensor::{Fault, Imperfections, Species, WindEntry};
+use crate::toml_file::{FileError, Source};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -154,6 +156,10 @@ pub(super) struct WindTable {
     azimuth_deg: f64,
     #[serde(default)]
     elevation_deg: f64,
+    swing: Option<SwingTable>,
+    sine: Option<SineTable>,
+    gust: Option<GustTable>,
+    dust_devil: Option<DustDevilTable>,
     turbulence: Option<TurbulenceTable>,
 }
 
@@ -177,26 +183,28 @@ fn from_ahead() -> f64 {
     180.0
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TurbulenceTable {
-    intensity: f64,
-    correlation_time_s: f64,
-}
-
 impl WindTable {
+    /// Times in it that count from its start, by their keys.
+    pub fn moments(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let gust = self.gust.as_ref().map(|gust| ("gust.start_s", gust.start_s));
+        gust.into_iter().chain(self.dust_devil.as_ref().map(|devil| ("dust_devil.time_s", devil.time_s)))
+    }
+
     /// An entry without a label is called after its number, so that every event of a recording has a name.
-    pub fn entry(self, index: usize) -> WindEntry {
-        WindEntry {
+    pub fn entry(self, index: usize, source: &Source) -> Result<WindEntry, FileError> {
+        let turbulence = self.turbulence.map(|table| table.turbulence(source, &format!("wind[{index}].turbulence")));
+        Ok(WindEntry {
             start_s: self.start_s,
             label: self.label.unwrap_or_else(|| format!("wind {}", index + 1)),
             speed_m_s: self.speed_m_s,
             azimuth_deg: self.azimuth_deg,
             elevation_deg: self.elevation_deg,
-            turbulence: self
-                .turbulence
-                .map(|TurbulenceTable { intensity, correlation_time_s }| Turbulence { intensity, correlation_time_s }),
-        }
+            swing: self.swing.map(Into::into),
+            sine: self.sine.map(Into::into),
+            gust: self.gust.map(Into::into),
+            dust_devil: self.dust_devil.map(Into::into),
+            turbulence: turbulence.transpose()?,
+        })
     }
 }
 

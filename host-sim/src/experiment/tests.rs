@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 
 use super::*;
+use crate::sensor::{Sine, Spectrum, Swing, Turbulence};
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name)
@@ -86,14 +87,15 @@ fn times_have_no_rounding_tails() {
 #[test]
 fn the_experiments_that_come_with_the_project_are_right() {
     let mut found = 0;
-    for entry in std::fs::read_dir(path("")).unwrap() {
+    let folders = ["", "thesis"].map(|folder| std::fs::read_dir(path(folder)).unwrap());
+    for entry in folders.into_iter().flatten() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             Experiment::read(&path).unwrap();
             found += 1;
         }
     }
-    assert!(found >= 5, "{found}");
+    assert!(found >= 27, "{found}");
     assert_eq!(Experiment::read(&path("gusts.toml")).unwrap().ticks, 100_000);
 }
 
@@ -183,6 +185,80 @@ fn impossible_values_are_refused_by_key_value_and_remedy() {
         let sentence = refused(from, to);
         assert!(sentence.contains(expected), "{to}: {sentence}");
         assert!(!sentence.contains('\n'));
+    }
+}
+
+#[test]
+fn what_blows_on_top_of_a_mean_is_read() {
+    let blown = |line: &str| {
+        let experiment = with("turbulence = { intensity = 0.15, correlation_time_s = 1.5 }", line)?;
+        Ok::<_, String>(experiment.wind[1].clone())
+    };
+    let entry = blown(
+        "turbulence = { spectrum = \"von-karman\", intensity = 0.2, length_m = 6.0 }\n\
+         gust = { start_s = 1.0, duration_s = 2.5, rise_m_s = 3.0, elevation_deg = 10.0 }\n\
+         sine = { amplitude_m_s = 1.0, frequency_hz = 0.5 }\nswing = { amplitude_deg = 20.0, frequency_hz = 0.1 }\n\
+         dust_devil = { time_s = 4.0, miss_m = -3.0, core_radius_m = 5.0, swirl_m_s = 10.0, travel_m_s = 6.0 }",
+    )
+    .unwrap();
+    assert_eq!(entry.turbulence, Some(Turbulence { intensity: 0.2, spectrum: Spectrum::VonKarman { length_m: 6.0 } }));
+    let gust = entry.gust.unwrap();
+    assert_eq!((gust.start_s, gust.duration_s, gust.rise_m_s), (1.0, 2.5, 3.0));
+    assert_eq!((gust.azimuth_deg, gust.elevation_deg), (None, Some(10.0)));
+    assert_eq!(entry.sine, Some(Sine { amplitude_m_s: 1.0, frequency_hz: 0.5 }));
+    assert_eq!(entry.swing, Some(Swing { amplitude_deg: 20.0, frequency_hz: 0.1 }));
+    let devil = entry.dust_devil.unwrap();
+    assert_eq!((devil.time_s, devil.miss_m, devil.core_radius_m, devil.swirl_m_s), (4.0, -3.0, 5.0, 10.0));
+    assert_eq!((devil.inflow_m_s, devil.travel_m_s, devil.travel_azimuth_deg), (0.0, Some(6.0), None));
+    let kaimal = blown("turbulence = { spectrum = \"kaimal\", intensity = 0.3, height_m = 1.5 }").unwrap();
+    assert_eq!(kaimal.turbulence.unwrap().spectrum, Spectrum::Kaimal { height_m: 1.5 });
+}
+
+#[test]
+fn what_cannot_blow_is_refused_by_key_value_and_remedy() {
+    for (line, expected) in [
+        ("turbulence = { intensity = 0.15 }", "`wind[1].turbulence.correlation_time_s` is missing: it is the scale of"),
+        ("turbulence = { spectrum = \"kaimal\", intensity = 0.1 }", "`wind[1].turbulence.height_m` is missing"),
+        (
+            "turbulence = { spectrum = \"kaimal\", intensity = 0.1, height_m = 1.0, length_m = 2.0 }",
+            "`wind[1].turbulence.length_m` does not go with spectrum \"kaimal\", whose scale is `height_m`",
+        ),
+        (
+            "turbulence = { intensity = 0.1, length_m = 2.0 }",
+            "`wind[1].turbulence.length_m` does not go with turbulence without a `spectrum`, whose scale is \
+             `correlation_time_s`",
+        ),
+        (
+            "turbulence = { spectrum = \"von-karmann\", intensity = 0.1, length_m = 2.0 }",
+            "unknown choice `von-karmann` for `spectrum`; did you mean `von-karman`?",
+        ),
+        (
+            "turbulence = { spectrum = \"von-karman\", intensity = 0.1, length_m = -2.0 }",
+            "`wind[1].turbulence.length_m` is -2: it must be more than 0, and no less than",
+        ),
+        ("gust = { start_s = 1.0, rise_m_s = 2.0 }", "the key `duration_s` is missing"),
+        (
+            "gust = { start_s = 5.0, duration_s = 1.0, rise_m_s = 2.0 }",
+            "line 28: `wind[1].gust.start_s` is 5 s after the start of a wind that is over after 5 s",
+        ),
+        (
+            "gust = { start_s = 1.0, duration_s = 1.0, rise_m_s = -4.5 }",
+            "line 28: `wind[1].gust.rise_m_s` is -4.5: it must be 100 at most, and a lull no more than",
+        ),
+        ("sine = { amplitude_m_s = 5.0, frequency_hz = 1.0 }", "`wind[1].sine.amplitude_m_s` is 5: it must be 0 to"),
+        ("sine = { amplitude_m_s = 1.0, frequency_hz = 60.0 }", "at most half the sample rate"),
+        ("swing = { amplitude = 5.0, frequency_hz = 1.0 }", "unknown key `amplitude`; did you mean `amplitude_deg`?"),
+        (
+            "dust_devil = { time_s = 6.0, miss_m = 0.0, core_radius_m = 5.0, swirl_m_s = 9.0 }",
+            "`wind[1].dust_devil.time_s` is 6 s after the start of a wind that is over after 5 s",
+        ),
+        (
+            "dust_devil = { time_s = 2.0, miss_m = 0.0, core_radius_m = 5.0, swirl_m_s = 9.0, travel_m_s = 0.0 }",
+            "`wind[1].dust_devil.travel_m_s` is 0: it must be 0.01 to 100",
+        ),
+    ] {
+        let sentence = refused("turbulence = { intensity = 0.15, correlation_time_s = 1.5 }", line);
+        assert!(sentence.contains(expected) && !sentence.contains('\n'), "{line}: {sentence}");
     }
 }
 

@@ -53,16 +53,25 @@ fn held(grid: &Grid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry
     let source = grid.source;
     let duration_s = grid.time_s(ticks);
     let mut entries = Vec::with_capacity(tables.len());
-    for (index, table) in tables.into_iter().enumerate() {
+    let ends: Vec<f64> = tables.iter().skip(1).map(|next| next.start_s).chain([duration_s]).collect();
+    for ((index, table), end_s) in tables.into_iter().enumerate().zip(ends) {
         let key = format!("wind[{index}]");
-        // Starts, angles and turbulence are the simulated wind's to judge.
+        // Starts, angles and what blows on top are the simulated wind's to judge.
         source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
         grid.instant(&format!("{key}.start_s"), table.start_s)?;
         if table.start_s >= duration_s {
             let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
             return Err(source.refuse(&format!("{key}.start_s"), sentence));
         }
-        entries.push(table.entry(index));
+        // What nobody would feel is a mistake.
+        let lasts_s = end_s - table.start_s;
+        for (what, time_s) in table.moments() {
+            if lasts_s > 0.0 && time_s >= lasts_s {
+                let sentence = format!("is {time_s} s after the start of a wind that is over after {lasts_s} s");
+                return Err(source.refuse(&format!("{key}.{what}"), sentence));
+            }
+        }
+        entries.push(table.entry(index, source)?);
     }
     Ok(entries)
 }
@@ -189,7 +198,7 @@ impl<'a> Car<'a> {
         };
         // An experiment has no more ticks than u32 holds, and no entry starts after its end.
         let start_s = self.grid.time_s(tick as u32);
-        WindEntry { start_s, label, speed_m_s, azimuth_deg, elevation_deg, turbulence: None }
+        WindEntry { start_s, label, speed_m_s, azimuth_deg, elevation_deg, ..WindEntry::default() }
     }
 }
 

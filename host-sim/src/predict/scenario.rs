@@ -105,6 +105,13 @@ impl Scenario {
         for entry in &experiment.wind {
             let first = (entry.start_s.max(0.0) / experiment.sample_period_s).round() as usize;
             winds.push((first, class(model, &entry.label, experiment.wind.len())?));
+            if let Some(what) = entry.planned().first() {
+                return Err(format!(
+                    "the wind `{}` of the experiment has a `{what}`, and a class of the model is a steady wind: leave it out, or \
+                     step from wind to wind",
+                    entry.label
+                ));
+            }
             if entry.turbulence.is_some() && !notes.iter().any(|note| note.starts_with("turbulence")) {
                 notes.push("turbulence is left out: a class of the model is a steady wind".to_owned());
             }
@@ -185,6 +192,27 @@ mod tests {
         assert!(matches!(scenario.elements[0].drive, Drive::Power { .. }));
         assert!(notes[0].contains("nothing of sector1, sector3, sector4, core1"), "{notes:?}");
         assert!(notes[1].starts_with("turbulence is left out"), "{notes:?}");
+    }
+
+    #[test]
+    fn winds_that_change_by_a_plan_are_refused() {
+        let gust = "turbulence = { intensity = 0.15, correlation_time_s = 1.5 }";
+        for (what, value) in [
+            ("gust", "{ start_s = 1.0, duration_s = 2.0, rise_m_s = 1.0 }"),
+            ("sine", "{ amplitude_m_s = 1.0, frequency_hz = 1.0 }"),
+            ("swing", "{ amplitude_deg = 10.0, frequency_hz = 1.0 }"),
+            ("dust_devil", "{ time_s = 1.0, miss_m = 5.0, core_radius_m = 5.0, swirl_m_s = 10.0 }"),
+        ] {
+            let experiment = experiment("all-drives.toml", &[(gust, &format!("{what} = {value}"))]);
+            let sentence = Scenario::of(&experiment, &model("sector2", &["gust", "breeze"])).unwrap_err();
+            let expected =
+                format!("the wind `gust` of the experiment has a `{what}`, and a class of the model is a steady");
+            assert!(sentence.contains(&expected), "{sentence}");
+        }
+        let spectrum = "turbulence = { spectrum = \"kaimal\", intensity = 0.15, height_m = 1.5 }";
+        let experiment = experiment("all-drives.toml", &[(gust, spectrum)]);
+        let (_, notes) = Scenario::of(&experiment, &model("sector2", &["gust", "breeze"])).unwrap();
+        assert!(notes.iter().any(|note| note.starts_with("turbulence is left out")), "{notes:?}");
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! | [`rod`] | what holds them |
 //! | [`body`] | what all of them do: take heat, lose it and account for it |
 //! | [`construction`] | one of them, by its name |
-//! | [`wind`] | held entries and turbulence |
+//! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
 //! | [`front_end`] | currents, resistors, converter, faults |
 //!
 //! [`Sensor`] puts them together. One tick: the controller decides the heater bits, [`Sensor::advance`] lets one sample period pass
@@ -51,7 +51,7 @@ pub use front_end::{ElementConfig, Fault, Imperfections, PlatinumKind};
 pub use gas::Species;
 use gas::{Gas, ZERO_CELSIUS_K};
 use wind::Wind;
-pub use wind::{Turbulence, WindEntry};
+pub use wind::{DustDevil, Gust, Sine, Spectrum, Swing, Turbulence, WindEntry};
 
 /// Why a simulated sensor cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -9,7 +9,8 @@ fn breeze() -> Vec<WindEntry> {
         speed_m_s: 3.0,
         azimuth_deg: 30.0,
         elevation_deg: -20.0,
-        turbulence: Some(Turbulence { intensity: 0.15, correlation_time_s: 1.5 }),
+        turbulence: Some(Turbulence { intensity: 0.15, spectrum: Spectrum::Relaxation { correlation_time_s: 1.5 } }),
+        ..WindEntry::default()
     }]
 }
 

@@ -1,0 +1,77 @@
+//! Winds that go to and fro: speed and direction as sines, for how far a sensor can follow.
+//!
+//! ```text
+//! s(t)  = A sin 2πf t          m/s, along the mean
+//! az(t) = az + B sin 2πf t     °
+//! ```
+//!
+//! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a gust without a direction of its
+//! own, turn with it.
+
+use super::{Refused, first_refused};
+
+/// Of the speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sine {
+    pub amplitude_m_s: f64,
+    pub frequency_hz: f64,
+}
+
+/// Of the azimuth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    pub amplitude_deg: f64,
+    pub frequency_hz: f64,
+}
+
+impl Sine {
+    pub(super) fn rise_m_s(&self, time_s: f64) -> f64 {
+        self.amplitude_m_s * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+    }
+
+    pub(super) fn check(&self, speed_m_s: f64, sample_period_s: f64) -> Result<(), Refused> {
+        let amplitude_m_s = self.amplitude_m_s;
+        first_refused([
+            (
+                (0.0..=speed_m_s).contains(&amplitude_m_s),
+                ("sine.amplitude_m_s", amplitude_m_s, "0 to the entry's `speed_m_s`, so that the wind does not turn"),
+            ),
+            frequency("sine.frequency_hz", self.frequency_hz, sample_period_s),
+        ])
+    }
+}
+
+impl Swing {
+    pub(super) fn angle_deg(&self, time_s: f64) -> f64 {
+        self.amplitude_deg * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+    }
+
+    pub(super) fn check(&self, sample_period_s: f64) -> Result<(), Refused> {
+        let amplitude_deg = self.amplitude_deg;
+        first_refused([
+            ((0.0..=180.0).contains(&amplitude_deg), ("swing.amplitude_deg", amplitude_deg, "0 to 180")),
+            frequency("swing.frequency_hz", self.frequency_hz, sample_period_s),
+        ])
+    }
+}
+
+/// A frequency that sample periods can carry.
+fn frequency(key: &'static str, frequency_hz: f64, sample_period_s: f64) -> (bool, Refused) {
+    // A millionth for a half sample rate that is one but for rounding.
+    let right = frequency_hz > 0.0 && frequency_hz * sample_period_s <= 0.5 * (1.0 + 1e-6);
+    (right, (key, frequency_hz, "more than 0 and at most half the sample rate"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speed_and_direction_swing_about_the_mean() {
+        let sine = Sine { amplitude_m_s: 2.0, frequency_hz: 0.5 };
+        assert_eq!(sine.rise_m_s(0.0), 0.0);
+        assert!((sine.rise_m_s(0.5) - 2.0).abs() < 1e-12 && (sine.rise_m_s(1.5) + 2.0).abs() < 1e-12);
+        let swing = Swing { amplitude_deg: 30.0, frequency_hz: 2.0 };
+        assert!((swing.angle_deg(0.125) - 30.0).abs() < 1e-12 && swing.angle_deg(0.5).abs() < 1e-12);
+    }
+}
