@@ -120,6 +120,7 @@ fn observe(
             event: experiment.event(sample.tick),
             state: &totals.state,
             wind_m_s: observation.wind_m_s,
+            gas_temperature_c: observation.gas_temperature_c,
         })?;
     }
     Ok(())

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 use serde::Deserialize;
 
-use crate::sensor::{Fault, Imperfections, Species, Turbulence, WindEntry};
+use crate::sensor::{Fault, Imperfections, Species, Swing, Turbulence, WindEntry};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -43,6 +43,22 @@ pub(super) struct GasTable {
     pub species: SpeciesName,
     pub pressure_pa: f64,
     pub temperature_c: f64,
+    pub swing: Option<SwingTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SwingTable {
+    amplitude_k: f64,
+    period_s: f64,
+    #[serde(default)]
+    start_s: f64,
+}
+
+impl From<SwingTable> for Swing {
+    fn from(SwingTable { amplitude_k, period_s, start_s }: SwingTable) -> Self {
+        Self { amplitude_k, period_s, start_s }
+    }
 }
 
 #[derive(Deserialize)]

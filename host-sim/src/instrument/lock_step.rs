@@ -87,6 +87,7 @@ impl<B: Body> Instrument for LockStep<B> {
             sample,
             equivalent_power_w,
             wind_m_s: Some(self.sensor.wind_m_s()),
+            gas_temperature_c: self.sensor.gas_swings().then(|| self.sensor.gas_temperature_c()),
             extrapolated: self.sensor.wind_extrapolated(),
         })
     }

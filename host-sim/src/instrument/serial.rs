@@ -149,7 +149,13 @@ impl Instrument for Serial {
         let deadline = Instant::now() + self.silence;
         loop {
             if let Some(TickReport { sample, equivalent_power_w }) = self.heard.samples.pop_front() {
-                return Ok(Observation { sample, equivalent_power_w, wind_m_s: None, extrapolated: false });
+                return Ok(Observation {
+                    sample,
+                    equivalent_power_w,
+                    wind_m_s: None,
+                    gas_temperature_c: None,
+                    extrapolated: false,
+                });
             }
             if self.heard.restarted {
                 let identity = self.link.hello(HELLO_PATIENCE)?;

@@ -6,7 +6,7 @@ use super::PlotError;
 use super::draw::{GREYS, INK, PALETTE, shade};
 use super::reduce::{Bin, bins, mean_power};
 use super::set_points::SetPoint;
-use crate::recording::{HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
+use crate::recording::{GAS_TEMPERATURE, HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
 
 /// Bins over the width of a panel, some more than a pixel each.
 pub const BINS: usize = 730;
@@ -119,6 +119,9 @@ impl<'r> Content<'r> {
             heaters.extend(column(HEATER, name).map(|bits| (name, colour, bits)));
         }
 
+        if let Ok(gas_c) = recording.numbers(GAS_TEMPERATURE) {
+            temperatures.push(curve("gas", INK, &|row| gas_c[row]));
+        }
         let events = recording
             .events()
             .map(|words| words.stretches().map(|(from, to, word)| (word.to_owned(), start(from), start(to))));

@@ -6,7 +6,8 @@ const ELEMENTS: [&str; 6] = ["sector1", "sector2", "sector3", "sector4", "core1"
 /// A run in which everything is as noisy as can be, so that no neighbours can be merged.
 fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
     let metadata: Metadata = metadata.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let layout = Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind: true, observed: Vec::new() };
+    let layout =
+        Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind: true, gas: false, observed: Vec::new() };
     let mut collector = Collector::new(layout, &metadata);
     let mut state = 1_u32;
     let mut random = || {
@@ -25,6 +26,7 @@ fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
             event: ["calm", "gust <&> \"böe\""][(n / 1000 % 2) as usize],
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             wind_m_s: Some([0; 3].map(|_| f64::from(random()))),
+            gas_temperature_c: None,
         };
         collector.push(&row).unwrap();
     }
