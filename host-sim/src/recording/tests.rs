@@ -252,6 +252,42 @@ fn a_flipped_byte_never_panics() {
 }
 
 #[test]
+fn the_gas_has_a_column_only_where_it_swings() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "a.parquet"] {
+        for wind in [false, true] {
+            let path = folder.path().join(name);
+            let layout = Layout { gas: true, ..layout(wind) };
+            let row = Row {
+                time_s: 0.0,
+                temperature_c: &[1.0, 2.0],
+                power_w: &[3.0, 4.0],
+                equivalent_power_w: &[],
+                heaters: 0,
+                event: "",
+                state: "running",
+                wind_m_s: wind.then_some([6.0, 7.0, 8.0]),
+                gas_temperature_c: Some(-53.5),
+            };
+            let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
+            writer.push(&row).unwrap();
+            let error = writer.push(&Row { gas_temperature_c: None, ..row }).unwrap_err().to_string();
+            assert!(error.contains("the temperature of the gas belongs in every row or in none"), "{error}");
+            writer.finish(&Metadata::new()).unwrap();
+            let mut collector = Collector::new(layout, &Metadata::new());
+            collector.push(&row).unwrap();
+            let read = Recording::read(&path).unwrap();
+            assert_eq!(read.columns, collector.finish(&Metadata::new()).columns);
+            assert_eq!(read.numbers("gas_temperature_c").unwrap(), [-53.5]);
+            assert_eq!(read.has("wind_z_m_s"), wind);
+            assert_eq!(read.elements(), ELEMENTS);
+        }
+    }
+    let (_folder, path) = written("plain.csv", 3, true);
+    assert!(!Recording::read(&path).unwrap().has("gas_temperature_c"));
+}
+
+#[test]
 fn what_observers_see_has_columns_only_where_they_ran() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.csv", "a.parquet"] {

@@ -170,6 +170,23 @@ mod tests {
     }
 
     #[test]
+    fn heat_in_is_heat_out_and_heat_stored_in_a_swinging_gas_and_with_a_reference() {
+        let construction = Construction { reference: Some(Reference::default()), ..Construction::default() };
+        let mut body = construction.body(&mars(), 230.0).unwrap();
+        let weather = |body: &mut Body, phase: f64| {
+            body.set_gas_temperature_k(220.0 + 15.0 * (0.3 * phase).sin());
+            body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
+        };
+        let power_w = |i, high| match i {
+            6 => 8e-6,
+            _ if high => 0.04,
+            _ => 0.001 * i as f64,
+        };
+        let imbalance = imbalance(&mut body, (100_000, 0.01), weather, power_w);
+        assert!(imbalance.abs() < 1e-10, "{imbalance}");
+    }
+
+    #[test]
     fn steady_heat_of_a_sector_is_what_it_conducts_radiates_and_gives_to_the_gas() {
         let mut body = body();
         body.set_wind([2.0, 0.0, 0.0]);
