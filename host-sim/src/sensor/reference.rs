@@ -11,7 +11,7 @@
 //! | to the gas | 0.43 mW/K in 5 m/s of CO₂ at 1000 Pa and 220 K | derived: by its [correlation](super::convection::film); 0.15 mW/K without wind |
 //! | emissivity | 0.03 | assumed: gilded, as the spheres: bare polyimide would read 8 % of the way from the gas to the surroundings |
 //!
-//! It lags by 2.3 s in 5 m/s, 6.5 s without wind. Element and surface are both called `reference`; the element is the last of its head.
+//! It lags by 2.3 s in 5 m/s, 6.4 s without wind. Element and surface are both called `reference`; the element is the last of its head.
 //!
 //! Limits: no heat through its wires; it neither warms the sphere's gas nor stands in the sphere's wake; one temperature all over.
 

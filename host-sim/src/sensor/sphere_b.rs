@@ -113,7 +113,7 @@ impl Construction {
         };
         let mut surfaces = (0..SECTORS).map(surface).collect();
         let mut elements = chips.into_iter().chain(cores).collect();
-        let mut convection = Convection::Sectors(Sectors::new(gas, self.diameter_m)?);
+        let mut convection = Convection::Sectors(Box::new(Sectors::new(gas, self.diameter_m)?));
         if let Some(reference) = &self.reference {
             convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
         }

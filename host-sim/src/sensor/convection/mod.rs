@@ -28,7 +28,7 @@ use super::gas::Gas;
 /// Convection of one body in one gas.
 #[derive(Clone, Debug)]
 pub enum Convection {
-    Sectors(Sectors),
+    Sectors(Box<Sectors>),
     Hemispheres(Hemispheres),
     Boom(Boom),
     /// A body with a film beside it, whose surface is the last.
