@@ -21,7 +21,7 @@
 //! what carries it, and `shade` of its speed is left. Across the boom the card in front sees 1.3, a side 0.8 and the rear 0.3 of the
 //! speed, as the local heat transfer of a cylinder at Reynolds numbers of 10 to 100.
 //!
-//! *Sources.* h_plate: [laminar layer](super::plate_nusselt). h_cylinder: Churchill and Bernstein 1977. h_still: free
+//! *Sources.* h_plate: laminar layer of Pohlhausen, `plate_nusselt`. h_cylinder: Churchill and Bernstein 1977. h_still: free
 //! convection of an upright plate and of a horizontal cylinder, both Churchill and Chu 1975, at 5 K of overheat. Free and forced
 //! together: Churchill's blend with the exponent 4 of a stream across. 4/√π k a: a square on a plane into a half-space, within 1 %.
 //! The two cosine laws are the simplest that tell front, side and rear apart; their sizes are assumed (`rems` has the reasons).

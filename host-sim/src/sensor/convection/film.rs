@@ -5,7 +5,7 @@
 //! ```
 //!
 //! l, w are the film's length across and its width along the stream, a the radius of a disc of its area. 8 k a is conduction from both
-//! faces of an isothermal disc into gas at rest; h_plate is the [laminar layer of a plate](super::plate_nusselt) on both faces. Their
+//! faces of an isothermal disc into gas at rest; h_plate is the laminar layer of a plate, `plate_nusselt`, on both faces. Their
 //! sum is the form of most correlations of small bodies.
 //!
 //! Limits: edge-on to whatever wind there is, so that direction does not matter; the layer of a plate is that of Reynolds numbers well
