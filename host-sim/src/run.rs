@@ -120,6 +120,7 @@ fn observe(
             event: experiment.event(sample.tick),
             state: &totals.state,
             wind_m_s: observation.wind_m_s,
+            gas_temperature_c: observation.gas_temperature_c,
         })?;
     }
     Ok(())
@@ -501,6 +502,29 @@ mod tests {
         assert!(heaters[..100].iter().all(|bits| *bits == 0b11_1111), "{heaters:?}");
         assert!(heaters[100..].iter().all(|bits| bits & 1 == 0 && bits >> 5 == 1));
         assert!(heaters[100..200].iter().all(|bits| *bits == 0b11_1110));
+    }
+
+    #[test]
+    fn rows_carry_the_gas_only_where_it_swings() {
+        let gas = "temperature_c = -53.15";
+        let run_of = |text: &str| {
+            let experiment = shortened("steady.toml", gas, text);
+            let experiment = Experiment { ticks: 200, ..experiment };
+            let mut rows = Vec::new();
+            run(&experiment, in_process(&experiment), &mut |row| {
+                rows.push((row.time_s, row.gas_temperature_c));
+                Ok(())
+            })
+            .unwrap();
+            rows
+        };
+        assert!(run_of(gas).iter().all(|(_, gas_c)| gas_c.is_none()));
+        let swing = format!("{gas}\nswing = {{ amplitude_k = 2.0, period_s = 3.0, start_s = 1.0 }}");
+        for (time_s, gas_c) in run_of(&swing) {
+            // A third of a turn a second from 1 s on.
+            let expected = -53.15 + 2.0 * (std::f64::consts::TAU * (time_s - 1.0).max(0.0) / 3.0).sin();
+            assert!((gas_c.unwrap() - expected).abs() < 1e-9, "{time_s} s: {gas_c:?} for {expected}");
+        }
     }
 
     #[test]

@@ -110,6 +110,36 @@ fn json_is_one_object_with_the_promised_keys() {
 }
 
 #[test]
+fn a_gas_that_swings_is_told_recorded_drawn_and_remarked_upon() {
+    let (folder, file) = changed("gas-swing.toml", "duration_s = 1300.0", "duration_s = 20.0");
+    let folder = folder.path();
+    let text = String::from_utf8(anemo(folder, &["check", &file]).stdout).unwrap();
+    assert!(text.contains("in CO2 of 1000 Pa at -53.15 °C ± 5 K in 600 s, support at -43.15 °C"), "{text}");
+    let json: serde_json::Value = serde_json::from_slice(&anemo(folder, &["check", &file, "--json"]).stdout).unwrap();
+    assert_eq!(json["gas_swing"], serde_json::json!({ "amplitude_k": 5.0, "period_s": 600.0, "start_s": 0.0 }));
+
+    let output = anemo(folder, &["run", &file, "--on", "sim", "-o", "r.csv", "--plot", "p.svg"]);
+    assert!(output.status.success(), "{output:?}");
+    let csv = std::fs::read_to_string(folder.join("r.csv")).unwrap();
+    let mut rows = csv.lines().filter(|line| !line.starts_with('#'));
+    assert!(rows.next().unwrap().ends_with(",wind_z_m_s,gas_temperature_c"));
+    let gas_c = |row: &str| row.rsplit(',').next().unwrap().parse::<f64>().unwrap();
+    let all: Vec<f64> = rows.map(gas_c).collect();
+    assert_eq!(all.len(), 2000);
+    // f32, so 4e-6 K.
+    for (tick, gas_c) in all.iter().enumerate() {
+        let expected = -53.15 + 5.0 * (std::f64::consts::TAU * tick as f64 * 0.01 / 600.0).sin();
+        assert!((gas_c - expected).abs() < 5e-6, "{tick}: {gas_c} for {expected}");
+    }
+    // What it swings about is what the metadata say.
+    assert!(csv.contains("\n# gas_temperature_c: -53.15\n"));
+
+    let output = anemo(folder, &["identify", "r.csv", "--input", "sector1", "--output", "sector1"]);
+    let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).join("");
+    assert!(text.contains("the gas swung while this was recorded"), "{text}");
+}
+
+#[test]
 fn check_tells_what_changes_and_whose_currents_are_the_experiment_s() {
     let folder = tempfile::tempdir().unwrap();
     let file = experiment("thesis/rems-boom-held.toml");

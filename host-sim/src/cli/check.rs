@@ -9,7 +9,7 @@ use dr_core::sensor::Level;
 use super::Failure;
 use crate::experiment::Experiment;
 use crate::run::Judgement;
-use crate::sensor::{DustDevil, Gust, Sine, Species, Spectrum, Swing, WindEntry};
+use crate::sensor::{DustDevil, GasSwing, Gust, Sine, Species, Spectrum, Swing, WindEntry};
 
 /// Entries of a list that are told one by one.
 const MOST: usize = 12;
@@ -51,6 +51,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
                 let levels = serde_json::json!({ "low_a": nominal.current_low_a, "high_a": nominal.current_high_a });
                 (names[element].to_owned(), levels)
             }).collect::<serde_json::Map<_, _>>(),
+            "gas_swing": experiment.gas_swing.map(|GasSwing { amplitude_k, period_s, start_s }| {
+                serde_json::json!({ "amplitude_k": amplitude_k, "period_s": period_s, "start_s": start_s })
+            }),
             "winds": experiment.wind.len(),
             "judged": judged,
             "unjudged": unjudged,
@@ -58,7 +61,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }));
     }
     let mut text = format!(
-        "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C, support at {} °C\n\n",
+        "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C{}, support at {} °C\n\n",
         experiment.title,
         experiment.head.name,
         experiment.ticks,
@@ -70,6 +73,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         },
         experiment.pressure_pa,
         experiment.gas_temperature_c,
+        swing(&experiment),
         experiment.support_temperature_c
     );
     // Writing to a String cannot fail.
@@ -143,6 +147,13 @@ fn blown(entry: &WindEntry) -> String {
         );
     }
     text
+}
+
+/// How the gas's temperature swings, if it does.
+fn swing(experiment: &Experiment) -> String {
+    let Some(GasSwing { amplitude_k, period_s, start_s }) = experiment.gas_swing else { return String::new() };
+    let from = if start_s > 0.0 { format!(" from {start_s} s on") } else { String::new() };
+    format!(" ± {amplitude_k} K in {period_s} s{from}")
 }
 
 /// What elements do later.

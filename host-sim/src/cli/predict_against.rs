@@ -9,7 +9,7 @@ use crate::model::export::part::element;
 use crate::model::{ALL, Model};
 use crate::predict::arrival::at_set_point;
 use crate::predict::closed::{Predicted, Prediction};
-use crate::recording::{self, Reader, STATE, Values};
+use crate::recording::{self, GAS_TEMPERATURE, Reader, STATE, Values};
 
 /// A median further than this from the predicted one is another set-point's, K.
 const OTHER_SET_POINT_K: f64 = 0.2;
@@ -74,8 +74,11 @@ impl Taken {
                 notes.push(format!("was recorded {}: is it a recording of this experiment?", differences.join(", ")));
             }
         }
-        let metadata = Reader::open(path).map_err(|error| tidy(error.to_string()))?.metadata();
-        if let Some((_, text)) = metadata.iter().find(|(key, _)| key == "experiment") {
+        let reader = Reader::open(path).map_err(|error| tidy(error.to_string()))?;
+        if reader.names().iter().any(|name| name == GAS_TEMPERATURE) {
+            notes.push("was recorded in a gas that swung: is it a recording of this experiment?".to_owned());
+        }
+        if let Some((_, text)) = reader.metadata().iter().find(|(key, _)| key == "experiment") {
             notes.extend(of_another_experiment(text, &experiment.source.text));
         }
         if block.len() > ticks {

@@ -96,6 +96,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let layout = Layout {
         elements: names.iter().copied().map(str::to_owned).collect(),
         wind: simulated,
+        gas: simulated && experiment.gas_swing.is_some(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };
     let known = metadata(&experiment, &arguments.on);
@@ -176,14 +177,16 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         On::Qemu => "qemu".to_owned(),
         On::Serial(device) => format!("serial:{device}"),
     };
+    let mut units =
+        "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned();
+    if experiment.gas_swing.is_some() && !matches!(on, On::Serial(_)) {
+        units += "; gas_temperature_c: °C";
+    }
     let pairs = [
         ("title", experiment.title.clone()),
         ("instrument", instrument),
         ("sample_period_s", experiment.sample_period_s.to_string()),
-        (
-            "units",
-            "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned(),
-        ),
+        ("units", units),
         ("head_name", experiment.head.name.clone()),
         ("experiment", experiment.source.text.clone()),
         ("head", experiment.head.source.text.clone()),

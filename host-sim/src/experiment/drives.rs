@@ -10,6 +10,24 @@ use super::table::{ChangeTable, DriveTable};
 use crate::head::{Element, Head};
 use crate::toml_file::{FileError, suggest};
 
+/// Between which temperatures the gas is, °C: the same twice for one that does not swing.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GasRange {
+    pub coldest_c: f64,
+    pub hottest_c: f64,
+}
+
+impl GasRange {
+    /// As a sentence has it, without unit. Rounded, as a sum of two written numbers may have a tail of digits.
+    fn words(self) -> String {
+        let tidy = |celsius: f64| (celsius * 1e9).round() / 1e9;
+        if self.coldest_c == self.hottest_c {
+            return self.coldest_c.to_string();
+        }
+        format!("{} to {}", tidy(self.coldest_c), tidy(self.hottest_c))
+    }
+}
+
 /// What elements do from a tick on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -23,10 +41,10 @@ pub(super) fn of_all(
     grid: &Grid,
     tables: &BTreeMap<String, DriveTable>,
     head: &Head,
-    gas_c: f64,
+    gas: GasRange,
 ) -> Result<Vec<Drive>, FileError> {
     let mut drives = vec![Drive::Passive; head.elements.len()];
-    for (element, drive) in named(grid, "drives", tables, head, gas_c)? {
+    for (element, drive) in named(grid, "drives", tables, head, gas)? {
         drives[element] = drive;
     }
     Ok(drives)
@@ -37,7 +55,7 @@ pub(super) fn changes(
     grid: &Grid,
     tables: &[ChangeTable],
     head: &Head,
-    gas_c: f64,
+    gas: GasRange,
     ticks: u32,
 ) -> Result<Vec<Change>, FileError> {
     let mut changes: Vec<Change> = Vec::with_capacity(tables.len());
@@ -60,7 +78,7 @@ pub(super) fn changes(
         if table.drives.is_empty() {
             return Err(grid.source.refuse(&key, "changes nothing: give it `drives`, one line an element"));
         }
-        changes.push(Change { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas_c)? });
+        changes.push(Change { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas)? });
     }
     Ok(changes)
 }
@@ -71,7 +89,7 @@ fn named(
     key: &str,
     tables: &BTreeMap<String, DriveTable>,
     head: &Head,
-    gas_c: f64,
+    gas: GasRange,
 ) -> Result<Vec<(usize, Drive)>, FileError> {
     let known = head.names();
     let of = |(name, table): (&String, &DriveTable)| {
@@ -80,23 +98,26 @@ fn named(
             let hint = suggest(name, known.iter().copied());
             return Err(grid.source.refuse(&key, format!("is no element of head `{}`; {hint}", head.name)));
         };
-        Ok((place, drive(grid, &key, table, &head.elements[place], gas_c)?))
+        Ok((place, drive(grid, &key, table, &head.elements[place], gas)?))
     };
     tables.iter().map(of).collect()
 }
 
 /// One drive, whose key in the file is `key`.
-fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas_c: f64) -> Result<Drive, FileError> {
+fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas: GasRange) -> Result<Drive, FileError> {
     let source = grid.source;
     let set_point = |key: &str, celsius: f64| {
-        let (coldest, hottest) = (gas_c, f64::from(element.config.limits.temperature_max_c));
+        // Above the gas at every time.
+        let (coldest, hottest) = (gas.hottest_c, f64::from(element.config.limits.temperature_max_c));
         if celsius.is_nan() || celsius > hottest {
             let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
             return Err(source.refuse(key, sentence));
         }
         if celsius <= coldest {
-            let sentence =
-                format!("is {celsius} °C, but the gas has {coldest} °C and a heater cannot cool: it must lie above");
+            let sentence = format!(
+                "is {celsius} °C, but the gas has {} °C and a heater cannot cool: it must lie above",
+                gas.words()
+            );
             return Err(source.refuse(key, sentence));
         }
         Ok(celsius as f32)
@@ -105,13 +126,15 @@ fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas_c: f
         DriveTable::Passive => Drive::Passive,
         DriveTable::Level(level) => Drive::Level((*level).into()),
         &DriveTable::PowerW(power_w) => {
-            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power.
-            let least = element.power_w(gas_c, Level::Low);
-            let most = element.power_w(gas_c, Level::High);
+            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power. In a gas that swings both levels
+            // have to do at every time.
+            let least = element.power_w(gas.hottest_c, Level::Low);
+            let most = element.power_w(gas.coldest_c, Level::High);
             if !(least..=most).contains(&power_w) {
                 let sentence = format!(
                     "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
-                    element.name, gas_c
+                    element.name,
+                    gas.words()
                 );
                 return Err(source.refuse(&format!("{key}.power_w"), sentence));
             }

@@ -3,7 +3,7 @@
 //! | table | keys |
 //! |---|---|
 //! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
-//! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c` |
+//! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c`, and optionally `swing = { amplitude_k, period_s, start_s }`: a sine about that temperature, zero at its start, which is 0 if not given |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
@@ -29,7 +29,7 @@
 //! Starts of tables and durations are whole numbers of sample periods; what is not is refused with the nearest that would be.
 //!
 //! Gas, support, front end and wind are the simulated sensor's; on a real one they are a note of the conditions. Set-points are
-//! judged by the [`models`], where there are some.
+//! judged by the [`models`], where there are some; in a gas that swings these speak of the mean. Drives are judged by the whole range.
 
 mod blown;
 mod drives;
@@ -44,9 +44,12 @@ use dr_core::model::SelfHeatingConfig;
 
 use crate::head::Head;
 use crate::model::Conditions;
-use crate::sensor::{Construction, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry};
+use crate::sensor::{
+    Construction, GasSwing, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry,
+};
 use crate::toml_file::{FileError, Source, suggest};
 pub use drives::Change;
+use drives::GasRange;
 use models::Models;
 use table::{ExperimentTable, FaultTable};
 
@@ -68,7 +71,9 @@ pub struct Experiment {
     pub seed: u64,
     pub species: Species,
     pub pressure_pa: f64,
+    /// The mean, where it swings.
     pub gas_temperature_c: f64,
+    pub gas_swing: Option<GasSwing>,
     pub support_temperature_c: f64,
     pub imperfections: Imperfections,
     /// Places in `head` of the elements whose currents the experiment sets.
@@ -114,6 +119,8 @@ impl Experiment {
         let grid = Grid { source: &source, sample_period_s };
         let ticks = grid.whole_ticks("duration_s", table.duration_s)?;
         let gas_temperature_c = table.gas.temperature_c;
+        let gas_swing = table.gas.swing.map(GasSwing::from);
+        swing_starts(&grid, gas_swing.as_ref(), table.duration_s)?;
         let drive_tables = table.drives;
         let mut experiment = Self {
             wind: wind::entries(&grid, table.wind, table.tunnel, ticks)?,
@@ -128,6 +135,7 @@ impl Experiment {
             species: table.gas.species.into(),
             pressure_pa: table.gas.pressure_pa,
             gas_temperature_c,
+            gas_swing,
             support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
             imperfections: table.front_end.into(),
             currents,
@@ -142,8 +150,8 @@ impl Experiment {
         }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
-        experiment.drives = drives::of_all(&grid, &drive_tables, &experiment.head, gas_temperature_c)?;
-        experiment.changes = drives::changes(&grid, &table.changes, &experiment.head, gas_temperature_c, ticks)?;
+        experiment.drives = drives::of_all(&grid, &drive_tables, &experiment.head, experiment.gas_range())?;
+        experiment.changes = drives::changes(&grid, &table.changes, &experiment.head, experiment.gas_range(), ticks)?;
         Ok(experiment)
     }
 
@@ -163,7 +171,12 @@ impl Experiment {
         Grid { source: &self.source, sample_period_s: self.sample_period_s }.time_s(tick)
     }
 
-    /// The gas and the support.
+    fn gas_range(&self) -> GasRange {
+        let amplitude_k = self.gas_swing.map_or(0.0, |swing| swing.amplitude_k);
+        GasRange { coldest_c: self.gas_temperature_c - amplitude_k, hottest_c: self.gas_temperature_c + amplitude_k }
+    }
+
+    /// The gas, of which a swing is left out, and the support.
     pub fn conditions(&self) -> Conditions {
         Conditions {
             species: self.species.name().to_owned(),
@@ -205,6 +218,7 @@ impl Experiment {
             species: self.species,
             pressure_pa: self.pressure_pa,
             gas_temperature_c: self.gas_temperature_c,
+            gas_swing: self.gas_swing,
             support_temperature_c: self.support_temperature_c,
             elements: self.head.elements.iter().map(|element| element.nominal).collect(),
             volt_per_code: self.head.volt_per_code,
@@ -229,9 +243,12 @@ impl Experiment {
 
     /// The simulated sensor knows where its physics ends; its refusal is put where the number stands.
     fn check_conditions(&self) -> Result<(), FileError> {
-        // A head that cannot be simulated may still be run on a real sensor.
-        let Ok(config) = self.sensor_config() else { return Ok(()) };
-        Sensor::new(&config).map(|_| ()).map_err(|error| match &error {
+        let checked = match self.sensor_config() {
+            Ok(config) => Sensor::new(&config).map(|_| ()),
+            // A head that cannot be simulated may still be run on a real sensor.
+            Err(_) => self.gas_swing.map_or(Ok(()), |swing| swing.check(self.sample_period_s)),
+        };
+        checked.map_err(|error| match &error {
             SensorError::OutOfRange { name, value, expected } => {
                 self.source.refuse(name, format!("is {value}: it must be {expected}"))
             }
@@ -302,6 +319,17 @@ impl Grid<'_> {
 /// Twelve digits of a product, so that 3 × 0.01 is written 0.03.
 fn tidy(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
+}
+
+/// A swing begins with a tick, and before the end.
+fn swing_starts(grid: &Grid, swing: Option<&GasSwing>, duration_s: f64) -> Result<(), FileError> {
+    let Some(swing) = swing else { return Ok(()) };
+    grid.instant("gas.swing.start_s", swing.start_s)?;
+    if swing.start_s >= duration_s {
+        let sentence = format!("is {} s, but the experiment is over at {duration_s} s", swing.start_s);
+        return Err(grid.source.refuse("gas.swing.start_s", sentence));
+    }
+    Ok(())
 }
 
 fn faults(grid: &Grid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {

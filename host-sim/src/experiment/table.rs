@@ -7,7 +7,7 @@ use dr_core::sensor::Level;
 use serde::Deserialize;
 
 use super::blown::{DustDevilTable, GustTable, SineTable, SwingTable, TurbulenceTable};
-use crate::sensor::{Fault, Imperfections, Species, WindEntry};
+use crate::sensor::{Fault, GasSwing, Imperfections, Species, WindEntry};
 use crate::toml_file::{FileError, Source};
 
 #[derive(Deserialize)]
@@ -45,6 +45,22 @@ pub(super) struct GasTable {
     pub species: SpeciesName,
     pub pressure_pa: f64,
     pub temperature_c: f64,
+    pub swing: Option<GasSwingTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GasSwingTable {
+    amplitude_k: f64,
+    period_s: f64,
+    #[serde(default)]
+    start_s: f64,
+}
+
+impl From<GasSwingTable> for GasSwing {
+    fn from(GasSwingTable { amplitude_k, period_s, start_s }: GasSwingTable) -> Self {
+        Self { amplitude_k, period_s, start_s }
+    }
 }
 
 #[derive(Deserialize)]

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 
 use super::*;
-use crate::sensor::{Sine, Spectrum, Swing, Turbulence};
+use crate::sensor::{GasSwing, Sine, Spectrum, Swing, Turbulence};
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name)
@@ -343,4 +343,72 @@ fn changes_and_currents_are_read_and_checked() {
             .contains("`currents.core1` is { low_a = 0.02, high_a = 0.01 }: high_a must be above low_a")
     );
     assert!(with_currents("core9 = { low_a = 0.01, high_a = 0.02 }").unwrap_err().contains("is no element of head"));
+}
+
+#[test]
+fn a_swing_of_the_gas_is_read_and_checked() {
+    let gas = "temperature_c = -53.15\n";
+    let swing = |keys: &str| with(gas, &format!("{gas}swing = {{ {keys} }}\n"));
+    let found = swing("amplitude_k = 5.0, period_s = 600.0").unwrap();
+    assert_eq!(found.gas_swing, Some(GasSwing { amplitude_k: 5.0, period_s: 600.0, start_s: 0.0 }));
+    assert_eq!(found.sensor_config().unwrap().gas_swing, found.gas_swing);
+    // What it swings about is what models and recordings are told.
+    assert_eq!((found.gas_temperature_c, found.conditions()), (-53.15, with("", "").unwrap().conditions()));
+    assert_eq!(swing("amplitude_k = 5.0, period_s = 600.0, start_s = 2.5").unwrap().gas_swing.unwrap().start_s, 2.5);
+    for (keys, expected) in [
+        (
+            "amplitude_k = 71.0, period_s = 600.0",
+            "`gas.swing.amplitude_k` is 71: it must be so small that the gas stays",
+        ),
+        ("amplitude_k = 0.0, period_s = 600.0", "`gas.swing.amplitude_k` is 0: it must be more than 0"),
+        ("amplitude_k = 5.0, period_s = 0.1", "`gas.swing.period_s` is 0.1: it must be at least 20 sample periods"),
+        ("amplitude_k = 5.0, period_s = 600.0, start_s = -1.0", "`gas.swing.start_s` is -1: it must be zero or more"),
+        (
+            "amplitude_k = 5.0, period_s = 600.0, start_s = 10.0",
+            "`gas.swing.start_s` is 10 s, but the experiment is over",
+        ),
+        ("amplitude_k = 5.0, period_s = 600.0, start_s = 0.005", "which is not a whole number of sample periods"),
+        ("amplitude_k = 5.0", "the key `period_s` is missing"),
+        ("amplitude_c = 5.0, period_s = 600.0", "did you mean `amplitude_k`?"),
+    ] {
+        let sentence = swing(keys).unwrap_err();
+        assert!(sentence.starts_with("test.toml, line ") && sentence.contains(expected), "{keys}: {sentence}");
+    }
+}
+
+#[test]
+fn drives_must_do_in_all_of_the_gas_that_swings() {
+    let gas = "temperature_c = -53.15\n";
+    let swinging = |from: &str, to: &str, amplitude_k: f64| {
+        let mut source = with(from, to).unwrap().source;
+        source.text = source.text.replacen(
+            gas,
+            &format!("{gas}swing = {{ amplitude_k = {amplitude_k:?}, period_s = 60.0 }}\n"),
+            1,
+        );
+        Experiment::from_source(source).map_err(|error| error.to_string())
+    };
+    // The coldest set-point of the experiment is -30 °C.
+    assert!(swinging("", "", 23.0).is_ok());
+    let sentence = swinging("", "", 24.0).unwrap_err();
+    assert!(
+        sentence.contains("setpoints.low_c` is -30 °C, but the gas has -77.15 to -29.15 °C and a heater cannot cool"),
+        "{sentence}"
+    );
+    // I²R of 16 mA: 37.4 mW at -53.15 °C and 36.7 mW at -58.15 °C, where the gas is coldest.
+    let power = ("power_w = 0.01", "power_w = 0.0372");
+    assert!(with(power.0, power.1).is_ok());
+    let sentence = swinging(power.0, power.1, 5.0).unwrap_err();
+    assert!(sentence.contains("at the gas's -58.15 to -48.15 °C"), "{sentence}");
+    let refused = with("power_w = 0.01", "power_w = 0.5").unwrap_err();
+    assert!(refused.ends_with("at the gas's -53.15 °C"), "{refused}");
+}
+
+#[test]
+fn a_swing_on_a_head_that_nothing_simulates_is_checked_too() {
+    let swing = GasSwing { amplitude_k: -1.0, period_s: 60.0, start_s: 0.0 };
+    let mut experiment = with("", "").unwrap();
+    (experiment.head.sensor, experiment.gas_swing) = (None, Some(swing));
+    let sentence = experiment.check_conditions().unwrap_err().to_string();
+    assert!(sentence.contains("`gas.swing.amplitude_k` is -1"), "{sentence}");
 }

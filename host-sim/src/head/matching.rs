@@ -1,7 +1,7 @@
 //! Whether the elements of a head are those of the sensor that is to simulate it.
 
 use super::Element;
-use crate::sensor::{Construction, Part};
+use crate::sensor::{Construction, Part, reference};
 use crate::toml_file::{FileError, Source, suggest};
 
 /// The sensor of this name, if it has these elements.
@@ -10,6 +10,13 @@ pub(super) fn sensor(source: &Source, name: &str, elements: &[Element]) -> Resul
         let sentence = format!("is `{name}`, which cannot be simulated; {}", suggest(name, Construction::NAMES));
         source.refuse("sensor", sentence)
     })?;
+    // One more than the sensor's own may measure the gas beside it.
+    let own = construction.parts().len();
+    let extended = construction.with_reference();
+    let construction = match (elements.get(own), extended) {
+        (Some(element), Some(extended)) if element.name == reference::NAME => extended,
+        _ => construction,
+    };
     let parts = construction.parts();
     let counts = format!("it has {} elements and the head {}", parts.len(), elements.len());
     for (i, part) in parts.iter().enumerate() {
@@ -20,7 +27,8 @@ pub(super) fn sensor(source: &Source, name: &str, elements: &[Element]) -> Resul
         same(source, name, i, part, element)?;
     }
     if let Some(surplus) = elements.get(parts.len()) {
-        let sentence = format!("is `{}`, which `{name}` has not: {counts}", surplus.name);
+        let more = if extended.is_some() && parts.len() == own { "; one more may be its `reference`" } else { "" };
+        let sentence = format!("is `{}`, which `{name}` has not: {counts}{more}", surplus.name);
         return Err(source.refuse(&format!("elements[{}].name", parts.len()), sentence));
     }
     Ok(construction)
@@ -36,6 +44,9 @@ fn same(source: &Source, name: &str, i: usize, part: &Part, element: &Element) -
         Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => return Ok(()),
         Some(axis) => {
             format!("turns `{}` towards {normal:.3?}, but in `{name}` it looks towards {axis:.3?}", part.name)
+        }
+        None if part.name == reference::NAME => {
+            format!("is given for `{}`, which is simulated as meeting every wind alike", part.name)
         }
         None => format!("is given for `{}`, which lies inside `{name}`", part.name),
     };
@@ -73,6 +84,35 @@ mod tests {
                 assert_eq!(element.normal.is_some(), part.normal.is_some(), "{}", part.name);
             }
         }
+    }
+
+    #[test]
+    fn a_sphere_may_have_a_reference_as_its_last_element() {
+        for (name, count) in [("sphere-a", 5), ("sphere-b", 7)] {
+            let head = Head::from_source(file(&format!("{name}-reference.toml"))).unwrap();
+            let sensor = head.sensor.unwrap();
+            assert_eq!((sensor.name(), sensor.parts().len(), head.elements.len()), (name, count, count));
+            assert_eq!(head.names().last(), Some(&"reference"));
+            // The others are those of the head without it.
+            let plain = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            assert_eq!(head.elements[..count - 1], plain.elements);
+        }
+        let file = "sphere-b-reference.toml";
+        let sentence = refused(file, "name = \"reference\"", "name = \"gas\"");
+        assert!(sentence.contains("`elements[6].name` is `gas`, which `sphere-b` has not"), "{sentence}");
+        assert!(sentence.ends_with("; one more may be its `reference`"), "{sentence}");
+        let sentence = refused(file, "name = \"reference\"", "name = \"reference\"\nnormal = [1.0, 0.0, 0.0]");
+        assert!(
+            sentence.contains("`elements[6].normal` is given for `reference`, which is simulated as"),
+            "{sentence}"
+        );
+        let boom = "[[elements]]\nname = \"boom\"\nkind = \"boom\"";
+        let sentence = refused("rems.toml", boom, &format!("{boom}\n\n{}", boom.replacen("boom", "reference", 1)));
+        assert!(
+            sentence.contains("is `reference`, which `rems` has not: it has 13 elements and the head 14"),
+            "{sentence}"
+        );
+        assert!(!sentence.contains("may be"), "{sentence}");
     }
 
     #[test]

@@ -10,7 +10,8 @@
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
 //! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
 //!
-//! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor, by name and in order. Numbers are checked by dr-core's own constructors, as the board will.
+//! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor, by name and in order; a sphere's may be
+//! followed by one more, `reference`. Numbers are checked by dr-core's own constructors, as the board will.
 
 mod matching;
 mod table;

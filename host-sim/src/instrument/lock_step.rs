@@ -88,6 +88,7 @@ impl<B: Body> Instrument for LockStep<B> {
             equivalent_power_w,
             answer: wind,
             wind_m_s: Some(self.sensor.wind_m_s()),
+            gas_temperature_c: self.sensor.gas_swings().then(|| self.sensor.gas_temperature_c()),
             extrapolated: self.sensor.wind_extrapolated(),
         })
     }

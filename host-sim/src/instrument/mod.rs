@@ -59,6 +59,8 @@ pub struct Observation {
     pub answer: Option<WindSample>,
     /// Wind over the tick that follows the sample, m/s, where it is known.
     pub wind_m_s: Option<[f64; 3]>,
+    /// Temperature of the gas over that tick, °C, where it is simulated and swings.
+    pub gas_temperature_c: Option<f64>,
     /// The wind is beyond what the simulation has been computed for.
     pub extrapolated: bool,
 }

@@ -154,6 +154,7 @@ impl Instrument for Serial {
                     equivalent_power_w,
                     answer: wind,
                     wind_m_s: None,
+                    gas_temperature_c: None,
                     extrapolated: false,
                 });
             }

@@ -3,10 +3,10 @@
 use plotters::style::RGBColor;
 
 use super::PlotError;
-use super::draw::{GREYS, INK, PALETTE, shade};
+use super::draw::{GAS, GREYS, INK, PALETTE, shade};
 use super::reduce::{Bin, bins, mean_power};
 use super::set_points::SetPoint;
-use crate::recording::{HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
+use crate::recording::{GAS_TEMPERATURE, HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
 
 /// Bins over the width of a panel, some more than a pixel each.
 pub const BINS: usize = 730;
@@ -37,6 +37,8 @@ pub struct Content<'r> {
     pub elements: Vec<(&'r str, RGBColor)>,
     pub wind: Vec<Curve>,
     pub temperatures: Vec<Curve>,
+    /// True temperature of the gas, where it swings.
+    pub gas: Option<Curve>,
     /// From the experiment.
     pub set_points: Vec<SetPoint>,
     pub deviations: Vec<Curve>,
@@ -119,6 +121,7 @@ impl<'r> Content<'r> {
             heaters.extend(column(HEATER, name).map(|bits| (name, colour, bits)));
         }
 
+        let gas = recording.numbers(GAS_TEMPERATURE).ok().map(|gas_c| curve("gas", GAS, &|row| gas_c[row]));
         let events = recording
             .events()
             .map(|words| words.stretches().map(|(from, to, word)| (word.to_owned(), start(from), start(to))));
@@ -128,6 +131,7 @@ impl<'r> Content<'r> {
             elements,
             wind,
             temperatures,
+            gas,
             set_points,
             deviations,
             powers,

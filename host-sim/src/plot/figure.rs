@@ -66,14 +66,16 @@ impl Layout {
         };
         let rows = content.heaters.len() as f64;
         let named = content.events.iter().any(|(label, _, _)| !label.is_empty());
-        let above = |curves: &[Curve]| CAPTION + legend_height(curves.iter().map(|curve| curve.label.as_str()), width);
+        let temperatures = content.temperatures.iter().chain(&content.gas);
+        let labels: Vec<&str> = temperatures.map(|curve| curve.label.as_str()).collect();
+        let above_temperatures = CAPTION + legend_height(labels.iter().copied(), width);
         let above_powers = CAPTION + legend_height(content.powers.iter().map(|power| power.label.as_str()), width);
         let layout = Self {
             height: 0.0,
             left,
             events: place(named, 4.0, 22.0),
             wind: place(!content.wind.is_empty(), CAPTION, 130.0),
-            temperatures: place(!content.temperatures.is_empty(), above(&content.temperatures), 130.0),
+            temperatures: place(!content.temperatures.is_empty(), above_temperatures, 130.0),
             deviations: place(!content.deviations.is_empty(), CAPTION, 100.0),
             powers: place(!content.powers.is_empty(), above_powers, 190.0),
             heaters: place(rows > 0.0, CAPTION, 22.0 * rows),
@@ -190,7 +192,8 @@ fn temperatures<'f, 'a>(
 where
     'a: 'f,
 {
-    let values = content.temperatures.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
+    let curves = || content.temperatures.iter().chain(&content.gas);
+    let values = curves().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
     let targets = content.set_points.iter().map(|set_point| set_point.celsius);
     let panel = panel(rect, Axis::around(values.chain(targets.clone()), 4));
     panel.grid()?;
@@ -205,7 +208,7 @@ where
         [one] => format!("°C, set-point {}", one.to_string().replace('-', "−")),
         _ => "°C, set-points dashed".to_owned(),
     };
-    panel.caption("Temperature", &unit, &legend(&content.temperatures))?;
+    panel.caption("Temperature", &unit, &legend(curves()))?;
     let mut drawn: Vec<(f64, f64, f64)> = Vec::new();
     for SetPoint { from_s, to_s, celsius, .. } in &content.set_points {
         // Most elements share their set-points; one line does for them.
@@ -216,6 +219,10 @@ where
         let x = |time_s: f64| panel.x(time_s).clamp(rect.left, rect.right);
         let y = panel.y(*celsius);
         panel.figure.dashed(&[(x(*from_s), y), (x(*to_s), y)], QUIET.to_rgba(), 1.0)?;
+    }
+    // Wide and beneath: what measures the gas lies on it.
+    if let Some(curve) = &content.gas {
+        panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, 3.0 * CURVE)?;
     }
     for curve in content.temperatures.iter().rev() {
         panel.band(&curve.bins, curve.colour.mix(0.3))?;
@@ -317,8 +324,8 @@ fn trips<'a>(figure: &Figure<'a>, content: &Content, layout: &Layout, time: &Axi
     Ok(())
 }
 
-fn legend(curves: &[Curve]) -> Vec<(String, RGBColor)> {
-    curves.iter().map(|curve| (curve.label.clone(), curve.colour)).collect()
+fn legend<'c>(curves: impl IntoIterator<Item = &'c Curve>) -> Vec<(String, RGBColor)> {
+    curves.into_iter().map(|curve| (curve.label.clone(), curve.colour)).collect()
 }
 
 /// Three digits, for a caption.

@@ -5,8 +5,13 @@ const ELEMENTS: [&str; 6] = ["sector1", "sector2", "sector3", "sector4", "core1"
 
 /// A run in which everything is as noisy as can be, so that no neighbours can be merged.
 fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
+    noisy_in(rows, metadata, false)
+}
+
+/// The same, in a gas that swings or does not.
+fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
     let metadata: Metadata = metadata.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let layout = Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind: true, observed: Vec::new() };
+    let layout = Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind: true, gas, observed: Vec::new() };
     let mut collector = Collector::new(layout, &metadata);
     let mut state = 1_u32;
     let mut random = || {
@@ -25,6 +30,7 @@ fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
             event: ["calm", "gust <&> \"böe\""][(n / 1000 % 2) as usize],
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             wind_m_s: Some([0; 3].map(|_| f64::from(random()))),
+            gas_temperature_c: gas.then(|| -53.0 + (0.01 * f64::from(n)).sin()),
         };
         collector.push(&row).unwrap();
     }
@@ -49,6 +55,15 @@ fn a_hundred_thousand_ticks_stay_a_small_picture() {
     }
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     assert!(svg.starts_with("<svg width=\"1200\""));
+}
+
+#[test]
+fn a_gas_that_swings_is_drawn_among_the_temperatures() {
+    let (still, swinging) = [false, true].map(|gas| figure::svg(&noisy_in(2000, &[], gas)).unwrap()).into();
+    // One more curve and one more name; the elements are at -23 °C, so that the gas widens the axis.
+    assert!(swinging.contains(">\ngas\n<") && !still.contains(">\ngas\n<"));
+    assert!(swinging.contains("−50") && !still.contains("−50"));
+    assert!(!swinging.contains("NaN"));
 }
 
 #[test]

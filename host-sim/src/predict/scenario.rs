@@ -56,7 +56,7 @@ impl Scenario {
     /// An experiment as a model sees it, and notes for the user.
     ///
     /// # Errors
-    /// A sentence: inputs that are no elements of the head, winds that the model has not seen.
+    /// A sentence: inputs that are no elements of the head, winds that the model has not seen, drives that change, a gas that swings.
     pub fn of(experiment: &Experiment, model: &Model) -> Result<(Self, Vec<String>), String> {
         let names = experiment.head.names();
         let mut notes = Vec::new();
@@ -64,6 +64,12 @@ impl Scenario {
             return Err(format!(
                 "the experiment changes its drives at {} s, and a prediction is of drives that stay: predict its parts one by one",
                 experiment.time_s(change.tick)
+            ));
+        }
+        if let Some(swing) = &experiment.gas_swing {
+            return Err(format!(
+                "the gas of the experiment swings by {} K, and a prediction is of a gas that stays: leave out `gas.swing`, or predict for the gas of one moment",
+                swing.amplitude_k
             ));
         }
         let mut elements = Vec::with_capacity(model.inputs.len());
@@ -223,6 +229,18 @@ mod tests {
         let sentence = refused(&model("sector1", &["gusts", "breeze"]));
         assert!(sentence.contains("wind `gust` of the experiment is no class of the model; did you mean `gusts`?"));
         assert!(refused(&model("sector1", &[ALL])).contains("has 2 winds and the model knows of none"));
+    }
+
+    #[test]
+    fn a_gas_that_swings_is_refused() {
+        let gas =
+            ("temperature_c = -53.15\n", "temperature_c = -53.15\nswing = { amplitude_k = 2.0, period_s = 60.0 }\n");
+        let sentence =
+            Scenario::of(&experiment("all-drives.toml", &[gas]), &model("sector1", &["gust", "breeze"])).unwrap_err();
+        assert!(
+            sentence.starts_with("the gas of the experiment swings by 2 K, and a prediction is of a gas"),
+            "{sentence}"
+        );
     }
 
     #[test]

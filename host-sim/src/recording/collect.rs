@@ -28,8 +28,7 @@ impl Collector {
         let readings =
             row.temperature_c.iter().chain(row.power_w).chain(row.equivalent_power_w).map(|&number| f64::from(number));
         // The columns stand in the order of the layout, in which each kind keeps the order of the row.
-        let mut numbers =
-            std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.wind_m_s.into_iter().flatten());
+        let mut numbers = std::iter::once(row.time_s).chain(readings).chain(heaters).chain(row.conditions());
         let mut words = [row.event, row.state].into_iter();
         for column in &mut self.recording.columns {
             match &mut column.values {

@@ -43,7 +43,6 @@ impl Writer {
         // Formatting into a String cannot fail.
         let _ = write!(self.field, "{}", row.time_s);
         self.csv.write_field(&self.field)?;
-        let wind = row.wind_m_s.map(|wind| wind.map(|component| component as f32));
         for &number in row.temperature_c.iter().chain(row.power_w).chain(row.equivalent_power_w) {
             self.number(number)?;
         }
@@ -52,8 +51,8 @@ impl Writer {
         }
         self.csv.write_field(row.event)?;
         self.csv.write_field(row.state)?;
-        for component in wind.into_iter().flatten() {
-            self.number(component)?;
+        for number in row.conditions() {
+            self.number(number as f32)?;
         }
         self.csv.write_record(None::<&[u8]>)
     }

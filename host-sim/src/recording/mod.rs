@@ -10,6 +10,7 @@
 //! | `event` | label of the conditions | text |
 //! | `state` | `standby`, `running` or `tripped:<cause>:<element>` | text |
 //! | `wind_x_m_s`, `wind_y_m_s`, `wind_z_m_s` | true wind over the interval, when it is simulated | m/s |
+//! | `gas_temperature_c` | true temperature of the gas over the interval, when it is simulated and swings | °C |
 //!
 //! Metadata (head, experiment, firmware, losses, hash …) are Parquet's key-values and, in CSV, lines `# key: value`: what is known
 //! beforehand above the header, what only the end of a run tells below the last row. Times are stored in f64, the rest in f32,
@@ -36,6 +37,8 @@ pub const TIME: &str = "time_s";
 pub const EVENT: &str = "event";
 pub const STATE: &str = "state";
 pub const WIND: [&str; 3] = ["wind_x_m_s", "wind_y_m_s", "wind_z_m_s"];
+
+pub const GAS_TEMPERATURE: &str = "gas_temperature_c";
 
 /// What comes before the element's name in a column's name.
 pub const TEMPERATURE: &str = "temperature_c:";

@@ -81,9 +81,8 @@ impl Writer {
     }
 
     pub(super) fn push(&mut self, row: &Row, path: &Path) -> Result<(), RecordingError> {
-        let wind = row.wind_m_s.map(|wind| wind.map(|component| component as f32));
         let readings = row.temperature_c.iter().chain(row.power_w).chain(row.equivalent_power_w);
-        let mut numbers = readings.copied().chain(wind.into_iter().flatten());
+        let mut numbers = readings.copied().chain(row.conditions().map(|number| number as f32));
         let mut heaters = row.heaters;
         let mut texts = [self.text(row.event), self.text(row.state)].into_iter();
         // The buffers stand in the order of the columns, in which each kind keeps the order of the row.

@@ -3,7 +3,7 @@ use super::*;
 const ELEMENTS: [&str; 2] = ["sector1", "core1"];
 
 fn layout(wind: bool) -> Layout {
-    Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind, observed: Vec::new() }
+    Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind, gas: false, observed: Vec::new() }
 }
 
 fn metadata(pairs: &[(&str, &str)]) -> Metadata {
@@ -22,6 +22,7 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
         event: ["", "ruhig, 2 m/s", "\"böig\" ≥ 5 m/s\nzweite Zeile"][n / 3 % 3],
         state: if n < 10 { "running" } else { "tripped:over_temperature:sector1" },
         wind_m_s: wind.then_some([1.0, -0.1, f64::from(x) * 0.25]),
+        gas_temperature_c: None,
     })
 }
 
@@ -88,6 +89,7 @@ fn a_collected_recording_is_the_one_that_would_be_read() {
         event: "gust",
         state: "running",
         wind_m_s: Some([1.0, 2.0, -3.5]),
+        gas_temperature_c: None,
     };
     writer.push(&row).unwrap();
     collector.push(&row).unwrap();
@@ -127,7 +129,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(create(Path::new("out.xlsx"), layout(false)), "out.xlsx: a recording's name ends in .parquet or .csv");
     assert!(create(Path::new("no/such/folder/out.csv"), layout(false)).contains("there is no folder `no/such/folder`"));
-    let twins = Layout { elements: vec!["core".into(), "core".into()], wind: false, observed: Vec::new() };
+    let twins = Layout { elements: vec!["core".into(), "core".into()], wind: false, gas: false, observed: Vec::new() };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c:core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -145,6 +147,7 @@ fn a_row_that_does_not_fit_is_refused() {
         event: "",
         state: "",
         wind_m_s: None,
+        gas_temperature_c: None,
     };
     let error = writer.push(&row).unwrap_err().to_string();
     assert_eq!(error, "the row for 0.5 s does not fit the recording: 1 temperatures for 2 elements");
@@ -249,6 +252,42 @@ fn a_flipped_byte_never_panics() {
 }
 
 #[test]
+fn the_gas_has_a_column_only_where_it_swings() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.csv", "a.parquet"] {
+        for wind in [false, true] {
+            let path = folder.path().join(name);
+            let layout = Layout { gas: true, ..layout(wind) };
+            let row = Row {
+                time_s: 0.0,
+                temperature_c: &[1.0, 2.0],
+                power_w: &[3.0, 4.0],
+                equivalent_power_w: &[],
+                heaters: 0,
+                event: "",
+                state: "running",
+                wind_m_s: wind.then_some([6.0, 7.0, 8.0]),
+                gas_temperature_c: Some(-53.5),
+            };
+            let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
+            writer.push(&row).unwrap();
+            let error = writer.push(&Row { gas_temperature_c: None, ..row }).unwrap_err().to_string();
+            assert!(error.contains("the temperature of the gas belongs in every row or in none"), "{error}");
+            writer.finish(&Metadata::new()).unwrap();
+            let mut collector = Collector::new(layout, &Metadata::new());
+            collector.push(&row).unwrap();
+            let read = Recording::read(&path).unwrap();
+            assert_eq!(read.columns, collector.finish(&Metadata::new()).columns);
+            assert_eq!(read.numbers("gas_temperature_c").unwrap(), [-53.5]);
+            assert_eq!(read.has("wind_z_m_s"), wind);
+            assert_eq!(read.elements(), ELEMENTS);
+        }
+    }
+    let (_folder, path) = written("plain.csv", 3, true);
+    assert!(!Recording::read(&path).unwrap().has("gas_temperature_c"));
+}
+
+#[test]
 fn what_observers_see_has_columns_only_where_they_ran() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.csv", "a.parquet"] {
@@ -263,6 +302,7 @@ fn what_observers_see_has_columns_only_where_they_ran() {
             event: "",
             state: "running",
             wind_m_s: Some([6.0, 7.0, 8.0]),
+            gas_temperature_c: None,
         };
         let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
         writer.push(&row).unwrap();

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    EQUIVALENT_POWER, EVENT, Format, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE, TIME, Temporary,
-    WIND, comma, duplicate, parquet,
+    EQUIVALENT_POWER, EVENT, Format, GAS_TEMPERATURE, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE,
+    TIME, Temporary, WIND, comma, duplicate, parquet,
 };
 
 /// What a recording's rows consist of.
@@ -14,6 +14,8 @@ pub struct Layout {
     pub elements: Vec<String>,
     /// Whether the rows carry the true wind.
     pub wind: bool,
+    /// Whether the rows carry the true temperature of the gas.
+    pub gas: bool,
     /// Names of the elements whose rows carry what an observer sees.
     pub observed: Vec<String>,
 }
@@ -33,6 +35,15 @@ pub struct Row<'a> {
     pub event: &'a str,
     pub state: &'a str,
     pub wind_m_s: Option<[f64; 3]>,
+    /// Held until the next row.
+    pub gas_temperature_c: Option<f64>,
+}
+
+impl Row<'_> {
+    /// What is known of the conditions, in the order of the columns: wind in m/s, gas in °C.
+    pub(super) fn conditions(&self) -> impl Iterator<Item = f64> {
+        self.wind_m_s.into_iter().flatten().chain(self.gas_temperature_c)
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +69,9 @@ impl Layout {
         if self.wind {
             columns.extend(WIND.map(|name| (name.to_owned(), Kind::Number)));
         }
+        if self.gas {
+            columns.push((GAS_TEMPERATURE.to_owned(), Kind::Number));
+        }
         columns
     }
 
@@ -75,6 +89,9 @@ impl Layout {
         }
         if row.wind_m_s.is_some() != self.wind {
             return refuse("the wind belongs in every row or in none".to_owned());
+        }
+        if row.gas_temperature_c.is_some() != self.gas {
+            return refuse("the temperature of the gas belongs in every row or in none".to_owned());
         }
         if !row.time_s.is_finite() {
             return refuse("its time is not finite".to_owned());

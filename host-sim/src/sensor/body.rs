@@ -4,12 +4,16 @@
 //! network and name what is in it. Everything after that is the same for all of them and is here: wind into conductances, powers into
 //! temperatures, and the account of where the heat went.
 
+use super::SensorError;
 use super::convection::Convection;
-use super::gas::ZERO_CELSIUS_K;
+use super::gas::{Gas, ZERO_CELSIUS_K};
 use super::network::{BoundaryId, Network, RadiatorId};
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
+
+/// Properties of the gas are made anew when its temperature has moved by more than this, K: some 5e-5 of a conductance.
+const SAME_PROPERTIES_K: f64 = 0.01;
 
 /// A surface as a body describes it.
 #[derive(Clone, Debug)]
@@ -46,6 +50,8 @@ struct Balance {
 pub struct Body {
     network: Network,
     convection: Convection,
+    /// As the convection has it: the temperature of the links may be a little ahead.
+    gas: Gas,
     /// Node of every element.
     elements: Vec<usize>,
     surfaces: Vec<Surface>,
@@ -64,15 +70,17 @@ pub struct Body {
 }
 
 impl Body {
-    /// Gives a network its surfaces. They are in the order in which `convection` counts them.
+    /// Gives a network its surfaces, in a gas and among surroundings of its temperature. They are in the order in which `convection` counts
+    /// them.
     pub fn new(
         mut network: Network,
         elements: Vec<usize>,
         surfaces: Vec<Surface>,
         support: BoundaryId,
         convection: Convection,
-        gas_k: f64,
+        gas: &Gas,
     ) -> Body {
+        let gas_k = gas.temperature_k;
         let own_rate_per_s = network.stiffest_rate_per_s();
         let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
         let radiate = |surface: &Surface| {
@@ -83,6 +91,7 @@ impl Body {
         let each = vec![0.0; surfaces.len()];
         Body {
             convection,
+            gas: *gas,
             gas_links,
             radiators,
             support,
@@ -101,6 +110,23 @@ impl Body {
             network,
             elements,
             surfaces,
+        }
+    }
+
+    /// Refuses a gas to which the convection could not follow.
+    pub fn check_gas(&self, gas: &Gas) -> Result<(), SensorError> {
+        self.convection.check(gas)
+    }
+
+    /// The gas's temperature from now on, at the same pressure; the next [`Body::set_wind`] makes conductances of it. The surroundings to
+    /// which surfaces radiate stay as they were.
+    pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
+        for link in &self.gas_links {
+            self.network.set_boundary_temperature(*link, temperature_k);
+        }
+        if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
+            self.gas = self.gas.at(temperature_k);
+            self.convection.follow(&self.gas);
         }
     }
 
@@ -226,18 +252,18 @@ pub(super) mod testing {
 
     /// Heat given less heat that left and heat that stayed, of the heat given, after ticks of some seconds.
     ///
-    /// The wind turns by its phase, and `power_w` has an element's heat while all are high or low by turns of three ticks: every path
+    /// `weather` sets wind and gas by a phase, and `power_w` has an element's heat while all are high or low by turns of three ticks: every path
     /// carries a changing flow.
     pub fn imbalance(
         body: &mut Body,
         (ticks, tick_s): (u32, f64),
-        wind_m_s: impl Fn(f64) -> [f64; 3],
+        weather: impl Fn(&mut Body, f64),
         power_w: impl Fn(usize, bool) -> f64,
     ) -> f64 {
         let start = body.stored_heat_j();
         let (mut given, mut left) = (0.0, 0.0);
         for tick in 0..ticks {
-            body.set_wind(wind_m_s(f64::from(tick) * 1e-3));
+            weather(body, f64::from(tick) * 1e-3);
             let high = tick / 3 % 2 == 0;
             body.advance(tick_s, |i, _| power_w(i, high));
             let flows = body.flows();

@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::gas::{Gas, ZERO_CELSIUS_K};
+use super::reference::Reference;
 use super::{SensorError, rems, sphere_a, sphere_b};
 
 /// A body with all of its numbers. [`Construction::named`] gives the sensors of the project.
@@ -16,7 +17,7 @@ pub enum Construction {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     pub name: String,
-    /// Outward unit vector of what the wind sees of it; none inside.
+    /// Outward unit vector of what the wind sees of it; none inside, nor where all winds see the same.
     pub normal: Option<[f64; 3]>,
 }
 
@@ -34,6 +35,16 @@ impl Construction {
         }
     }
 
+    /// The same with a [`reference`](super::reference) beside it, where there can be one.
+    pub fn with_reference(self) -> Option<Construction> {
+        let reference = Some(Reference::default());
+        match self {
+            Construction::SphereA(own) => Some(Construction::SphereA(sphere_a::Construction { reference, ..own })),
+            Construction::SphereB(own) => Some(Construction::SphereB(sphere_b::Construction { reference, ..own })),
+            Construction::Rems(_) => None,
+        }
+    }
+
     pub fn name(&self) -> &'static str {
         match self {
             Construction::SphereA(_) => "sphere-a",
@@ -45,8 +56,8 @@ impl Construction {
     /// Its elements, in the order of heater bits and codes.
     pub fn parts(&self) -> Vec<Part> {
         match self {
-            Construction::SphereA(_) => sphere_a::parts(),
-            Construction::SphereB(_) => sphere_b::parts(),
+            Construction::SphereA(own) => sphere_a::parts(own),
+            Construction::SphereB(own) => sphere_b::parts(own),
             Construction::Rems(_) => rems::parts(),
         }
     }
@@ -121,5 +132,11 @@ mod tests {
         assert_eq!(Construction::named("sphere-c"), None);
         let count = |name| Construction::named(name).unwrap().parts().len();
         assert_eq!(["sphere-a", "sphere-b", "rems"].map(count), [4, 6, 13]);
+        let beside = |name| {
+            let parts = Construction::named(name).unwrap().with_reference()?.parts();
+            Some((parts.len(), parts.last().unwrap().name.clone()))
+        };
+        let last = |count| Some((count, "reference".to_owned()));
+        assert_eq!(["sphere-a", "sphere-b", "rems"].map(beside), [last(5), last(7), None]);
     }
 }

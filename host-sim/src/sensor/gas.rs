@@ -77,17 +77,24 @@ impl Gas {
                 "1 to 200000 Pa, where the gas properties are known",
             ));
         }
-        let heat_capacity_j_kg_k = heat_capacity(species, temperature_k);
-        let viscosity_pa_s = viscosity(species, temperature_k);
-        Ok(Gas {
+        Ok(Gas::of(species, pressure_pa, temperature_k))
+    }
+
+    fn of(species: Species, pressure_pa: f64, temperature_k: f64) -> Gas {
+        Gas {
             species,
             temperature_k,
             pressure_pa,
             density_kg_m3: pressure_pa * molar_mass(species) / (MOLAR_GAS_CONSTANT * temperature_k),
-            viscosity_pa_s,
+            viscosity_pa_s: viscosity(species, temperature_k),
             conductivity_w_m_k: conductivity(species, temperature_k),
-            heat_capacity_j_kg_k,
-        })
+            heat_capacity_j_kg_k: heat_capacity(species, temperature_k),
+        }
+    }
+
+    /// The same gas at another temperature and the same pressure. Whoever asks has found that temperature to be in the range.
+    pub(super) fn at(&self, temperature_k: f64) -> Gas {
+        Gas::of(self.species, self.pressure_pa, temperature_k)
     }
 
     /// Pr = µ cp / k.

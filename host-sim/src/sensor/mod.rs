@@ -7,9 +7,11 @@
 //! | [`network`] | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
 //! | [`sphere_a`], [`sphere_b`], [`rems`] | the sensors of the thesis as such networks, from geometry and materials |
 //! | [`rod`] | what holds them |
+//! | [`reference`] | what measures the gas beside a sphere |
 //! | [`body`] | what all of them do: take heat, lose it and account for it |
 //! | [`construction`] | one of them, by its name |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
+//! | [`gas_swing`] | a gas whose temperature swings |
 //! | [`front_end`] | currents, resistors, converter, faults |
 //!
 //! [`Sensor`] puts them together. One tick: the controller decides the heater bits, [`Sensor::advance`] lets one sample period pass
@@ -34,7 +36,9 @@ pub mod construction;
 pub mod convection;
 pub mod front_end;
 pub mod gas;
+pub mod gas_swing;
 pub mod network;
+pub mod reference;
 pub mod rems;
 pub mod rod;
 pub mod sphere_a;
@@ -50,6 +54,7 @@ use front_end::FrontEnd;
 pub use front_end::{ElementConfig, Fault, Imperfections, PlatinumKind};
 pub use gas::Species;
 use gas::{Gas, ZERO_CELSIUS_K};
+pub use gas_swing::GasSwing;
 use wind::Wind;
 pub use wind::{DustDevil, Gust, Sine, Spectrum, Swing, Turbulence, WindEntry};
 
@@ -88,7 +93,9 @@ pub struct SensorConfig {
     pub sample_period_s: f64,
     pub species: Species,
     pub pressure_pa: f64,
+    /// The mean, of a gas that swings.
     pub gas_temperature_c: f64,
+    pub gas_swing: Option<GasSwing>,
     pub support_temperature_c: f64,
     /// One for each of the construction's [`parts`](Construction::parts), in their order.
     pub elements: Vec<ElementConfig>,
@@ -123,6 +130,7 @@ impl Default for SensorConfig {
             species: Species::CarbonDioxide,
             pressure_pa: 1000.0,
             gas_temperature_c: -53.15,
+            gas_swing: None,
             support_temperature_c: -43.15,
             volt_per_code: 4.0 / 8_388_608.0,
             imperfections: Imperfections::default(),
@@ -149,6 +157,7 @@ pub struct Truth {
     pub conduction_w: Vec<f64>,
     /// From stem or boom to the support.
     pub support_w: f64,
+    pub gas_temperature_c: f64,
     pub wind_m_s: [f64; 3],
     /// The wind was beyond what is known of convection from this body, which is then an extrapolation.
     pub wind_extrapolated: bool,
@@ -168,6 +177,9 @@ pub struct Sensor {
     tick: u64,
     wind: Wind,
     body: Body,
+    gas_temperature_c: f64,
+    /// About that temperature.
+    gas_swing: Option<GasSwing>,
     front_end: FrontEnd,
     faults: Vec<TimedFault>,
     element_temperature_c: Vec<f64>,
@@ -198,12 +210,18 @@ impl Sensor {
         let front_end =
             FrontEnd::new(&config.elements, config.volt_per_code, &config.imperfections, stream(1), stream(2))?;
         let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
+        if let Some(swing) = &config.gas_swing {
+            swing.check(sample_period_s)?;
+            check_range(&gas, swing, &body)?;
+        }
         let wind_m_s = wind.mean_m_s();
         let mut sensor = Sensor {
             sample_period_s,
             tick: 0,
             wind,
             body,
+            gas_temperature_c: config.gas_temperature_c,
+            gas_swing: config.gas_swing,
             front_end,
             faults: checked_faults(&config.faults, expected)?,
             element_temperature_c: vec![0.0; expected],
@@ -219,6 +237,9 @@ impl Sensor {
     pub fn advance(&mut self, heaters: u16) {
         self.apply_faults();
         self.wind_m_s = self.wind.advance();
+        if self.gas_swing.is_some() {
+            self.body.set_gas_temperature_k(self.gas_at_c(self.tick) + ZERO_CELSIUS_K);
+        }
         self.body.set_wind(self.wind_m_s);
         let front_end = &self.front_end;
         self.body.advance(self.sample_period_s, |i, temperature_c| {
@@ -244,6 +265,7 @@ impl Sensor {
             radiation_w: flows.radiation_w,
             conduction_w: flows.conduction_w,
             support_w: flows.support_w,
+            gas_temperature_c: self.gas_temperature_c(),
             wind_m_s: self.wind_m_s,
             wind_extrapolated: self.wind_extrapolated(),
         }
@@ -259,6 +281,16 @@ impl Sensor {
         self.wind_m_s
     }
 
+    /// Temperature of the gas in the last period, °C.
+    pub fn gas_temperature_c(&self) -> f64 {
+        self.gas_at_c(self.tick.saturating_sub(1))
+    }
+
+    /// Whether the gas's temperature swings.
+    pub fn gas_swings(&self) -> bool {
+        self.gas_swing.is_some()
+    }
+
     /// The wind of the last period was beyond what is known of convection from this body.
     pub fn wind_extrapolated(&self) -> bool {
         self.body.extrapolated(self.wind_m_s)
@@ -272,6 +304,12 @@ impl Sensor {
     /// Time since the start, s.
     pub fn time_s(&self) -> f64 {
         self.tick as f64 * self.sample_period_s
+    }
+
+    /// Temperature of the gas over the period that begins with a tick, °C.
+    fn gas_at_c(&self, tick: u64) -> f64 {
+        let offset_k = self.gas_swing.map_or(0.0, |swing| swing.offset_k(tick as f64 * self.sample_period_s));
+        self.gas_temperature_c + offset_k
     }
 
     /// Faults whose time has come, at the resolution of a tick.
@@ -296,6 +334,18 @@ impl Sensor {
         }
         self.front_end.sample(&self.element_temperature_c, heaters, &mut self.codes);
     }
+}
+
+/// Refuses a swing that leaves the range in which the gas or its convection is known.
+fn check_range(gas: &Gas, swing: &GasSwing, body: &Body) -> Result<(), SensorError> {
+    for end_k in [gas.temperature_k - swing.amplitude_k, gas.temperature_k + swing.amplitude_k] {
+        let gas = Gas::new(gas.species, gas.pressure_pa, end_k).map_err(|_| {
+            let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";
+            SensorError::out_of_range("gas.swing.amplitude_k", swing.amplitude_k, expected)
+        })?;
+        body.check_gas(&gas)?;
+    }
+    Ok(())
 }
 
 /// The faults, latest first, so that the next one is the last of the list.

@@ -15,7 +15,7 @@
 //! takes from one node it gives to the other in the same expression, and the heat that leaves is summed with the weights of the
 //! method itself, so energy is kept to rounding whatever the substep.
 //!
-//! Limits: constant capacities and conductances within a step; nodes without gradient inside.
+//! Limits: constant capacities, conductances and fixed temperatures within a step; nodes without gradient inside.
 
 /// Largest product of substep and stiffest rate: the method then misses some 0.5⁵/120 = 3e-4 of what the fastest transient moves in a
 /// substep, and much less of all slower ones.
@@ -143,6 +143,11 @@ impl Network {
 
     pub fn set_boundary_conductance(&mut self, boundary: BoundaryId, conductance_w_k: f64) {
         self.paths.boundaries[boundary.0].conductance_w_k = conductance_w_k;
+    }
+
+    /// Gives the body at the other end of a boundary another temperature.
+    pub fn set_boundary_temperature(&mut self, boundary: BoundaryId, temperature_k: f64) {
+        self.paths.boundaries[boundary.0].temperature_k = temperature_k;
     }
 
     pub fn len(&self) -> usize {

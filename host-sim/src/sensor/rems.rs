@@ -138,7 +138,7 @@ impl Construction {
         surfaces.extend(cells.iter().enumerate().map(|(i, &cell)| bare(format!("shank{}", i + 1), cell, None)));
         let elements = dice.into_iter().chain([head]).collect();
         let convection = Convection::Boom(Boom::new(gas, &self.shape)?);
-        Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
+        Ok(Body::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {

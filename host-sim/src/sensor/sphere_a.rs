@@ -29,7 +29,7 @@
 //! the wind through these, so its power answers with the time constants of the silver on the glue besides that of the film. That is the
 //! difference from sphere B, whose bare chip is soldered and which has one significant pole.
 //!
-//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`. Surfaces: the two hemispheres, looking along +x and −x; the
+//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`, and a [`reference`](super::reference) where the head has one. Surfaces: the two hemispheres, looking along +x and −x; the
 //! stem is along −z.
 //!
 //! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the chips lose nothing to the gas inside,
@@ -44,6 +44,7 @@ use super::convection::Convection;
 use super::convection::hemispheres::{AXES, HEMISPHERES, Hemispheres};
 use super::gas::Gas;
 use super::network::Network;
+use super::reference::{self, Reference};
 use super::rod::Rod;
 
 /// What the sphere is made of; the default is prototype A.
@@ -63,6 +64,8 @@ pub struct Construction {
     pub stem_capacity_j_k: f64,
     pub stem_cells: usize,
     pub emissivity: f64,
+    /// An element of its own in the stream, where there is one.
+    pub reference: Option<Reference>,
 }
 
 impl Default for Construction {
@@ -82,6 +85,7 @@ impl Default for Construction {
             stem_capacity_j_k: 0.3,
             stem_cells: 8,
             emissivity: 0.03,
+            reference: None,
         }
     }
 }
@@ -114,10 +118,13 @@ impl Construction {
             carries: vec![ceramics[i], films[i]],
             element: Some(i),
         };
-        let surfaces = (0..HEMISPHERES).map(surface).collect();
-        let elements = films.into_iter().chain(cores).collect();
-        let convection = Convection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
-        Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
+        let mut surfaces = (0..HEMISPHERES).map(surface).collect();
+        let mut elements = films.into_iter().chain(cores).collect();
+        let mut convection = Convection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
+        if let Some(reference) = &self.reference {
+            convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
+        }
+        Ok(Body::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -140,10 +147,11 @@ impl Construction {
     }
 }
 
-/// The elements.
-pub(super) fn parts() -> Vec<Part> {
+/// The elements of a sphere with or without a reference.
+pub(super) fn parts(construction: &Construction) -> Vec<Part> {
     let hemispheres = AXES.iter().enumerate().map(|(i, &axis)| Part::facing(format!("hemisphere{}", i + 1), axis));
-    hemispheres.chain((0..HEMISPHERES).map(|i| Part::inside(format!("core{}", i + 1)))).collect()
+    let cores = (0..HEMISPHERES).map(|i| Part::inside(format!("core{}", i + 1)));
+    hemispheres.chain(cores).chain(construction.reference.map(|_| reference::part())).collect()
 }
 
 #[cfg(test)]
@@ -164,7 +172,8 @@ mod tests {
     fn heat_in_is_heat_out_and_heat_stored() {
         let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
         let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
-        let imbalance = imbalance(&mut body(), (50_000, 0.01), wind, power_w);
+        let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+        let imbalance = imbalance(&mut body(), (50_000, 0.01), weather, power_w);
         assert!(imbalance.abs() < 1e-10, "{imbalance}");
     }
 

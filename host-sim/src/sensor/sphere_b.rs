@@ -26,7 +26,7 @@
 //! at the high level lies above its sector by power times contact (20 mK here). A one-bit loop turns part of that into an offset of
 //! the mean: up to 9 mK at 100 Hz; glued with 20 µm of silver epoxy (0.5 W/K) it would be 25 mK.
 //!
-//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`. Surfaces: the four sectors.
+//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a [`reference`](super::reference) where the head has one. Surfaces: the four sectors.
 //!
 //! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of the parts.
 
@@ -39,6 +39,7 @@ use super::convection::Convection;
 use super::convection::sectors::{SECTORS, Sectors, sector_axis};
 use super::gas::Gas;
 use super::network::Network;
+use super::reference::{self, Reference};
 use super::rod::Rod;
 
 const CORES: usize = 2;
@@ -58,6 +59,8 @@ pub struct Construction {
     pub stem_capacity_j_k: f64,
     pub stem_cells: usize,
     pub emissivity: f64,
+    /// An element of its own in the stream, where there is one.
+    pub reference: Option<Reference>,
 }
 
 impl Default for Construction {
@@ -75,6 +78,7 @@ impl Default for Construction {
             stem_capacity_j_k: 0.2,
             stem_cells: 8,
             emissivity: 0.03,
+            reference: None,
         }
     }
 }
@@ -107,10 +111,13 @@ impl Construction {
             carries: vec![chips[i]],
             element: Some(i),
         };
-        let surfaces = (0..SECTORS).map(surface).collect();
-        let elements = chips.into_iter().chain(cores).collect();
-        let convection = Convection::Sectors(Sectors::new(gas, self.diameter_m)?);
-        Ok(Body::new(network, elements, surfaces, support, convection, gas_k))
+        let mut surfaces = (0..SECTORS).map(surface).collect();
+        let mut elements = chips.into_iter().chain(cores).collect();
+        let mut convection = Convection::Sectors(Box::new(Sectors::new(gas, self.diameter_m)?));
+        if let Some(reference) = &self.reference {
+            convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
+        }
+        Ok(Body::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -131,10 +138,11 @@ impl Construction {
     }
 }
 
-/// The elements.
-pub(super) fn parts() -> Vec<Part> {
+/// The elements of a sphere with or without a reference.
+pub(super) fn parts(construction: &Construction) -> Vec<Part> {
     let sectors = (0..SECTORS).map(|i| Part::facing(format!("sector{}", i + 1), sector_axis(i)));
-    sectors.chain((0..CORES).map(|i| Part::inside(format!("core{}", i + 1)))).collect()
+    let cores = (0..CORES).map(|i| Part::inside(format!("core{}", i + 1)));
+    sectors.chain(cores).chain(construction.reference.map(|_| reference::part())).collect()
 }
 
 #[cfg(test)]
@@ -156,7 +164,25 @@ mod tests {
     fn heat_in_is_heat_out_and_heat_stored() {
         let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
         let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
-        let imbalance = imbalance(&mut body(), (100_000, 0.01), wind, power_w);
+        let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+        let imbalance = imbalance(&mut body(), (100_000, 0.01), weather, power_w);
+        assert!(imbalance.abs() < 1e-10, "{imbalance}");
+    }
+
+    #[test]
+    fn heat_in_is_heat_out_and_heat_stored_in_a_swinging_gas_and_with_a_reference() {
+        let construction = Construction { reference: Some(Reference::default()), ..Construction::default() };
+        let mut body = construction.body(&mars(), 230.0).unwrap();
+        let weather = |body: &mut Body, phase: f64| {
+            body.set_gas_temperature_k(220.0 + 15.0 * (0.3 * phase).sin());
+            body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
+        };
+        let power_w = |i, high| match i {
+            6 => 8e-6,
+            _ if high => 0.04,
+            _ => 0.001 * i as f64,
+        };
+        let imbalance = imbalance(&mut body, (100_000, 0.01), weather, power_w);
         assert!(imbalance.abs() < 1e-10, "{imbalance}");
     }
 

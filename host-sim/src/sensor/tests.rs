@@ -2,6 +2,8 @@
 
 use super::*;
 
+mod gas_swing;
+
 fn breeze() -> Vec<WindEntry> {
     vec![WindEntry {
         start_s: 0.0,

@@ -8,10 +8,14 @@ use super::extent::{extent, gap};
 use super::roles::{Roles, shown};
 use super::{Block, RecordError, Selection, Source, Survey, finite};
 use crate::model::Conditions;
-use crate::recording::{Column, Reader, Values, Words};
+use crate::recording::{Column, GAS_TEMPERATURE, Reader, Values, Words};
 
 /// The state in which our instrument keeps to its drives.
 const RUNNING: &str = "running";
+
+/// Said of a recording of ours whose gas was not asked for.
+const SWINGING: &str = "the gas swung while this was recorded, and its column `gas_temperature_c` is left out: \
+    structure `conductance` takes it with --gas-temperature gas_temperature_c";
 
 pub struct Stream {
     survey: Survey,
@@ -33,6 +37,10 @@ impl Stream {
         let roles = Roles::choose(path, selection)?;
         let extent = extent(path, roles.time)?;
         let mut reader = Reader::open(path)?;
+        let mut notes = roles.notes.clone();
+        if roles.gas.is_none() && reader.names().iter().any(|name| name == GAS_TEMPERATURE) {
+            notes.push(SWINGING.to_owned());
+        }
         let name = |&column: &usize| reader.names()[column].clone();
         let survey = Survey {
             path: path.to_owned(),
@@ -46,7 +54,7 @@ impl Stream {
             last_time_s: extent.last_s,
             sample_period_s: extent.clock.period_s,
             conditions: Conditions::of_metadata(&reader.metadata()),
-            notes: roles.notes.clone(),
+            notes,
         };
         let mut columns = vec![roles.time];
         for &column in

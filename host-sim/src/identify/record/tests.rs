@@ -117,8 +117,12 @@ fn a_column_called_event_is_the_event_column_unless_another_is_named() {
 /// A recording of ours: `core` is only measured, `s1` is heated from the start, `s2` from row `late` on.
 fn ours(name: &str, rows: usize, late: usize) -> Temp {
     let temp = file(name, "");
-    let layout =
-        Layout { elements: ["core", "s1", "s2"].map(str::to_owned).to_vec(), wind: false, observed: Vec::new() };
+    let layout = Layout {
+        elements: ["core", "s1", "s2"].map(str::to_owned).to_vec(),
+        wind: false,
+        gas: false,
+        observed: Vec::new(),
+    };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     for n in 0..rows {
         let x = n as f32;
@@ -131,6 +135,7 @@ fn ours(name: &str, rows: usize, late: usize) -> Temp {
             event: ["calm", "gust"][usize::from(n > rows / 2)],
             state: if n < 3 { "standby" } else { "running" },
             wind_m_s: None,
+            gas_temperature_c: None,
         };
         writer.push(&row).unwrap();
     }

@@ -21,7 +21,7 @@
 //! what carries it, and `shade` of its speed is left. Across the boom the card in front sees 1.3, a side 0.8 and the rear 0.3 of the
 //! speed, as the local heat transfer of a cylinder at Reynolds numbers of 10 to 100.
 //!
-//! *Sources.* h_plate: laminar layer, Nu = 0.664 Re^½ Pr^⅓ (Pohlhausen). h_cylinder: Churchill and Bernstein 1977. h_still: free
+//! *Sources.* h_plate: laminar layer of Pohlhausen, `plate_nusselt`. h_cylinder: Churchill and Bernstein 1977. h_still: free
 //! convection of an upright plate and of a horizontal cylinder, both Churchill and Chu 1975, at 5 K of overheat. Free and forced
 //! together: Churchill's blend with the exponent 4 of a stream across. 4/√π k a: a square on a plane into a half-space, within 1 %.
 //! The two cosine laws are the simplest that tell front, side and rear apart; their sizes are assumed (`rems` has the reasons).
@@ -35,7 +35,7 @@ use std::f64::consts::PI;
 
 use super::super::SensorError;
 use super::super::gas::Gas;
-use super::{continuum, dot};
+use super::{continuum, dot, plate_nusselt};
 
 pub const CARDS: usize = 3;
 pub const DICE_PER_CARD: usize = 4;
@@ -80,7 +80,7 @@ impl Shape {
     }
 }
 
-/// Convection of dice, cards and boom in one gas. Immutable; made once.
+/// Convection of dice, cards and boom in one gas.
 #[derive(Clone, Debug)]
 pub struct Boom {
     shape: Shape,
@@ -106,6 +106,10 @@ impl Boom {
     /// Refuses a gas so thin that it is no continuum around a die.
     pub fn new(gas: &Gas, shape: &Shape) -> Result<Boom, SensorError> {
         continuum(gas, shape.die_side_m)?;
+        Ok(Boom::of(gas, shape))
+    }
+
+    fn of(gas: &Gas, shape: &Shape) -> Boom {
         let prandtl = gas.prandtl();
         let viscosity_m2_s = gas.viscosity_pa_s / gas.density_kg_m3;
         let rayleigh = |length_m: f64| {
@@ -115,7 +119,7 @@ impl Boom {
         let plate = |length_m: f64| 0.68 + 0.670 * rayleigh(length_m).powf(0.25) / laminar(0.492);
         let cylinder = |diameter_m: f64| 0.36 + 0.518 * rayleigh(diameter_m).powf(0.25) / laminar(0.559);
         let k = gas.conductivity_w_m_k;
-        Ok(Boom {
+        Boom {
             shape: *shape,
             conductivity_w_m_k: k,
             reynolds: gas.reynolds(1.0, 1.0),
@@ -124,7 +128,17 @@ impl Boom {
             card_still_w_m2_k: plate(shape.card_width_m) * k / shape.card_width_m,
             head_still_w_m2_k: cylinder(shape.head_diameter_m) * k / shape.head_diameter_m,
             shank_still_w_m2_k: cylinder(shape.shank_diameter_m) * k / shape.shank_diameter_m,
-        })
+        }
+    }
+
+    /// The same in another gas.
+    pub fn follow(&mut self, gas: &Gas) {
+        *self = Boom::of(gas, &self.shape);
+    }
+
+    /// What the continuum is judged by.
+    pub fn die_side_m(&self) -> f64 {
+        self.shape.die_side_m
     }
 
     /// Whether the flow over a card would no longer be laminar.
@@ -183,7 +197,7 @@ impl Boom {
     }
 
     fn plate_w_m2_k(&self, speed_m_s: f64, length_m: f64) -> f64 {
-        let nusselt = 0.664 * (self.reynolds * length_m * speed_m_s).sqrt() * self.prandtl_third;
+        let nusselt = plate_nusselt(self.reynolds * length_m * speed_m_s, self.prandtl_third);
         nusselt * self.conductivity_w_m_k / length_m
     }
 

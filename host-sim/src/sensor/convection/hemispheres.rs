@@ -25,7 +25,7 @@ pub const AXES: [[f64; 3]; HEMISPHERES] = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
 /// Means of P_n over a hemisphere about its own axis, h_n of the head of this file.
 pub const HEMISPHERE_MEAN: [f64; ORDERS] = [1.0, 0.5, 0.0, -0.125, 0.0, 0.0625];
 
-/// Convection of one sphere in one gas. Immutable; made once.
+/// Convection of one sphere in one gas.
 #[derive(Clone, Debug)]
 pub struct Hemispheres {
     stream: SphereStream,
@@ -37,8 +37,14 @@ impl Hemispheres {
     pub fn new(gas: &Gas, diameter_m: f64) -> Result<Hemispheres, SensorError> {
         Ok(Hemispheres {
             stream: SphereStream::new(gas, diameter_m)?,
-            conductance_per_nusselt_w_k: gas.conductivity_w_m_k * PI * diameter_m / HEMISPHERES as f64,
+            conductance_per_nusselt_w_k: conductance_per_nusselt_w_k(gas, diameter_m),
         })
+    }
+
+    /// The same in another gas.
+    pub fn follow(&mut self, gas: &Gas) {
+        self.stream.follow(gas);
+        self.conductance_per_nusselt_w_k = conductance_per_nusselt_w_k(gas, self.stream.diameter_m());
     }
 
     /// The stream around the sphere.
@@ -60,6 +66,10 @@ impl Hemispheres {
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3]) -> [f64; HEMISPHERES] {
         self.nusselt(wind_m_s).map(|nusselt| nusselt * self.conductance_per_nusselt_w_k)
     }
+}
+
+fn conductance_per_nusselt_w_k(gas: &Gas, diameter_m: f64) -> f64 {
+    gas.conductivity_w_m_k * PI * diameter_m / HEMISPHERES as f64
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ struct Frame {
     third: [f64; 3],
 }
 
-/// Convection of one sphere in one gas. Immutable; made once.
+/// Convection of one sphere in one gas.
 #[derive(Clone, Debug)]
 pub struct Sectors {
     stream: SphereStream,
@@ -64,9 +64,15 @@ impl Sectors {
     pub fn new(gas: &Gas, diameter_m: f64) -> Result<Sectors, SensorError> {
         Ok(Sectors {
             stream: SphereStream::new(gas, diameter_m)?,
-            conductance_per_nusselt_w_k: gas.conductivity_w_m_k * PI * diameter_m / SECTORS as f64,
+            conductance_per_nusselt_w_k: conductance_per_nusselt_w_k(gas, diameter_m),
             frames: std::array::from_fn(frame),
         })
+    }
+
+    /// The same in another gas.
+    pub fn follow(&mut self, gas: &Gas) {
+        self.stream.follow(gas);
+        self.conductance_per_nusselt_w_k = conductance_per_nusselt_w_k(gas, self.stream.diameter_m());
     }
 
     /// The stream around the sphere.
@@ -119,6 +125,10 @@ fn sector_mean(a: &Coefficients, frame: &Frame, from: [f64; 3]) -> f64 {
     let third_derivative = [15.0, 105.0 * z, 472.5 * (z * z) - 52.5];
     let threefold: f64 = (0..3).map(|j| a[j + 3] * SECTOR_THREEFOLD[j] * third_derivative[j]).sum();
     axisymmetric + threefold * x * (x * x - 3.0 * y * y)
+}
+
+fn conductance_per_nusselt_w_k(gas: &Gas, diameter_m: f64) -> f64 {
+    gas.conductivity_w_m_k * PI * diameter_m / SECTORS as f64
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@
 //! the end of the table, and `extrapolated` says so: against Whitaker's correlation that is 2 % high at Re 660, 3 % low at 1300, 11 %
 //! low at 3300, and the distribution over the sphere is only held, not known. Prandtl numbers other than 0.772 scale Nu − 2 and every
 //! a_n by the ratio of the correlation of Clift, Grace and Weber, Nu = 1 + (1 + Pe)^⅓ max(1, Re^0.077), at the two Prandtl numbers.
+//! A gas that moves to another temperature ([`SphereStream::follow`]) gets the ratio of these ratios at each look-up, which is what a table
+//! made anew would have, to the table's own interpolation of 1e-5.
 //! Properties are taken at the gas temperature. No free convection (on Mars it matters below 0.15 m/s, at 1 atm below some 0.3 m/s),
 //! and a continuum: Kn ≤ 0.01.
 
@@ -35,12 +37,16 @@ const GRID_INTERVALS: usize = 1024;
 
 pub type Coefficients = [f64; ORDERS];
 
-/// The stream around one sphere in one gas. Immutable; made once.
+/// The stream around one sphere in one gas.
 #[derive(Clone, Debug)]
 pub struct SphereStream {
     grid: Vec<Coefficients>,
     intervals_per_log: f64,
     reynolds_per_speed: f64,
+    diameter_m: f64,
+    /// Of the gas that the grid was made for, and of the gas now.
+    grid_prandtl: f64,
+    prandtl: f64,
 }
 
 impl SphereStream {
@@ -54,7 +60,20 @@ impl SphereStream {
             grid: uniform_grid(gas.prandtl()),
             intervals_per_log: GRID_INTERVALS as f64 / HIGHEST_REYNOLDS.ln(),
             reynolds_per_speed: gas.reynolds(1.0, diameter_m),
+            diameter_m,
+            grid_prandtl: gas.prandtl(),
+            prandtl: gas.prandtl(),
         })
+    }
+
+    /// From now on in this gas; the grid stays.
+    pub fn follow(&mut self, gas: &Gas) {
+        self.reynolds_per_speed = gas.reynolds(1.0, self.diameter_m);
+        self.prandtl = gas.prandtl();
+    }
+
+    pub fn diameter_m(&self) -> f64 {
+        self.diameter_m
     }
 
     pub fn reynolds(&self, wind_m_s: [f64; 3]) -> f64 {
@@ -68,13 +87,29 @@ impl SphereStream {
 
     /// Legendre coefficients a_n at `reynolds` ≥ 0 and the Prandtl number of the gas; a_0 is the mean Nusselt number.
     pub fn coefficients(&self, reynolds: f64) -> Coefficients {
+        let mut a = self.of_grid(reynolds);
+        if self.prandtl != self.grid_prandtl {
+            // Beyond either end the grid goes on with the factor of its end, and from Re 0 to 1 with that of Re 1.
+            let within = reynolds.clamp(LOWEST_REYNOLDS, HIGHEST_REYNOLDS);
+            let beyond_conduction = |prandtl| beyond_conduction(within, prandtl);
+            let factor = beyond_conduction(self.prandtl) / beyond_conduction(self.grid_prandtl);
+            // Above the table all of Nu grows as a power, the conduction in it too.
+            let conduction = if reynolds > HIGHEST_REYNOLDS { 2.0 * growth(reynolds) } else { 2.0 };
+            a = a.map(|a| a * factor);
+            a[0] += conduction * (1.0 - factor);
+        }
+        a
+    }
+
+    /// The same at the Prandtl number of the grid.
+    fn of_grid(&self, reynolds: f64) -> Coefficients {
         if reynolds < LOWEST_REYNOLDS {
             let mut a = self.grid[0].map(|a| a * reynolds);
             a[0] = 2.0 + (self.grid[0][0] - 2.0) * reynolds;
             return a;
         }
         if reynolds >= HIGHEST_REYNOLDS {
-            let growth = (reynolds / HIGHEST_REYNOLDS).powf(EXTRAPOLATION_EXPONENT);
+            let growth = growth(reynolds);
             return self.grid[GRID_INTERVALS].map(|a| a * growth);
         }
         let position = reynolds.ln() * self.intervals_per_log;
@@ -91,6 +126,11 @@ impl SphereStream {
         let a = self.coefficients(self.reynolds_per_speed * speed);
         (a, (speed != 0.0).then(|| wind_m_s.map(|v| -v / speed)))
     }
+}
+
+/// How much more than at the end of the table, from there on.
+fn growth(reynolds: f64) -> f64 {
+    (reynolds / HIGHEST_REYNOLDS).powf(EXTRAPOLATION_EXPONENT)
 }
 
 /// P_0 … P_5 at z.
@@ -145,8 +185,12 @@ fn uniform_grid(prandtl: f64) -> Vec<Coefficients> {
 
 /// (Nu − 2) at `prandtl` over (Nu − 2) at the Prandtl number of the table, by Clift, Grace and Weber 1978, for Re ≥ 1.
 fn prandtl_factor(reynolds: f64, prandtl: f64) -> f64 {
-    let beyond_conduction = |prandtl: f64| (1.0 + reynolds * prandtl).cbrt() * reynolds.powf(0.077).max(1.0) - 1.0;
-    beyond_conduction(prandtl) / beyond_conduction(TABLE_PRANDTL)
+    beyond_conduction(reynolds, prandtl) / beyond_conduction(reynolds, TABLE_PRANDTL)
+}
+
+/// Nu − 2 by that correlation.
+fn beyond_conduction(reynolds: f64, prandtl: f64) -> f64 {
+    (1.0 + reynolds * prandtl).cbrt() * reynolds.powf(0.077).max(1.0) - 1.0
 }
 
 /// Second derivatives of the natural cubic spline through (x, y), by the tridiagonal algorithm.

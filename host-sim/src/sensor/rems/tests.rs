@@ -27,7 +27,8 @@ fn rises_k(wind_m_s: [f64; 3], power_w: impl Fn(usize) -> f64) -> Vec<f64> {
 fn heat_in_is_heat_out_and_heat_stored() {
     let wind = |phase: f64| [0.5 * phase.cos(), 0.5 * phase.sin(), 0.1];
     let power_w = |i, high| if high { 0.02 } else { 0.001 * i as f64 };
-    let imbalance = imbalance(&mut body(), (100_000, 0.025), wind, power_w);
+    let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+    let imbalance = imbalance(&mut body(), (100_000, 0.025), weather, power_w);
     // 12 J/K at 294 K are 3.4 kJ of stored heat: rounding counts in those.
     assert!(imbalance.abs() < 1e-9, "{imbalance}");
 }

@@ -85,7 +85,7 @@ fn peak_memory_kb() -> u64 {
 fn a_long_recording_passes_in_the_memory_of_some_blocks() {
     const ROWS: u64 = 100_000_000;
     let temp = file("long.parquet", "");
-    let layout = Layout { elements: vec!["a".to_owned()], wind: false, observed: Vec::new() };
+    let layout = Layout { elements: vec!["a".to_owned()], wind: false, gas: false, observed: Vec::new() };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
     for n in 0..ROWS {
@@ -99,6 +99,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
             event: "",
             state: "running",
             wind_m_s: None,
+            gas_temperature_c: None,
         };
         writer.push(&row).unwrap();
     }

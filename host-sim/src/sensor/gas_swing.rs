@@ -1,0 +1,97 @@
+//! A gas whose temperature swings about its mean.
+//!
+//! ```text
+//! T(t) = T_mean + A sin(2π (t − t_start) / P)      from t_start on, T_mean before
+//! ```
+//!
+//! | symbol | key | unit |
+//! |---|---|---|
+//! | A | `amplitude_k` | K |
+//! | P | `period_s` | s |
+//! | t_start | `start_s` | s |
+//!
+//! What follows it: the temperature that every surface gives its heat to, and the properties of the gas at constant pressure, density,
+//! viscosity, conductivity and heat capacity, in the convection. What does not: the surroundings that the surfaces radiate to and the
+//! support stay at their own temperatures, as walls of a tunnel do that are heavier than its gas.
+//!
+//! Limits: one temperature everywhere in the gas, held over each sample period as the wind is; convection answers at once.
+
+use std::f64::consts::TAU;
+
+use super::SensorError;
+
+/// Shortest period in sample periods: a sine that is held in fewer steps would be another swing.
+const LEAST_SAMPLE_PERIODS: f64 = 20.0;
+
+/// How a gas's temperature swings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GasSwing {
+    pub amplitude_k: f64,
+    pub period_s: f64,
+    /// Before, the gas stands still.
+    pub start_s: f64,
+}
+
+impl GasSwing {
+    /// Refuses numbers that make no swing, by their keys.
+    pub fn check(&self, sample_period_s: f64) -> Result<(), SensorError> {
+        let refuse = |key: &str, value: f64, expected: &'static str| {
+            Err(SensorError::out_of_range(format!("gas.swing.{key}"), value, expected))
+        };
+        if !(self.amplitude_k.is_finite() && self.amplitude_k > 0.0) {
+            return refuse("amplitude_k", self.amplitude_k, "more than 0; a gas that stands still has no `swing`");
+        }
+        if !(self.period_s.is_finite() && self.period_s >= LEAST_SAMPLE_PERIODS * sample_period_s) {
+            return refuse(
+                "period_s",
+                self.period_s,
+                "at least 20 sample periods, as the gas is held over each of them",
+            );
+        }
+        if !(self.start_s.is_finite() && self.start_s >= 0.0) {
+            return refuse("start_s", self.start_s, "zero or more");
+        }
+        Ok(())
+    }
+
+    /// How far the gas is from its mean, K.
+    pub fn offset_k(&self, time_s: f64) -> f64 {
+        let since_s = (time_s - self.start_s).max(0.0);
+        self.amplitude_k * (TAU * (since_s / self.period_s).fract()).sin()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SWING: GasSwing = GasSwing { amplitude_k: 5.0, period_s: 600.0, start_s: 100.0 };
+
+    #[test]
+    fn stands_still_before_its_start_and_swings_about_the_mean_from_there() {
+        for (time_s, expected_k) in [
+            (0.0, 0.0),
+            (99.0, 0.0),
+            (100.0, 0.0),
+            (150.0, 2.5),
+            (250.0, 5.0),
+            (400.0, 0.0),
+            (550.0, -5.0),
+            (6250.0, 5.0),
+        ] {
+            // Rounding of a sine whose argument is a few turns.
+            assert!((SWING.offset_k(time_s) - expected_k).abs() < 1e-12, "{time_s}: {}", SWING.offset_k(time_s));
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_no_swing_by_name() {
+        let sentence = |swing: GasSwing| swing.check(0.01).unwrap_err().to_string();
+        assert!(sentence(GasSwing { amplitude_k: 0.0, ..SWING }).contains("`gas.swing.amplitude_k` is 0"));
+        assert!(sentence(GasSwing { amplitude_k: f64::NAN, ..SWING }).contains("`gas.swing.amplitude_k` is NaN"));
+        assert!(sentence(GasSwing { period_s: 0.1, ..SWING }).contains("`gas.swing.period_s` is 0.1"));
+        assert!(sentence(GasSwing { period_s: f64::INFINITY, ..SWING }).contains("`gas.swing.period_s` is inf"));
+        assert!(sentence(GasSwing { start_s: -1.0, ..SWING }).contains("`gas.swing.start_s` is -1"));
+        assert_eq!(GasSwing { period_s: 0.2, ..SWING }.check(0.01), Ok(()));
+    }
+}

@@ -1,0 +1,78 @@
+//! The reference: a small platinum film on its own in the stream near a sphere, that measures the gas.
+//!
+//! ```text
+//! C dT/dt = P + G (T_gas − T) + ε σ A (T_surroundings⁴ − T⁴)          lag C / G
+//! ```
+//!
+//! | part | value | origin |
+//! |---|---|---|
+//! | film | 4 × 2.5 mm | assumed: platinum between two foils of polyimide, 75 µm together |
+//! | capacity | 1.0 mJ/K | derived: 1.07 mg at 1420 kg/m³ and 0.9 J/(g·K) at 230 K; platinum, glue and pads the rest |
+//! | to the gas | 0.43 mW/K in 5 m/s of CO₂ at 1000 Pa and 220 K | derived: by its [correlation](super::convection::film); 0.15 mW/K without wind |
+//! | emissivity | 0.03 | assumed: gilded, as the spheres: bare polyimide would read 8 % of the way from the gas to the surroundings |
+//!
+//! It lags by 2.3 s in 5 m/s, 6.4 s without wind. Element and surface are both called `reference`; the element is the last of its head.
+//!
+//! Limits: no heat through its wires; it neither warms the sphere's gas nor stands in the sphere's wake; one temperature all over.
+
+use super::SensorError;
+use super::body::Surface;
+use super::construction::{Part, check};
+use super::convection::Convection;
+use super::convection::film::Film;
+use super::gas::Gas;
+use super::network::Network;
+
+/// Its name in a head.
+pub const NAME: &str = "reference";
+
+/// What the film is made of; the default is the one of the head of this file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    pub length_m: f64,
+    pub width_m: f64,
+    pub capacity_j_k: f64,
+    pub emissivity: f64,
+}
+
+impl Default for Reference {
+    fn default() -> Reference {
+        Reference { length_m: 4e-3, width_m: 2.5e-3, capacity_j_k: 1e-3, emissivity: 0.03 }
+    }
+}
+
+impl Reference {
+    /// Puts it beside a body, as its last element and its last surface; returns the convection of both.
+    pub(super) fn beside(
+        &self,
+        network: &mut Network,
+        elements: &mut Vec<usize>,
+        surfaces: &mut Vec<Surface>,
+        convection: Convection,
+        gas: &Gas,
+    ) -> Result<Convection, SensorError> {
+        let positive = [
+            ("reference.length_m", self.length_m),
+            ("reference.width_m", self.width_m),
+            ("reference.capacity_j_k", self.capacity_j_k),
+        ];
+        check(&positive, &[("reference.emissivity", self.emissivity)])?;
+        let film = Film::new(gas, self.length_m, self.width_m)?;
+        let node = network.add_node(self.capacity_j_k, gas.temperature_k);
+        surfaces.push(Surface {
+            name: NAME.to_owned(),
+            node,
+            emissivity: self.emissivity,
+            area_m2: 2.0 * self.length_m * self.width_m,
+            carries: Vec::new(),
+            element: Some(elements.len()),
+        });
+        elements.push(node);
+        Ok(Convection::Beside(Box::new(convection), film))
+    }
+}
+
+/// The element.
+pub(super) fn part() -> Part {
+    Part { name: NAME.to_owned(), normal: None }
+}
