@@ -10,7 +10,7 @@ use crate::experiment::{Change, Experiment};
 use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
 use crate::instrument::{ElementSetup, Instrument, InstrumentError, LockStep};
-use crate::recording::{RecordingError, Row};
+use crate::recording::{RecordingError, Row, answer};
 use crate::sensor::Construction;
 use crate::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::toml_file::FileError;
@@ -76,6 +76,7 @@ fn observe(
 ) -> Result<(), RunError> {
     let names = experiment.head.names();
     let observed = experiment.observed();
+    let parts = experiment.parts().len();
     let mut next = 0;
     let mut changes = experiment.changes.iter().peekable();
     while next < experiment.ticks {
@@ -121,6 +122,7 @@ fn observe(
             state: &totals.state,
             wind_m_s: observation.wind_m_s,
             gas_temperature_c: observation.gas_temperature_c,
+            answer: &answer::numbers(observation.answer.as_ref(), parts),
         })?;
     }
     Ok(())
@@ -179,6 +181,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         sample_period_s: experiment.sample_period_s as f32,
         guard: experiment.head.guard_config(experiment.sample_period_s),
         observe: experiment.observe,
+        wind: experiment.wind_commands()?,
         elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
             .map(|(i, (element, &drive))| ElementSetup {
                 name: element.name.clone(),

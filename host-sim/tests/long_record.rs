@@ -8,7 +8,13 @@ use nix::sys::resource::{UsageWho, getrusage};
 
 /// Writes a recording of chance bits of 1 s and a temperature that follows them within 0.5 s, 2 kHz.
 fn write(path: &Path, rows: usize) {
-    let layout = Layout { elements: vec!["wire".to_owned()], wind: false, gas: false, observed: Vec::new() };
+    let layout = Layout {
+        elements: vec!["wire".to_owned()],
+        wind: false,
+        gas: false,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    };
     let mut writer = RecordingWriter::create(path, layout, &Vec::new()).unwrap();
     let (mut seed, mut power_w, mut rise_k) = (1_u64, 0.0_f32, 0.0_f32);
     for n in 0..rows {
@@ -24,6 +30,7 @@ fn write(path: &Path, rows: usize) {
                 power_w: &[power_w],
                 wind_m_s: None,
                 gas_temperature_c: None,
+                answer: &[],
                 equivalent_power_w: &[],
                 heaters: u16::from(power_w > 0.0),
                 event: "",

@@ -164,8 +164,13 @@ fn damaged(name: &str, whole: &[u8], seed: u64) -> usize {
 fn ours(name: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    let layout =
-        Layout { elements: vec!["u".to_owned(), "y".to_owned()], wind: false, gas: false, observed: Vec::new() };
+    let layout = Layout {
+        elements: vec!["u".to_owned(), "y".to_owned()],
+        wind: false,
+        gas: false,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    };
     let metadata: Metadata = vec![("head".to_owned(), "name = \"B\"\nx = 1".to_owned())];
     let mut writer = RecordingWriter::create(&path, layout, &metadata).unwrap();
     for n in 0..40_u16 {
@@ -180,6 +185,7 @@ fn ours(name: &str) -> Vec<u8> {
             state: "running",
             wind_m_s: None,
             gas_temperature_c: None,
+            answer: &[],
         };
         writer.push(&row).unwrap();
     }

@@ -97,7 +97,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         elements: names.iter().copied().map(str::to_owned).collect(),
         wind: simulated,
         gas: simulated && experiment.gas_swing.is_some(),
+        answers: experiment.parts(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
+        answers: Vec::new(),
     };
     let known = metadata(&experiment, &arguments.on);
 

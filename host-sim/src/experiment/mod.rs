@@ -7,6 +7,7 @@
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
+//! | `[answer]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `every_s` (0.01 or a tick if not given) |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |
@@ -39,10 +40,10 @@ pub mod wind;
 
 use std::path::Path;
 
-use dr_core::control::Drive;
+use dr_core::control::{Drive, WindCommand};
 use dr_core::model::SelfHeatingConfig;
 
-use crate::head::Head;
+use crate::head::{Answering, Head};
 use crate::model::Conditions;
 use crate::sensor::{
     Construction, GasSwing, Imperfections, Sensor, SensorConfig, SensorError, Species, TimedFault, WindEntry,
@@ -51,7 +52,7 @@ use crate::toml_file::{FileError, Source, suggest};
 pub use drives::Change;
 use drives::GasRange;
 use models::Models;
-use table::{ExperimentTable, FaultTable};
+use table::{AnswerTable, ExperimentTable, FaultTable};
 
 /// Sample periods between 1 kHz and 1 Hz.
 const SAMPLE_PERIODS_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
@@ -66,6 +67,8 @@ pub struct Experiment {
     pub models: Option<Models>,
     /// Whether the models are held on the measured temperatures while it runs, and what the structures take is recorded.
     pub observe: bool,
+    /// How the head answers with the wind; none without a calibration.
+    pub answering: Option<Answering>,
     pub sample_period_s: f64,
     pub ticks: u32,
     pub seed: u64,
@@ -122,6 +125,7 @@ impl Experiment {
         let gas_swing = table.gas.swing.map(GasSwing::from);
         swing_starts(&grid, gas_swing.as_ref(), table.duration_s)?;
         let drive_tables = table.drives;
+        let answering = answering(&grid, table.answer.as_ref(), &head)?;
         let mut experiment = Self {
             wind: wind::entries(&grid, table.wind, table.tunnel, ticks)?,
             faults: faults(&grid, &table.faults, &head, table.duration_s)?,
@@ -129,6 +133,7 @@ impl Experiment {
             head,
             models,
             observe: table.observe,
+            answering,
             sample_period_s,
             ticks,
             seed: table.seed,
@@ -164,6 +169,24 @@ impl Experiment {
     pub fn observed(&self) -> Vec<usize> {
         let all = 0..self.head.elements.len();
         all.filter(|&element| self.observe && self.model(element).is_some()).collect()
+    }
+
+    /// Names of the parts of a head that answers with the wind.
+    pub fn parts(&self) -> Vec<String> {
+        let parts = self.head.calibration.as_ref().map_or(&[][..], |calibration| &calibration.parts);
+        parts.iter().map(|&element| self.head.elements[element].name.clone()).collect()
+    }
+
+    /// What the anemometer is told, in the order in which it has to be told; nothing for a head without a calibration.
+    pub fn wind_commands(&self) -> Result<Vec<WindCommand>, FileError> {
+        let (Some(calibration), Some(answering)) = (&self.head.calibration, &self.answering) else {
+            return Ok(Vec::new());
+        };
+        let made = calibration.commands(answering, self.sample_period_s);
+        let (mut commands, _) = made.map_err(|sentence| self.source.refuse("answer", sentence))?;
+        let temperature_c = calibration.reference.is_none().then_some(self.gas_temperature_c as f32);
+        commands.push(WindCommand::Gas { pressure_pa: self.pressure_pa as f32, temperature_c });
+        Ok(commands)
     }
 
     /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not 0.29000000000000004.
@@ -322,6 +345,28 @@ fn tidy(number: f64) -> f64 {
 }
 
 /// A swing begins with a tick, and before the end.
+/// How a head with a calibration answers.
+fn answering(grid: &Grid, table: Option<&AnswerTable>, head: &Head) -> Result<Option<Answering>, FileError> {
+    let source = grid.source;
+    if head.calibration.is_none() {
+        return match table {
+            None => Ok(None),
+            Some(_) => {
+                let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
+                Err(source.refuse("answer", sentence))
+            }
+        };
+    }
+    let (bandwidth_hz, every_s) = table.map_or((None, None), |table| (table.bandwidth_hz, table.every_s));
+    if let Some(bandwidth_hz) = bandwidth_hz {
+        source.within("answer.bandwidth_hz", bandwidth_hz, Answering::BANDWIDTHS_HZ, "Hz")?;
+    }
+    if let Some(every_s) = every_s {
+        grid.whole_ticks("answer.every_s", every_s)?;
+    }
+    Ok(Some(Answering::new(bandwidth_hz, every_s, grid.sample_period_s)))
+}
+
 fn swing_starts(grid: &Grid, swing: Option<&GasSwing>, duration_s: f64) -> Result<(), FileError> {
     let Some(swing) = swing else { return Ok(()) };
     grid.instant("gas.swing.start_s", swing.start_s)?;

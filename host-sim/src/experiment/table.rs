@@ -18,6 +18,7 @@ pub(super) struct ExperimentTable {
     pub models: Option<PathBuf>,
     #[serde(default)]
     pub observe: bool,
+    pub answer: Option<AnswerTable>,
     pub sample_period_s: f64,
     pub duration_s: f64,
     #[serde(default)]
@@ -37,6 +38,13 @@ pub(super) struct ExperimentTable {
     pub tunnel: Option<TunnelTable>,
     #[serde(default)]
     pub faults: Vec<FaultTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnswerTable {
+    pub bandwidth_hz: Option<f64>,
+    pub every_s: Option<f64>,
 }
 
 #[derive(Deserialize)]

@@ -8,11 +8,13 @@
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s` |
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
+//! | `[calibration]` | optional, see [`calibration`] |
 //! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
 //!
 //! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor, by name and in order; a sphere's may be
 //! followed by one more, `reference`. Numbers are checked by dr-core's own constructors, as the board will.
 
+pub mod calibration;
 mod matching;
 mod table;
 
@@ -25,6 +27,7 @@ use dr_core::sensor::{Channel, Level, Platinum};
 
 use crate::sensor::{self, Construction, PlatinumKind};
 use crate::toml_file::{FileError, Source, suggest};
+pub use calibration::{Answering, Calibration};
 use table::{ElementTable, HeadTable};
 
 /// Heaters of more elements would not fit the masks on the wire.
@@ -41,6 +44,8 @@ pub struct Head {
     pub missing_limit_ticks: u32,
     pub unreachable_limit_s: f64,
     pub elements: Vec<Element>,
+    /// What it takes to answer with the wind.
+    pub calibration: Option<Calibration>,
 }
 
 /// A checked element.
@@ -92,12 +97,15 @@ impl Head {
             elements.push(element);
         }
         let sensor = table.sensor.map(|name| matching::sensor(&source, &name, &elements)).transpose()?;
+        let calibration =
+            table.calibration.map(|table| Calibration::from_table(&source, table, &elements)).transpose()?;
         Ok(Self {
             name: table.name,
             sensor,
             volt_per_code: adc.volt_per_code,
             missing_limit_ticks: table.guard.missing_limit_ticks,
             unreachable_limit_s,
+            calibration,
             elements,
             source,
         })

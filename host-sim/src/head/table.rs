@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::calibration::CalibrationTable;
 use crate::sensor::PlatinumKind;
 
 #[derive(Deserialize)]
@@ -18,6 +19,7 @@ pub(super) struct HeadTable {
     pub kinds: BTreeMap<String, ElementTable>,
     #[serde(default)]
     pub elements: Vec<ElementTable>,
+    pub calibration: Option<CalibrationTable>,
 }
 
 #[derive(Deserialize)]

@@ -1,7 +1,7 @@
 //! What an instrument is told before a run, in the order in which it has to be told.
 
 use super::{Instrument, InstrumentError};
-use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply, Trip};
+use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply, Trip, WindCommand};
 use dr_core::model::SelfHeatingConfig;
 
 /// Everything that an instrument has to know of an experiment.
@@ -15,6 +15,8 @@ pub struct Setup {
     pub observe: bool,
     /// The elements, in order.
     pub elements: Vec<ElementSetup>,
+    /// What the anemometer has to know; nothing for a head without a calibration.
+    pub wind: Vec<WindCommand>,
 }
 
 /// One element of it.
@@ -52,6 +54,9 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
             instrument.command(Command::Model { element, model })?;
         }
         instrument.command(Command::Drive { element, drive: of.drive })?;
+    }
+    for wind in &setup.wind {
+        instrument.command(Command::Wind(*wind))?;
     }
     Ok(match instrument.command(Command::Start)? {
         // It runs, but what it said got lost: that much is known here as well.

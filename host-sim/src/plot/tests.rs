@@ -11,7 +11,13 @@ fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
 /// The same, in a gas that swings or does not.
 fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
     let metadata: Metadata = metadata.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let layout = Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind: true, gas, observed: Vec::new() };
+    let layout = Layout {
+        elements: ELEMENTS.map(str::to_owned).to_vec(),
+        wind: true,
+        gas,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    };
     let mut collector = Collector::new(layout, &metadata);
     let mut state = 1_u32;
     let mut random = || {

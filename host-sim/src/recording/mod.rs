@@ -11,11 +11,13 @@
 //! | `state` | `standby`, `running` or `tripped:<cause>:<element>` | text |
 //! | `wind_x_m_s`, `wind_y_m_s`, `wind_z_m_s` | true wind over the interval, when it is simulated | m/s |
 //! | `gas_temperature_c` | true temperature of the gas over the interval, when it is simulated and swings | °C |
+//! | `answer_…`, `conductance_w_k:<element>`, `raw_w_k:<element>` | what the anemometer says of the wind ([`answer`]); only of heads with a calibration | |
 //!
 //! Metadata (head, experiment, firmware, losses, hash …) are Parquet's key-values and, in CSV, lines `# key: value`: what is known
 //! beforehand above the header, what only the end of a run tells below the last row. Times are stored in f64, the rest in f32,
 //! which is what the instrument computes in. Any other uniformly sampled table with named columns can be read just as well.
 
+pub mod answer;
 mod collect;
 mod comma;
 mod parquet;

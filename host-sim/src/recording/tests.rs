@@ -3,7 +3,13 @@ use super::*;
 const ELEMENTS: [&str; 2] = ["sector1", "core1"];
 
 fn layout(wind: bool) -> Layout {
-    Layout { elements: ELEMENTS.map(str::to_owned).to_vec(), wind, gas: false, observed: Vec::new() }
+    Layout {
+        elements: ELEMENTS.map(str::to_owned).to_vec(),
+        wind,
+        gas: false,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    }
 }
 
 fn metadata(pairs: &[(&str, &str)]) -> Metadata {
@@ -90,6 +96,7 @@ fn a_collected_recording_is_the_one_that_would_be_read() {
         state: "running",
         wind_m_s: Some([1.0, 2.0, -3.5]),
         gas_temperature_c: None,
+        answer: &[],
     };
     writer.push(&row).unwrap();
     collector.push(&row).unwrap();
@@ -129,7 +136,13 @@ fn names_that_cannot_be_written_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(create(Path::new("out.xlsx"), layout(false)), "out.xlsx: a recording's name ends in .parquet or .csv");
     assert!(create(Path::new("no/such/folder/out.csv"), layout(false)).contains("there is no folder `no/such/folder`"));
-    let twins = Layout { elements: vec!["core".into(), "core".into()], wind: false, gas: false, observed: Vec::new() };
+    let twins = Layout {
+        elements: vec!["core".into(), "core".into()],
+        wind: false,
+        gas: false,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c:core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -148,6 +161,7 @@ fn a_row_that_does_not_fit_is_refused() {
         state: "",
         wind_m_s: None,
         gas_temperature_c: None,
+        answer: &[],
     };
     let error = writer.push(&row).unwrap_err().to_string();
     assert_eq!(error, "the row for 0.5 s does not fit the recording: 1 temperatures for 2 elements");
@@ -268,6 +282,7 @@ fn the_gas_has_a_column_only_where_it_swings() {
                 state: "running",
                 wind_m_s: wind.then_some([6.0, 7.0, 8.0]),
                 gas_temperature_c: Some(-53.5),
+                answer: &[],
             };
             let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
             writer.push(&row).unwrap();
@@ -303,6 +318,7 @@ fn what_observers_see_has_columns_only_where_they_ran() {
             state: "running",
             wind_m_s: Some([6.0, 7.0, 8.0]),
             gas_temperature_c: None,
+            answer: &[],
         };
         let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
         writer.push(&row).unwrap();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{
     EQUIVALENT_POWER, EVENT, Format, GAS_TEMPERATURE, HEATER, Metadata, POWER, RecordingError, STATE, TEMPERATURE,
-    TIME, Temporary, WIND, comma, duplicate, parquet,
+    TIME, Temporary, WIND, answer, comma, duplicate, parquet,
 };
 
 /// What a recording's rows consist of.
@@ -18,6 +18,8 @@ pub struct Layout {
     pub gas: bool,
     /// Names of the elements whose rows carry what an observer sees.
     pub observed: Vec<String>,
+    /// Names of the parts of a head that answers with the wind; none if it does not.
+    pub answers: Vec<String>,
 }
 
 /// One tick.
@@ -37,12 +39,15 @@ pub struct Row<'a> {
     pub wind_m_s: Option<[f64; 3]>,
     /// Held until the next row.
     pub gas_temperature_c: Option<f64>,
+    /// What the anemometer says, as [`answer::numbers`] has it.
+    pub answer: &'a [f32],
 }
 
 impl Row<'_> {
-    /// What is known of the conditions, in the order of the columns: wind in m/s, gas in °C.
+    /// What is known of the conditions, in the order of the columns: wind in m/s, gas in °C, and what the anemometer says of them.
     pub(super) fn conditions(&self) -> impl Iterator<Item = f64> {
-        self.wind_m_s.into_iter().flatten().chain(self.gas_temperature_c)
+        let known = self.wind_m_s.into_iter().flatten().chain(self.gas_temperature_c);
+        known.chain(self.answer.iter().map(|&number| f64::from(number)))
     }
 }
 
@@ -72,6 +77,7 @@ impl Layout {
         if self.gas {
             columns.push((GAS_TEMPERATURE.to_owned(), Kind::Number));
         }
+        columns.extend(answer::columns(&self.answers).into_iter().map(|name| (name, Kind::Number)));
         columns
     }
 
@@ -92,6 +98,10 @@ impl Layout {
         }
         if row.gas_temperature_c.is_some() != self.gas {
             return refuse("the temperature of the gas belongs in every row or in none".to_owned());
+        }
+        let (given, wanted) = (row.answer.len(), answer::columns(&self.answers).len());
+        if given != wanted {
+            return refuse(format!("{given} numbers of an answer where {wanted} belong"));
         }
         if !row.time_s.is_finite() {
             return refuse("its time is not finite".to_owned());

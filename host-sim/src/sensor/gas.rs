@@ -23,7 +23,7 @@ const KELVIN_PER_WAVE_NUMBER: f64 = 1.438_776_877;
 /// Zero of the Celsius scale, K.
 pub const ZERO_CELSIUS_K: f64 = 273.15;
 
-const TEMPERATURE_RANGE_K: std::ops::RangeInclusive<f64> = 150.0..=400.0;
+pub const TEMPERATURE_RANGE_K: std::ops::RangeInclusive<f64> = 150.0..=400.0;
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
 
 /// Lowest temperature at which the conductivity of Vesovic 1990 holds, K.

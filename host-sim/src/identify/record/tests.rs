@@ -122,6 +122,7 @@ fn ours(name: &str, rows: usize, late: usize) -> Temp {
         wind: false,
         gas: false,
         observed: Vec::new(),
+        answers: Vec::new(),
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     for n in 0..rows {

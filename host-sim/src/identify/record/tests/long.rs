@@ -85,7 +85,8 @@ fn peak_memory_kb() -> u64 {
 fn a_long_recording_passes_in_the_memory_of_some_blocks() {
     const ROWS: u64 = 100_000_000;
     let temp = file("long.parquet", "");
-    let layout = Layout { elements: vec!["a".to_owned()], wind: false, gas: false, observed: Vec::new() };
+    let layout =
+        Layout { elements: vec!["a".to_owned()], wind: false, gas: false, observed: Vec::new(), answers: Vec::new() };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
     for n in 0..ROWS {
@@ -100,6 +101,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
             state: "running",
             wind_m_s: None,
             gas_temperature_c: None,
+            answer: &[],
         };
         writer.push(&row).unwrap();
     }

@@ -1,0 +1,204 @@
+//! Steady winds of calibration recordings: means of what the windless observer reads off, once each wind has settled.
+
+use std::path::Path;
+
+use dr_core::ConfigError;
+use dr_core::control::Tick;
+use dr_core::model::{Look, Network, NetworkState};
+use wire::MOST_ELEMENTS;
+
+use super::replay::{Moment, Replay, ReplayError};
+use super::winds::Winds;
+use crate::calibrate::{GasProperties, PartReading, Steady};
+use crate::head::Head;
+use crate::network::{Observer, ReadingNoise, Windless};
+use crate::sensor::gas::{Gas, ZERO_CELSIUS_K};
+use crate::sensor::Species;
+
+/// Bandwidth at which a calibration looks, Hz: it has time.
+pub const BANDWIDTH_HZ: f64 = 0.5;
+/// What no noise says of a mean: the share of it by which drifts and models may be wrong.
+const LEAST_ERROR: f64 = 3e-4;
+/// Two winds nearer than this in every component are one, m/s.
+const SAME_M_S: f64 = 1e-6;
+
+/// What a calibration looks for in its recordings.
+pub struct Search<'a> {
+    pub head: &'a Head,
+    pub windless: &'a Windless,
+    pub noise: &'a [ReadingNoise],
+    /// Places in the head of the parts' elements, in their order.
+    pub parts: &'a [usize],
+    /// The element that measures the gas.
+    pub reference: Option<usize>,
+    pub reference_gas_c: f64,
+    /// Left out of every wind, s.
+    pub settle_s: f64,
+    pub winds: Option<&'a Winds>,
+}
+
+/// What was found in a recording.
+pub struct Found {
+    pub steady: Vec<Steady>,
+    pub species: Species,
+    /// Winds that were left out because they were too short.
+    pub short: usize,
+}
+
+/// Sums over a steady wind.
+struct Sums {
+    label: String,
+    wind_m_s: [f64; 3],
+    from_s: f64,
+    period_s: f64,
+    rows: u64,
+    gas_c: f64,
+    convection_w: Vec<f64>,
+    surface_c: Vec<f64>,
+}
+
+impl Search<'_> {
+    /// The steady winds of a recording.
+    ///
+    /// # Errors
+    /// If it cannot be read, does not tell its gas or its winds, or holds what the observer cannot be made for.
+    pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<Found, ReplayError> {
+        let refuse = |sentence: String| ReplayError::Sentence(format!("{}: {sentence}", path.display()));
+        let mut replay = Replay::open(path, self.head, None)?;
+        let period_s = replay.sample_period_s();
+        let conditions = replay.conditions().cloned().ok_or_else(|| {
+            refuse("does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata".to_owned())
+        })?;
+        let species = species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
+        let observer = self.windless.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(refuse)?;
+        let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
+        let mut state = NetworkState::default();
+        let (mut found, mut current) = (Found { steady: Vec::new(), species, short: 0 }, None::<Sums>);
+        let mut levels = 0;
+        let mut rows = 0;
+        while let Some(moment) = replay.next()? {
+            let convection = network.step(&mut state, &look(&moment.tick, levels));
+            levels = moment.tick.heaters.0;
+            rows += 1;
+            if rows % 65_536 == 0 {
+                each(rows);
+            }
+            let wind_m_s = self.wind(&moment).ok_or_else(|| {
+                refuse(format!("does not tell the wind of `{}`: give a table of winds with --winds", moment.event))
+            })?;
+            let same = |sums: &Sums| {
+                sums.label == moment.event
+                    && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
+            };
+            if !current.as_ref().is_some_and(same) {
+                self.close(current.take(), conditions.pressure_pa, &observer, &mut found)?;
+                current = Some(Sums::new(&moment, wind_m_s, period_s, self.parts.len()));
+            }
+            let Some(sums) = &mut current else { continue };
+            if let Some(convection) = convection
+                && moment.time_s - sums.from_s >= self.settle_s
+            {
+                let gas_c = match self.reference {
+                    Some(reference) => f64::from(moment.tick.temperature_c[reference]),
+                    None => moment.gas_c.unwrap_or(conditions.gas_temperature_c),
+                };
+                sums.rows += 1;
+                sums.gas_c += gas_c;
+                for (p, &i) in self.parts.iter().enumerate() {
+                    sums.convection_w[p] += f64::from(convection.power_w[i]);
+                    sums.surface_c[p] += f64::from(convection.surface_c[i]);
+                }
+            }
+        }
+        self.close(current.take(), conditions.pressure_pa, &observer, &mut found)?;
+        Ok(found)
+    }
+
+    fn wind(&self, moment: &Moment) -> Option<[f64; 3]> {
+        match self.winds {
+            Some(winds) => winds.get(&moment.event).copied(),
+            None => moment.wind_m_s,
+        }
+    }
+
+    /// Means of a wind that is over, if it lasted.
+    fn close(
+        &self,
+        sums: Option<Sums>,
+        pressure_pa: f64,
+        observer: &Observer,
+        found: &mut Found,
+    ) -> Result<(), ReplayError> {
+        let Some(sums) = sums else { return Ok(()) };
+        if sums.rows < 2 {
+            found.short += 1;
+            return Ok(());
+        }
+        let rows = sums.rows as f64;
+        let gas_c = sums.gas_c / rows;
+        let gas = Gas::new(found.species, pressure_pa, gas_c + ZERO_CELSIUS_K)
+            .map_err(|error| ReplayError::Sentence(format!("`{}`: {error}", sums.label)))?;
+        let parts = (self.parts.iter().enumerate()).map(|(p, &i)| {
+            let power_w = sums.convection_w[p] / rows;
+            let surface_c = sums.surface_c[p] / rows;
+            let sd_w = observer.own.iter().position(|(own, _)| *own == i).map_or(0.0, |at| observer.sd_w[at]);
+            // So many independent looks as the bandwidth lets through, π/2 a hertz and second.
+            let looks = (rows * sums.period_s * std::f64::consts::PI * BANDWIDTH_HZ).max(1.0);
+            let least_w = LEAST_ERROR * power_w.abs().max(1e-3);
+            PartReading {
+                power_w,
+                overheat_k: surface_c - gas_c,
+                above_reference_k: surface_c - self.reference_gas_c,
+                variance_w2: sd_w * sd_w / looks + least_w * least_w,
+            }
+        });
+        found.steady.push(Steady {
+            label: sums.label,
+            wind_m_s: sums.wind_m_s,
+            gas: GasProperties {
+                density_kg_m3: gas.density_kg_m3,
+                viscosity_pa_s: gas.viscosity_pa_s,
+                conductivity_w_m_k: gas.conductivity_w_m_k,
+            },
+            parts: parts.collect(),
+        });
+        Ok(())
+    }
+}
+
+impl Sums {
+    fn new(moment: &Moment, wind_m_s: [f64; 3], period_s: f64, parts: usize) -> Self {
+        Self {
+            label: moment.event.clone(),
+            wind_m_s,
+            from_s: moment.time_s,
+            period_s,
+            rows: 0,
+            gas_c: 0.0,
+            convection_w: vec![0.0; parts],
+            surface_c: vec![0.0; parts],
+        }
+    }
+}
+
+/// The windless network of an observer, as the board has it.
+fn network(observer: &Observer, sample_period_s: f32) -> Result<Network<MOST_ELEMENTS>, ConfigError> {
+    let mut network = Network::default();
+    for (element, config) in &observer.own {
+        network.set_own(*element, config, sample_period_s)?;
+    }
+    for cross in &observer.cross {
+        network.set_cross(cross, sample_period_s)?;
+    }
+    Ok(network)
+}
+
+/// A tick as the network looks at it.
+fn look(tick: &Tick<MOST_ELEMENTS>, read_high: u16) -> Look<'_, MOST_ELEMENTS> {
+    Look { temperature_c: &tick.temperature_c, valid: tick.valid, read_high, power_w: &tick.power_w }
+}
+
+/// A gas by the name that recordings have for it.
+pub fn species(name: &str) -> Option<Species> {
+    [Species::CarbonDioxide, Species::Air].into_iter().find(|species| species.name() == name)
+}

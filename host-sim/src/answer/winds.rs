@@ -1,0 +1,38 @@
+//! Winds that are known: the simulated tunnel's, which stand in the recording, or a table's, by the label of the conditions.
+//!
+//! A table is CSV with the columns `event`, `wind_x_m_s`, `wind_y_m_s`, `wind_z_m_s`: where the gas goes to, in the tunnel's frame.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::recording::{EVENT, Recording, RecordingError, WIND};
+
+/// Wind by label, m/s.
+pub type Winds = HashMap<String, [f64; 3]>;
+
+/// Reads a table of winds.
+///
+/// # Errors
+/// If it cannot be read, lacks a column, or gives a label twice.
+pub fn read(path: &Path) -> Result<Winds, RecordingError> {
+    let refuse = |sentence: String| RecordingError::Content { path: path.to_owned(), sentence };
+    let table = Recording::read(path)?;
+    let labels = table
+        .words(EVENT)
+        .map_err(|_| refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", WIND.join(", "))))?;
+    let mut components = Vec::new();
+    for name in WIND {
+        components.push(table.numbers(name).map_err(|_| refuse(format!("has no column `{name}` of numbers")))?);
+    }
+    let mut winds = Winds::new();
+    for (row, label) in labels.iter().enumerate() {
+        let wind_m_s = std::array::from_fn(|k| components[k][row]);
+        if wind_m_s.iter().any(|v: &f64| !v.is_finite()) {
+            return Err(refuse(format!("has no finite wind for `{label}`")));
+        }
+        if winds.insert(label.to_owned(), wind_m_s).is_some() {
+            return Err(refuse(format!("has `{label}` twice")));
+        }
+    }
+    Ok(winds)
+}
