@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! e_i  = s_i (T_i − rest_i − Σ_k R_k^ii x_k^ii − Σ_j Σ_k R_k^ij x_k^ij)
-//! q_i  ← q_i + ℓ_i e_i
+//! q_i  ← q_i − ℓ_i e_i
 //! x_k^ii ← x_k^ii + g_k (P_i − m_k q_i + c_k e_i − x_k^ii)
 //! x_k^ij ← x_k^ij + g_k (P_j − m_k q_j − x_k^ij)
 //! Ts_i = rest_i + Σ_k R_k^ii m_k x_k^ii + Σ_j Σ_k R_k^ij x_k^ij
@@ -171,7 +171,7 @@ impl<const N: usize> Network<N> {
                 let weight = own.weights[usize::from(look.read_high >> i & 1)];
                 innovation_k = weight * (look.temperature_c[i] - base_c - own.symbol.output(x));
             }
-            let q = state.convection_w[i] + own.convection_w_per_k * innovation_k;
+            let q = state.convection_w[i] - own.convection_w_per_k * innovation_k;
             state.convection_w[i] = q;
             convection.power_w[i] = q;
             convection.surface_c[i] = base_c + own.surface_k_per_w.output(x);
