@@ -10,6 +10,7 @@
 //! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |
 //! | [`identify`], [`model`] | models from recordings |
+//! | [`network`] | the windless network of a head, as the board runs it |
 //! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
 //! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
 //! | [`cli`] | the command line |
@@ -21,6 +22,7 @@ pub mod head;
 pub mod identify;
 pub mod instrument;
 pub mod model;
+pub mod network;
 pub mod plot;
 pub mod predict;
 pub mod recording;

@@ -18,6 +18,8 @@ mod fits;
 mod identify;
 mod merge;
 mod model_summary;
+mod network;
+mod network_summary;
 mod plot;
 mod predict;
 mod predict_against;
@@ -66,6 +68,7 @@ enum Command {
     Design(design::Arguments),
     Identify(identify::Arguments),
     Merge(merge::Arguments),
+    Network(network::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
@@ -133,6 +136,7 @@ pub fn main() -> ExitCode {
         Command::Design(arguments) => design::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
+        Command::Network(arguments) => network::execute(&arguments),
         Command::Validate(arguments) => validate::execute(&arguments),
         Command::Plot(arguments) => plot::execute(&arguments),
         Command::Example(arguments) => example::execute(&arguments),

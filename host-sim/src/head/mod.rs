@@ -8,8 +8,8 @@
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s` |
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
+//! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, optionally `layers` (0 … 3, between element and surface) |
 //! | `[calibration]` | optional, see [`calibration`] |
-//! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c` |
 //!
 //! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor, by name and in order; a sphere's may be
 //! followed by one more, `reference`. Numbers are checked by dr-core's own constructors, as the board will.
@@ -32,6 +32,8 @@ use table::{ElementTable, HeadTable};
 
 /// Heaters of more elements would not fit the masks on the wire.
 const MOST_ELEMENTS: usize = 16;
+/// More layers than a record can tell apart.
+const MOST_LAYERS: u8 = 3;
 
 /// A checked head.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +58,8 @@ pub struct Element {
     pub kind: Option<String>,
     /// Unit vector away from the sensor, for what looks into the wind.
     pub normal: Option<[f64; 3]>,
+    /// Layers between it and the surface of the sensor, each of some capacity and a resistance towards the next; 0 where it is the surface.
+    pub layers: usize,
     /// Calibration and currents in f64, as the simulation wants them.
     pub nominal: sensor::ElementConfig,
     /// The same for the controller, with the limits.
@@ -199,6 +203,20 @@ impl<'a> Keys<'a> {
         }
     }
 
+    fn layers(&self) -> Result<usize, FileError> {
+        let kind = self.shared.as_ref().and_then(|(_, shared)| shared.layers);
+        if self.own.layers.or(kind).is_none() {
+            return Ok(0);
+        }
+        let (&layers, key) = self.get("layers", |table| &table.layers)?;
+        if layers > MOST_LAYERS {
+            return Err(self
+                .source
+                .refuse(&key, format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}")));
+        }
+        Ok(usize::from(layers))
+    }
+
     /// The error of dr-core for one of this element's numbers.
     fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
         self.source
@@ -256,6 +274,7 @@ fn element(
         temperature_max_c: keys.number("temperature_max_c", |table| &table.temperature_max_c)? as f32,
         code_max: adc.code_max,
     };
+    let layers = keys.layers()?;
     let platinum = characteristic(platinum_kind).map_err(|error| keys.refuse(&platinum_key, &error))?;
     let channel = Channel::new(platinum, adc.volt_per_code as f32, current_low_a as f32, current_high_a as f32)
         .map_err(|error| keys.refuse_named(&error))?;
@@ -264,6 +283,7 @@ fn element(
         name,
         kind: own.kind.clone(),
         normal,
+        layers,
         nominal: sensor::ElementConfig { platinum: platinum_kind, current_low_a, current_high_a },
         config: ElementConfig { channel, limits },
     })
@@ -321,6 +341,22 @@ mod tests {
         assert_eq!(head.elements[4].kind.as_deref(), Some("core"));
         assert_eq!(head.sensor, Some(Construction::default()));
         assert_eq!(head.kinds(), ["core", "sector"]);
+    }
+
+    #[test]
+    fn layers_are_an_elements_own_or_its_kinds_and_none_without_a_word() {
+        let layers = |source: Source| -> Vec<usize> {
+            Head::from_source(source).unwrap().elements.iter().map(|element| element.layers).collect()
+        };
+        assert_eq!(layers(sphere_b()), [1, 1, 1, 1, 0, 0]);
+        let mut other = sphere_b();
+        other.text = other.text.replace("name = \"sector2\"", "name = \"sector2\"\nlayers = 3");
+        assert_eq!(layers(other), [1, 3, 1, 1, 0, 0]);
+        let sentence = refused("layers = 1", "layers = 4");
+        assert!(
+            sentence.contains("`kinds.sector.layers` is 4: between an element and its surface are 0 to 3"),
+            "{sentence}"
+        );
     }
 
     #[test]

@@ -49,6 +49,7 @@ pub(super) struct ElementTable {
     pub resistance_min_ohm: Option<f64>,
     pub resistance_max_ohm: Option<f64>,
     pub temperature_max_c: Option<f64>,
+    pub layers: Option<u8>,
 }
 
 #[derive(Deserialize, Clone, Copy)]

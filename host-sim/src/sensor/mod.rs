@@ -79,7 +79,7 @@ pub enum SensorError {
 }
 
 impl SensorError {
-    fn out_of_range(name: impl Into<String>, value: f64, expected: &'static str) -> SensorError {
+    pub(crate) fn out_of_range(name: impl Into<String>, value: f64, expected: &'static str) -> SensorError {
         SensorError::OutOfRange { name: name.into(), value, expected }
     }
 }

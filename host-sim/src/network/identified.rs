@@ -1,0 +1,272 @@
+//! The whole network from records that drive one element each: every pair with as many free rates as its record can tell apart.
+//!
+//! Twice. What the other elements do at their low level is little, but it is no constant: it changes with their resistance, and so with what the
+//! driven one does to them, and left alone it would pass for its work (of the steady gain of a sphere, some 3 ‰). So what the first round makes of
+//! their powers is taken off the temperatures before the second:
+//!
+//! ```text
+//! y_j − Σ_{l ≠ i} (H_lj P_l)  =  rest_j + (H_ij P_i) + noise
+//! ```
+//!
+//! whose offset is then the temperature with no heating at all. Every record says it once; the mean is taken.
+//!
+//! | decided | how |
+//! |---|---|
+//! | beginning | settled: a record begins with half a minute or so of all elements at their low level |
+//! | mesh for the start | 20 rates from 2π/T to 2π/Ts |
+//! | rates a pair | the most, up to 4, of which each is known within its half and stands apart from the next by two standard errors; own heating with no negative resistance, as its ladder needs |
+//! | noise of readings | what the records of the others leave of an element: all at its low level |
+
+use std::path::Path;
+
+use dr_core::model::mesh;
+
+use super::recorded::Recorded;
+use crate::identify::candidates::{Beginning, Given};
+use crate::identify::choose::Signs;
+use crate::identify::record::Table;
+use crate::identify::{Options, Progress, refine, symbol};
+use crate::model::merge::merge;
+use crate::model::{Model, Pair};
+use crate::recording::{POWER, TEMPERATURE};
+
+/// Rates of the mesh from which free ones start.
+const MESH: usize = 20;
+/// A rate of a greater standard error, in units of itself, is not known.
+const KNOWN: f64 = 0.5;
+
+/// Most free rates a pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Poles {
+    pub own: usize,
+    pub cross: usize,
+}
+
+impl Default for Poles {
+    fn default() -> Self {
+        Self { own: 4, cross: 4 }
+    }
+}
+
+/// Pairs of one record: all temperatures by the driven element's power.
+struct Round {
+    name: String,
+    driven: String,
+    /// By element.
+    models: Vec<Model>,
+}
+
+/// Identifies all records and merges them. `read` hands out record number n, as often as it is asked for.
+///
+/// # Errors
+/// A sentence that names the record or the pair.
+pub fn identified(
+    records: usize,
+    read: &dyn Fn(usize) -> Result<Recorded, String>,
+    poles: Poles,
+    progress: &mut Progress<'_>,
+) -> Result<Model, String> {
+    let first = read(0)?;
+    let mut rounds: Vec<Round> = Vec::new();
+    for n in 0..records {
+        let record = read(n)?;
+        record.alike(&first)?;
+        if let Some(before) = rounds.iter().find(|round| round.driven == record.driven_name()) {
+            return Err(format!(
+                "{} and {} both drive `{}`: one of them is enough",
+                before.name, record.name, before.driven
+            ));
+        }
+        rounds.push(first_round(&record, poles, progress)?);
+    }
+    let missing: Vec<&str> = first
+        .elements
+        .iter()
+        .map(String::as_str)
+        .filter(|name| rounds.iter().all(|round| round.driven != *name))
+        .collect();
+    if !missing.is_empty() {
+        return Err(format!("no record drives {}: the network needs one record an element", missing.join(", ")));
+    }
+    let mut second = Vec::new();
+    for n in 0..records {
+        second.push(second_round(&read(n)?, &rounds, poles, progress)?);
+    }
+    network(&first.elements, second)
+}
+
+fn options() -> Options {
+    let given =
+        Given { beginning: Some(Beginning::Settled), feed_through: Some(false), delay: Some(0), ..Given::default() };
+    Options { given, signs: Signs::Any, ..Options::default() }
+}
+
+/// A mesh for all temperatures at once, and free rates from it.
+fn first_round(record: &Recorded, poles: Poles, progress: &mut Progress<'_>) -> Result<Round, String> {
+    let mut table = table(record, &(0..record.elements.len()).collect::<Vec<_>>(), &record.temperature_c)?;
+    let rows = record.power_w[record.driven].len() as f64;
+    let (first, last) = mesh::thesis_edges_rad_s(rows * record.sample_period_s, record.sample_period_s, 1);
+    let mut given = options();
+    (given.given.order, given.given.edges_rad_s) = (Some(MESH), Some((first, 2.0 * last)));
+    let whole = symbol::identify(&mut table, &given, progress, &mut |_| {}).map_err(|error| error.to_string())?;
+    let mut models = Vec::new();
+    for (output, of) in whole.outputs.iter().enumerate() {
+        let pairs = whole.pairs.iter().filter(|pair| pair.output == of.name).cloned().collect();
+        let start = Model { outputs: vec![of.clone()], pairs, end: None, warnings: Vec::new(), ..whole.clone() };
+        models.push(free(record, output, &record.temperature_c[output], &start, poles, progress)?);
+    }
+    Ok(Round { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
+}
+
+/// The same again from the free rates of the first, without what the others' powers did.
+fn second_round(
+    record: &Recorded,
+    rounds: &[Round],
+    poles: Poles,
+    progress: &mut Progress<'_>,
+) -> Result<Round, String> {
+    let mut models = Vec::new();
+    for output in 0..record.elements.len() {
+        let mut alone_c = record.temperature_c[output].clone();
+        let mut start = None;
+        for round in rounds {
+            let model = &round.models[output];
+            let Some(element) = record.elements.iter().position(|name| *name == round.driven) else { continue };
+            if element == record.driven {
+                start = Some(model);
+            } else {
+                take_off(&mut alone_c, &model.pairs[0], &record.power_w[element], record.sample_period_s);
+            }
+        }
+        let Some(start) = start else { continue };
+        let most = start.pairs[0].mesh_rad_s.len();
+        let poles = Poles { own: poles.own.min(most), cross: poles.cross.min(most) };
+        models.push(free(record, output, &alone_c, start, poles, progress)?);
+    }
+    Ok(Round { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
+}
+
+/// Subtracts what a power heated, settled at first.
+fn take_off(temperature_c: &mut [f64], pair: &Pair, power_w: &[f64], sample_period_s: f64) {
+    let Some(class) = pair.classes.values().next() else { return };
+    for (&rate, r) in pair.mesh_rad_s.iter().zip(&class.r_k_per_w) {
+        let gain = mesh::gain(rate, sample_period_s);
+        let mut x = power_w.first().copied().unwrap_or(0.0);
+        for (temperature_c, power_w) in temperature_c.iter_mut().zip(power_w) {
+            *temperature_c -= r * x;
+            x += gain * (power_w - x);
+        }
+    }
+}
+
+/// Free rates of one temperature: as many as the record can tell apart.
+fn free(
+    record: &Recorded,
+    output: usize,
+    temperature_c: &[f64],
+    start: &Model,
+    poles: Poles,
+    progress: &mut Progress<'_>,
+) -> Result<Model, String> {
+    let is_own = output == record.driven;
+    let most = if is_own { poles.own } else { poles.cross };
+    let mut table = table(record, &[output], &[temperature_c.to_vec()])?;
+    let mut why = String::new();
+    for count in (1..=most).rev() {
+        let found = refine::refine(&mut table, start, count, &options(), progress, &mut |_| {});
+        let doubt = match &found {
+            Ok(model) => doubt(&model.pairs[0], is_own),
+            Err(error) => Some(error.to_string()),
+        };
+        match (found, doubt) {
+            (Ok(mut model), None) => {
+                let pair = &model.pairs[0];
+                let mut reason = format!(
+                    "{} → {}: {count} rates, {:.3} mK left",
+                    pair.input,
+                    pair.output,
+                    1e3 * model.outputs[0].residual_rms
+                );
+                if !why.is_empty() {
+                    reason = format!("{reason}; {why}");
+                }
+                model.chosen.reasons = vec![reason];
+                model.warnings.clear();
+                model.supported = true;
+                return Ok(model);
+            }
+            (_, Some(sentence)) => why = format!("not {count}: {sentence}"),
+            (Err(error), None) => why = error.to_string(),
+        }
+    }
+    let name = &record.elements[output];
+    Err(format!("{}: how `{}` heats `{name}` cannot be told: {why}", record.name, record.driven_name()))
+}
+
+/// What keeps the rates of a pair from being known one by one.
+fn doubt(pair: &Pair, is_own: bool) -> Option<String> {
+    let rates = &pair.mesh_rad_s;
+    let resistances = &pair.classes.values().next()?.r_k_per_w;
+    if is_own && let Some(k) = resistances.iter().position(|r| *r <= 0.0) {
+        return Some(format!("R_{} is {:.3} K/W", k + 1, resistances[k]));
+    }
+    let Some(se) = &pair.se_rate_rad_s else { return None };
+    let relative: Vec<f64> = se.iter().zip(rates).map(|(se, rate)| se / rate).collect();
+    if let Some(k) = relative.iter().position(|relative| !(*relative < KNOWN)) {
+        return Some(format!("the rate at {:.3e} rad/s is known to ±{:.0} % only", rates[k], 100.0 * relative[k]));
+    }
+    let close = |k: &usize| (rates[k + 1] / rates[*k]).ln() < 2.0 * relative[*k].hypot(relative[k + 1]);
+    let k = (0..rates.len().saturating_sub(1)).find(close)?;
+    Some(format!("rates at {:.3e} and {:.3e} rad/s are within twice their standard errors", rates[k], rates[k + 1]))
+}
+
+fn table(record: &Recorded, outputs: &[usize], temperature_c: &[Vec<f64>]) -> Result<Table, String> {
+    let input = (format!("{POWER}{}", record.driven_name()), record.power_w[record.driven].clone());
+    let names = outputs.iter().map(|&output| format!("{TEMPERATURE}{}", record.elements[output]));
+    let table = Table::new(record.sample_period_s, vec![input], names.zip(temperature_c.iter().cloned()).collect());
+    Ok(table.map_err(|error| error.to_string())?.named(Path::new(&record.name)))
+}
+
+/// One model of all pairs, with the temperatures at rest and the noise of readings at the low level.
+fn network(elements: &[String], rounds: Vec<Round>) -> Result<Model, String> {
+    let mut pairs = Vec::new();
+    for round in &rounds {
+        pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
+    }
+    let mut model = merge(&pairs)?;
+    let mut reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
+    for (j, name) in elements.iter().enumerate() {
+        let Some(place) = model.outputs.iter().position(|output| output.name == format!("{TEMPERATURE}{name}")) else {
+            continue;
+        };
+        let rests: Vec<f64> = rounds.iter().map(|round| round.models[j].outputs[0].offset_c).collect();
+        let mean = rests.iter().sum::<f64>() / rests.len() as f64;
+        let apart = rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max);
+        let others: Vec<f64> = rounds
+            .iter()
+            .filter(|round| round.driven != *name)
+            .map(|round| round.models[j].outputs[0].residual_rms)
+            .collect();
+        let output = &mut model.outputs[place];
+        output.offset_c = mean;
+        output.se_offset_c = apart;
+        if !others.is_empty() {
+            output.residual_rms = (others.iter().map(|rms| rms * rms).sum::<f64>() / others.len() as f64).sqrt();
+        }
+        reasons.push(format!(
+            "`{name}`: {mean:.4} °C with no heating at all, the same within {:.2} mK in {} records",
+            1e3 * apart,
+            rests.len()
+        ));
+    }
+    model.offset_c = model.outputs[0].offset_c;
+    model.residual_rms = model.outputs[0].residual_rms;
+    model.chosen.reasons = reasons;
+    // A record counts once, not once a pair.
+    model.provenance.records = rounds.iter().map(|round| round.name.clone()).collect();
+    let per_record =
+        |of: &dyn Fn(&Model) -> f64| rounds.iter().filter_map(|round| round.models.first()).map(of).sum::<f64>();
+    model.provenance.rows = per_record(&|model| model.provenance.rows as f64) as u64;
+    model.provenance.duration_s = per_record(&|model| model.provenance.duration_s);
+    Ok(model)
+}

@@ -1,0 +1,161 @@
+//! A record of still gas in which one element is driven and all others only measure.
+//!
+//! Which one is driven is found: its power spans more than all others' by far. What these span, some per cent of their little power, is
+//! the resistance that changes with temperature. A record that shows no driven element or several, or wind, is refused, because nothing that
+//! is identified from it would be the network without wind.
+
+use std::path::Path;
+
+use crate::model::Conditions;
+use crate::recording::{POWER, Recording, STATE, TEMPERATURE, WIND};
+
+/// Part of the greatest range of power below which an element only measures.
+const MEASURES: f64 = 0.05;
+/// Part of its own mean that the power of a driven element spans at least.
+const DRIVEN: f64 = 0.5;
+/// Speed of simulated wind below which the gas is still, m/s.
+const STILL_M_S: f64 = 1e-3;
+
+/// A record, in memory.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    /// What refusals call it.
+    pub name: String,
+    /// As the file that it was recorded with says, if it does.
+    pub head: Option<String>,
+    pub conditions: Option<Conditions>,
+    pub sample_period_s: f64,
+    /// In the record's order.
+    pub elements: Vec<String>,
+    /// Which of them.
+    pub driven: usize,
+    /// By element and row.
+    pub power_w: Vec<Vec<f64>>,
+    pub temperature_c: Vec<Vec<f64>>,
+}
+
+impl Recorded {
+    /// # Errors
+    /// A sentence that names the record and what keeps it from being one of still gas with one driven element.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        Self::of(&Recording::read(path).map_err(|error| error.to_string())?)
+    }
+
+    /// # Errors
+    /// As [`Recorded::read`].
+    pub fn of(recording: &Recording) -> Result<Self, String> {
+        let name = recording.path.display().to_string();
+        let refuse = |sentence: String| Err(format!("{name}: {sentence}"));
+        if let Some(sentence) = wind(recording)? {
+            return refuse(sentence);
+        }
+        if let Ok(states) = recording.words(STATE)
+            && let Some((row, _, state)) = states.stretches().find(|(_, _, state)| state.starts_with("tripped"))
+        {
+            return refuse(format!("is in state `{state}` from row {} on: cut it there", row + 1));
+        }
+        let both = |element: &&str| {
+            recording.has(&format!("{POWER}{element}")) && recording.has(&format!("{TEMPERATURE}{element}"))
+        };
+        let elements: Vec<String> = recording.elements().into_iter().filter(both).map(str::to_owned).collect();
+        let mut power_w = Vec::new();
+        let mut temperature_c = Vec::new();
+        for element in &elements {
+            let column =
+                |prefix: &str| recording.finite(&format!("{prefix}{element}")).map_err(|error| error.to_string());
+            power_w.push(column(POWER)?.to_vec());
+            temperature_c.push(column(TEMPERATURE)?.to_vec());
+        }
+        let ranges: Vec<(f64, f64)> = power_w.iter().map(|power_w| range_and_mean(power_w)).collect();
+        let Some(driven) = (0..ranges.len()).max_by(|&a, &b| ranges[a].0.total_cmp(&ranges[b].0)) else {
+            return refuse(format!("has no element with columns `{POWER}…` and `{TEMPERATURE}…`"));
+        };
+        if ranges[driven].0 <= DRIVEN * ranges[driven].1.abs() {
+            return refuse(format!(
+                "drives no element: the power that varies most is `{}`'s, by {:.3e} W about {:.3e} W; drive one of them pseudo-randomly",
+                elements[driven], ranges[driven].0, ranges[driven].1
+            ));
+        }
+        let others = (0..ranges.len()).filter(|&i| i != driven && ranges[i].0 > MEASURES * ranges[driven].0);
+        let others: Vec<&str> = others.map(|i| elements[i].as_str()).collect();
+        if !others.is_empty() {
+            return refuse(format!(
+                "drives `{}` and also {}: one record is needed for each of them, in which all others stay at their low level",
+                elements[driven],
+                others.join(", ")
+            ));
+        }
+        Ok(Self {
+            head: recording.metadata("head").map(str::to_owned),
+            conditions: Conditions::of_metadata(&recording.metadata),
+            sample_period_s: recording.sample_period_s().map_err(|error| error.to_string())?,
+            name,
+            elements,
+            driven,
+            power_w,
+            temperature_c,
+        })
+    }
+
+    pub fn driven_name(&self) -> &str {
+        &self.elements[self.driven]
+    }
+
+    /// What keeps it from being of one network with another record.
+    ///
+    /// # Errors
+    /// A sentence that names both.
+    pub fn alike(&self, first: &Self) -> Result<(), String> {
+        if self.elements != first.elements {
+            return Err(format!(
+                "{} has the elements {}, {} has {}: all records must be of one head",
+                first.name,
+                first.elements.join(", "),
+                self.name,
+                self.elements.join(", ")
+            ));
+        }
+        let (Some(own), Some(its)) = (&self.conditions, &first.conditions) else { return Ok(()) };
+        let differences = its.differences(own, true);
+        if differences.is_empty() {
+            return Ok(());
+        }
+        Err(format!(
+            "{} was taken {}, as {} is: a network holds for one gas",
+            self.name,
+            differences.join(" and "),
+            first.name
+        ))
+    }
+}
+
+/// What speaks of wind.
+fn wind(recording: &Recording) -> Result<Option<String>, String> {
+    if let Some(events) = recording.events() {
+        let labels: Vec<&str> =
+            events.dictionary().iter().map(String::as_str).filter(|label| !label.is_empty()).collect();
+        if labels.len() > 1 {
+            return Ok(Some(format!(
+                "was taken under several conditions, {}: a network without wind takes records of still gas only",
+                labels.join(", ")
+            )));
+        }
+    }
+    for name in WIND.iter().filter(|name| recording.has(name)) {
+        let speed = recording.numbers(name).map_err(|error| error.to_string())?;
+        // A missing value is no wind.
+        if let Some(row) = speed.iter().position(|speed| speed.abs() > STILL_M_S) {
+            return Ok(Some(format!(
+                "row {}: `{name}` is {:.3} m/s: a network without wind takes records of still gas only",
+                row + 1,
+                speed[row]
+            )));
+        }
+    }
+    Ok(None)
+}
+
+fn range_and_mean(values: &[f64]) -> (f64, f64) {
+    let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+    (most - least, values.iter().sum::<f64>() / values.len().max(1) as f64)
+}
