@@ -10,10 +10,12 @@
 //! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |
 //! | [`identify`], [`model`] | models from recordings |
+//! | [`calibrate`] | a head's calibration from its readings in known winds |
 //! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
 //! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
 //! | [`cli`] | the command line |
 
+pub mod calibrate;
 pub mod cli;
 pub mod design;
 pub mod experiment;
