@@ -12,7 +12,7 @@ use dr_core::sensor::wind::nusselt::{CONDUCTION, ORDERS};
 use dr_core::sensor::wind::surface::Local;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::family::Family;
+use super::family::{At, Family};
 use super::rotation::Mounting;
 use super::run::{Ready, Wind};
 
@@ -31,7 +31,7 @@ pub struct Problem<'a> {
     /// Z
     pub spread: DMatrix<f64>,
     /// A_n(Re) of every wind that is not still.
-    at: Vec<Option<super::family::At>>,
+    at: Vec<Option<At>>,
 }
 
 /// A place among the unknowns.
@@ -115,15 +115,16 @@ impl<'a> Problem<'a> {
         let (mut residuals, mut relative_square) = (Vec::new(), 0.0);
         let mut row = vec![0.0; m];
         for (wind, at) in self.winds.iter().zip(&self.at) {
-            let seen = at.as_ref().map(|at| {
-                let from = -place.mounting.inward(wind.towards);
-                (at, self.family.amplitudes(at, &place.coefficients), from)
+            let stream = at.as_ref().map(|at| Stream {
+                at,
+                amplitudes: self.family.amplitudes(at, &place.coefficients),
+                from: -place.mounting.inward(wind.towards),
             });
             for (i, reading) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
                 let weight = reading.overheat_k * reading.unit_w_k / (place.gains[i] * reading.error_w);
-                let nusselt = match &seen {
-                    Some((at, amplitudes, from)) => self.wind_row(place, i, at, amplitudes, from, weight, &mut row),
+                let nusselt = match &stream {
+                    Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
                     None => f64::from(CONDUCTION),
                 };
                 for k in 0..self.spread.ncols() {
@@ -137,27 +138,17 @@ impl<'a> Problem<'a> {
                 relative_square += (residual / (weight * nusselt)).powi(2);
             }
         }
-        let (chi_square, of_readings) = (sums.cost, sums.h.clone());
+        let (chi_square, mut of_readings) = (sums.cost, sums.h.clone());
         self.beforehand(place, &mut sums);
         let Sums { mut h, b, cost } = sums;
         h.fill_lower_triangle_with_upper_triangle();
-        let mut of_readings = of_readings;
         of_readings.fill_lower_triangle_with_upper_triangle();
         Equations { h, b, cost, chi_square, of_readings, residuals, relative_square }
     }
 
     /// Nu of part `i`, and its derivatives to amplitudes and turns, each times `weight`.
-    #[allow(clippy::too_many_arguments)]
-    fn wind_row(
-        &self,
-        place: &Place,
-        i: usize,
-        at: &super::family::At,
-        amplitudes: &[f64; ORDERS],
-        from: &Vector3<f64>,
-        weight: f64,
-        row: &mut [f64],
-    ) -> f64 {
+    fn wind_row(&self, place: &Place, i: usize, stream: &Stream<'_>, weight: f64, row: &mut [f64]) -> f64 {
+        let Stream { at, amplitudes, from } = stream;
         let means: [Local; ORDERS] = self.head.parts[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
         let count = self.family.spline.count();
         for (j, &n) in self.family.orders.iter().enumerate() {
@@ -203,6 +194,14 @@ impl<'a> Problem<'a> {
             sums.add(&row, (f64::from(CONDUCTION) - still) / STILL);
         }
     }
+}
+
+/// The stream of one wind at a place.
+struct Stream<'a> {
+    at: &'a At,
+    amplitudes: [f64; ORDERS],
+    /// w in the head's frame.
+    from: Vector3<f64>,
 }
 
 /// Upper triangle of H, b and the cost.

@@ -69,3 +69,40 @@ fn speeds(moving: &[&Wind], count: usize) -> Vec<Vec<usize>> {
     }
     folds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::run::{ready, winds};
+    use super::super::tests::tunnel::{Tunnel, speeds as progression};
+    use super::*;
+
+    #[test]
+    fn neighbours_go_together_and_every_wind_is_held_out_once() {
+        let tunnel = Tunnel::sectors();
+        let head = ready(&tunnel.head()).unwrap();
+        let winds = winds(&head, &tunnel.readings(&progression(0.5, 14.0, 12), 10, 1e-3, 1)).unwrap();
+        for (scheme, expected) in [(Scheme::Directions, 120), (Scheme::Speeds, 100)] {
+            let folds = folds(&winds, scheme, 5);
+            let mut all = folds.concat();
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!((folds.len(), all.len(), folds.concat().len()), (5, expected, expected));
+            for fold in &folds {
+                for wind in winds.iter().filter(|wind| !wind.is_still() && !fold.contains(&wind.given)) {
+                    for &out in fold {
+                        let same_direction = (0..3).all(|k| (winds[out].towards[k] - wind.towards[k]).abs() < 1e-9);
+                        let same_speed = (winds[out].reynolds / wind.reynolds - 1.0).abs() < 1e-9;
+                        assert!(!(if scheme == Scheme::Speeds { same_speed } else { same_direction }));
+                    }
+                }
+            }
+        }
+        // Bands of two neighbouring speeds of the ten inner ones.
+        let bands = folds(&winds, Scheme::Speeds, 5);
+        let reynolds = |fold: &[usize]| fold.iter().map(|&out| winds[out].reynolds).collect::<Vec<_>>();
+        assert!(bands.windows(2).all(|pair| {
+            let [below, above] = [reynolds(&pair[0]), reynolds(&pair[1])];
+            below.iter().all(|b| above.iter().all(|a| b < a))
+        }));
+    }
+}

@@ -22,6 +22,12 @@
 //! of G0 is, at one overheat in one gas, one of a_0: still gas among the readings settles it, where Nu is 2. Without it only k A / d holds
 //! G0, to 30 %, which matters once the gas temperature is another than that of the calibration.
 //!
+//! *Accuracy* on ideal 10 mm spheres in CO2 of 1000 Pa, Re 11 to 305, gains and mounting unknown, 0.1 % of noise (tests): 12 speeds from 10
+//! directions tell directions that were held out to 0.17° and 0.17 % of speed rms, bands of speeds that were held out to 0.4° and 0.5 %; the
+//! mounting is found within 0.02°. 6 speeds from 6 directions still do for 0.2° and 0.4 % (two hemispheres: 0.5° and 0.3 %). What is left
+//! comes from the bend that the simulated amplitudes have at Re 200. Gas 5 K warmer or colder than in the calibration costs nothing,
+//! without still gas among the readings 0.5 % of speed.
+//!
 //! *Limits.* The winds count as known exactly; their errors belong into the variances. No stem, no free convection, one Prandtl number.
 
 pub mod calibration;

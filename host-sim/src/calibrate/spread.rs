@@ -4,12 +4,16 @@
 //! |---|---|
 //! | more readings than unknowns | winds × parts ≥ 4 coefficients an amplitude, gains, G0 and turns |
 //! | amplitudes at every speed: splines in ln Re do not reach over a gap | the slowest and the fastest wind differ by a factor of 2 at least, neighbouring speeds by 2.2 at most |
-//! | amplitudes a_0 … a_5 apart: polynomials of degree 5 in the cosine, which are free beyond the last angle | in every octave of speed *some* part is within 45° of the front, some within 45° of the rear, and no 50° between are empty |
+//! | amplitudes a_0 … a_5 apart: polynomials of degree 5 in the cosine, which are free beyond the last angle | in every octave of speed *some* part is within 45° of the front, some within 45° of the rear, and no 60° between are empty |
 //! | gain and G0 of every part apart, and from the amplitudes | *every* part is within 60° of the front and within 60° of the rear, at low speeds and at high ones (ranges of 2½ octaves at most) |
-//! | the mounting's tilt in all directions | winds leave every plane by 20° at least |
+//! | the tilt of a head that has one axis only: out of a plane of winds it changes their angles by its square alone | winds leave every plane by 20° at least |
 //!
 //! Because all parts share the amplitudes, an angle that one part has seen need not be seen by the others. Angles are those of the head as
 //! drawn: they may be wrong by the mounting, for which the bounds have room.
+//!
+//! What each rule is worth, with 0.1 % of noise (tests `refused`): over a gap from 2.1 to 8 m/s winds of 3 to 5 m/s are told 1.1 % and 1.1°
+//! wrong, with winds of 4 m/s between 0.2 % and 0.1°. Two hemispheres in winds of one plane have no best fit at all, whereas four sectors lose
+//! nothing by it; so a head of several axes may stay on a turntable.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
@@ -24,7 +28,7 @@ const WIDEST_STEP: f64 = 2.2;
 /// From front or rear, degrees, that some part reaches in every octave.
 const SOME_PART: f64 = 45.0;
 /// Between the angles of an octave, degrees.
-const WIDEST_ANGLE: f64 = 50.0;
+const WIDEST_ANGLE: f64 = 60.0;
 /// From front or rear, degrees, that every part reaches.
 const EVERY_PART: f64 = 60.0;
 const LEAST_OUT_OF_PLANE: f64 = 20.0;
@@ -42,7 +46,9 @@ pub fn lacking(head: &Ready, winds: &[Wind], orders: &[usize]) -> Vec<String> {
         return sentences;
     }
     sentences.extend(speeds(&moving));
-    sentences.extend(plane(&moving));
+    if has_one_axis(head) {
+        sentences.extend(plane(&moving));
+    }
     let of_some = classes(&moving, 1.0).into_iter().map(|class| (class, some_part(head, &moving, &class)));
     sentences.extend(joined(of_some.collect()));
     let of_every = classes(&moving, HALF_OCTAVES).into_iter().map(|class| (class, every_part(head, &moving, &class)));
@@ -80,6 +86,10 @@ fn few(head: &Ready, winds: &[Wind], orders: &[usize]) -> Vec<String> {
         n * winds.len(),
         unknowns.div_ceil(n) - winds.len()
     )]
+}
+
+fn has_one_axis(head: &Ready) -> bool {
+    Mounting::drawn(&head.parts).turns.ncols() < 3
 }
 
 fn speeds(moving: &[&Wind]) -> Vec<String> {
@@ -152,7 +162,7 @@ fn some_part(head: &Ready, moving: &[&Wind], class: &Range) -> Vec<String> {
         ));
     }
     // Of two parts back to back the one's front is the other's rear.
-    let said = sentences.len() == 1 && (least + most - 180.0).abs() < 1e-3;
+    let said = !sentences.is_empty() && has_one_axis(head);
     if most < 180.0 - SOME_PART && !said {
         sentences.push(format!(
             "at {SPEEDS} no part was nearer to the wind's rear than {:.0}°: winds that go to the axis of a part, such as {}, are missing",

@@ -106,3 +106,38 @@ fn standard_errors_are_as_large_as_the_errors() {
         assert!((0.75..1.3).contains(&rms) && (0.55..0.82).contains(&within), "{name}: {within} {rms}");
     }
 }
+
+#[test]
+fn still_gas_settles_the_zero_wind_conductances() {
+    let tunnel = Tunnel::sectors();
+    let readings = tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-3, 6);
+    let [with, without] = [&readings[..], &readings[1..]].map(|readings| calibrate(&tunnel.head(), readings).unwrap());
+    for (found, name) in [(&with, "with"), (&without, "without")] {
+        let part = &found.parts[0];
+        let true_mw_k = 1e3 * tunnel.still_w_k()[0];
+        println!(
+            "{name} still gas: G0 {:.4} ± {:.4} mW/K of {true_mw_k:.4}",
+            1e3 * part.still_w_k,
+            1e3 * part.still_error_w_k
+        );
+        assert!((part.still_w_k - tunnel.still_w_k()[0]).abs() < 4.0 * part.still_error_w_k);
+        for gas_k in [215.0, 225.0] {
+            let other = Tunnel { gas_k, ..tunnel.clone() };
+            let readings = other.readings(&speeds(0.6, 12.0, 12), 23, 1e-6, 4);
+            let errors: Vec<_> = readings[1..].iter().map(|r| error(found, r).unwrap().unwrap()).collect();
+            println!("  at {gas_k} K {:?}", Summary::of(errors.iter()));
+        }
+    }
+    assert!(without.parts[0].still_error_w_k > 10.0 * with.parts[0].still_error_w_k);
+}
+
+#[test]
+fn a_zero_wind_conductance_is_not_negative() {
+    let tunnel = Tunnel::sectors();
+    let mut readings = tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-3, 6);
+    // Still gas that takes more power than all of G0 a from the second sector.
+    readings[0].parts[1].power_w += 4.0 * tunnel.still_w_k()[1] * readings[0].parts[1].above_reference_k;
+    let found = calibrate(&tunnel.head(), &readings).unwrap();
+    assert_eq!((found.parts[1].still_w_k, found.parts[1].still_error_w_k), (0.0, 0.0));
+    assert!(found.parts[0].still_w_k > 1e-4 && found.chi_square > 10.0 * found.degrees_of_freedom);
+}
