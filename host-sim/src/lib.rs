@@ -11,10 +11,14 @@
 //! | [`recording`], [`plot`], [`summary`] | what is left of a run |
 //! | [`identify`], [`model`] | models from recordings |
 //! | [`network`] | the windless network of a head, as the board runs it |
+//! | [`calibrate`] | a head's calibration from its readings in known winds |
+//! | [`answer`] | the wind off line, from recordings of a calibrated head |
 //! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
 //! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
 //! | [`cli`] | the command line |
 
+pub mod answer;
+pub mod calibrate;
 pub mod cli;
 pub mod design;
 pub mod experiment;

@@ -135,6 +135,16 @@ impl Part {
         Local { nusselt, gradient: scaled(gradient, -1.0 / reynolds) }
     }
 
+    /// What a unit of each amplitude gives in a wind from the unit vector `from`: q_n, and −(1 − w wᵀ) ∂q_n/∂w as the gradient. For a
+    /// calibration, in which the amplitudes are unknown.
+    pub fn per_amplitude(&self, from: [f32; 3]) -> [Local; ORDERS] {
+        core::array::from_fn(|n| {
+            let mut unit = Amplitudes { value: [0.0; ORDERS], slope: [0.0; ORDERS] };
+            unit.value[n] = 1.0;
+            self.local(&unit, 1.0, from)
+        })
+    }
+
     /// In still gas, with d a_1 / d Re.
     pub fn local_at_rest(&self, conduction: f32, slope_of_first: f32) -> Local {
         Local { nusselt: conduction, gradient: scaled(self.axis, -self.first_mean() * slope_of_first) }

@@ -116,3 +116,35 @@ fn refuses_a_part_by_the_name_of_what_is_wrong() {
         assert_eq!(Part::new(&config).unwrap_err().parameter, parameter);
     }
 }
+
+#[test]
+fn what_each_amplitude_gives_sums_up_to_the_whole_and_turns_with_the_wind() {
+    let mut random = Random::new(5);
+    let parts = tetrahedral_sectors(0.01);
+    for _ in 0..100 {
+        let from = random.direction();
+        let exact = nusselt(&parts, from.map(|x| -120.0 * x));
+        let a = amplitudes(120.0);
+        for (config, exact) in parts.iter().zip(exact) {
+            let part = Part::new(config).unwrap();
+            let each = part.per_amplitude(narrow(from));
+            let sum: f64 = (0..ORDERS).map(|n| a[n] * f64::from(each[n].nusselt)).sum();
+            assert!((sum / exact - 1.0).abs() < 1e-6, "{sum} {exact}");
+            // A step across the wind that the parts see, with a Reynolds number of one: w goes by minus that step.
+            let other = random.direction();
+            let along = dot(other, from);
+            let across = unit(core::array::from_fn(|k| other[k] - along * from[k]));
+            let step = 0.01;
+            let at = |sign: f64| {
+                part.per_amplitude(narrow(unit(core::array::from_fn(|k| from[k] + sign * step * across[k]))))
+            };
+            let (ahead, behind) = (at(1.0), at(-1.0));
+            for n in 0..ORDERS {
+                let difference = f64::from(ahead[n].nusselt - behind[n].nusselt) / (2.0 * step);
+                let found = -dot(wide(each[n].gradient), across);
+                // Third derivatives of P_5 are a few hundred, a sixth of that times the step squared; and their mean is a tenth.
+                assert!((difference - found).abs() < 2e-3, "{n}: {difference} {found}");
+            }
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The normal equations of a calibration at one place.
+//!
+//! ```text
+//! q̂_i = θ_i (k A_i / d) Nu_i / c_i − γ_i g_i a_i          residual (q_i − q̂_i) / σ_i;  G0_i = γ_i g_i,  g_i = k̄ A_i / d
+//! c = 1 + Z u                                             Z: N × (N − 1), columns sum to zero, so that the mean of c is one
+//! ```
+//!
+//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting. k̄ is the mean of k over the readings, so that γ is
+//! about 2. What is known beforehand enters as rows of its own: that of the [`family`](super::family), γ 2 ± `STILL`, u 0 ± `GAIN`.
+
+use dr_core::sensor::wind::nusselt::{CONDUCTION, ORDERS};
+use dr_core::sensor::wind::surface::Local;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::family::{At, Family};
+use super::rotation::Mounting;
+use super::run::{Ready, Wind};
+
+/// Standard error of γ before any reading: a reference gas some 20 K from the mean one, and the areas as drawn, make 0.3.
+const STILL: f64 = 0.6;
+/// Standard error of a gain before any reading.
+const GAIN: f64 = 0.2;
+
+/// What is calibrated, and from what.
+pub struct Problem<'a> {
+    pub head: &'a Ready,
+    pub winds: &'a [Wind],
+    pub family: Family,
+    /// g_i, W/K.
+    pub still_unit_w_k: Vec<f64>,
+    /// Z
+    pub spread: DMatrix<f64>,
+    /// A_n(Re) of every wind that is not still.
+    at: Vec<Option<At>>,
+}
+
+/// A place among the unknowns.
+#[derive(Debug, Clone)]
+pub struct Place {
+    pub coefficients: Vec<f64>,
+    /// c
+    pub gains: Vec<f64>,
+    /// γ
+    pub still: Vec<f64>,
+    pub mounting: Mounting,
+}
+
+/// H and b of H δ = b, and what is left over.
+pub struct Equations {
+    pub h: DMatrix<f64>,
+    pub b: DVector<f64>,
+    /// Σ of squares, of the readings and of what is known beforehand.
+    pub cost: f64,
+    /// Of the readings alone, and their share of H.
+    pub chi_square: f64,
+    pub of_readings: DMatrix<f64>,
+    /// (q − q̂) / σ, wind by wind, part by part.
+    pub residuals: Vec<f64>,
+    /// Σ ((q − q̂) / (θ k A Nu / (d c)))²
+    pub relative_square: f64,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(head: &'a Ready, winds: &'a [Wind], family: Family) -> Self {
+        let n = head.parts.len();
+        let mean = |i: usize| winds.iter().map(|wind| wind.rows[i].unit_w_k).sum::<f64>() / winds.len() as f64;
+        let still_unit_w_k = (0..n).map(mean).collect();
+        let at = winds.iter().map(|wind| (!wind.is_still()).then(|| family.at(wind.reynolds))).collect();
+        Self { head, winds, family, still_unit_w_k, spread: sum_zero(n), at }
+    }
+
+    /// As drawn: no amplitudes beyond still gas yet, gains of one.
+    pub fn drawn(&self) -> Place {
+        let n = self.head.parts.len();
+        Place {
+            coefficients: vec![0.0; self.family.count()],
+            gains: vec![1.0; n],
+            still: vec![f64::from(CONDUCTION); n],
+            mounting: Mounting::drawn(&self.head.parts),
+        }
+    }
+
+    pub fn first_gain(&self) -> usize {
+        self.family.count()
+    }
+
+    pub fn first_still(&self) -> usize {
+        self.first_gain() + self.spread.ncols()
+    }
+
+    pub fn first_turn(&self) -> usize {
+        self.first_still() + self.head.parts.len()
+    }
+
+    pub fn unknowns(&self, place: &Place) -> usize {
+        self.first_turn() + place.mounting.turns.ncols()
+    }
+
+    pub fn moved(&self, place: &Place, by: &DVector<f64>) -> Place {
+        let by = by.as_slice();
+        let (gain, still, turn) = (self.first_gain(), self.first_still(), self.first_turn());
+        let gains = &self.spread * DVector::from_column_slice(&by[gain..still]);
+        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Place {
+            coefficients: plus(&place.coefficients, &by[..gain]),
+            gains: plus(&place.gains, gains.as_slice()),
+            still: plus(&place.still, &by[still..turn]),
+            mounting: place.mounting.turned(&by[turn..]),
+        }
+    }
+
+    pub fn equations(&self, place: &Place) -> Equations {
+        let m = self.unknowns(place);
+        let mut sums = Sums { h: DMatrix::zeros(m, m), b: DVector::zeros(m), cost: 0.0 };
+        let (mut residuals, mut relative_square) = (Vec::new(), 0.0);
+        let mut row = vec![0.0; m];
+        for (wind, at) in self.winds.iter().zip(&self.at) {
+            let stream = at.as_ref().map(|at| Stream {
+                at,
+                amplitudes: self.family.amplitudes(at, &place.coefficients),
+                from: -place.mounting.inward(wind.towards),
+            });
+            for (i, reading) in wind.rows.iter().enumerate() {
+                row.fill(0.0);
+                let weight = reading.overheat_k * reading.unit_w_k / (place.gains[i] * reading.error_w);
+                let nusselt = match &stream {
+                    Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
+                    None => f64::from(CONDUCTION),
+                };
+                for k in 0..self.spread.ncols() {
+                    row[self.first_gain() + k] = -weight * nusselt / place.gains[i] * self.spread[(i, k)];
+                }
+                let still = self.still_unit_w_k[i] * reading.above_reference_k / reading.error_w;
+                row[self.first_still() + i] = -still;
+                let residual = reading.power_w / reading.error_w - (weight * nusselt - still * place.still[i]);
+                sums.add(&row, residual);
+                residuals.push(residual);
+                relative_square += (residual / (weight * nusselt)).powi(2);
+            }
+        }
+        let (chi_square, mut of_readings) = (sums.cost, sums.h.clone());
+        self.beforehand(place, &mut sums);
+        let Sums { mut h, b, cost } = sums;
+        h.fill_lower_triangle_with_upper_triangle();
+        of_readings.fill_lower_triangle_with_upper_triangle();
+        Equations { h, b, cost, chi_square, of_readings, residuals, relative_square }
+    }
+
+    /// Nu of part `i`, and its derivatives to amplitudes and turns, each times `weight`.
+    fn wind_row(&self, place: &Place, i: usize, stream: &Stream<'_>, weight: f64, row: &mut [f64]) -> f64 {
+        let Stream { at, amplitudes, from } = stream;
+        let means: [Local; ORDERS] = self.head.parts[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
+        let count = self.family.spline.count();
+        for (j, &n) in self.family.orders.iter().enumerate() {
+            for (k, b) in at.basis.iter().enumerate() {
+                row[j * count + k] = weight * at.scale[n] * b * f64::from(means[n].nusselt);
+            }
+        }
+        let (mut nusselt, mut gradient) = (0.0, Vector3::zeros());
+        for (a, mean) in amplitudes.iter().zip(&means) {
+            nusselt += a * f64::from(mean.nusselt);
+            gradient += Vector3::from(mean.gradient.map(f64::from)) * *a;
+        }
+        // A small turn δ moves w by δ × w; at a Reynolds number of one the gradient is −∂Nu/∂w across w.
+        let torque = gradient.cross(from);
+        for k in 0..place.mounting.turns.ncols() {
+            row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
+        }
+        nusselt
+    }
+
+    fn beforehand(&self, place: &Place, sums: &mut Sums) {
+        let mut row = vec![0.0; sums.b.len()];
+        for known in self.family.beforehand() {
+            row.fill(0.0);
+            let mut value = 0.0;
+            for (k, factor) in known {
+                row[k] = factor;
+                value += factor * place.coefficients[k];
+            }
+            sums.add(&row, -value);
+        }
+        // Columns of Z are orthonormal: u = Zᵀ (c − 1).
+        let gains = DVector::from_fn(place.gains.len(), |i, _| place.gains[i] - 1.0);
+        let gains = self.spread.tr_mul(&gains);
+        for (k, u) in gains.iter().enumerate() {
+            row.fill(0.0);
+            row[self.first_gain() + k] = 1.0 / GAIN;
+            sums.add(&row, -u / GAIN);
+        }
+        for (i, still) in place.still.iter().enumerate() {
+            row.fill(0.0);
+            row[self.first_still() + i] = 1.0 / STILL;
+            sums.add(&row, (f64::from(CONDUCTION) - still) / STILL);
+        }
+    }
+}
+
+/// The stream of one wind at a place.
+struct Stream<'a> {
+    at: &'a At,
+    amplitudes: [f64; ORDERS],
+    /// w in the head's frame.
+    from: Vector3<f64>,
+}
+
+/// Upper triangle of H, b and the cost.
+struct Sums {
+    h: DMatrix<f64>,
+    b: DVector<f64>,
+    cost: f64,
+}
+
+impl Sums {
+    fn add(&mut self, row: &[f64], residual: f64) {
+        for (j, &y) in row.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            self.b[j] += y * residual;
+            for (i, &x) in row[..=j].iter().enumerate() {
+                self.h[(i, j)] += x * y;
+            }
+        }
+        self.cost += residual * residual;
+    }
+}
+
+/// An orthonormal basis of the vectors of length n that sum to zero (Helmert).
+fn sum_zero(n: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(n, n - 1, |i, k| {
+        let size = ((k + 1) * (k + 2)) as f64;
+        match i {
+            _ if i <= k => 1.0 / size.sqrt(),
+            _ if i == k + 1 => -((k + 1) as f64) / size.sqrt(),
+            _ => 0.0,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::run::{ready, winds};
+    use super::super::tests::tunnel::Tunnel;
+    use super::*;
+
+    #[test]
+    fn the_basis_of_the_gains_is_orthonormal_and_keeps_the_mean() {
+        for n in 2..6 {
+            let z = sum_zero(n);
+            assert!((z.tr_mul(&z) - DMatrix::identity(n - 1, n - 1)).amax() < 1e-15);
+            assert!((0..n - 1).all(|k| z.column(k).sum().abs() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let tunnel = Tunnel::sectors();
+        let head = ready(&tunnel.head()).unwrap();
+        let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
+        let reynolds = [15.0, 44.0, 110.0, 199.0];
+        let family = Family::new(&reynolds, (0..ORDERS).collect(), 200);
+        let problem = Problem::new(&head, &winds, family);
+        let mut place = problem.drawn();
+        for (k, c) in place.coefficients.iter_mut().enumerate() {
+            *c = (1.0 + k as f64).sin();
+        }
+        place.gains = vec![1.1, 0.9, 1.05, 0.95];
+        let place = problem.moved(&place, &DVector::zeros(problem.unknowns(&place)));
+        let here = problem.equations(&place);
+        for k in 0..problem.unknowns(&place) {
+            // Means are f32: a step large beside their rounding.
+            let step = 3e-3;
+            let cost = |sign: f64| {
+                let mut by = DVector::zeros(problem.unknowns(&place));
+                by[k] = sign * step;
+                problem.equations(&problem.moved(&place, &by)).cost
+            };
+            let difference = (cost(-1.0) - cost(1.0)) / (4.0 * step);
+            // The cost is no parabola in gains and turns: second order of the step.
+            let scale = (here.h[(k, k)] * here.cost).sqrt();
+            assert!((difference - here.b[k]).abs() < 2e-4 * scale, "{k}: {difference} {}", here.b[k]);
+        }
+    }
+}

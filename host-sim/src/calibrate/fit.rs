@@ -1,0 +1,99 @@
+//! Weighted least squares for all unknowns at once: Gauss–Newton, damped after Levenberg and Marquardt.
+//!
+//! A step is that of the linear equations with γ ≥ 0 kept exactly (Lawson and Hanson). It is taken if the cost falls. It ends where an
+//! undamped step would lower the cost by less than `SMALL` standard errors squared.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::CalibrateError;
+use super::equations::{Equations, Place, Problem};
+use crate::identify::nonnegative;
+
+const DAMPING: f64 = 1e-2;
+const MOST_STEPS: usize = 200;
+/// Far below one standard error, and above what the f32 means of the parts make of the cost.
+const SMALL: f64 = 1e-3;
+/// Damping at which a step is as short as to say that there is none.
+const MOST_DAMPING: f64 = 1e8;
+
+/// A solution and how sure it is.
+pub struct Fitted {
+    pub place: Place,
+    pub equations: Equations,
+    /// Inverse of H; zero for a γ that stands at zero.
+    pub covariance: DMatrix<f64>,
+    /// Readings less what of the unknowns they determine.
+    pub degrees_of_freedom: f64,
+}
+
+pub fn fit(problem: &Problem<'_>) -> Result<Fitted, CalibrateError> {
+    let mut place = problem.drawn();
+    let mut here = problem.equations(&place);
+    let mut damping = DAMPING;
+    for _ in 0..MOST_STEPS {
+        let step = step(problem, &place, &here, damping);
+        let there = problem.moved(&place, &step);
+        let promised = 2.0 * here.b.dot(&step) - (&here.h * &step).dot(&step);
+        let sane = there.gains.iter().all(|c| *c > 0.2 && *c < 5.0) && step.iter().all(|x| x.is_finite());
+        let next = sane.then(|| problem.equations(&there)).filter(|next| next.cost < here.cost);
+        let done = damping <= DAMPING && promised < SMALL;
+        if let Some(next) = next {
+            (place, here) = (there, next);
+            damping = (damping * 0.1).max(1e-9);
+        } else if !done {
+            damping *= 10.0;
+        }
+        if done || damping > MOST_DAMPING {
+            return finished(problem, place, done);
+        }
+    }
+    finished(problem, place, false)
+}
+
+fn finished(problem: &Problem<'_>, mut place: Place, done: bool) -> Result<Fitted, CalibrateError> {
+    if !done {
+        return Err(CalibrateError::NoMinimum);
+    }
+    place.mounting = place.mounting.smallest();
+    let equations = problem.equations(&place);
+    let covariance = covariance(problem, &place, &equations).ok_or(CalibrateError::NoMinimum)?;
+    let determined = (&covariance * &equations.of_readings).trace();
+    let degrees_of_freedom = equations.residuals.len() as f64 - determined;
+    Ok(Fitted { place, equations, covariance, degrees_of_freedom })
+}
+
+/// (H + λ diag H) δ = b with γ + δ ≥ 0, in units in which diag H is one.
+fn step(problem: &Problem<'_>, place: &Place, at: &Equations, damping: f64) -> DVector<f64> {
+    let m = at.b.len();
+    let unit = DVector::from_fn(m, |k, _| at.h[(k, k)].sqrt().max(f64::MIN_POSITIVE).recip());
+    let mut h = DMatrix::from_fn(m, m, |i, j| at.h[(i, j)] * unit[i] * unit[j]);
+    for k in 0..m {
+        h[(k, k)] += damping;
+    }
+    let (first, count) = (problem.first_still(), place.still.len());
+    let mut now = DVector::zeros(m);
+    let mut positive = vec![false; m];
+    for i in 0..count {
+        now[first + i] = place.still[i] / unit[first + i];
+        positive[first + i] = true;
+    }
+    let b = at.b.component_mul(&unit) + &h * &now;
+    (nonnegative::solve(&h, &b, &positive) - now).component_mul(&unit)
+}
+
+fn covariance(problem: &Problem<'_>, place: &Place, at: &Equations) -> Option<DMatrix<f64>> {
+    let m = at.b.len();
+    let first = problem.first_still();
+    let held = |k: usize| k.checked_sub(first).and_then(|i| place.still.get(i)).is_some_and(|still| *still <= 0.0);
+    let free: Vec<usize> = (0..m).filter(|&k| !held(k)).collect();
+    let unit: Vec<f64> = free.iter().map(|&k| at.h[(k, k)].sqrt().recip()).collect();
+    let h = DMatrix::from_fn(free.len(), free.len(), |i, j| at.h[(free[i], free[j])] * unit[i] * unit[j]);
+    let inverse = Cholesky::new(h)?.inverse();
+    let mut covariance = DMatrix::zeros(m, m);
+    for (i, &k) in free.iter().enumerate() {
+        for (j, &l) in free.iter().enumerate() {
+            covariance[(k, l)] = inverse[(i, j)] * unit[i] * unit[j];
+        }
+    }
+    Some(covariance)
+}
