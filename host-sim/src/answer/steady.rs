@@ -12,8 +12,8 @@ use super::winds::Winds;
 use crate::calibrate::{GasProperties, PartReading, Steady};
 use crate::head::Head;
 use crate::network::{Observer, ReadingNoise, Windless};
-use crate::sensor::gas::{Gas, ZERO_CELSIUS_K};
 use crate::sensor::Species;
+use crate::sensor::gas::{Gas, ZERO_CELSIUS_K};
 
 /// Bandwidth at which a calibration looks, Hz: it has time.
 pub const BANDWIDTH_HZ: f64 = 0.5;
@@ -69,7 +69,8 @@ impl Search<'_> {
         let conditions = replay.conditions().cloned().ok_or_else(|| {
             refuse("does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata".to_owned())
         })?;
-        let species = species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
+        let species =
+            species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
         let observer = self.windless.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(refuse)?;
         let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
         let mut state = NetworkState::default();
@@ -87,8 +88,7 @@ impl Search<'_> {
                 refuse(format!("does not tell the wind of `{}`: give a table of winds with --winds", moment.event))
             })?;
             let same = |sums: &Sums| {
-                sums.label == moment.event
-                    && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
+                sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
             };
             if !current.as_ref().is_some_and(same) {
                 self.close(current.take(), conditions.pressure_pa, &observer, &mut found)?;

@@ -17,9 +17,9 @@ pub type Winds = HashMap<String, [f64; 3]>;
 pub fn read(path: &Path) -> Result<Winds, RecordingError> {
     let refuse = |sentence: String| RecordingError::Content { path: path.to_owned(), sentence };
     let table = Recording::read(path)?;
-    let labels = table
-        .words(EVENT)
-        .map_err(|_| refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", WIND.join(", "))))?;
+    let labels = table.words(EVENT).map_err(|_| {
+        refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", WIND.join(", ")))
+    })?;
     let mut components = Vec::new();
     for name in WIND {
         components.push(table.numbers(name).map_err(|_| refuse(format!("has no column `{name}` of numbers")))?);

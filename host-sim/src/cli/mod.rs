@@ -10,6 +10,7 @@
 
 mod analyse;
 mod analysis_summary;
+mod calibrate;
 mod check;
 mod design;
 mod example;
@@ -28,6 +29,7 @@ mod reduce;
 mod run;
 mod thesis;
 mod validate;
+mod wind;
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
@@ -54,7 +56,10 @@ Examples:
   anemo plot gusts.parquet -o gusts.svg
   anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
   anemo validate model.json another-day.parquet
-  anemo analyse model.json --element sector1 --target 15"
+  anemo analyse model.json --element sector1 --target 15
+  anemo network sector*.parquet core*.parquet -o network.json
+  anemo calibrate tunnel*.parquet --network network.json -o head.toml
+  anemo wind day.parquet --head head.toml --plot wind.svg"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -69,6 +74,8 @@ enum Command {
     Identify(identify::Arguments),
     Merge(merge::Arguments),
     Network(network::Arguments),
+    Calibrate(calibrate::Arguments),
+    Wind(wind::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
@@ -137,6 +144,8 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
         Command::Network(arguments) => network::execute(&arguments),
+        Command::Calibrate(arguments) => calibrate::execute(&arguments),
+        Command::Wind(arguments) => wind::execute(&arguments),
         Command::Validate(arguments) => validate::execute(&arguments),
         Command::Plot(arguments) => plot::execute(&arguments),
         Command::Example(arguments) => example::execute(&arguments),

@@ -99,7 +99,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         gas: simulated && experiment.gas_swing.is_some(),
         answers: experiment.parts(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
-        answers: Vec::new(),
     };
     let known = metadata(&experiment, &arguments.on);
 
