@@ -12,6 +12,7 @@
 //! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |
 //! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
+//! | `[sweep]` | in place of `[[wind]]`, many winds of all directions ([`sweep`]): `winds`, `least_m_s`, `most_m_s`, `hold_s`, and optionally `still_s`, `stem_cone_deg`, `seed` |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
 //!
 //! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,
@@ -35,6 +36,7 @@
 mod blown;
 mod drives;
 pub mod models;
+mod sweep;
 mod table;
 pub mod wind;
 
@@ -127,7 +129,16 @@ impl Experiment {
         let drive_tables = table.drives;
         let answering = answering(&grid, table.answer.as_ref(), &head)?;
         let mut experiment = Self {
-            wind: wind::entries(&grid, table.wind, table.tunnel, ticks)?,
+            wind: match &table.sweep {
+                Some(sweep) if table.wind.is_empty() && table.tunnel.is_none() => {
+                    sweep::entries(&grid, sweep, table.seed, ticks)?
+                }
+                Some(_) => {
+                    let sentence = "is given besides [[wind]] or [tunnel]: the wind comes from one of them";
+                    return Err(source.refuse("sweep", sentence));
+                }
+                None => wind::entries(&grid, table.wind, table.tunnel, ticks)?,
+            },
             faults: faults(&grid, &table.faults, &head, table.duration_s)?,
             title: table.title,
             head,

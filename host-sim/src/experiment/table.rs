@@ -7,6 +7,7 @@ use dr_core::sensor::Level;
 use serde::Deserialize;
 
 use super::blown::{DustDevilTable, GustTable, SineTable, SwingTable, TurbulenceTable};
+use super::sweep::SweepTable;
 use crate::sensor::{Fault, GasSwing, Imperfections, Species, WindEntry};
 use crate::toml_file::{FileError, Source};
 
@@ -36,6 +37,7 @@ pub(super) struct ExperimentTable {
     #[serde(default)]
     pub wind: Vec<WindTable>,
     pub tunnel: Option<TunnelTable>,
+    pub sweep: Option<SweepTable>,
     #[serde(default)]
     pub faults: Vec<FaultTable>,
 }

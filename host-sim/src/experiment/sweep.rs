@@ -1,0 +1,144 @@
+//! Many winds of all directions and speeds, one after the other: what a calibration needs, and what it is judged by.
+//!
+//! `[sweep]` stands in place of `[[wind]]`:
+//!
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `winds` | | how many |
+//! | `least_m_s`, `most_m_s` | m/s | speeds between these, evenly by their logarithm |
+//! | `hold_s` | s | each wind |
+//! | `still_s` | s | still gas before the first; 0 if not given |
+//! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
+//! | `seed` | | another seed, other winds; the experiment's if not given |
+//!
+//! Directions are drawn evenly over the sphere. It becomes ordinary entries with the labels `still`, `wind 1`, `wind 2` …
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::Deserialize;
+
+use super::Grid;
+use crate::sensor::WindEntry;
+use crate::toml_file::FileError;
+
+const SPEEDS_M_S: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+const MOST_WINDS: u32 = 10_000;
+const STILL: &str = "still";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SweepTable {
+    winds: u32,
+    least_m_s: f64,
+    most_m_s: f64,
+    hold_s: f64,
+    #[serde(default)]
+    still_s: f64,
+    #[serde(default)]
+    stem_cone_deg: f64,
+    seed: Option<u64>,
+}
+
+/// The entries of an experiment of `ticks`; winds that would begin after its end are left out.
+pub(super) fn entries(grid: &Grid, table: &SweepTable, seed: u64, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+    let source = grid.source;
+    source.within("sweep.winds", f64::from(table.winds), 1.0..=f64::from(MOST_WINDS), "")?;
+    source.within("sweep.least_m_s", table.least_m_s, SPEEDS_M_S, "m/s")?;
+    source.within("sweep.most_m_s", table.most_m_s, table.least_m_s..=*SPEEDS_M_S.end(), "m/s")?;
+    source.within("sweep.stem_cone_deg", table.stem_cone_deg, 0.0..=90.0, "°")?;
+    let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
+    let still = if table.still_s == 0.0 { 0 } else { grid.whole_ticks("sweep.still_s", table.still_s)? };
+    let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
+    if wanted > u64::from(ticks) {
+        let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.time_s(ticks));
+        let sentence = format!(
+            "needs {needed_s} s, but the experiment is over at {has_s} s: a greater duration_s, or fewer winds"
+        );
+        return Err(source.refuse("sweep", sentence));
+    }
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(table.seed.unwrap_or(seed)));
+    let mut entries = Vec::with_capacity(table.winds as usize + 1);
+    if still > 0 {
+        entries.push(WindEntry { label: STILL.to_owned(), ..WindEntry::default() });
+    }
+    let lowest = table.stem_cone_deg.to_radians().cos();
+    for n in 0..table.winds {
+        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(draw.share());
+        // A wind that comes from the stem goes to +z.
+        let upwards = loop {
+            let z = 2.0 * draw.share() - 1.0;
+            if table.stem_cone_deg == 0.0 || z < lowest {
+                break z;
+            }
+        };
+        entries.push(WindEntry {
+            start_s: grid.time_s(still + n * hold),
+            label: format!("wind {}", n + 1),
+            speed_m_s,
+            azimuth_deg: 360.0 * draw.share(),
+            elevation_deg: upwards.asin().to_degrees(),
+            ..WindEntry::default()
+        });
+    }
+    Ok(entries)
+}
+
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    /// Evenly between 0 and 1.
+    fn share(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Experiment;
+    use crate::toml_file::Source;
+
+    fn with(sweep: &str) -> Result<Experiment, String> {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/still-gas.toml");
+        let mut source = Source::read(&path).unwrap();
+        let wind = source.text.find("[[wind]]").unwrap();
+        source.text = format!("{}[sweep]\n{sweep}\n", &source.text[..wind]);
+        Experiment::from_source(source).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn winds_come_from_everywhere_but_the_stem() {
+        let experiment =
+            with("winds = 500\nleast_m_s = 1.0\nmost_m_s = 13.0\nhold_s = 0.1\nstill_s = 1.0\nstem_cone_deg = 20.0")
+                .unwrap();
+        assert_eq!((experiment.wind.len(), experiment.wind[0].speed_m_s), (501, 0.0));
+        let winds = &experiment.wind[1..];
+        assert!((winds[0].start_s - 1.0).abs() < 1e-12 && (winds[499].start_s - 50.9).abs() < 1e-9);
+        let mut mean = [0.0; 3];
+        for wind in winds {
+            assert!((1.0..=13.0).contains(&wind.speed_m_s) && wind.elevation_deg < 70.0);
+            for (mean, v) in mean.iter_mut().zip(wind.mean_m_s()) {
+                *mean += v / wind.speed_m_s / winds.len() as f64;
+            }
+        }
+        // Three standard errors of a mean of components; what is left out above pulls z down by 0.03.
+        assert!(mean.iter().all(|mean| mean.abs() < 3.0 / (3.0 * 500.0_f64).sqrt() + 0.03), "{mean:?}");
+        let slow = winds.iter().filter(|wind| wind.speed_m_s < 13.0_f64.sqrt()).count();
+        assert!((200..300).contains(&slow), "half of them are below the geometric mean: {slow}");
+    }
+
+    #[test]
+    fn a_sweep_that_cannot_be_is_refused_by_name() {
+        let good = "winds = 5\nleast_m_s = 1.0\nmost_m_s = 13.0\nhold_s = 1.0";
+        assert!(with(good).is_ok());
+        for (from, to, expected) in [
+            ("winds = 5", "winds = 0", "`sweep.winds` is 0"),
+            ("winds = 5", "winds = 5000", "`sweep` needs 5000 s"),
+            ("most_m_s = 13.0", "most_m_s = 0.5", "`sweep.most_m_s` is 0.5 m/s: it must lie between 1 and 100 m/s"),
+            ("hold_s = 1.0", "hold_s = 0.0001", "`sweep.hold_s`"),
+            ("hold_s = 1.0", "hold_s = 1.0\nstem = 1.0", "unknown key `stem`"),
+        ] {
+            let error = with(&good.replace(from, to)).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}
