@@ -1,7 +1,7 @@
 //! The whole network from records that drive one element each: every pair with as many free rates as its record can tell apart.
 //!
 //! Twice. What the other elements do at their low level is little, but it is no constant: it changes with their resistance, and so with what the
-//! driven one does to them, and left alone it would pass for its work (of the steady gain of a sphere, some 3 ‰). So what the first round makes of
+//! driven one does to them, and left alone it would pass for its work (of the steady gain of a hemisphere of sphere A, 0.6 %). So what the first round makes of
 //! their powers is taken off the temperatures before the second:
 //!
 //! ```text
@@ -79,6 +79,7 @@ pub fn identified(
         }
         rounds.push(first_round(&record, poles, progress)?);
     }
+    let place = |driven: &str| first.elements.iter().position(|name| name == driven);
     let missing: Vec<&str> = first
         .elements
         .iter()
@@ -92,6 +93,8 @@ pub fn identified(
     for n in 0..records {
         second.push(second_round(&read(n)?, &rounds, poles, progress)?);
     }
+    // In the head's order, whatever that of the files was.
+    second.sort_by_key(|round| place(&round.driven));
     network(&first.elements, second)
 }
 
@@ -212,7 +215,7 @@ fn doubt(pair: &Pair, is_own: bool) -> Option<String> {
     }
     let Some(se) = &pair.se_rate_rad_s else { return None };
     let relative: Vec<f64> = se.iter().zip(rates).map(|(se, rate)| se / rate).collect();
-    if let Some(k) = relative.iter().position(|relative| !(*relative < KNOWN)) {
+    if let Some(k) = relative.iter().position(|relative| relative.is_nan() || *relative >= KNOWN) {
         return Some(format!("the rate at {:.3e} rad/s is known to ±{:.0} % only", rates[k], 100.0 * relative[k]));
     }
     let close = |k: &usize| (rates[k + 1] / rates[*k]).ln() < 2.0 * relative[*k].hypot(relative[k + 1]);
