@@ -100,7 +100,8 @@ fn from_still_records_to_the_conductance_of_a_wind() {
     let (mut q_sum, mut g_sum) = ([0.0; 2], [0.0; 2]);
     for n in 0..recording.len() {
         let (temperature_c, power_w) = (all(temperature, n), all(power, n));
-        let look = Look { temperature_c: &temperature_c, valid: 0b1111, read_high, power_w: &power_w };
+        let look =
+            Look { temperature_c: &temperature_c, valid: 0b1111, read_high, power_w: &power_w, standing_w: &power_w };
         let convection = network.step(&mut state, &look).unwrap();
         read_high = all(heater, n).iter().enumerate().map(|(i, bit)| u16::from(*bit > 0.5) << i).sum();
         for i in 0..2 {

@@ -164,6 +164,12 @@ impl<const N: usize> Controller<N> {
         Some(model.temperature_c(&self.states.get(element)?.model))
     }
 
+    /// Power of an element at its low level and a temperature, W; nothing for one that is not configured.
+    pub fn standing_power_w(&self, element: usize, temperature_c: f32) -> f32 {
+        let Some(Some(element)) = self.elements.get(element) else { return 0.0 };
+        element.config.channel.standing_power_w(temperature_c)
+    }
+
     /// How far each configured element that holds a temperature stays from either level, by its model.
     pub fn margins(&self) -> impl Iterator<Item = Option<Margins>> {
         self.elements

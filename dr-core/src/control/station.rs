@@ -70,7 +70,7 @@ impl<const N: usize> Station<N> {
 
     /// The second half: the wind, where an answer is due.
     pub fn sense(&mut self, tick: &Tick<N>) -> Option<WindTick> {
-        self.anemometer.step(tick)
+        self.anemometer.step(tick, |element, temperature_c| self.controller.standing_power_w(element, temperature_c))
     }
 
     /// Folds all that is known after both halves into a digest.

@@ -92,6 +92,11 @@ impl Channel {
         let current_a = self.current_a(level);
         current_a * current_a * resistance_ohm
     }
+
+    /// Heating power in W at the low level and a temperature in °C: what an element has in standby.
+    pub fn standing_power_w(&self, temperature_c: f32) -> f32 {
+        self.power_w(self.platinum.resistance_ohm(temperature_c), Level::Low)
+    }
 }
 
 #[cfg(test)]

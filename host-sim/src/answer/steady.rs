@@ -78,7 +78,11 @@ impl Search<'_> {
         let mut levels = 0;
         let mut rows = 0;
         while let Some(moment) = replay.next()? {
-            let convection = network.step(&mut state, &look(&moment.tick, levels));
+            let standing_w = std::array::from_fn(|i| match self.head.elements.get(i) {
+                Some(element) => element.config.channel.standing_power_w(moment.tick.temperature_c[i]),
+                None => 0.0,
+            });
+            let convection = network.step(&mut state, &look(&moment.tick, levels, &standing_w));
             levels = moment.tick.heaters.0;
             rows += 1;
             if rows % 65_536 == 0 {
@@ -194,8 +198,12 @@ fn network(observer: &Observer, sample_period_s: f32) -> Result<Network<MOST_ELE
 }
 
 /// A tick as the network looks at it.
-fn look(tick: &Tick<MOST_ELEMENTS>, read_high: u16) -> Look<'_, MOST_ELEMENTS> {
-    Look { temperature_c: &tick.temperature_c, valid: tick.valid, read_high, power_w: &tick.power_w }
+fn look<'a>(
+    tick: &'a Tick<MOST_ELEMENTS>,
+    read_high: u16,
+    standing_w: &'a [f32; MOST_ELEMENTS],
+) -> Look<'a, MOST_ELEMENTS> {
+    Look { temperature_c: &tick.temperature_c, valid: tick.valid, read_high, power_w: &tick.power_w, standing_w }
 }
 
 /// A gas by the name that recordings have for it.

@@ -116,7 +116,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             label = (moment.event.clone(), moment.time_s);
         }
         gas.tell(&mut anemometer, &moment, replay.sample_period_s())?;
-        let Some(answer) = anemometer.step(&moment.tick) else { continue };
+        let Some(answer) = anemometer.step(&moment.tick, |i, celsius| standing_w(&head, i, celsius)) else { continue };
         let answer = WindSample::from(&answer);
         let truth = match &table {
             Some(winds) => winds.get(&moment.event).copied(),
@@ -141,6 +141,11 @@ fn set_up(
         told.map_err(|error| format!("the head's calibration is refused: {error}"))?;
     }
     Ok(anemometer)
+}
+
+/// Power of an element at its low level, W.
+fn standing_w(head: &Head, element: usize, temperature_c: f32) -> f32 {
+    head.elements.get(element).map_or(0.0, |of| of.config.channel.standing_power_w(temperature_c))
 }
 
 /// Outward axes of the parts, for the linear inverse.

@@ -95,7 +95,9 @@ pub fn identified(
     }
     // In the head's order, whatever that of the files was.
     second.sort_by_key(|round| place(&round.driven));
-    network(&first.elements, second)
+    let mut model = network(&first.elements, second)?;
+    model.provenance.conditions = first.conditions;
+    Ok(model)
 }
 
 fn options() -> Options {

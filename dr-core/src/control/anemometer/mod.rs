@@ -182,14 +182,22 @@ impl<const N: usize> Anemometer<N> {
     }
 
     /// Follows a tick of the controller; gives an answer where one is due.
-    pub fn step(&mut self, tick: &Tick<N>) -> Option<WindTick> {
+    ///
+    /// A run begins after a long standby: `standing_w` is the power of an element at its low level and this temperature. It is asked
+    /// for once.
+    pub fn step(&mut self, tick: &Tick<N>, standing_w: impl Fn(usize, f32) -> f32) -> Option<WindTick> {
         let answer = self.answer?;
         let state = &mut self.state;
+        let standing_w = match self.network.has_begun(&state.network) {
+            true => [0.0; N],
+            false => core::array::from_fn(|i| standing_w(i, tick.temperature_c[i])),
+        };
         let look = Look {
             temperature_c: &tick.temperature_c,
             valid: tick.valid,
             read_high: state.levels,
             power_w: &tick.power_w,
+            standing_w: &standing_w,
         };
         let convection = self.network.step(&mut state.network, &look);
         state.count(tick);

@@ -94,6 +94,8 @@ pub struct Look<'a, const N: usize> {
     pub read_high: u16,
     /// Heating powers from this tick to the next, W.
     pub power_w: &'a [f32; N],
+    /// Powers under which the head has stood for long, W. Only looked at to begin with.
+    pub standing_w: &'a [f32; N],
 }
 
 /// What the network says of the wind at a tick.
@@ -201,6 +203,11 @@ impl<const N: usize> Network<N> {
         warmed_k
     }
 
+    /// Whether it has begun to follow its elements.
+    pub const fn has_begun(&self, state: &NetworkState<N>) -> bool {
+        state.begun
+    }
+
     /// States of a head that has stood for long as it is now: q from T = rest + H(0) P − H(0) m q, after Gauss and Seidel.
     fn begin(&self, state: &mut NetworkState<N>, look: &Look<'_, N>) -> Option<()> {
         let all = self.own.iter().enumerate().all(|(i, own)| own.is_none() || look.valid >> i & 1 == 1);
@@ -231,16 +238,16 @@ impl<const N: usize> Network<N> {
         Some(())
     }
 
-    /// The states that the powers of a tick and the convection lead to in the end.
+    /// The states that the standing powers and the convection lead to in the end.
     fn settle(&self, state: &mut NetworkState<N>, look: &Look<'_, N>) {
         for (i, own) in self.own.iter().enumerate() {
             let Some(own) = own else { continue };
-            state.own[i].x = own.surface.map(|m| look.power_w[i] - m * state.convection_w[i]);
+            state.own[i].x = own.surface.map(|m| look.standing_w[i] - m * state.convection_w[i]);
         }
         for (cross, x) in self.cross.iter().zip(&mut state.cross) {
             let Some(cross) = cross else { break };
             let from = usize::from(cross.from);
-            x.x = cross.surface.map(|m| look.power_w[from] - m * state.convection_w[from]);
+            x.x = cross.surface.map(|m| look.standing_w[from] - m * state.convection_w[from]);
         }
     }
 

@@ -92,7 +92,13 @@ impl Board {
     }
 
     fn step(&mut self, temperature_c: f64) -> f64 {
-        let look = Look { temperature_c: &[temperature_c as f32], valid: 1, read_high: 0, power_w: &[POWER_W as f32] };
+        let look = Look {
+            temperature_c: &[temperature_c as f32],
+            valid: 1,
+            read_high: 0,
+            power_w: &[POWER_W as f32],
+            standing_w: &[POWER_W as f32],
+        };
         f64::from(self.network.step(&mut self.state, &look).unwrap().power_w[0])
     }
 }

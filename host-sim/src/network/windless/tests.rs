@@ -74,6 +74,7 @@ fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
         valid: 0b101,
         read_high: 0,
         power_w: &[p as f32, 0.0, core as f32, 0.0],
+        standing_w: &[p as f32, 0.0, core as f32, 0.0],
     };
     let mut state = NetworkState::default();
     let convection = network.step(&mut state, &look).unwrap();
