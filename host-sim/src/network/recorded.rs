@@ -159,3 +159,49 @@ fn range_and_mean(values: &[f64]) -> (f64, f64) {
     let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
     (most - least, values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Column, Values};
+
+    /// Two elements at 10 Hz, of which `a` is driven and `b` measures.
+    fn recording() -> Recording {
+        let numbers = |name: &str, of: &dyn Fn(usize) -> f64| Column {
+            name: name.to_owned(),
+            values: Values::Numbers((0..50).map(of).collect()),
+        };
+        let columns = vec![
+            numbers("time_s", &|n| 0.1 * n as f64),
+            numbers("temperature_c:a", &|_| 20.0),
+            numbers("power_w:a", &|n| 0.04 * (n % 2) as f64),
+            numbers("temperature_c:b", &|_| 20.0),
+            numbers("power_w:b", &|n| 1e-3 + 1e-6 * n as f64),
+            numbers("wind_x_m_s", &|_| 0.0),
+        ];
+        Recording { path: "r.csv".into(), metadata: Vec::new(), columns }
+    }
+
+    fn refused(column: usize, of: &dyn Fn(usize) -> f64) -> String {
+        let mut recording = recording();
+        recording.columns[column].values = Values::Numbers((0..50).map(of).collect());
+        Recorded::of(&recording).unwrap_err()
+    }
+
+    #[test]
+    fn finds_which_element_is_driven() {
+        let record = Recorded::of(&recording()).unwrap();
+        assert_eq!((record.driven_name(), record.elements.len()), ("a", 2));
+        assert!((record.sample_period_s - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_drives_none_or_two_or_has_wind_is_refused() {
+        let none = refused(2, &|_| 1e-3);
+        assert!(none.starts_with("r.csv: drives no element"), "{none}");
+        let two = refused(4, &|n| 0.01 * (n % 3) as f64);
+        assert!(two.starts_with("r.csv: drives `a` and also b"), "{two}");
+        let windy = refused(5, &|n| if n == 7 { 2.0 } else { 0.0 });
+        assert!(windy.starts_with("r.csv: row 8: `wind_x_m_s` is 2.000 m/s"), "{windy}");
+    }
+}
