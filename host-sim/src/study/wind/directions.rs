@@ -1,0 +1,56 @@
+//! Errors of speed and direction in winds that no calibration has seen.
+
+use super::blown::blow;
+use crate::answer::errors::Errors;
+use crate::answer::off_line::axes;
+use crate::head::Head;
+use crate::thesis::{Lab, StudyError};
+
+/// Of every wind so much is left out, s: the answers that count are those of a wind, not of the change to it.
+pub const SETTLE_S: f64 = 3.0;
+
+/// One bandwidth.
+#[derive(Debug, Clone)]
+pub struct Directions {
+    pub bandwidth_hz: f64,
+    pub winds: usize,
+    pub errors: Errors,
+}
+
+/// # Errors
+/// What could not be run.
+pub fn measure(lab: &Lab, head: &Head, bandwidths_hz: &[f64]) -> Result<Vec<Directions>, StudyError> {
+    let experiment = lab.experiment("winds")?;
+    lab.tell(&experiment);
+    let winds = experiment.wind.iter().filter(|wind| wind.speed_m_s > 0.0).count();
+    of(&experiment, head, bandwidths_hz).map(|all| {
+        let all = bandwidths_hz.iter().zip(all);
+        all.map(|(&bandwidth_hz, errors)| Directions { bandwidth_hz, winds, errors }).collect()
+    })
+}
+
+/// Errors by bandwidth in the winds of any experiment.
+///
+/// # Errors
+/// What could not be run.
+pub fn of(
+    experiment: &crate::experiment::Experiment,
+    head: &Head,
+    bandwidths_hz: &[f64],
+) -> Result<Vec<Errors>, StudyError> {
+    let mut errors = vec![Errors::default(); bandwidths_hz.len()];
+    let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
+    let mut begun = vec![(String::new(), 0.0); bandwidths_hz.len()];
+    blow(experiment, head, bandwidths_hz, &mut |place, moment, answer| {
+        let (label, from_s) = &mut begun[place];
+        if *label != moment.event {
+            (*label, *from_s) = (moment.event.clone(), moment.time_s);
+        }
+        if let Some(truth_m_s) = moment.wind_m_s
+            && moment.time_s - *from_s >= SETTLE_S
+        {
+            errors[place].add(answer, &axes, truth_m_s);
+        }
+    })?;
+    Ok(errors)
+}
