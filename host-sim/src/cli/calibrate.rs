@@ -225,7 +225,7 @@ fn new_parts(calibration: &Calibration) -> Vec<NewPart> {
 fn noise_by_bandwidth(head: &Head) -> Vec<(f64, f64)> {
     let Some(calibration) = &head.calibration else { return Vec::new() };
     let noise = |bandwidth_hz: f64| {
-        let answering = Answering { bandwidth_hz, every_s: 0.01 };
+        let answering = Answering { bandwidth_hz, every_s: 0.01, fixed: true };
         let (_, observer) = calibration.commands(&answering, 1e-3).ok()?;
         let place = calibration.parts.first()?;
         let at = observer.own.iter().position(|(own, _)| own == place)?;
