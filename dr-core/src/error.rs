@@ -66,6 +66,9 @@ pub enum Parameter {
     GasPolynomial,
     NusseltPoint,
     CrossHeating,
+    AlarmThresholdK,
+    UntilS,
+    GainSet,
 }
 
 impl Parameter {
@@ -129,6 +132,9 @@ impl Parameter {
             Self::GasPolynomial => "gas_polynomial",
             Self::NusseltPoint => "nusselt_point",
             Self::CrossHeating => "cross_heating",
+            Self::AlarmThresholdK => "threshold_k",
+            Self::UntilS => "until_s",
+            Self::GainSet => "set",
         }
     }
 }

@@ -118,7 +118,7 @@ fn a_tripped_instrument_says_so_in_every_answer() {
     assert_eq!(run["trips"][0]["element"], "sector2");
     assert!(told.none_has(50.0, 59.99, Doubts::NOT_RUNNING) && told.none_has(50.0, 59.99, Doubts::DEGRADED));
     assert!(told.all_have(60.01, 70.0, &[Doubts::NOT_RUNNING]));
-    assert!(told.all_have(60.2, 70.0, &[Doubts::DEGRADED]) , "{run}");
+    assert!(told.all_have(60.2, 70.0, &[Doubts::DEGRADED]), "{run}");
 }
 
 #[test]

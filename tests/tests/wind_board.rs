@@ -46,7 +46,9 @@ fn board_and_host_answer_alike() {
 #[test]
 fn off_line_the_answers_have_the_bits_of_the_run() {
     let desk = blown(4.0, &[GUST]);
-    for arguments in [&["run", "e.toml", "--on", "sim", "-o", "r.parquet"][..], &["wind", "r.parquet", "-o", "w.parquet"]] {
+    for arguments in
+        [&["run", "e.toml", "--on", "sim", "-o", "r.parquet"][..], &["wind", "r.parquet", "-o", "w.parquet"]]
+    {
         let output = desk.anemo(arguments, &[]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
@@ -63,6 +65,6 @@ fn off_line_the_answers_have_the_bits_of_the_run() {
             (kept.map(|(number, _)| bits(number)).collect(), told.numbers(&name).unwrap().iter().map(bits).collect());
         let differs = kept.iter().zip(&told).position(|(kept, told)| kept != told);
         assert_eq!((differs, kept.len()), (None, told.len()), "{name}");
-        assert!(kept.iter().any(Option::is_some) , "{name} is empty");
+        assert!(kept.iter().any(Option::is_some), "{name} is empty");
     }
 }

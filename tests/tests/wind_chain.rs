@@ -6,7 +6,7 @@ use anemo_tests::{changed, file};
 use host_sim::answer::calibrated::Calibrator;
 use host_sim::calibrate::Steady;
 use host_sim::network::identified::Poles;
-use host_sim::study::wind::{SPHERE_B, chain, directions, swing};
+use host_sim::study::wind::{Mode, SPHERE_B, chain, directions, swing};
 use host_sim::thesis::Lab;
 
 const RECORD_S: f64 = 2700.0;
@@ -40,7 +40,7 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
     let head = calibrated(&steady).unwrap().head;
     let winds = [("winds = 500", "winds = 120"), ("3060.0", "780.0")];
     let unseen = changed("wind/sphere-b/winds.toml", &winds);
-    let errors = &directions::of(&unseen, &head, &[1.0]).unwrap()[0];
+    let errors = &directions::of(&unseen, &head, &[Mode { bandwidth_hz: 1.0, fixed: false }]).unwrap()[0];
     let (direction_deg, speed) = (errors.direction_rms_deg().unwrap(), errors.speed_rms().unwrap());
     println!(
         "{} winds: direction {direction_deg:.3}° rms, linear inverse {:.2}°, speed {:.3} % rms, {:.2} % worst",

@@ -83,7 +83,7 @@ mod tests {
         Cause, Command, Controller, Doubts, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
         WindCommand,
     };
-    use dr_core::model::{OwnConfig, Reachability, SelfHeatingConfig};
+    use dr_core::model::{AlarmConfig, GainsConfig, OwnConfig, Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
 
@@ -147,9 +147,13 @@ mod tests {
             r_k_per_w: [-1.7e38; 8],
             surface: [1.7e38; 8],
             rest_c: -1.7e38,
-            correction_w_per_k: [1.7e38; 8],
-            convection_w_per_k: 1.7e38,
-            weights: [1.7e38; 2],
+            gains: GainsConfig {
+                correction_w_per_k: [1.7e38; 8],
+                convection_w_per_k: 1.7e38,
+                weights: [1.7e38; 2],
+                variance_w2: 1.7e38,
+            },
+            alarm: Some(AlarmConfig { smoothing_s: 1.7e38, threshold_k: 1.7e38 }),
         };
         for message in [
             ToBoard::Command(Command::Model { element: 255, model }),

@@ -54,6 +54,7 @@ impl<const N: usize> Station<N> {
         let sample_period_s = self.controller.sample_period_s().ok_or(Refusal::NoSamplePeriod)?;
         let element = match command {
             WindCommand::Own { element, .. } => Some(*element),
+            WindCommand::Faster(faster) => Some(faster.element),
             WindCommand::Cross(cross) => Some(cross.to),
             WindCommand::Part { config, .. } => Some(config.element),
             _ => None,

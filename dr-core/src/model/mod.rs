@@ -9,7 +9,9 @@ pub mod self_heating;
 pub mod sliding;
 pub mod symbol;
 
-pub use network::{Convection, CrossConfig, Look, Network, NetworkState, OwnConfig};
+pub use network::{
+    AlarmConfig, Convection, CrossConfig, FasterConfig, GainsConfig, Look, Network, NetworkState, OwnConfig,
+};
 pub use observer::{Observed, Observer, ObserverState};
 pub use real::Real;
 pub use relaxation::{RelaxationState, Relaxations};

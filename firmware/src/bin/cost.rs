@@ -12,7 +12,9 @@ use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use dr_core::control::{
     AnswerConfig, Command, Controller, Drive, ElementConfig, Limits, PartOfHead, Station, Tick, WindCommand, WindTick,
 };
-use dr_core::model::{CrossConfig, OwnConfig, RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh};
+use dr_core::model::{
+    AlarmConfig, CrossConfig, GainsConfig, OwnConfig, RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh,
+};
 use dr_core::sensor::wind::{self, Gas, GasLawConfig, Measured, NusseltConfig, Wind, WindState, WindVector};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
@@ -240,9 +242,13 @@ fn anemometer() -> Option<()> {
             r_k_per_w: [1.0 / LOSS_W_K, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             surface: [1.0; 8],
             rest_c: GAS_C,
-            correction_w_per_k: [7.0; 8],
-            convection_w_per_k: if element < PARTS { 0.2 } else { 0.0 },
-            weights: [0.2, 1.8],
+            gains: GainsConfig {
+                correction_w_per_k: [7.0; 8],
+                convection_w_per_k: if element < PARTS { 0.2 } else { 0.0 },
+                weights: [0.2, 1.8],
+                variance_w2: 1e-8,
+            },
+            alarm: Some(AlarmConfig { smoothing_s: 0.02, threshold_k: 0.01 }),
         };
         tell(Command::Wind(WindCommand::Own { element, config }))?;
     }
@@ -263,7 +269,7 @@ fn anemometer() -> Option<()> {
         tell(Command::Wind(WindCommand::Point { point, amplitudes }))?;
     }
     for (part, surface) in (0_u8..).zip(wind::sphere::tetrahedral_sectors(DIAMETER_M)) {
-        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: WINDLESS_W_K, variance_w2: 4e-8 };
+        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: WINDLESS_W_K };
         tell(Command::Wind(WindCommand::Part { part, config }))?;
     }
     tell(Command::Wind(WindCommand::GasLaw(GasLawConfig {

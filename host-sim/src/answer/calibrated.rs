@@ -112,7 +112,7 @@ impl<'a> Calibrator<'a> {
 /// Standard deviation of a part's conductance at 30 K and 1 kHz, W/K, at a bandwidth, if it can be had.
 pub fn conductance_noise_w_k(head: &Head, bandwidth_hz: f64) -> Option<f64> {
     let calibration = head.calibration.as_ref()?;
-    let answering = Answering { bandwidth_hz, every_s: 0.01 };
+    let answering = Answering { bandwidth_hz, every_s: 0.01, fixed: true };
     let (_, observer) = calibration.commands(&answering, 1e-3).ok()?;
     let place = calibration.parts.first()?;
     let at = observer.own.iter().position(|(own, _)| own == place)?;

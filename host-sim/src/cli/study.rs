@@ -88,7 +88,7 @@ fn as_json(of: &Measured) -> Value {
     });
     let winds = of.directions.iter().map(|row| {
         json!({
-            "bandwidth_hz": row.bandwidth_hz,
+            "bandwidth_hz": row.mode.bandwidth_hz, "fixed": row.mode.fixed,
             "winds": row.winds,
             "speed_rms_error": row.errors.speed_rms(),
             "direction_rms_error_deg": row.errors.direction_rms_deg(),
@@ -98,7 +98,8 @@ fn as_json(of: &Measured) -> Value {
     let steps = of.steps.iter().flat_map(|steps| {
         steps.ways.iter().map(|way| {
             json!({
-                "bandwidth_hz": steps.bandwidth_hz,
+                "bandwidth_hz": steps.mode.bandwidth_hz,
+                "fixed": steps.mode.fixed,
                 "to_m_s": way.to_m_s,
                 "mean_response_s": way.mean_response_s,
                 "single_response_s": way.single_response_s,
@@ -110,7 +111,7 @@ fn as_json(of: &Measured) -> Value {
     let turbulence = of.turbulence.iter().flat_map(|row| {
         row.bands.iter().map(|band| {
             json!({
-                "bandwidth_hz": row.bandwidth_hz, "from_hz": band.from_hz, "to_hz": band.to_hz,
+                "bandwidth_hz": row.mode.bandwidth_hz, "fixed": row.mode.fixed, "from_hz": band.from_hz, "to_hz": band.to_hz,
                 "coherence": band.coherence, "gain": band.gain,
             })
         })

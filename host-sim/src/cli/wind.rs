@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Bandwidth of the convective powers, 0.5 to 50 Hz.
     #[arg(long, value_name = "HZ", default_value_t = Answering::DEFAULT_BANDWIDTH_HZ)]
     bandwidth: f64,
+    /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
+    #[arg(long)]
+    fixed: bool,
     /// An answer every so many seconds; by default 0.01 or a tick.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
@@ -103,7 +106,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let column = arguments.gas_temperature.as_deref().filter(|word| word.parse::<f64>().is_err());
     let mut replay = Replay::open(&arguments.recording, &head, column).map_err(Failure::usage)?;
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
-    let answering = Answering::new(Some(arguments.bandwidth), arguments.every, replay.sample_period_s());
+    let answering =
+        Answering::new(Some(arguments.bandwidth), arguments.every, arguments.fixed, replay.sample_period_s());
     let mut anemometer =
         OffLine::new(&head, calibration, &answering, replay.sample_period_s()).map_err(Failure::usage)?;
     let mut gas = GasTold::new(arguments, calibration, &replay)?;

@@ -7,7 +7,7 @@
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
-//! | `[answer]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `every_s` (0.01 or a tick if not given) |
+//! | `[answer]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `every_s` (0.01 or a tick if not given), `fixed` (true keeps the bandwidth when the wind jumps) |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |
@@ -369,13 +369,14 @@ fn answering(grid: &Grid, table: Option<&AnswerTable>, head: &Head) -> Result<Op
         };
     }
     let (bandwidth_hz, every_s) = table.map_or((None, None), |table| (table.bandwidth_hz, table.every_s));
+    let fixed = table.is_some_and(|table| table.fixed);
     if let Some(bandwidth_hz) = bandwidth_hz {
         source.within("answer.bandwidth_hz", bandwidth_hz, Answering::BANDWIDTHS_HZ, "Hz")?;
     }
     if let Some(every_s) = every_s {
         grid.whole_ticks("answer.every_s", every_s)?;
     }
-    Ok(Some(Answering::new(bandwidth_hz, every_s, grid.sample_period_s)))
+    Ok(Some(Answering::new(bandwidth_hz, every_s, fixed, grid.sample_period_s)))
 }
 
 fn swing_starts(grid: &Grid, swing: Option<&GasSwing>, duration_s: f64) -> Result<(), FileError> {

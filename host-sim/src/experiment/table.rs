@@ -47,6 +47,8 @@ pub(super) struct ExperimentTable {
 pub(super) struct AnswerTable {
     pub bandwidth_hz: Option<f64>,
     pub every_s: Option<f64>,
+    #[serde(default)]
+    pub fixed: bool,
 }
 
 #[derive(Deserialize)]

@@ -6,6 +6,7 @@
 //! | [`ladder`] | what lies between element and surface: the shares m_k |
 //! | [`riccati`], [`kalman`] | gains that hold an element on its readings, for a bandwidth |
 //! | [`noise`] | of readings, in kelvins |
+//! | [`quickness`] | how they become quick after a jump of the wind |
 //! | [`windless`] | all elements of a head, from a merged model |
 //! | [`gas_law`](mod@gas_law) | the gas as polynomials |
 
@@ -14,6 +15,7 @@ pub mod identified;
 pub mod kalman;
 pub mod ladder;
 pub mod noise;
+pub mod quickness;
 pub mod recorded;
 pub mod riccati;
 pub mod windless;

@@ -10,10 +10,11 @@
 //! model does not have is not part of the network.
 
 use dr_core::model::network::CROSS_ORDER;
-use dr_core::model::{CrossConfig, ORDER, OwnConfig};
+use dr_core::model::{CrossConfig, FasterConfig, GainsConfig, ORDER, OwnConfig};
 
 use super::kalman::{Filter, Plant, ReadingNoise, design};
 use super::ladder::{Section, contact_time_s, cross_share, sections, share};
+use super::quickness::quickness;
 use crate::head::{Element, Head};
 use crate::model::{Model, Pair, Structure};
 use crate::recording::{POWER, TEMPERATURE};
@@ -57,6 +58,8 @@ pub struct Observer {
     /// Place in the head, and configuration.
     pub own: Vec<(usize, OwnConfig)>,
     pub cross: Vec<CrossConfig>,
+    /// Quicker gains for the time after an alarm; none where the bandwidth is fixed.
+    pub faster: Vec<FasterConfig>,
     /// By element as in `own`: the filter, with its bandwidth and its figures of noise.
     pub filters: Vec<Filter>,
     /// By element as in `own`: standard deviation of the convective power by the noise of readings, W; 0 without a surface.
@@ -116,23 +119,43 @@ impl Windless {
         sample_period_s: f64,
         noise: &[ReadingNoise],
     ) -> Result<Observer, String> {
-        let mut observer = Observer { own: Vec::new(), cross: Vec::new(), filters: Vec::new(), sd_w: Vec::new() };
+        let mut observer =
+            Observer { own: Vec::new(), cross: Vec::new(), faster: Vec::new(), filters: Vec::new(), sd_w: Vec::new() };
         for own in &self.own {
             let named = |sentence: String| format!("element `{}`: {sentence}", own.name);
             let noise = noise.get(own.element).ok_or_else(|| named("its readings' noise is not given".to_owned()))?;
-            let plant = Plant {
-                mesh_rad_s: &own.mesh_rad_s,
-                r_k_per_w: &own.r_k_per_w,
-                surface: own.surface.as_deref(),
-                sample_period_s,
-                noise: *noise,
-            };
-            let filter = design(&plant, bandwidth_hz).map_err(named)?;
+            let filter = design(&own.plant(sample_period_s, *noise), bandwidth_hz).map_err(named)?;
             observer.own.push((own.element, own.config(&filter)));
             observer.sd_w.push(filter.noise_w);
             observer.filters.push(filter);
         }
         observer.cross = self.cross.iter().map(Cross::config).collect();
+        Ok(observer)
+    }
+
+    /// The same, but quicker for a while after the wind has jumped.
+    ///
+    /// # Errors
+    /// As [`observer`](Self::observer).
+    pub fn adaptive_observer(
+        &self,
+        bandwidth_hz: f64,
+        sample_period_s: f64,
+        noise: &[ReadingNoise],
+    ) -> Result<Observer, String> {
+        let mut observer = self.observer(bandwidth_hz, sample_period_s, noise)?;
+        for own in self.own.iter().filter(|own| own.surface.is_some()) {
+            let Some((_, config)) = observer.own.iter_mut().find(|(element, _)| *element == own.element) else {
+                continue;
+            };
+            let plant = own.plant(sample_period_s, noise[own.element]);
+            let Some(quickness) = quickness(&plant, bandwidth_hz) else { continue };
+            config.alarm = Some(quickness.alarm(&plant, config.gains.weights.map(f64::from)));
+            for (set, (until_s, filter)) in (0_u8..).zip(&quickness.sets) {
+                let (element, gains) = (own.element as u8, gains(filter));
+                observer.faster.push(FasterConfig { element, set, until_s: *until_s as f32, gains });
+            }
+        }
         Ok(observer)
     }
 }
@@ -159,6 +182,16 @@ impl Own {
         contact_time_s(&self.layers)
     }
 
+    fn plant(&self, sample_period_s: f64, noise: ReadingNoise) -> Plant<'_> {
+        Plant {
+            mesh_rad_s: &self.mesh_rad_s,
+            r_k_per_w: &self.r_k_per_w,
+            surface: self.surface.as_deref(),
+            sample_period_s,
+            noise,
+        }
+    }
+
     fn config(&self, filter: &Filter) -> OwnConfig {
         let surface = self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()]);
         OwnConfig {
@@ -166,10 +199,18 @@ impl Own {
             r_k_per_w: padded(&self.r_k_per_w, 0.0),
             surface: padded(&surface, 1.0),
             rest_c: self.rest_c as f32,
-            correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),
-            convection_w_per_k: filter.convection_w_per_k as f32,
-            weights: filter.weights.map(|weight| weight as f32),
+            gains: gains(filter),
+            alarm: None,
         }
+    }
+}
+
+fn gains(filter: &Filter) -> GainsConfig {
+    GainsConfig {
+        correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),
+        convection_w_per_k: filter.convection_w_per_k as f32,
+        weights: filter.weights.map(|weight| weight as f32),
+        variance_w2: (filter.noise_w * filter.noise_w) as f32,
     }
 }
 

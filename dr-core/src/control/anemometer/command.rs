@@ -1,6 +1,6 @@
 //! What an anemometer is told.
 
-use crate::model::{CrossConfig, OwnConfig};
+use crate::model::{CrossConfig, FasterConfig, OwnConfig};
 use crate::sensor::wind::{GasLawConfig, PartConfig, nusselt::ORDERS};
 
 /// A part of a head: a surface with the element that heats it.
@@ -15,8 +15,6 @@ pub struct PartOfHead {
     pub gain: f32,
     /// Conductance to still gas at `AnswerConfig::reference_gas_c`, W/K: what the windless network has in it.
     pub windless_w_k: f32,
-    /// Variance of the convective power by the noise of the readings, W².
-    pub variance_w2: f32,
 }
 
 /// How the wind is answered.
@@ -52,6 +50,8 @@ pub enum WindCommand {
         /// Model and gains.
         config: OwnConfig,
     },
+    /// Quicker gains of an element for the time after an alarm. After the element, from set 0 on.
+    Faster(FasterConfig),
     /// How an element heats another. After both.
     Cross(CrossConfig),
     /// Amplitudes of the local Nusselt number at a Reynolds number.

@@ -162,6 +162,7 @@ impl<const N: usize> Anemometer<N> {
             WindCommand::Own { element, config } => {
                 self.network.set_own(usize::from(*element), config, sample_period_s)?;
             }
+            WindCommand::Faster(config) => self.network.set_faster(config, sample_period_s)?,
             WindCommand::Cross(config) => self.network.set_cross(config, sample_period_s)?,
             WindCommand::Point { point, amplitudes } => self.setup.set_point(*point, *amplitudes)?,
             WindCommand::Part { part, config } => {
@@ -244,7 +245,8 @@ impl<const N: usize> Anemometer<N> {
                 let conductance_w_k = flow_w / overheat_k;
                 told.conductance_w_k[p] = conductance_w_k;
                 let share = part.gain / overheat_k;
-                measured[p] = Some(Measured { conductance_w_k, variance_w2_k2: share * share * part.variance_w2 });
+                measured[p] =
+                    Some(Measured { conductance_w_k, variance_w2_k2: share * share * convection.variance_w2[i] });
             }
         }
         if let (Some(head), Some(gas)) = (&answer.head, gas) {

@@ -37,7 +37,6 @@ impl Setup {
         Part::new(&config.surface)?;
         error::within(Parameter::PartGain, config.gain, 0.1, 10.0)?;
         error::within(Parameter::WindlessWK, config.windless_w_k, 0.0, 1e3)?;
-        error::positive(Parameter::VarianceW2, config.variance_w2)?;
         let most = (MOST_PARTS - 1) as f32;
         *self.parts.get_mut(usize::from(part)).ok_or(out_of_range(Parameter::Parts, 0.0, most))? = Some(*config);
         Ok(())

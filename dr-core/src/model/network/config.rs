@@ -5,6 +5,9 @@ use crate::model::ORDER;
 /// Most rates of a pair whose input is not the output's own: what comes from afar is slow.
 pub const CROSS_ORDER: usize = 4;
 
+/// Most sets of faster gains of an element.
+pub const FASTER: usize = 7;
+
 /// Most pairs of different elements: all of a head of six.
 pub const CROSSES: usize = 30;
 
@@ -20,12 +23,48 @@ pub struct OwnConfig {
     pub surface: [f32; ORDER],
     /// Temperature without heating of any element, in the gas of the identification at rest, °C.
     pub rest_c: f32,
+    /// In steady wind.
+    pub gains: GainsConfig,
+    /// When the wind counts as no longer steady; never without it.
+    pub alarm: Option<AlarmConfig>,
+}
+
+/// Gains of one bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GainsConfig {
     /// c_k, W/K.
     pub correction_w_per_k: [f32; ORDER],
     /// ℓ, W/K; 0 for an element that no wind cools.
     pub convection_w_per_k: f32,
     /// Weight of a reading at the low level, and of one at the high level.
     pub weights: [f32; 2],
+    /// Variance of q by the noise of the readings, W².
+    pub variance_w2: f32,
+}
+
+/// When innovations are more than noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AlarmConfig {
+    /// Innovations are smoothed over this time, s.
+    pub smoothing_s: f32,
+    /// A smoothed innovation beyond this, K, is a change of the wind.
+    pub threshold_k: f32,
+}
+
+/// Gains for the time after an alarm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct FasterConfig {
+    /// Which element.
+    pub element: u8,
+    /// Which set, from 0: the fastest comes first.
+    pub set: u8,
+    /// In use until so long after the last alarm, s; ascending.
+    pub until_s: f32,
+    /// The gains.
+    pub gains: GainsConfig,
 }
 
 /// How an element heats another one.

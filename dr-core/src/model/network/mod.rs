@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | q | convective power: what the wind takes beyond still gas | W |
 //! | e | innovation, weighted by s: readings at the high level, of a greater voltage, are worth more than those at the low one | K |
-//! | ℓ, c_k | gains of a steady-state Kalman filter for which q is a random walk; they make the bandwidth | W/K |
+//! | ℓ, c_k, s | gains and weights of a steady-state Kalman filter for which q is a random walk; they make the bandwidth | W/K |
 //! | m_k | share of heat at the surface in relaxation k | |
 //! | Ts | temperature of the surface | °C |
 //!
@@ -25,12 +25,22 @@
 //! temperature is read from it by as much again. Where the element is soldered to the surface m_k is nearly 1 up to the rate of that
 //! contact, and without it q would lag by the contact's time constant.
 //!
+//! **Alarm.** A filter is either quick or quiet. So innovations are watched: smoothed, they are small as long as the wind walks as the
+//! filter believes. Beyond a threshold the wind has jumped, and the gains become those of the fastest of several sets; from then on
+//! slower sets follow, each as soon as the one before it has settled, until those of the steady wind are back. After a time t the
+//! answer is then about as quiet as anything can be that has only t to look at. Its variance says so.
+//!
 //! Limits: linear; m of the element that becomes warm by cross-heating is taken for 1, which is good for slow modes, and others are
 //! small there. A state is corrected by its own element's readings only. `+ − × ÷` on f32 in fixed order.
 
 mod config;
 
-pub use config::{CROSS_ORDER, CROSSES, CrossConfig, OwnConfig};
+mod gains;
+
+pub use config::{AlarmConfig, CROSS_ORDER, CROSSES, CrossConfig, FASTER, FasterConfig, GainsConfig, OwnConfig};
+pub use gains::Watch;
+
+use gains::Adaptive;
 
 use super::{ORDER, RelaxationState, Relaxations, Symbol};
 use crate::error::{self, ConfigError, Parameter, Problem};
@@ -47,10 +57,8 @@ struct Own {
     /// R_k m_k
     surface_k_per_w: Symbol<ORDER>,
     surface: [f32; ORDER],
-    correction_w_per_k: [f32; ORDER],
     rest_c: f32,
-    convection_w_per_k: f32,
-    weights: [f32; 2],
+    gains: Adaptive,
 }
 
 /// Cross-heating, made ready.
@@ -79,6 +87,7 @@ pub struct NetworkState<const N: usize> {
     cross: [RelaxationState<CROSS_ORDER>; CROSSES],
     /// q, W.
     convection_w: [f32; N],
+    watch: [Watch; N],
     /// Elements that have been seen at least once; before that there is nothing to begin with.
     begun: bool,
 }
@@ -105,6 +114,8 @@ pub struct Convection<const N: usize> {
     pub power_w: [f32; N],
     /// Ts: temperatures of the surfaces, °C.
     pub surface_c: [f32; N],
+    /// Variances of q by the noise of the readings, W².
+    pub variance_w2: [f32; N],
 }
 
 impl<const N: usize> Default for Network<N> {
@@ -120,6 +131,7 @@ impl<const N: usize> Default for NetworkState<N> {
             own: [RelaxationState::default(); N],
             cross: [RelaxationState::default(); CROSSES],
             convection_w: [0.0; N],
+            watch: [Watch::default(); N],
             begun: false,
         }
     }
@@ -134,6 +146,15 @@ impl<const N: usize> Network<N> {
         let own = Own::new(config, sample_period_s)?;
         *self.own.get_mut(element).ok_or(NO_SUCH_ELEMENT)? = Some(own);
         Ok(())
+    }
+
+    /// Takes in gains for the time after an alarm; the element has to be known.
+    ///
+    /// # Errors
+    /// Names a number that makes no sense, a time that does not ascend, or what is not known.
+    pub fn set_faster(&mut self, config: &FasterConfig, sample_period_s: f32) -> Result<(), ConfigError> {
+        let own = self.own.get_mut(usize::from(config.element)).and_then(Option::as_mut).ok_or(NO_SUCH_ELEMENT)?;
+        own.gains.set(config, sample_period_s)
     }
 
     /// Takes in a pair of elements; both have to be known.
@@ -165,22 +186,25 @@ impl<const N: usize> Network<N> {
             self.begin(state, look)?;
         }
         let warmed_k = self.cross_heating_k(state);
-        let mut convection = Convection { power_w: [0.0; N], surface_c: [0.0; N] };
+        let mut convection = Convection { power_w: [0.0; N], surface_c: [0.0; N], variance_w2: [0.0; N] };
         for (i, own) in self.own.iter().enumerate() {
             let Some(own) = own else { continue };
             let base_c = own.rest_c + warmed_k[i];
             let x = &mut state.own[i];
-            let mut innovation_k = 0.0;
+            let level = usize::from(look.read_high >> i & 1);
+            let mut error_k = 0.0;
             if look.valid >> i & 1 == 1 {
-                let weight = own.weights[usize::from(look.read_high >> i & 1)];
-                innovation_k = weight * (look.temperature_c[i] - base_c - own.symbol.output(x));
+                error_k = look.temperature_c[i] - base_c - own.symbol.output(x);
             }
-            let q = state.convection_w[i] - own.convection_w_per_k * innovation_k;
+            let gains = own.gains.at(&mut state.watch[i], error_k, level);
+            let innovation_k = gains.weights[level] * error_k;
+            let q = state.convection_w[i] - gains.convection_w_per_k * innovation_k;
+            convection.variance_w2[i] = gains.variance_w2;
             state.convection_w[i] = q;
             convection.power_w[i] = q;
             convection.surface_c[i] = base_c + own.surface_k_per_w.output(x);
             let inputs = core::array::from_fn(|k| {
-                look.power_w[i] - own.surface[k] * q + own.correction_w_per_k[k] * innovation_k
+                look.power_w[i] - own.surface[k] * q + gains.correction_w_per_k[k] * innovation_k
             });
             own.relaxations.step_each(x, &inputs);
         }
@@ -225,7 +249,7 @@ impl<const N: usize> Network<N> {
         let q = &mut beginning.convection_w;
         for _ in 0..ROUNDS {
             for (i, own) in self.own.iter().enumerate() {
-                let Some(own) = own.as_ref().filter(|own| own.convection_w_per_k > 0.0) else { continue };
+                let Some(own) = own.as_ref().filter(|own| own.gains.convects()) else { continue };
                 let mut left_k = too_warm_k[i];
                 for cross in self.cross.iter().map_while(Option::as_ref).filter(|cross| usize::from(cross.to) == i) {
                     left_k -= cross.surface_k_per_w.steady_gain_k_per_w() * q[usize::from(cross.from)];
@@ -253,10 +277,12 @@ impl<const N: usize> Network<N> {
 
     /// Hands every number of a state to `take`, in a fixed order.
     pub(crate) fn each(&self, state: &NetworkState<N>, take: &mut impl FnMut(f32)) {
-        for ((own, x), &q) in self.own.iter().zip(&state.own).zip(&state.convection_w) {
+        for (i, own) in self.own.iter().enumerate() {
             if own.is_some() {
+                let x = &state.own[i];
                 x.x.iter().chain(&x.excess).for_each(|&number| take(number));
-                take(q);
+                take(state.convection_w[i]);
+                take(state.watch[i].smoothed_k);
             }
         }
         for (cross, x) in self.cross.iter().zip(&state.cross) {
@@ -274,25 +300,16 @@ impl Own {
         for share in config.surface {
             error::within(Parameter::SurfaceShare, share, -10.0, 10.0)?;
         }
-        for correction in config.correction_w_per_k {
-            error::within(Parameter::CorrectionWPerK, correction, -1e6, 1e6)?;
-        }
         let symbol = Symbol::new(config.r_k_per_w)?;
         let surface_k_per_w = Symbol::new(core::array::from_fn(|k| config.r_k_per_w[k] * config.surface[k]))?;
         error::positive(Parameter::ResistanceKPerW, surface_k_per_w.steady_gain_k_per_w())?;
-        for weight in config.weights {
-            error::positive(Parameter::ReadingWeight, weight)?;
-            error::within(Parameter::ReadingWeight, weight, 0.0, 1e3)?;
-        }
         Ok(Self {
             relaxations: Relaxations::new(&config.mesh_rad_s, sample_period_s)?,
             surface_k_per_w,
             symbol,
             surface: config.surface,
-            correction_w_per_k: config.correction_w_per_k,
             rest_c: error::finite(Parameter::ReferenceC, config.rest_c)?,
-            convection_w_per_k: error::within(Parameter::ConvectionWPerK, config.convection_w_per_k, 0.0, 1e6)?,
-            weights: config.weights,
+            gains: Adaptive::new(&config.gains, config.alarm.as_ref(), sample_period_s)?,
         })
     }
 }

@@ -41,6 +41,8 @@ pub struct Answering {
     /// −3 dB of the convective powers, Hz.
     pub bandwidth_hz: f64,
     pub every_s: f64,
+    /// Whether the bandwidth stays, whatever the wind does; else it rises for a while after a jump.
+    pub fixed: bool,
 }
 
 impl Answering {
@@ -50,10 +52,11 @@ impl Answering {
     const DEFAULT_EVERY_S: f64 = 0.01;
 
     /// What is not asked for is as fast as the loops and smooth enough to be looked at.
-    pub fn new(bandwidth_hz: Option<f64>, every_s: Option<f64>, sample_period_s: f64) -> Self {
+    pub fn new(bandwidth_hz: Option<f64>, every_s: Option<f64>, fixed: bool, sample_period_s: f64) -> Self {
         Self {
             bandwidth_hz: bandwidth_hz.unwrap_or(Self::DEFAULT_BANDWIDTH_HZ),
             every_s: every_s.unwrap_or(Self::DEFAULT_EVERY_S.max(sample_period_s)),
+            fixed,
         }
     }
 }
@@ -175,11 +178,15 @@ impl Calibration {
         answering: &Answering,
         sample_period_s: f64,
     ) -> Result<(Vec<WindCommand>, Observer), String> {
-        let observer = self.windless.observer(answering.bandwidth_hz, sample_period_s, &self.noise)?;
+        let observer = match answering.fixed {
+            true => self.windless.observer(answering.bandwidth_hz, sample_period_s, &self.noise)?,
+            false => self.windless.adaptive_observer(answering.bandwidth_hz, sample_period_s, &self.noise)?,
+        };
         let mut commands = Vec::new();
         for (element, config) in &observer.own {
             commands.push(WindCommand::Own { element: *element as u8, config: *config });
         }
+        commands.extend(observer.faster.iter().copied().map(WindCommand::Faster));
         commands.extend(observer.cross.iter().copied().map(WindCommand::Cross));
         if let Some(nusselt) = &self.table.nusselt {
             for (point, amplitudes) in (0_u8..).zip(&nusselt.amplitudes) {
@@ -187,13 +194,11 @@ impl Calibration {
             }
         }
         for (part, (of, &element)) in (0_u8..).zip(self.table.parts.iter().zip(&self.parts)) {
-            let sd_w = observer.own.iter().position(|(own, _)| *own == element).map_or(0.0, |at| observer.sd_w[at]);
             let config = PartOfHead {
                 element: element as u8,
                 surface: of.surface(),
                 gain: of.gain as f32,
                 windless_w_k: of.windless_w_k as f32,
-                variance_w2: (sd_w * sd_w) as f32,
             };
             commands.push(WindCommand::Part { part, config });
         }

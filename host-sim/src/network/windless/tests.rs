@@ -61,8 +61,8 @@ fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
         network.set_cross(config, 0.01).unwrap();
     }
     assert!(observer.sd_w[0] > 0.0 && observer.sd_w[1] == 0.0);
-    assert_eq!(observer.own[1].1.convection_w_per_k, 0.0);
-    assert!(observer.own[1].1.correction_w_per_k[0] > 0.0);
+    assert_eq!(observer.own[1].1.gains.convection_w_per_k, 0.0);
+    assert!(observer.own[1].1.gains.correction_w_per_k[0] > 0.0);
     // Settled without wind: no convection, and the surface colder by what lies before it.
     let (p, core) = (0.03, 0.01);
     let gain = |r: &[f64]| r.iter().sum::<f64>();

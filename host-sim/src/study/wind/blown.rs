@@ -1,7 +1,8 @@
-//! A run with anemometers beside it: several bandwidths on the same ticks, for an anemometer decides nothing.
+//! A run with anemometers beside it: several modes on the same ticks, for an anemometer decides nothing.
 
 use wire::WindSample;
 
+use super::Mode;
 use super::chain::rows;
 use crate::answer::live::Live;
 use crate::answer::off_line::OffLine;
@@ -10,23 +11,23 @@ use crate::experiment::Experiment;
 use crate::head::{Answering, Head};
 use crate::thesis::StudyError;
 
-/// Runs an experiment, whose head has the elements of the calibrated one, and hands out every answer of every bandwidth by its place.
+/// Runs an experiment, whose head has the elements of the calibrated one, and hands out every answer of every mode by its place.
 ///
 /// # Errors
 /// What could not be run, or which bandwidth cannot be had.
 pub fn blow(
     experiment: &Experiment,
     head: &Head,
-    bandwidths_hz: &[f64],
+    modes: &[Mode],
     each: &mut dyn FnMut(usize, &Moment, &WindSample),
 ) -> Result<(), StudyError> {
     let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
     let calibration = head.calibration.as_ref().ok_or_else(none)?;
     let period_s = experiment.sample_period_s;
     let told_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
-    let mut anemometers = Vec::with_capacity(bandwidths_hz.len());
-    for &bandwidth_hz in bandwidths_hz {
-        let answering = Answering::new(Some(bandwidth_hz), None, period_s);
+    let mut anemometers = Vec::with_capacity(modes.len());
+    for mode in modes {
+        let answering = Answering::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
         let mut anemometer = OffLine::new(head, calibration, &answering, period_s).map_err(StudyError::Other)?;
         anemometer.gas(experiment.pressure_pa as f32, told_c).map_err(StudyError::Other)?;
         anemometers.push(anemometer);

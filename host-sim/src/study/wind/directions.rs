@@ -1,5 +1,6 @@
 //! Errors of speed and direction in winds that no calibration has seen.
 
+use super::Mode;
 use super::blown::blow;
 use crate::answer::errors::Errors;
 use crate::answer::off_line::axes;
@@ -9,39 +10,35 @@ use crate::thesis::{Lab, StudyError};
 /// Of every wind so much is left out, s: the answers that count are those of a wind, not of the change to it.
 pub const SETTLE_S: f64 = 3.0;
 
-/// One bandwidth.
+/// One mode.
 #[derive(Debug, Clone)]
 pub struct Directions {
-    pub bandwidth_hz: f64,
+    pub mode: Mode,
     pub winds: usize,
     pub errors: Errors,
 }
 
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &Lab, head: &Head, bandwidths_hz: &[f64]) -> Result<Vec<Directions>, StudyError> {
+pub fn measure(lab: &Lab, head: &Head, modes: &[Mode]) -> Result<Vec<Directions>, StudyError> {
     let experiment = lab.experiment("winds")?;
     lab.tell(&experiment);
     let winds = experiment.wind.iter().filter(|wind| wind.speed_m_s > 0.0).count();
-    of(&experiment, head, bandwidths_hz).map(|all| {
-        let all = bandwidths_hz.iter().zip(all);
-        all.map(|(&bandwidth_hz, errors)| Directions { bandwidth_hz, winds, errors }).collect()
+    of(&experiment, head, modes).map(|all| {
+        let all = modes.iter().zip(all);
+        all.map(|(&mode, errors)| Directions { mode, winds, errors }).collect()
     })
 }
 
-/// Errors by bandwidth in the winds of any experiment.
+/// Errors by mode in the winds of any experiment.
 ///
 /// # Errors
 /// What could not be run.
-pub fn of(
-    experiment: &crate::experiment::Experiment,
-    head: &Head,
-    bandwidths_hz: &[f64],
-) -> Result<Vec<Errors>, StudyError> {
-    let mut errors = vec![Errors::default(); bandwidths_hz.len()];
+pub fn of(experiment: &crate::experiment::Experiment, head: &Head, modes: &[Mode]) -> Result<Vec<Errors>, StudyError> {
+    let mut errors = vec![Errors::default(); modes.len()];
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
-    let mut begun = vec![(String::new(), 0.0); bandwidths_hz.len()];
-    blow(experiment, head, bandwidths_hz, &mut |place, moment, answer| {
+    let mut begun = vec![(String::new(), 0.0); modes.len()];
+    blow(experiment, head, modes, &mut |place, moment, answer| {
         let (label, from_s) = &mut begun[place];
         if *label != moment.event {
             (*label, *from_s) = (moment.event.clone(), moment.time_s);

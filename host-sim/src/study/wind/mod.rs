@@ -21,6 +21,7 @@ pub mod steps;
 pub mod swing;
 pub mod turbulence;
 
+use std::fmt;
 use std::path::Path;
 
 use crate::head::Head;
@@ -31,6 +32,27 @@ use steps::{Drift, Steps};
 use swing::Swing;
 use turbulence::Turbulence;
 
+/// How an anemometer answers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// Steady bandwidth of the convective powers, Hz.
+    pub bandwidth_hz: f64,
+    /// Whether it stays when the wind jumps.
+    pub fixed: bool,
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} Hz{}", self.bandwidth_hz, if self.fixed { ", fixed" } else { "" })
+    }
+}
+
+/// Bandwidths that rise after a jump of the wind, and the same ones fixed.
+fn modes(bandwidths_hz: &[f64]) -> Vec<Mode> {
+    let of = |fixed| bandwidths_hz.iter().map(move |&bandwidth_hz| Mode { bandwidth_hz, fixed });
+    of(false).chain(of(true)).collect()
+}
+
 /// A sphere, and what is asked of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Sphere {
@@ -40,8 +62,8 @@ pub struct Sphere {
     pub elements: &'static [&'static str],
     /// Bandwidths at which it is stepped, Hz.
     pub step_hz: &'static [f64],
-    /// The one of them that is judged.
-    pub judged_hz: f64,
+    /// What is judged by its steps.
+    pub judged: Mode,
     /// Within 5 % for good after a step, s.
     pub response_s: f64,
     /// Of its answers in unseen winds.
@@ -57,7 +79,7 @@ pub const SPHERE_B: Sphere = Sphere {
     title: "Sphere B",
     elements: &["sector1", "sector2", "sector3", "sector4", "core1", "core2"],
     step_hz: &[0.5, 1.0, 2.0, 3.0, 5.0],
-    judged_hz: 3.0,
+    judged: Mode { bandwidth_hz: 1.0, fixed: false },
     response_s: 0.2,
     winds_hz: &[0.5, 1.0, 2.0],
     turbulence_hz: &[2.0, 5.0, 10.0],
@@ -69,7 +91,7 @@ pub const SPHERE_A: Sphere = Sphere {
     title: "Sphere A",
     elements: &["hemisphere1", "hemisphere2", "core1", "core2"],
     step_hz: &[0.5, 0.7, 1.0, 1.4],
-    judged_hz: 1.0,
+    judged: Mode { bandwidth_hz: 0.5, fixed: false },
     response_s: 0.5,
     winds_hz: &[0.5, 1.0],
     turbulence_hz: &[0.5, 1.0, 1.4],
@@ -104,10 +126,10 @@ pub fn measure(folder: &Path, sphere: Sphere, told: &dyn Fn(&str)) -> Result<Mea
         sphere,
         made_from: head.calibration.as_ref().map(|of| of.made_from().to_owned()).unwrap_or_default(),
         noise_w_k: chain::noise_w_k(&head),
-        directions: directions::measure(&lab, &head, sphere.winds_hz)?,
-        steps: steps::measure(&lab, &head, sphere.step_hz)?,
+        directions: directions::measure(&lab, &head, &modes(sphere.winds_hz))?,
+        steps: steps::measure(&lab, &head, &modes(sphere.step_hz))?,
         drift: steps::drift(&lab, &head)?,
-        turbulence: turbulence::measure(&lab, &head, sphere.turbulence_hz)?,
+        turbulence: turbulence::measure(&lab, &head, &modes(sphere.turbulence_hz))?,
         swing: swing::measure(&lab, &head)?,
         head,
         text,

@@ -41,7 +41,7 @@ fn directions(of: &Measured, found: &mut Findings) {
     let rms = |errors: &Errors| errors.speed_rms().unwrap_or(f64::NAN);
     let Some(best) = of.directions.iter().min_by(|a, b| rms(&a.errors).total_cmp(&rms(&b.errors))) else { return };
     let direction_deg = best.errors.direction_rms_deg();
-    let at = format!("{} unseen winds, {} Hz", best.winds, best.bandwidth_hz);
+    let at = format!("{} unseen winds, {}", best.winds, best.mode);
     if let Some(direction_deg) = direction_deg.filter(|_| of.sphere.whole) {
         let linear = best.errors.linear_rms_deg().map_or(String::new(), |deg| format!("linear inverse {deg:.2}°"));
         found.push(
@@ -58,11 +58,11 @@ fn directions(of: &Measured, found: &mut Findings) {
 }
 
 fn steps(of: &Measured, found: &mut Findings) {
-    let judged = of.steps.iter().find(|steps| steps.bandwidth_hz == of.sphere.judged_hz);
+    let judged = of.steps.iter().find(|steps| steps.mode == of.sphere.judged);
     let raw_s = of.drift.raw_response_s;
     for (place, words) in ["2 to 6 m/s", "6 to 2 m/s"].into_iter().enumerate() {
         let Some(way) = judged.map(|steps| &steps.ways[place]) else { continue };
-        let what = format!("within 5 % for good after {words}, mean of many steps, {} Hz", of.sphere.judged_hz);
+        let what = format!("within 5 % for good after {words}, mean of many steps, {}", of.sphere.judged);
         let ours = format!("{:.2} s; one answer has {} of noise", way.mean_response_s, percent(way.noise, 1));
         let met = way.mean_response_s <= of.sphere.response_s;
         found.push(
@@ -74,7 +74,7 @@ fn steps(of: &Measured, found: &mut Findings) {
         let (drift, raw) = (of.drift.answer[place], of.drift.raw[place]);
         found.push(
             Finding::told(
-                format!("drift in 10 min after {words}, {} Hz", of.drift.bandwidth_hz),
+                format!("drift in 10 min after {words}, {}", of.drift.mode),
                 format!("raw {}", signed(raw)),
                 signed(drift),
             )
@@ -97,7 +97,7 @@ fn turbulence(of: &Measured, found: &mut Findings) {
     };
     let Some(best) = of.turbulence.iter().max_by(|a, b| key(a).total_cmp(&key(b))) else { return };
     let (least, off) = worst(best);
-    let at = format!("to {FOLLOWED_HZ} Hz, by bands, {} Hz of bandwidth", best.bandwidth_hz);
+    let at = format!("to {FOLLOWED_HZ} Hz, by bands, {}", best.mode);
     let coherence = Finding::told(format!("coherence with the true speed {at}"), "", format!("{least:.3} at least"));
     found.push(coherence.judged(format!("at least {COHERENCE}"), least >= COHERENCE));
     let gain = Finding::told(format!("gain {at}"), "", format!("{} off at worst", percent(off, 1)));
@@ -142,8 +142,8 @@ fn section(text: &mut String, of: &Measured) {
         let worst = Some(errors.direction_worst_deg()).filter(|_| errors.direction_rms_deg().is_some());
         let _ = writeln!(
             text,
-            "| {} Hz | {} | {} | {} | {} | {} | {} |",
-            row.bandwidth_hz,
+            "| {} | {} | {} | {} | {} | {} | {} |",
+            row.mode,
             share(errors.speed_rms()),
             share(errors.speed_bias()),
             percent(errors.speed_worst(), 2),
@@ -160,8 +160,8 @@ fn section(text: &mut String, of: &Measured) {
         for way in &steps.ways {
             let _ = writeln!(
                 text,
-                "| {} Hz | {} m/s | {:.2} s | {:.2} s | {} | {} |",
-                steps.bandwidth_hz,
+                "| {} | {} m/s | {:.2} s | {:.2} s | {} | {} |",
+                steps.mode,
                 way.to_m_s,
                 way.mean_response_s,
                 way.single_response_s,
@@ -179,7 +179,7 @@ fn section(text: &mut String, of: &Measured) {
     }
     let _ = write!(text, "\n|---|{}\n", "---|".repeat(of.turbulence.first().map_or(0, |first| first.bands.len())));
     for row in &of.turbulence {
-        let _ = write!(text, "| {} Hz |", row.bandwidth_hz);
+        let _ = write!(text, "| {} |", row.mode);
         for band in &row.bands {
             let _ = write!(text, " {:.3}, {:.3} |", band.coherence, band.gain);
         }

@@ -7,6 +7,7 @@
 //! | noise | standard deviation of single answers in the second half of each |
 //! | drift | means over half a minute: the end of ten minutes beside one second after the step |
 
+use super::Mode;
 use super::blown::{RawLaw, blow, raw_w_k};
 use crate::experiment::Experiment;
 use crate::head::Head;
@@ -24,9 +25,9 @@ const MEAN_S: f64 = 30.0;
 /// Left out after a step, s.
 const AFTER_S: f64 = 1.0;
 /// Raw powers are looked at with this bandwidth, Hz: fast enough for their 0.7 s.
-const RAW_HZ: f64 = 2.0;
+const RAW: Mode = Mode { bandwidth_hz: 2.0, fixed: true };
 /// And drifts with this one.
-const DRIFT_HZ: f64 = 0.5;
+const DRIFT: Mode = Mode { bandwidth_hz: 0.5, fixed: false };
 
 /// One way of a step: to so many m/s.
 #[derive(Debug, Clone)]
@@ -42,23 +43,23 @@ pub struct Way {
     pub mean: Vec<f64>,
 }
 
-/// Both ways at one bandwidth.
+/// Both ways in one mode.
 #[derive(Debug, Clone)]
 pub struct Steps {
-    pub bandwidth_hz: f64,
+    pub mode: Mode,
     /// To 6 and to 2 m/s.
     pub ways: [Way; 2],
 }
 
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &Lab, head: &Head, bandwidths_hz: &[f64]) -> Result<Vec<Steps>, StudyError> {
+pub fn measure(lab: &Lab, head: &Head, modes: &[Mode]) -> Result<Vec<Steps>, StudyError> {
     let mut experiment = lab.experiment("steps")?;
     repeat(&mut experiment)?;
     lab.tell(&experiment);
-    let mut speeds: Vec<Vec<f64>> = vec![Vec::new(); bandwidths_hz.len()];
+    let mut speeds: Vec<Vec<f64>> = vec![Vec::new(); modes.len()];
     let mut every_s = 0.0;
-    blow(&experiment, head, bandwidths_hz, &mut |place, moment, answer| {
+    blow(&experiment, head, modes, &mut |place, moment, answer| {
         if place == 0 && speeds[0].len() == 1 {
             every_s = moment.time_s;
         }
@@ -66,14 +67,14 @@ pub fn measure(lab: &Lab, head: &Head, bandwidths_hz: &[f64]) -> Result<Vec<Step
     })?;
     let rows = |time_s: f64| (time_s / every_s).round() as usize;
     let (before, hold) = (rows(BEFORE_S), rows(HOLD_S));
-    let of = |(speeds, &bandwidth_hz): (&Vec<f64>, &f64)| {
+    let of = |(speeds, &mode): (&Vec<f64>, &Mode)| {
         let way = |first: usize, to_m_s: f64| {
             let stretches = speeds[before.min(speeds.len())..].chunks_exact(hold).skip(first).step_by(2);
             way(&stretches.collect::<Vec<_>>(), to_m_s, every_s)
         };
-        Steps { bandwidth_hz, ways: [way(0, experiment.wind[1].speed_m_s), way(1, experiment.wind[2].speed_m_s)] }
+        Steps { mode, ways: [way(0, experiment.wind[1].speed_m_s), way(1, experiment.wind[2].speed_m_s)] }
     };
-    Ok(speeds.iter().zip(bandwidths_hz).map(of).collect())
+    Ok(speeds.iter().zip(modes).map(of).collect())
 }
 
 /// Makes many short steps of an experiment's first two winds.
@@ -122,7 +123,7 @@ pub fn settled_s(values: &[f64], every_s: f64) -> f64 {
 /// What happens in ten minutes after a step.
 #[derive(Debug, Clone)]
 pub struct Drift {
-    pub bandwidth_hz: f64,
+    pub mode: Mode,
     /// To 6 and to 2 m/s, relative.
     pub answer: [f64; 2],
     pub raw: [f64; 2],
@@ -145,7 +146,7 @@ pub fn drift(lab: &Lab, head: &Head) -> Result<Drift, StudyError> {
     };
     lab.tell(&experiment);
     let (mut time_s, mut speed, mut raw) = (Vec::new(), Vec::new(), Vec::new());
-    blow(&experiment, head, &[DRIFT_HZ, RAW_HZ], &mut |place, moment, answer| {
+    blow(&experiment, head, &[DRIFT, RAW], &mut |place, moment, answer| {
         if place == 0 {
             time_s.push(moment.time_s);
             speed.push(f64::from(answer.speed_m_s));
@@ -177,7 +178,7 @@ pub fn drift(lab: &Lab, head: &Head) -> Result<Drift, StudyError> {
     };
     let seconds = (0..(ends[0] - first.start_s) as u32).map(|s| first.start_s + f64::from(s));
     Ok(Drift {
-        bandwidth_hz: DRIFT_HZ,
+        mode: DRIFT,
         answer: of(&speed),
         raw: of(&raw_speed),
         raw_response_s: [response(first.start_s, ends[0]), response(second.start_s, ends[1])],

@@ -1,12 +1,13 @@
 //! A gas whose temperature swings in a steady wind: what its reference leaves of the swing in the speed.
 
+use super::Mode;
 use super::blown::{blow, raw_w_k};
 use crate::head::Head;
 use crate::thesis::{Lab, StudyError};
 
 /// Means that are looked at, s.
 const MEAN_S: f64 = 10.0;
-const BANDWIDTH_HZ: f64 = 0.5;
+const MODE: Mode = Mode { bandwidth_hz: 0.5, fixed: false };
 
 /// Relative, of means over ten seconds.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +28,7 @@ pub fn measure(lab: &Lab, head: &Head) -> Result<Swing, StudyError> {
     let swing = swing.ok_or_else(|| StudyError::Other(format!("{}: its gas does not swing", experiment.title)))?;
     let truth_m_s = experiment.wind[0].speed_m_s;
     let mut means: Vec<(f64, f64, f64)> = Vec::new();
-    blow(&experiment, head, &[BANDWIDTH_HZ], &mut |_, moment, answer| {
+    blow(&experiment, head, &[MODE], &mut |_, moment, answer| {
         let Some(since_s) = Some(moment.time_s - swing.start_s).filter(|since_s| *since_s >= 0.0) else { return };
         let place = (since_s / MEAN_S) as usize;
         means.resize(means.len().max(place + 1), (0.0, 0.0, 0.0));
