@@ -122,13 +122,14 @@ pub fn measure(folder: &Path, sphere: Sphere, told: &dyn Fn(&str)) -> Result<Mea
     let lab = Lab::new(folder.join(sphere.folder), told);
     let model = chain::network(&lab, sphere.elements, Poles::default(), None)?;
     let (head, text) = chain::calibrated(&lab, &model)?;
+    let mut drift = steps::drift(&lab, &head)?;
     Ok(Measured {
         sphere,
         made_from: head.calibration.as_ref().map(|of| of.made_from().to_owned()).unwrap_or_default(),
         noise_w_k: chain::noise_w_k(&head),
         directions: directions::measure(&lab, &head, &modes(sphere.winds_hz))?,
-        steps: steps::measure(&lab, &head, &modes(sphere.step_hz))?,
-        drift: steps::drift(&lab, &head)?,
+        steps: steps::measure(&lab, &head, &modes(sphere.step_hz), &mut drift)?,
+        drift,
         turbulence: turbulence::measure(&lab, &head, &modes(sphere.turbulence_hz))?,
         swing: swing::measure(&lab, &head)?,
         head,

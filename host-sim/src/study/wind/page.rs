@@ -66,7 +66,7 @@ fn steps(of: &Measured, found: &mut Findings) {
         let ours = format!("{:.2} s; one answer has {} of noise", way.mean_response_s, percent(way.noise, 1));
         let met = way.mean_response_s <= of.sphere.response_s;
         found.push(
-            Finding::told(what, format!("raw {:.0} s", raw_s[place]), ours)
+            Finding::told(what, format!("raw {:.2} s", raw_s[place]), ours)
                 .judged(format!("at most {} s", of.sphere.response_s), met),
         );
         let single = format!("{:.2} s; {} of the answers are outside", way.single_response_s, percent(way.outside, 1));
@@ -114,7 +114,7 @@ fn signed(share: f64) -> String {
 
 /// All of it.
 pub fn page(all: &[Measured]) -> String {
-    let mut text = "# From powers to wind: what is reached\n\nMade by `anemo study wind`, from the experiments in [`experiments/wind`](../../experiments/wind). Each simulated head is identified in still gas, calibrated in 120 winds, and then\njudged in winds, steps, turbulence and a gas that it has not seen: 220 K, 10 mbar of CO2, 4 µV of noise, 24 bit, platinum of class A.\nNothing here knows the truth but the errors. *Raw* is power over overheat, without the network: its speed is that of the power law through its own two settled values.\n".to_owned();
+    let mut text = "# From powers to wind: what is reached\n\nMade by `anemo study wind`, from the experiments in [`experiments/wind`](../../experiments/wind). Each simulated head is identified in still gas, calibrated in 120 winds, and then\njudged in winds, steps, turbulence and a gas that it has not seen: 220 K, 10 mbar of CO2, 4 µV of noise, 24 bit, platinum of class A.\nNothing here knows the truth but the errors. *Raw* is power over overheat, without the network: its speed is that of the power law through its own two settled values.\nAn observer keeps its bandwidth until the wind jumps, and is quick for a while after that; where it says *fixed*, it stays.\n".to_owned();
     for of in all {
         section(&mut text, of);
     }

@@ -5,7 +5,8 @@
 //! | response of the mean | the mean of all repeats: what is answered without the noise |
 //! | response of one | the median over the repeats of the last moment outside 5 % in the 6 s of each |
 //! | noise | standard deviation of single answers in the second half of each |
-//! | drift | means over half a minute: the end of ten minutes beside one second after the step |
+//! | drift | means over half a minute: the end of ten minutes beside five seconds after the step |
+//! | raw | the speed of the mean raw conductance by the power law through its own two settled values: of the mean of all repeats where they settle, or else of means over a second of the ten minutes |
 
 use super::Mode;
 use super::blown::{RawLaw, blow, raw_w_k};
@@ -22,11 +23,13 @@ const BEFORE_S: f64 = 120.0;
 const HOLD_S: f64 = 6.0;
 /// Means of a drift, s.
 const MEAN_S: f64 = 30.0;
-/// Left out after a step, s.
-const AFTER_S: f64 = 1.0;
-/// Raw powers are looked at with this bandwidth, Hz: fast enough for their 0.7 s.
-const RAW: Mode = Mode { bandwidth_hz: 2.0, fixed: true };
-/// And drifts with this one.
+/// Left out after a step, s: what is slower is a drift.
+const AFTER_S: f64 = 5.0;
+/// Of raw powers that drift, s: single ones are noisy.
+const RAW_MEAN_S: f64 = 1.0;
+/// Raw powers are looked at so: smoothed by far less than their 0.7 s.
+const RAW: Mode = Mode { bandwidth_hz: 5.0, fixed: true };
+/// And drifts so.
 const DRIFT: Mode = Mode { bandwidth_hz: 0.5, fixed: false };
 
 /// One way of a step: to so many m/s.
@@ -53,13 +56,19 @@ pub struct Steps {
 
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &Lab, head: &Head, modes: &[Mode]) -> Result<Vec<Steps>, StudyError> {
+pub fn measure(lab: &Lab, head: &Head, modes: &[Mode], drift: &mut Drift) -> Result<Vec<Steps>, StudyError> {
     let mut experiment = lab.experiment("steps")?;
     repeat(&mut experiment)?;
     lab.tell(&experiment);
     let mut speeds: Vec<Vec<f64>> = vec![Vec::new(); modes.len()];
+    let mut raw = Vec::new();
     let mut every_s = 0.0;
-    blow(&experiment, head, modes, &mut |place, moment, answer| {
+    let all: Vec<Mode> = modes.iter().copied().chain([RAW]).collect();
+    blow(&experiment, head, &all, &mut |place, moment, answer| {
+        if place == modes.len() {
+            raw.push(drift.law.speed_m_s(raw_w_k(answer)));
+            return;
+        }
         if place == 0 && speeds[0].len() == 1 {
             every_s = moment.time_s;
         }
@@ -67,14 +76,19 @@ pub fn measure(lab: &Lab, head: &Head, modes: &[Mode]) -> Result<Vec<Steps>, Stu
     })?;
     let rows = |time_s: f64| (time_s / every_s).round() as usize;
     let (before, hold) = (rows(BEFORE_S), rows(HOLD_S));
-    let of = |(speeds, &mode): (&Vec<f64>, &Mode)| {
-        let way = |first: usize, to_m_s: f64| {
+    let to = [experiment.wind[1].speed_m_s, experiment.wind[2].speed_m_s];
+    let ways = |speeds: &[f64]| {
+        [0, 1].map(|first| {
             let stretches = speeds[before.min(speeds.len())..].chunks_exact(hold).skip(first).step_by(2);
-            way(&stretches.collect::<Vec<_>>(), to_m_s, every_s)
-        };
-        Steps { mode, ways: [way(0, experiment.wind[1].speed_m_s), way(1, experiment.wind[2].speed_m_s)] }
+            way(&stretches.collect::<Vec<_>>(), to[first], every_s)
+        })
     };
-    Ok(speeds.iter().zip(modes).map(of).collect())
+    for (response_s, way) in drift.raw_response_s.iter_mut().zip(ways(&raw)) {
+        if *response_s <= 0.5 * HOLD_S {
+            *response_s = way.mean_response_s;
+        }
+    }
+    Ok(speeds.iter().zip(modes).map(|(speeds, &mode)| Steps { mode, ways: ways(speeds) }).collect())
 }
 
 /// Makes many short steps of an experiment's first two winds.
@@ -127,10 +141,10 @@ pub struct Drift {
     /// To 6 and to 2 m/s, relative.
     pub answer: [f64; 2],
     pub raw: [f64; 2],
-    /// Of the speeds that raw powers say by their own settled values: until within 5 % for good, s.
+    /// How raw powers are read.
+    pub law: RawLaw,
+    /// Of the speeds that they say: until within 5 % for good, s.
     pub raw_response_s: [f64; 2],
-    /// Speeds that raw powers say from the first step on, over the true one, each second.
-    pub raw_curve: Vec<f64>,
 }
 
 /// # Errors
@@ -170,19 +184,18 @@ pub fn drift(lab: &Lab, head: &Head) -> Result<Drift, StudyError> {
             mean(values, to_s - MEAN_S, to_s) / early - 1.0
         })
     };
-    let every_s = time_s[1] - time_s[0];
     let response = |from_s: f64, to_s: f64| {
         let last = mean(&raw_speed, to_s - MEAN_S, to_s);
-        let rows = time_s.partition_point(|&t| t < from_s)..time_s.partition_point(|&t| t < to_s);
-        settled_s(&raw_speed[rows].iter().map(|speed| speed / last).collect::<Vec<_>>(), every_s)
+        let seconds = (0..((to_s - from_s) / RAW_MEAN_S) as u32).map(|n| from_s + f64::from(n) * RAW_MEAN_S);
+        let means: Vec<f64> = seconds.map(|s| mean(&raw_speed, s, s + RAW_MEAN_S) / last).collect();
+        settled_s(&means, RAW_MEAN_S)
     };
-    let seconds = (0..(ends[0] - first.start_s) as u32).map(|s| first.start_s + f64::from(s));
     Ok(Drift {
         mode: DRIFT,
+        law,
         answer: of(&speed),
         raw: of(&raw_speed),
         raw_response_s: [response(first.start_s, ends[0]), response(second.start_s, ends[1])],
-        raw_curve: seconds.map(|from_s| mean(&raw_speed, from_s, from_s + 1.0) / first.speed_m_s).collect(),
     })
 }
 
