@@ -13,6 +13,9 @@ const WIDE: f64 = 4.5;
 /// Share of the bins whose values an axis may leave out at either end: transients of the start.
 const LEFT_OUT: f64 = 0.005;
 
+/// A doubt of a single answer among many is drawn as high as one of this share.
+const LEAST_SHARE: f64 = 0.2;
+
 type Drawn<'a> = Result<(), DrawError<'a>>;
 
 /// Draws a panel into its place.
@@ -86,15 +89,18 @@ fn line<'a>(panel: &Panel<'_, 'a>, bins: &[Bin], colour: RGBColor, width: f64) -
 fn quantity<'a>(panel: &Panel<'_, 'a>, of: &Quantity, caption: &str, unit: &str) -> Drawn<'a> {
     let legend = [("answer".to_owned(), ANSWER), ("true wind".to_owned(), TRUTH)];
     panel.caption(caption, unit, &legend[..1 + usize::from(of.truth.is_some())])?;
-    for stretch in of.truth.iter().flat_map(|truth| truth.chunk_by(together)) {
+    let truths = || of.truth.iter().flat_map(|truth| truth.chunk_by(together));
+    for stretch in truths() {
         panel.band(stretch, TRUTH.mix(0.35))?;
-        line(panel, stretch, TRUTH, WIDE)?;
     }
     for stretch in of.answer.chunk_by(together) {
         panel.band(stretch, ANSWER.mix(0.13))?;
     }
     for stretch in spread(of).chunk_by(together) {
         panel.band(stretch, ANSWER.mix(0.3))?;
+    }
+    for stretch in truths() {
+        line(panel, stretch, TRUTH, WIDE)?;
     }
     for stretch in of.answer.chunk_by(together) {
         line(panel, stretch, ANSWER, CURVE)?;
@@ -147,9 +153,12 @@ fn azimuth_axis(azimuth: &Quantity) -> Axis {
 /// An axis for nearly all of an angle that has ends, at least a few degrees long.
 fn narrow_axis(of: &Quantity, least: f64, most: f64, ticks: usize) -> Axis {
     let errors = spread(of);
-    let truths = of.truth.iter().flatten().map(|bin| bin.mean);
-    let values = errors.iter().flat_map(|bin| [bin.least, bin.most]).chain(truths);
-    let Some((low, high)) = most_of(values) else { return Axis::degrees(least, most, ticks) };
+    let told = most_of(errors.iter().flat_map(|bin| [bin.least, bin.most]));
+    let truths = of.truth.iter().flatten().map(|bin| bin.mean).filter(|mean| mean.is_finite());
+    let ends = told.into_iter().chain(truths.map(|mean| (mean, mean)));
+    let Some((low, high)) = ends.reduce(|all, of| (all.0.min(of.0), all.1.max(of.1))) else {
+        return Axis::degrees(least, most, ticks);
+    };
     let air = (0.05 * (high - low)).max(angle::LEAST_RANGE_DEG / 2.0 - (high - low) / 2.0);
     Axis::degrees((low - air).max(least), (high + air).min(most), ticks)
 }
@@ -170,9 +179,10 @@ where
     };
     let scaled = |curves: &[Curve]| curves.iter().map(|curve| (curve.colour, in_mw(curve))).collect::<Vec<_>>();
     let (told, raw) = (scaled(&answer.conductances), scaled(&answer.raw));
-    let values = told.iter().chain(&raw).flat_map(|(_, bins)| bins).map(|bin| bin.mean);
+    // Raw ones begin at many times what they end at, and would hide the others.
+    let values = told.iter().flat_map(|(_, bins)| bins).map(|bin| bin.mean);
     let (low, high) = most_of(values).unwrap_or((0.0, 1.0));
-    let panel = panel(Axis::around([low.min(0.0), high], 5));
+    let panel = panel(Axis::around([low.min(0.0), 1.1 * high], 5));
     panel.grid()?;
     let legend: Vec<_> = answer.conductances.iter().map(|curve| (curve.label.clone(), curve.colour)).collect();
     panel.caption("Conductance to the gas", "mW/K; pale: what the power alone would say", &legend)?;
@@ -188,7 +198,7 @@ where
     Ok(())
 }
 
-/// A row a doubt, as high as the share of answers that have it.
+/// A row a doubt, as high as the share of answers that have it, and never too low to be seen.
 fn doubts<'a>(panel: &Panel<'_, 'a>, answer: &Answer) -> Drawn<'a> {
     let rect = panel.rect;
     panel.caption("Doubts", "share of the answers that have them", &[])?;
@@ -205,8 +215,10 @@ fn doubts<'a>(panel: &Panel<'_, 'a>, answer: &Answer) -> Drawn<'a> {
         let colour = if *name == "failed" { ALARM } else { QUIET };
         panel.figure.text(name, (rect.left - 8.0, middle(row)), 12.0, QUIET, Align::Right, false)?;
         panel.figure.rectangle(row, colour.mix(0.1), true)?;
+        let seen = |bin: &Bin| Bin { mean: if bin.most > 0.0 { bin.mean.max(LEAST_SHARE) } else { bin.mean }, ..*bin };
+        let bins: Vec<Bin> = bins.iter().map(seen).collect();
         Panel { figure: panel.figure, rect: row, time: panel.time.clone(), value: panel.value.clone() }
-            .bars(bins, colour)?;
+            .bars(&bins, colour)?;
     }
     Ok(())
 }
