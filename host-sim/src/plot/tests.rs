@@ -37,6 +37,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             wind_m_s: Some([0; 3].map(|_| f64::from(random()))),
             gas_temperature_c: gas.then(|| -53.0 + (0.01 * f64::from(n)).sin()),
+            answer: &[],
         };
         collector.push(&row).unwrap();
     }

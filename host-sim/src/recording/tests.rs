@@ -29,6 +29,7 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
         state: if n < 10 { "running" } else { "tripped:over_temperature:sector1" },
         wind_m_s: wind.then_some([1.0, -0.1, f64::from(x) * 0.25]),
         gas_temperature_c: None,
+        answer: &[],
     })
 }
 
@@ -97,6 +98,7 @@ fn a_collected_recording_is_the_one_that_would_be_read() {
         wind_m_s: Some([1.0, 2.0, -3.5]),
         gas_temperature_c: None,
         answer: &[],
+        answer: &[],
     };
     writer.push(&row).unwrap();
     collector.push(&row).unwrap();
@@ -161,6 +163,7 @@ fn a_row_that_does_not_fit_is_refused() {
         state: "",
         wind_m_s: None,
         gas_temperature_c: None,
+        answer: &[],
         answer: &[],
     };
     let error = writer.push(&row).unwrap_err().to_string();
@@ -318,6 +321,7 @@ fn what_observers_see_has_columns_only_where_they_ran() {
             state: "running",
             wind_m_s: Some([6.0, 7.0, 8.0]),
             gas_temperature_c: None,
+            answer: &[],
             answer: &[],
         };
         let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
