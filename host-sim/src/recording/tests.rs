@@ -98,7 +98,6 @@ fn a_collected_recording_is_the_one_that_would_be_read() {
         wind_m_s: Some([1.0, 2.0, -3.5]),
         gas_temperature_c: None,
         answer: &[],
-        answer: &[],
     };
     writer.push(&row).unwrap();
     collector.push(&row).unwrap();
@@ -163,7 +162,6 @@ fn a_row_that_does_not_fit_is_refused() {
         state: "",
         wind_m_s: None,
         gas_temperature_c: None,
-        answer: &[],
         answer: &[],
     };
     let error = writer.push(&row).unwrap_err().to_string();
@@ -321,7 +319,6 @@ fn what_observers_see_has_columns_only_where_they_ran() {
             state: "running",
             wind_m_s: Some([6.0, 7.0, 8.0]),
             gas_temperature_c: None,
-            answer: &[],
             answer: &[],
         };
         let mut writer = RecordingWriter::create(&path, layout.clone(), &Metadata::new()).unwrap();
