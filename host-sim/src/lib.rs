@@ -14,6 +14,7 @@
 //! | [`calibrate`] | a head's calibration from its readings in known winds |
 //! | [`answer`] | the wind off line, from recordings of a calibrated head |
 //! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
+//! | [`study`] | what the whole instrument has to reach, and reaches |
 //! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
 //! | [`cli`] | the command line |
 
@@ -32,6 +33,7 @@ pub mod predict;
 pub mod recording;
 pub mod run;
 pub mod sensor;
+pub mod study;
 pub mod summary;
 pub mod thesis;
 pub mod toml_file;

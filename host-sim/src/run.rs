@@ -6,6 +6,7 @@
 use dr_core::control::{Command, Drive, Refusal, Reply, RunState};
 use dr_core::model::Reachability;
 
+use crate::answer::tally::Tally;
 use crate::experiment::{Change, Experiment};
 use crate::instrument::in_process::InProcess;
 use crate::instrument::setup::{self, Setup};
@@ -64,6 +65,7 @@ pub fn run(
         validity: experiment.head.sensor.as_ref().map_or("what is known of convection", Construction::validity),
         unreached: totals.unreached(experiment),
         elements: totals.elements(experiment),
+        answers: experiment.answering.map(|_| totals.tally.summary()),
         trips: totals.trips,
     })
 }
@@ -102,6 +104,7 @@ fn observe(
         totals.take(sample, experiment, &names);
         totals.simulated |= observation.wind_m_s.is_some();
         totals.extrapolated += u32::from(observation.extrapolated);
+        observation.answer.iter().for_each(|answer| totals.tally.add(answer));
         let mut temperature_c = sample.temperature_c.clone();
         for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
             if sample.valid >> i & 1 == 0 {
@@ -264,6 +267,7 @@ struct Totals {
     extrapolated: u32,
     simulated: bool,
     trips: Vec<TripSummary>,
+    tally: Tally,
     state: String,
     last: Option<RunState>,
     /// Sums and counts of good temperatures, and sums of powers.
@@ -286,6 +290,7 @@ impl Totals {
             extrapolated: 0,
             simulated: false,
             trips: Vec::new(),
+            tally: Tally::default(),
             state: String::new(),
             last: None,
             temperature_c: vec![(0.0, 0); elements],

@@ -5,6 +5,8 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use crate::answer::tally::AnswerSummary;
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunSummary {
     pub title: String,
@@ -33,6 +35,9 @@ pub struct RunSummary {
     pub validity: &'static str,
     /// Elements that never came within 0.1 K of a set-point, the first or one of a change.
     pub unreached: Vec<String>,
+    /// What a calibrated head answered; left out for others.
+    #[serde(rename = "wind", skip_serializing_if = "Option::is_none")]
+    pub answers: Option<AnswerSummary>,
     #[serde(serialize_with = "by_name")]
     pub elements: Vec<ElementSummary>,
 }
@@ -92,6 +97,9 @@ impl fmt::Display for RunSummary {
         for TripSummary { time_s, cause, element } in &self.trips {
             writeln!(f, "tripped at {time_s} s: {cause}, {element}; heaters low from then on")?;
         }
+        if let Some(answers) = &self.answers {
+            write!(f, "\nwind: {answers}")?;
+        }
         writeln!(f)?;
         let width = self.elements.iter().map(|element| element.name.chars().count()).max().unwrap_or(0).max(7);
         writeln!(f, "{:width$}  mean temperature  mean power  (whole run, warm-up included)", "element")?;
@@ -130,6 +138,7 @@ mod tests {
             unjudged: 1,
             extrapolated: None,
             validity: "",
+            answers: None,
             elements: vec![element("sector1", Some(-23.15)), element("core1", None)],
         }
     }

@@ -1,5 +1,6 @@
 //! What the tests that cross crates share: where experiments and firmware are, and how a run is made from them.
 
+pub mod calibrated;
 pub mod fake_board;
 pub mod loops;
 pub mod records;
@@ -76,6 +77,13 @@ impl Desk {
             text = text.replacen(from, to, 1);
         }
         let text = text.replace("\"../heads", &format!("\"{}", heads.display()));
+        std::fs::write(folder.path().join("e.toml"), text).expect("there is room for temporary files");
+        Self(folder)
+    }
+
+    /// Lays out an experiment of these words; its head is named by a whole path.
+    pub fn with(text: &str) -> Self {
+        let folder = tempfile::tempdir().expect("there is room for temporary files");
         std::fs::write(folder.path().join("e.toml"), text).expect("there is room for temporary files");
         Self(folder)
     }

@@ -11,6 +11,7 @@ use super::replay::{Moment, Replay, ReplayError};
 use super::winds::Winds;
 use crate::calibrate::{GasProperties, PartReading, Steady};
 use crate::head::Head;
+use crate::model::Conditions;
 use crate::network::{Observer, ReadingNoise, Windless};
 use crate::sensor::Species;
 use crate::sensor::gas::{Gas, ZERO_CELSIUS_K};
@@ -57,65 +58,67 @@ struct Sums {
     surface_c: Vec<f64>,
 }
 
+/// A recording, or a run, that is being looked through.
+pub struct Looking<'a> {
+    search: &'a Search<'a>,
+    /// What refusals call it.
+    name: String,
+    conditions: Conditions,
+    observer: Observer,
+    network: Network<MOST_ELEMENTS>,
+    state: NetworkState<MOST_ELEMENTS>,
+    /// Levels since the last tick.
+    levels: u16,
+    period_s: f64,
+    found: Found,
+    current: Option<Sums>,
+}
+
 impl Search<'_> {
     /// The steady winds of a recording.
     ///
     /// # Errors
     /// If it cannot be read, does not tell its gas or its winds, or holds what the observer cannot be made for.
     pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<Found, ReplayError> {
-        let refuse = |sentence: String| ReplayError::Sentence(format!("{}: {sentence}", path.display()));
+        let name = path.display().to_string();
         let mut replay = Replay::open(path, self.head, None)?;
-        let period_s = replay.sample_period_s();
         let conditions = replay.conditions().cloned().ok_or_else(|| {
-            refuse("does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata".to_owned())
+            ReplayError::Sentence(format!("{name}: does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata"))
         })?;
-        let species =
-            species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
-        let observer = self.windless.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(refuse)?;
-        let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
-        let mut state = NetworkState::default();
-        let (mut found, mut current) = (Found { steady: Vec::new(), species, short: 0 }, None::<Sums>);
-        let mut levels = 0;
+        let mut looking = self.begin(name, conditions, replay.sample_period_s())?;
         let mut rows = 0;
         while let Some(moment) = replay.next()? {
-            let standing_w = std::array::from_fn(|i| match self.head.elements.get(i) {
-                Some(element) => element.config.channel.standing_power_w(moment.tick.temperature_c[i]),
-                None => 0.0,
-            });
-            let convection = network.step(&mut state, &look(&moment.tick, levels, &standing_w));
-            levels = moment.tick.heaters.0;
+            looking.take(&moment)?;
             rows += 1;
             if rows % 65_536 == 0 {
                 each(rows);
             }
-            let wind_m_s = self.wind(&moment).ok_or_else(|| {
-                refuse(format!("does not tell the wind of `{}`: give a table of winds with --winds", moment.event))
-            })?;
-            let same = |sums: &Sums| {
-                sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
-            };
-            if !current.as_ref().is_some_and(same) {
-                self.close(current.take(), conditions.pressure_pa, &observer, &mut found)?;
-                current = Some(Sums::new(&moment, wind_m_s, period_s, self.parts.len()));
-            }
-            let Some(sums) = &mut current else { continue };
-            if let Some(convection) = convection
-                && moment.time_s - sums.from_s >= self.settle_s
-            {
-                let gas_c = match self.reference {
-                    Some(reference) => f64::from(moment.tick.temperature_c[reference]),
-                    None => moment.gas_c.unwrap_or(conditions.gas_temperature_c),
-                };
-                sums.rows += 1;
-                sums.gas_c += gas_c;
-                for (p, &i) in self.parts.iter().enumerate() {
-                    sums.convection_w[p] += f64::from(convection.power_w[i]);
-                    sums.surface_c[p] += f64::from(convection.surface_c[i]);
-                }
-            }
         }
-        self.close(current.take(), conditions.pressure_pa, &observer, &mut found)?;
-        Ok(found)
+        looking.finish()
+    }
+
+    /// Begins to look through moments that come one by one.
+    ///
+    /// # Errors
+    /// If it is of a gas that is not known, or the observer cannot be made for its ticks.
+    pub fn begin(&self, name: String, conditions: Conditions, period_s: f64) -> Result<Looking<'_>, ReplayError> {
+        let refuse = |sentence: String| ReplayError::Sentence(format!("{name}: {sentence}"));
+        let species =
+            species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
+        let observer = self.windless.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(refuse)?;
+        let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
+        Ok(Looking {
+            search: self,
+            name,
+            conditions,
+            observer,
+            network,
+            state: NetworkState::default(),
+            levels: 0,
+            period_s,
+            found: Found { steady: Vec::new(), species, short: 0 },
+            current: None,
+        })
     }
 
     fn wind(&self, moment: &Moment) -> Option<[f64; 3]> {
@@ -124,39 +127,90 @@ impl Search<'_> {
             None => moment.wind_m_s,
         }
     }
+}
+
+impl Looking<'_> {
+    /// Takes a moment in.
+    ///
+    /// # Errors
+    /// If its wind is not known.
+    pub fn take(&mut self, moment: &Moment) -> Result<(), ReplayError> {
+        let search = self.search;
+        let standing_w = std::array::from_fn(|i| match search.head.elements.get(i) {
+            Some(element) => element.config.channel.standing_power_w(moment.tick.temperature_c[i]),
+            None => 0.0,
+        });
+        let convection = self.network.step(&mut self.state, &look(&moment.tick, self.levels, &standing_w));
+        self.levels = moment.tick.heaters.0;
+        let wind_m_s = search.wind(moment).ok_or_else(|| {
+            ReplayError::Sentence(format!(
+                "{}: does not tell the wind of `{}`: give a table of winds with --winds",
+                self.name, moment.event
+            ))
+        })?;
+        let same = |sums: &Sums| {
+            sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
+        };
+        if !self.current.as_ref().is_some_and(same) {
+            self.close()?;
+            self.current = Some(Sums::new(moment, wind_m_s, self.period_s, search.parts.len()));
+        }
+        let Some(sums) = &mut self.current else { return Ok(()) };
+        if let Some(convection) = convection
+            && moment.time_s - sums.from_s >= search.settle_s
+        {
+            let gas_c = match search.reference {
+                Some(reference) => f64::from(moment.tick.temperature_c[reference]),
+                None => moment.gas_c.unwrap_or(self.conditions.gas_temperature_c),
+            };
+            sums.rows += 1;
+            sums.gas_c += gas_c;
+            for (p, &i) in search.parts.iter().enumerate() {
+                sums.convection_w[p] += f64::from(convection.power_w[i]);
+                sums.surface_c[p] += f64::from(convection.surface_c[i]);
+            }
+        }
+        Ok(())
+    }
+
+    /// What was found.
+    ///
+    /// # Errors
+    /// If the last wind was of a gas that cannot be.
+    pub fn finish(mut self) -> Result<Found, ReplayError> {
+        self.close()?;
+        Ok(self.found)
+    }
 
     /// Means of a wind that is over, if it lasted.
-    fn close(
-        &self,
-        sums: Option<Sums>,
-        pressure_pa: f64,
-        observer: &Observer,
-        found: &mut Found,
-    ) -> Result<(), ReplayError> {
-        let Some(sums) = sums else { return Ok(()) };
+    fn close(&mut self) -> Result<(), ReplayError> {
+        let Some(sums) = self.current.take() else { return Ok(()) };
         if sums.rows < 2 {
-            found.short += 1;
+            self.found.short += 1;
             return Ok(());
         }
         let rows = sums.rows as f64;
         let gas_c = sums.gas_c / rows;
-        let gas = Gas::new(found.species, pressure_pa, gas_c + ZERO_CELSIUS_K)
+        let gas = Gas::new(self.found.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K)
             .map_err(|error| ReplayError::Sentence(format!("`{}`: {error}", sums.label)))?;
-        let parts = (self.parts.iter().enumerate()).map(|(p, &i)| {
-            let power_w = sums.convection_w[p] / rows;
-            let surface_c = sums.surface_c[p] / rows;
-            let sd_w = observer.own.iter().position(|(own, _)| *own == i).map_or(0.0, |at| observer.sd_w[at]);
-            // So many independent looks as the bandwidth lets through, π/2 a hertz and second.
-            let looks = (rows * sums.period_s * std::f64::consts::PI * BANDWIDTH_HZ).max(1.0);
-            let least_w = LEAST_ERROR * power_w.abs().max(1e-3);
-            PartReading {
-                power_w,
-                overheat_k: surface_c - gas_c,
-                above_reference_k: surface_c - self.reference_gas_c,
-                variance_w2: sd_w * sd_w / looks + least_w * least_w,
-            }
-        });
-        found.steady.push(Steady {
+        let parts: Vec<PartReading> = (self.search.parts.iter().enumerate())
+            .map(|(p, &i)| {
+                let power_w = sums.convection_w[p] / rows;
+                let surface_c = sums.surface_c[p] / rows;
+                let own = &self.observer.own;
+                let sd_w = own.iter().position(|(own, _)| *own == i).map_or(0.0, |at| self.observer.sd_w[at]);
+                // So many independent looks as the bandwidth lets through, π/2 a hertz and second.
+                let looks = (rows * sums.period_s * std::f64::consts::PI * BANDWIDTH_HZ).max(1.0);
+                let least_w = LEAST_ERROR * power_w.abs().max(1e-3);
+                PartReading {
+                    power_w,
+                    overheat_k: surface_c - gas_c,
+                    above_reference_k: surface_c - self.search.reference_gas_c,
+                    variance_w2: sd_w * sd_w / looks + least_w * least_w,
+                }
+            })
+            .collect();
+        self.found.steady.push(Steady {
             label: sums.label,
             wind_m_s: sums.wind_m_s,
             gas: GasProperties {
@@ -164,7 +218,7 @@ impl Search<'_> {
                 viscosity_pa_s: gas.viscosity_pa_s,
                 conductivity_w_m_k: gas.conductivity_w_m_k,
             },
-            parts: parts.collect(),
+            parts,
         });
         Ok(())
     }

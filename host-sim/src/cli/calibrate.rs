@@ -6,23 +6,17 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use super::Failure;
+use crate::answer::calibrated::{Calibrated, Calibrator, conductance_noise_w_k};
 use crate::answer::replay::head_of;
 use crate::answer::steady::Search;
 use crate::answer::winds;
-use crate::calibrate::{self, Calibration, HeldOut, Scheme, Steady, held_out};
-use crate::head::calibration::{NewCalibration, NewPart, without_calibration};
-use crate::head::{Answering, Head};
+use crate::calibrate::{self, Calibration, HeldOut, Steady};
+use crate::head::Head;
 use crate::model::Model;
-use crate::network::{Windless, reading_noise};
-use crate::recording::Temporary;
 use crate::sensor::Species;
 
-/// Folds of the cross-validation.
-const FOLDS: usize = 10;
 /// Bandwidths whose noise is told, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
-/// Overheat and period at which noise is told.
-const TOLD_OVERHEAT_K: f64 = 30.0;
 
 /// Calibrate a head in known winds, so that it answers with wind instead of power.
 ///
@@ -82,58 +76,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref()).map_err(Failure::usage)?;
     let model = Model::read(&arguments.network).map_err(Failure::usage)?;
     let named = |sentence: String| Failure::usage(format!("{}: {sentence}", arguments.network.display()));
-    let windless = Windless::of(&model, &head).map_err(named)?;
-    let noise = reading_noise(&model, &head);
-    let reference_gas_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
-    let reference_gas_c = reference_gas_c.ok_or_else(|| named("does not tell its gas".to_owned()))?;
-    let (places, drawn) = parts(&head, arguments.diameter_mm * 1e-3).map_err(Failure::usage)?;
-    let reference = head.elements.iter().position(|element| element.name == crate::sensor::reference::NAME);
-
+    let calibrator = Calibrator::new(&head, &model, arguments.diameter_mm * 1e-3).map_err(named)?;
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
-    let search = Search {
-        head: &head,
-        windless: &windless,
-        noise: &noise,
-        parts: &places,
-        reference,
-        reference_gas_c,
-        settle_s: arguments.settle,
-        winds: table.as_ref(),
-    };
+    let search = calibrator.search(arguments.settle, table.as_ref());
     let (steady, species, short) = look(&search, &arguments.recordings)?;
-    let calibration = calibrate::calibrate(&drawn, &steady).map_err(Failure::work)?;
-    let seen = held_out(&drawn, &steady, Scheme::Directions, FOLDS).map_err(Failure::work)?;
-    let speeds = held_out(&drawn, &steady, Scheme::Speeds, FOLDS).map_err(Failure::work)?;
-
-    let overall = seen.overall();
-    let names = head.names();
-    let new = NewCalibration {
-        made_from: format!(
-            "{} winds of {} recordings; held out: direction {:.2}° rms, speed {:.2} % rms",
-            calibration.winds,
-            arguments.recordings.len(),
-            overall.direction_rms_deg,
-            100.0 * overall.speed_rms
-        ),
-        species,
-        reference_gas_c,
-        diameter_m: calibration.diameter_m,
-        direction_error_max_deg: arguments.direction_error_max_deg,
-        reference: reference.map(|element| names[element].to_owned()),
-        nusselt: (calibration.least_reynolds, calibration.most_reynolds, calibration.amplitudes.to_vec()),
-        parts: new_parts(&calibration),
-        windless: &windless,
-        noise: &noise,
-        names: &names,
-    };
-    let text =
-        format!("{}\n{}", without_calibration(&head.source.text).trim_end(), new.to_toml().map_err(Failure::work)?);
-    // What cannot be read again is not written.
-    let source = crate::toml_file::Source { path: head.source.path.clone(), text: text.clone() };
-    let calibrated = Head::from_source(source).map_err(Failure::work)?;
+    let calibrated =
+        calibrator.calibrated(&steady, species, arguments.recordings.len(), arguments.direction_error_max_deg);
+    let Calibrated { text, head: calibrated, calibration, directions: seen, speeds } =
+        calibrated.map_err(Failure::work)?;
     let noise_by_bandwidth = noise_by_bandwidth(&calibrated);
     if let Some(path) = &arguments.output {
-        write(path, &text)?;
+        super::write_text(path, &text)?;
     }
     if arguments.json {
         return super::print_json(&summary_json(&calibration, &seen, &speeds, &noise_by_bandwidth));
@@ -175,72 +128,10 @@ fn progress_bar_of(recordings: usize) -> ProgressBar {
     if std::io::stderr().is_terminal() { ProgressBar::new(recordings as u64) } else { ProgressBar::hidden() }
 }
 
-/// Places in the head and geometry of what looks into the wind: four sectors of a tetrahedron, or two hemispheres.
-fn parts(head: &Head, diameter_m: f64) -> Result<(Vec<usize>, calibrate::Head), String> {
-    use dr_core::sensor::wind::sphere;
-    let outward: Vec<(usize, [f64; 3])> = head
-        .elements
-        .iter()
-        .enumerate()
-        .filter_map(|(place, element)| element.normal.map(|normal| (place, normal)))
-        .collect();
-    let narrow = |v: [f64; 3]| v.map(|x| x as f32);
-    let shapes: Vec<_> = match outward.len() {
-        4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
-        2 => sphere::hemispheres(diameter_m as f32).to_vec(),
-        count => {
-            return Err(format!(
-                "head `{}` has {count} elements with an outward `normal`: four sectors of a sphere, or two hemispheres can be calibrated",
-                head.name
-            ));
-        }
-    };
-    let parts = outward.iter().zip(shapes).enumerate().map(|(i, ((place, normal), mut config))| {
-        config.axis = narrow(*normal);
-        if outward.len() == 4 {
-            // A corner of a sector is opposite to the axis of another.
-            config.corner = narrow(outward[(i + 1) % 4].1.map(|x| -x));
-        } else {
-            // Any direction across the axis: a hemisphere has no corner.
-            let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
-            config.corner = std::array::from_fn(|k| if k == least { 1.0 } else { 0.0 });
-        }
-        calibrate::HeadPart { name: head.elements[*place].name.clone(), config }
-    });
-    let parts = parts.collect();
-    Ok((outward.iter().map(|(place, _)| *place).collect(), calibrate::Head { diameter_m, parts }))
-}
-
-fn new_parts(calibration: &Calibration) -> Vec<NewPart> {
-    let of = |(part, surface): (&calibrate::CalibratedPart, _)| NewPart {
-        element: part.name.clone(),
-        surface,
-        gain: part.gain,
-        windless_w_k: part.still_w_k,
-    };
-    calibration.parts.iter().zip(calibration.part_configs()).map(of).collect()
-}
-
 /// Standard deviation of a part's conductance by bandwidth, W/K, as far as it can be had.
 fn noise_by_bandwidth(head: &Head) -> Vec<(f64, f64)> {
-    let Some(calibration) = &head.calibration else { return Vec::new() };
-    let noise = |bandwidth_hz: f64| {
-        let answering = Answering { bandwidth_hz, every_s: 0.01, fixed: true };
-        let (_, observer) = calibration.commands(&answering, 1e-3).ok()?;
-        let place = calibration.parts.first()?;
-        let at = observer.own.iter().position(|(own, _)| own == place)?;
-        Some((bandwidth_hz, observer.sd_w[at] / TOLD_OVERHEAT_K))
-    };
+    let noise = |bandwidth_hz| Some((bandwidth_hz, conductance_noise_w_k(head, bandwidth_hz)?));
     BANDWIDTHS_HZ.into_iter().filter_map(noise).collect()
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    use std::io::Write as _;
-    let failed = |error: std::io::Error| Failure::work(format!("{}: cannot be written: {error}", path.display()));
-    let (temporary, mut file) = Temporary::create(path).map_err(failed)?;
-    file.write_all(text.as_bytes()).map_err(failed)?;
-    drop(file);
-    temporary.keep().map_err(failed)
 }
 
 fn summary_json(calibration: &Calibration, seen: &HeldOut, speeds: &HeldOut, noise: &[(f64, f64)]) -> Value {

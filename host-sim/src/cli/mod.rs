@@ -27,6 +27,7 @@ mod predict_against;
 mod predict_summary;
 mod reduce;
 mod run;
+mod study;
 mod thesis;
 mod validate;
 mod wind;
@@ -84,6 +85,7 @@ enum Command {
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
     Thesis(thesis::Arguments),
+    Study(study::Arguments),
 }
 
 /// Why the command ends, and with which exit code.
@@ -154,6 +156,7 @@ pub fn main() -> ExitCode {
         Command::Analyse(arguments) => analyse::execute(&arguments),
         Command::Predict(arguments) => predict::execute(&arguments),
         Command::Thesis(arguments) => thesis::execute(&arguments),
+        Command::Study(arguments) => study::execute(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -182,6 +185,15 @@ fn print(text: &str) -> Result<(), Failure> {
 fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string(value).map_err(Failure::work)?;
     print(&format!("{json}\n"))
+}
+
+/// Writes a text file, in whole or not at all.
+fn write_text(path: &std::path::Path, text: &str) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::work(format!("{}: cannot be written: {error}", path.display()));
+    let (temporary, mut file) = crate::recording::Temporary::create(path).map_err(failed)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    drop(file);
+    temporary.keep().map_err(failed)
 }
 
 /// Reads an experiment and lets a controller in this process judge it, so that nothing is started that would be refused.

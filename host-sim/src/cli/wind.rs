@@ -1,15 +1,16 @@
 //! `anemo wind`: the wind from a recording, as the board would have told it.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use dr_core::control::{Anemometer, Doubts, WindCommand};
+use dr_core::control::Doubts;
 use serde_json::json;
-use wire::{MOST_ELEMENTS, WindSample};
+use wire::WindSample;
 
 use super::Failure;
-use crate::answer::errors::Errors;
+use crate::answer::errors::{Errors, SLOWEST_M_S};
+use crate::answer::off_line::{OffLine, axes};
 use crate::answer::replay::{Moment, Replay, head_of};
+use crate::answer::tally::Tally;
 use crate::answer::winds;
 use crate::head::{Answering, Calibration, Head};
 use crate::plot;
@@ -79,8 +80,7 @@ struct Told {
     events: Words,
     gas_c: Vec<f64>,
     errors: Errors,
-    answers: u64,
-    doubts: BTreeMap<&'static str, u64>,
+    tally: Tally,
     speed_error: (f64, u64),
     direction_error_deg: (f64, u64),
 }
@@ -111,7 +111,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
     let answering =
         Answering::new(Some(arguments.bandwidth), arguments.every, arguments.fixed, replay.sample_period_s());
-    let mut anemometer = set_up(calibration, &answering, replay.sample_period_s()).map_err(Failure::usage)?;
+    let mut anemometer =
+        OffLine::new(&head, calibration, &answering, replay.sample_period_s()).map_err(Failure::usage)?;
     let mut gas = GasTold::new(arguments, calibration, &replay)?;
 
     let parts: Vec<String> = calibration.parts.iter().map(|&place| head.elements[place].name.clone()).collect();
@@ -122,9 +123,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         if label.0 != moment.event || label.1 == f64::NEG_INFINITY {
             label = (moment.event.clone(), moment.time_s);
         }
-        gas.tell(&mut anemometer, &moment, replay.sample_period_s())?;
-        let Some(answer) = anemometer.step(&moment.tick, |i, celsius| standing_w(&head, i, celsius)) else { continue };
-        let answer = WindSample::from(&answer);
+        gas.tell(&mut anemometer, &moment)?;
+        let Some(answer) = anemometer.step(&moment.tick) else { continue };
         let truth = match &table {
             Some(winds) => winds.get(&moment.event).copied(),
             None => moment.wind_m_s,
@@ -133,31 +133,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         told.take(&moment, &answer, truth, counts.then_some(&axes[..]));
     }
     finish(arguments, &head, calibration, &answering, told)
-}
-
-/// An anemometer that knows its head.
-fn set_up(
-    calibration: &Calibration,
-    answering: &Answering,
-    sample_period_s: f64,
-) -> Result<Anemometer<MOST_ELEMENTS>, String> {
-    let (commands, _) = calibration.commands(answering, sample_period_s)?;
-    let mut anemometer = Anemometer::new();
-    for command in &commands {
-        let told = anemometer.handle(command, sample_period_s as f32);
-        told.map_err(|error| format!("the head's calibration is refused: {error}"))?;
-    }
-    Ok(anemometer)
-}
-
-/// Power of an element at its low level, W.
-fn standing_w(head: &Head, element: usize, temperature_c: f32) -> f32 {
-    head.elements.get(element).map_or(0.0, |of| of.config.channel.standing_power_w(temperature_c))
-}
-
-/// Outward axes of the parts, for the linear inverse.
-fn axes(head: &Head, calibration: &Calibration) -> Vec<[f64; 3]> {
-    calibration.parts.iter().filter_map(|&place| head.elements[place].normal).collect()
 }
 
 /// What the anemometer is told of the gas.
@@ -195,19 +170,13 @@ impl GasTold {
         Ok(Self { pressure_pa: pressure_pa as f32, temperature_c, by_column, last: None, begun: false })
     }
 
-    fn tell(
-        &mut self,
-        anemometer: &mut Anemometer<MOST_ELEMENTS>,
-        moment: &Moment,
-        sample_period_s: f64,
-    ) -> Result<(), Failure> {
+    fn tell(&mut self, anemometer: &mut OffLine<'_>, moment: &Moment) -> Result<(), Failure> {
         let now = if self.by_column { moment.gas_c.map(|celsius| celsius as f32) } else { self.temperature_c };
         if self.begun && now == self.last {
             return Ok(());
         }
         (self.begun, self.last) = (true, now);
-        let command = WindCommand::Gas { pressure_pa: self.pressure_pa, temperature_c: now };
-        anemometer.handle(&command, sample_period_s as f32).map_err(|error| Failure::usage(format!("gas: {error}")))
+        anemometer.gas(self.pressure_pa, now).map_err(|error| Failure::usage(format!("gas: {error}")))
     }
 }
 
@@ -222,8 +191,7 @@ impl Told {
             events: Words::default(),
             gas_c: Vec::new(),
             errors: Errors::default(),
-            answers: 0,
-            doubts: BTreeMap::new(),
+            tally: Tally::default(),
             speed_error: (0.0, 0),
             direction_error_deg: (0.0, 0),
         }
@@ -238,13 +206,8 @@ impl Told {
         }
         self.events.push(&moment.event);
         self.gas_c.push(moment.gas_c.unwrap_or(f64::NAN));
-        self.answers += 1;
-        for (doubt, name) in Doubts::NAMES {
-            if answer.doubts.has(doubt) {
-                *self.doubts.entry(name).or_default() += 1;
-            }
-        }
-        if !answer.doubts.has(Doubts::FAILED) && answer.speed_m_s > 0.0 {
+        self.tally.add(answer);
+        if !answer.doubts.has(Doubts::FAILED) && f64::from(answer.speed_m_s) >= SLOWEST_M_S {
             self.speed_error.0 += f64::from(answer.speed_error_m_s / answer.speed_m_s).powi(2);
             self.speed_error.1 += 1;
             if !answer.doubts.has(Doubts::NO_DIRECTION) {
@@ -288,13 +251,16 @@ fn finish(
         canvas.draw(&recording(&mut told, kept, metadata)).map_err(Failure::work)?;
     }
     let errors = &told.errors;
+    let tally = told.tally.summary();
     if arguments.json {
         return super::print_json(&json!({
             "head": head.name,
-            "answers": told.answers,
+            "answers": tally.answers,
             "bandwidth_hz": answering.bandwidth_hz,
             "every_s": answering.every_s,
-            "doubts": told.doubts,
+            "doubts": tally.doubts,
+            "mean_speed_m_s": tally.mean_speed_m_s,
+            "speed_error_m_s": tally.speed_error_m_s,
             "speed_standard_error": rms(told.speed_error),
             "direction_standard_error_deg": rms(told.direction_error_deg),
             "compared": errors.count,
@@ -313,7 +279,7 @@ fn finish(
         arguments.recording.display(),
         head.name,
         calibration.made_from(),
-        told.answers,
+        tally.answers,
         answering.every_s,
         answering.bandwidth_hz
     );
@@ -324,11 +290,11 @@ fn finish(
         }
         text += "\n";
     }
-    if told.doubts.is_empty() {
+    if tally.doubts.is_empty() {
         text += "no doubts\n";
     }
-    for (name, count) in &told.doubts {
-        text += &format!("{name:<13} {count} answers, {:.1} %\n", 100.0 * *count as f64 / told.answers.max(1) as f64);
+    for (name, count) in &tally.doubts {
+        text += &format!("{name:<13} {count} answers, {:.1} %\n", 100.0 * *count as f64 / tally.answers.max(1) as f64);
     }
     if errors.count > 0 {
         text += &format!("\nbeside the true wind, {} answers", errors.count);

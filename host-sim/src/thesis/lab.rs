@@ -46,9 +46,14 @@ impl<'a> Lab<'a> {
         Ok(Experiment::read(&self.folder.join(format!("{name}.toml")))?)
     }
 
+    /// Tells that an experiment is going to be run.
+    pub fn tell(&self, experiment: &Experiment) {
+        (self.told)(&format!("{}, {:.1} h", experiment.title, experiment.duration_s() / 3600.0));
+    }
+
     /// Runs an experiment in process.
     pub fn record(&self, experiment: &Experiment) -> Result<Record, StudyError> {
-        (self.told)(&format!("{}, {:.1} h", experiment.title, experiment.duration_s() / 3600.0));
+        self.tell(experiment);
         Record::of(experiment)
     }
 

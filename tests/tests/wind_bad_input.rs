@@ -1,0 +1,206 @@
+//! What is wrong with the input stands in every answer that it touches, and in the summaries of `anemo run` and `anemo wind`.
+
+use anemo_tests::Desk;
+use anemo_tests::calibrated::{blown, blown_with, uncalibrated};
+use dr_core::control::Doubts;
+use host_sim::recording::answer::{ANSWER, ANSWER_DOUBTS, ANSWER_SPEED};
+use host_sim::recording::{Column, Recording, RecordingWriter, Row, Values};
+use serde_json::Value;
+
+/// Rows of `answer_doubts` from a time on.
+struct Told(Recording);
+
+impl Told {
+    fn read(desk: &Desk, name: &str) -> Self {
+        Self(Recording::read(&desk.path().join(name)).unwrap())
+    }
+
+    /// Doubts of all answers between two times, s.
+    fn doubts(&self, from_s: f64, to_s: f64) -> Vec<Doubts> {
+        let doubts = self.0.numbers(ANSWER_DOUBTS).unwrap();
+        self.rows(from_s, to_s).map(|row| Doubts(doubts[row] as u16)).collect()
+    }
+
+    /// Rows with an answer.
+    fn rows(&self, from_s: f64, to_s: f64) -> impl Iterator<Item = usize> {
+        let (time_s, doubts) = (self.0.numbers("time_s").unwrap(), self.0.numbers(ANSWER_DOUBTS).unwrap());
+        (0..time_s.len()).filter(move |&row| (from_s..to_s).contains(&time_s[row]) && doubts[row].is_finite())
+    }
+
+    fn mean(&self, column: &str, from_s: f64, to_s: f64) -> f64 {
+        let values = self.0.numbers(column).unwrap();
+        let rows: Vec<usize> = self.rows(from_s, to_s).collect();
+        rows.iter().map(|&row| values[row]).sum::<f64>() / rows.len() as f64
+    }
+
+    /// Whether every answer between two times has all of these doubts, and there is one.
+    fn all_have(&self, from_s: f64, to_s: f64, doubts: &[Doubts]) -> bool {
+        let told = self.doubts(from_s, to_s);
+        !told.is_empty() && told.iter().all(|of| doubts.iter().all(|doubt| of.has(*doubt)))
+    }
+
+    fn none_has(&self, from_s: f64, to_s: f64, doubt: Doubts) -> bool {
+        let told = self.doubts(from_s, to_s);
+        !told.is_empty() && told.iter().all(|of| !of.has(doubt))
+    }
+}
+
+fn json(desk: &Desk, arguments: &[&str]) -> Value {
+    let output = desk.anemo(arguments, &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Runs the experiment, and looks at its recording off line: both summaries.
+fn told(desk: &Desk) -> (Told, Value, Value) {
+    let run = json(desk, &["run", "e.toml", "--on", "sim", "-o", "r.parquet", "--json"]);
+    let wind = json(desk, &["wind", "r.parquet", "-o", "w.parquet", "--json"]);
+    for key in ["answers", "doubts", "mean_speed_m_s", "speed_error_m_s"] {
+        assert_eq!(run["wind"][key], wind[key], "{key}");
+    }
+    let text = String::from_utf8(desk.anemo(&["wind", "r.parquet"], &[]).stdout).unwrap();
+    for doubt in wind["doubts"].as_object().unwrap().keys() {
+        assert!(text.contains(doubt.as_str()), "{doubt}: {text}");
+    }
+    (Told::read(desk, "r.parquet"), run, wind)
+}
+
+#[test]
+fn a_good_run_is_doubted_only_while_it_begins() {
+    let desk = blown(150.0, &[]);
+    let (told, run, _) = told(&desk);
+    let doubts = told.doubts(120.0, 150.0);
+    assert!(doubts.iter().all(|doubts| *doubts == Doubts::default()), "{doubts:?}");
+    assert!(told.all_have(0.0, 0.5, &[Doubts::STARTING]));
+    let speed_m_s = told.mean(ANSWER_SPEED, 120.0, 150.0);
+    println!("{speed_m_s:.3} m/s of 5; {run}");
+    assert!((speed_m_s / 5.0 - 1.0).abs() < 0.01, "{speed_m_s}");
+    assert_eq!(run["wind"]["answers"], 15_000);
+    let text = String::from_utf8(desk.anemo(&["run", "e.toml", "--on", "sim"], &[]).stdout).unwrap();
+    assert!(text.contains("wind: 15000 answers, mean speed ") && text.contains("  starting "), "{text}");
+}
+
+#[test]
+fn a_reference_that_breaks_leaves_no_gas_and_no_wind() {
+    let fault = "[[faults]]\nstart_s = 2.0\nelement = \"reference\"\nkind = \"open\"\n\n[[wind]]";
+    let desk = blown(5.0, &[("[[wind]]", fault)]);
+    let (told, run, _) = told(&desk);
+    assert_eq!(run["trips"][0]["element"], "reference");
+    // It trips the instrument at once, and its last reading is believed for a second.
+    assert!(told.none_has(0.0, 1.99, Doubts::NO_GAS) && told.none_has(0.0, 1.99, Doubts::NOT_RUNNING));
+    assert!(told.all_have(2.01, 5.0, &[Doubts::NOT_RUNNING]));
+    assert!(told.all_have(3.02, 5.0, &[Doubts::NO_GAS, Doubts::FAILED]));
+    assert!(told.mean(ANSWER_SPEED, 3.02, 5.0).is_nan(), "no speed is made up");
+    assert!(run["wind"]["doubts"]["no-gas"].as_u64().unwrap() > 190, "{run}");
+}
+
+#[test]
+fn a_loop_that_is_too_weak_or_a_wind_beyond_the_calibration_is_flagged() {
+    let weak = "[currents]\nsector4 = { low_a = 0.003, high_a = 0.009 }\n\n[drives]";
+    let (weak, run, _) = told(&blown(150.0, &[("[drives]", weak)]));
+    println!("{run}");
+    assert!(weak.all_have(120.0, 150.0, &[Doubts::SATURATED]));
+    assert!(run["wind"]["doubts"]["saturated"].as_u64().unwrap() > 3000, "{run}");
+    // Not held, it is still measured: the network knows that the sector is colder.
+    let speed_m_s = weak.mean(ANSWER_SPEED, 120.0, 150.0);
+    println!("with a weak sector {speed_m_s:.3} m/s of 5");
+    assert!((speed_m_s / 5.0 - 1.0).abs() < 0.05, "{speed_m_s}");
+
+    let (strong, run, _) = told(&blown(150.0, &[("speed_m_s = 5.0", "speed_m_s = 20.0")]));
+    println!("{run}");
+    assert!(strong.all_have(120.0, 150.0, &[Doubts::SATURATED, Doubts::EXTRAPOLATED]));
+}
+
+#[test]
+fn a_tripped_instrument_says_so_in_every_answer() {
+    let fault = "[[faults]]\nstart_s = 60.0\nelement = \"sector2\"\nkind = \"open\"\n\n[[wind]]";
+    let (told, run, _) = told(&blown(70.0, &[("[[wind]]", fault)]));
+    assert_eq!(run["trips"][0]["element"], "sector2");
+    assert!(told.none_has(50.0, 59.99, Doubts::NOT_RUNNING) && told.none_has(50.0, 59.99, Doubts::DEGRADED));
+    assert!(told.all_have(60.01, 70.0, &[Doubts::NOT_RUNNING]));
+    assert!(told.all_have(60.2, 70.0, &[Doubts::DEGRADED]), "{run}");
+}
+
+#[test]
+fn three_sectors_answer_with_a_wider_error_that_holds() {
+    let desk = blown(160.0, &[]);
+    let all = json(&desk, &["run", "e.toml", "--on", "sim", "-o", "r.parquet", "--json"]);
+    assert_eq!(all["trips"].as_array().unwrap().len(), 0);
+    without(&desk, "temperature_c:sector2", 100.0);
+    let wind = json(&desk, &["wind", "three.parquet", "-o", "w.parquet", "--json"]);
+    let (whole, three) = (Told::read(&desk, "r.parquet"), Told::read(&desk, "w.parquet"));
+    assert!(three.none_has(80.0, 99.9, Doubts::DEGRADED));
+    assert!(three.all_have(100.1, 160.0, &[Doubts::DEGRADED]));
+    assert!(wind["doubts"]["degraded"].as_u64().unwrap() > 5900, "{wind}");
+    let error = "answer_speed_error_m_s";
+    let (before, after) = (whole.mean(error, 120.0, 160.0), three.mean(error, 120.0, 160.0));
+    let truth = [-5.0 * 0.5_f64.sqrt(), -5.0 * 0.5_f64.sqrt(), 0.0];
+    let told = ANSWER.map(|name| three.mean(name, 120.0, 160.0));
+    let angle_deg = host_sim::answer::errors::angle_deg(told, truth);
+    let speed_m_s = three.mean(ANSWER_SPEED, 120.0, 160.0);
+    let stated_deg = three.mean("answer_direction_error_deg", 120.0, 160.0);
+    println!(
+        "three sectors: {speed_m_s:.3} ± {after:.3} m/s of 5 (four: ± {before:.3}), {angle_deg:.2}° off, stated {stated_deg:.2}°"
+    );
+    assert!(after > before, "{after} {before}");
+    assert!((speed_m_s - 5.0).abs() < 4.0 * after, "{speed_m_s} ± {after}");
+    assert!(angle_deg < 4.0 * stated_deg, "{angle_deg}° off, {stated_deg}° stated");
+}
+
+/// Writes `r.parquet` as `three.parquet`, without the readings of a column from a time on.
+fn without(desk: &Desk, column: &str, from_s: f64) {
+    let mut recording = Recording::read(&desk.path().join("r.parquet")).unwrap();
+    let from = recording.numbers("time_s").unwrap().partition_point(|&time_s| time_s < from_s);
+    let Some(Column { values: Values::Numbers(values), .. }) =
+        recording.columns.iter_mut().find(|own| own.name == column)
+    else {
+        panic!("no column {column}")
+    };
+    values[from..].fill(f64::NAN);
+    let of = |prefix: &str, element: &str| recording.numbers(&format!("{prefix}{element}")).unwrap();
+    let elements: Vec<String> = recording.elements().iter().map(|name| (*name).to_owned()).collect();
+    let layout = host_sim::recording::Layout {
+        elements: elements.clone(),
+        wind: true,
+        gas: false,
+        observed: Vec::new(),
+        answers: Vec::new(),
+    };
+    let columns = |prefix: &str| elements.iter().map(|element| of(prefix, element)).collect::<Vec<_>>();
+    let (temperature, power, heater) = (columns("temperature_c:"), columns("power_w:"), columns("heater:"));
+    let wind = ["wind_x_m_s", "wind_y_m_s", "wind_z_m_s"].map(|name| recording.numbers(name).unwrap());
+    let path = desk.path().join("three.parquet");
+    let mut writer = RecordingWriter::create(&path, layout, &recording.metadata).unwrap();
+    for row in 0..recording.len() {
+        let narrow = |columns: &[&[f64]]| columns.iter().map(|values| values[row] as f32).collect::<Vec<_>>();
+        let heaters = heater.iter().enumerate().map(|(i, values)| u16::from(values[row] != 0.0) << i).sum();
+        writer
+            .push(&Row {
+                time_s: recording.numbers("time_s").unwrap()[row],
+                temperature_c: &narrow(&temperature),
+                power_w: &narrow(&power),
+                equivalent_power_w: &[],
+                heaters,
+                event: "steady",
+                state: "running",
+                wind_m_s: Some(wind.map(|values| values[row])),
+                gas_temperature_c: None,
+                answer: &[],
+            })
+            .unwrap();
+    }
+    writer.finish(&Vec::new()).unwrap();
+}
+
+#[test]
+fn a_head_without_amplitudes_has_conductances_and_no_wind() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = folder.path().join("head.toml");
+    std::fs::write(&head, uncalibrated()).unwrap();
+    let (told, run, _) = told(&blown_with(&head, 60.0, &[]));
+    assert!(told.all_have(0.0, 60.0, &[Doubts::UNCALIBRATED, Doubts::FAILED]));
+    assert!(told.mean(ANSWER_SPEED, 0.0, 60.0).is_nan());
+    assert!(told.mean("conductance_w_k:sector1", 50.0, 60.0) > 1e-4);
+    assert_eq!(run["wind"]["doubts"]["uncalibrated"], run["wind"]["answers"]);
+    assert_eq!(run["wind"]["mean_speed_m_s"], Value::Null);
+}
