@@ -119,7 +119,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let axes = axes(&head, calibration);
     let mut told = Told::new(&parts);
     let mut label = (String::new(), f64::NEG_INFINITY);
-    while let Some(moment) = replay.next().map_err(Failure::work)? {
+    while let Some(moment) = replay.next_moment().map_err(Failure::work)? {
         if label.0 != moment.event || label.1 == f64::NEG_INFINITY {
             label = (moment.event.clone(), moment.time_s);
         }
