@@ -37,7 +37,7 @@ fn head(elements: usize, observe: bool) -> Setup {
         drive: drives[i % drives.len()],
     };
     let elements = (0..elements).map(element).collect();
-    Setup { sample_period_s: 0.01, guard: GuardConfig::default(), observe, elements }
+    Setup { sample_period_s: 0.01, guard: GuardConfig::default(), observe, elements, wind: Vec::new() }
 }
 
 /// A body set up for a head and running. The sensor is only there because an instrument has one: no time passes for it.

@@ -63,13 +63,13 @@ const KERNELS: [Kernel; 14] = [
         symbol: "anemometer_6_elements",
         operation: "anemometer tick: 6 elements, with the wind of 4 sectors",
         poles: None,
-        budget: 110_000,
+        budget: 90_000,
     },
     Kernel {
         symbol: "anemometer_between_answers",
         operation: "anemometer tick without an answer",
         poles: None,
-        budget: 10_500,
+        budget: 6_800,
     },
 ];
 

@@ -147,7 +147,7 @@ impl Replay {
     ///
     /// # Errors
     /// If the file is damaged.
-    pub fn next(&mut self) -> Result<Option<Moment>, ReplayError> {
+    pub fn next_moment(&mut self) -> Result<Option<Moment>, ReplayError> {
         while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
             match self.reader.next_chunk()? {
                 None => return Ok(None),
@@ -169,14 +169,16 @@ impl Replay {
         let first_s = *self.first_s.get_or_insert(time_s);
         let (mut valid, mut heaters) = (0_u16, 0_u16);
         let mut power_w = [0.0_f32; MOST_ELEMENTS];
-        for i in 0..self.elements {
-            let read_c = number(self.places.temperature[i]) as f32;
+        let columns = self.places.temperature.iter().zip(&self.places.heater).zip(&self.places.power);
+        let numbers = self.temperature_c.iter_mut().zip(&mut power_w);
+        for (i, (((&temperature, &heater), &power), (temperature_c, power_w))) in columns.zip(numbers).enumerate() {
+            let read_c = number(temperature) as f32;
             if read_c.is_finite() {
                 valid |= 1 << i;
-                self.temperature_c[i] = read_c;
+                *temperature_c = read_c;
             }
-            heaters |= u16::from(number(self.places.heater[i]) != 0.0) << i;
-            power_w[i] = number(self.places.power[i]) as f32;
+            heaters |= u16::from(number(heater) != 0.0) << i;
+            *power_w = number(power) as f32;
         }
         let running = self.places.state.is_none_or(|place| word(place) == "running");
         let tick = Tick {

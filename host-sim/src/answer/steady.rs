@@ -87,7 +87,7 @@ impl Search<'_> {
         })?;
         let mut looking = self.begin(name, conditions, replay.sample_period_s())?;
         let mut rows = 0;
-        while let Some(moment) = replay.next()? {
+        while let Some(moment) = replay.next_moment()? {
             looking.take(&moment)?;
             rows += 1;
             if rows % 65_536 == 0 {

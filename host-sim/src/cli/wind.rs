@@ -14,8 +14,8 @@ use crate::answer::tally::Tally;
 use crate::answer::winds;
 use crate::head::{Answering, Calibration, Head};
 use crate::plot;
-use crate::recording::{Column, Metadata, Recording, Values};
-use crate::recording::{TIME, WIND, answer, write_columns};
+use crate::recording::{Column, Metadata, Reader, Recording, RecordingError, Values, Words};
+use crate::recording::{EVENT, GAS_TEMPERATURE, TIME, WIND, answer, write_columns};
 
 /// Tell the wind from a recording of a calibrated head.
 ///
@@ -76,6 +76,9 @@ pub struct Arguments {
 struct Told {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
+    /// Labels of the conditions and true temperature of the gas, for the picture.
+    events: Words,
+    gas_c: Vec<f64>,
     errors: Errors,
     tally: Tally,
     speed_error: (f64, u64),
@@ -116,7 +119,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let axes = axes(&head, calibration);
     let mut told = Told::new(&parts);
     let mut label = (String::new(), f64::NEG_INFINITY);
-    while let Some(moment) = replay.next().map_err(Failure::work)? {
+    while let Some(moment) = replay.next_moment().map_err(Failure::work)? {
         if label.0 != moment.event || label.1 == f64::NEG_INFINITY {
             label = (moment.event.clone(), moment.time_s);
         }
@@ -129,7 +132,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let counts = moment.time_s >= arguments.from && moment.time_s - label.1 >= arguments.settle;
         told.take(&moment, &answer, truth, counts.then_some(&axes[..]));
     }
-    finish(arguments, &head, calibration, &answering, &told)
+    finish(arguments, &head, calibration, &answering, told)
 }
 
 /// What the anemometer is told of the gas.
@@ -185,6 +188,8 @@ impl Told {
         Self {
             columns: vec![Vec::new(); names.len()],
             names,
+            events: Words::default(),
+            gas_c: Vec::new(),
             errors: Errors::default(),
             tally: Tally::default(),
             speed_error: (0.0, 0),
@@ -199,6 +204,8 @@ impl Told {
         for (column, number) in self.columns.iter_mut().zip(row) {
             column.push(number);
         }
+        self.events.push(&moment.event);
+        self.gas_c.push(moment.gas_c.unwrap_or(f64::NAN));
         self.tally.add(answer);
         if !answer.doubts.has(Doubts::FAILED) && f64::from(answer.speed_m_s) >= SLOWEST_M_S {
             self.speed_error.0 += f64::from(answer.speed_error_m_s / answer.speed_m_s).powi(2);
@@ -223,10 +230,11 @@ fn finish(
     head: &Head,
     calibration: &Calibration,
     answering: &Answering,
-    told: &Told,
+    mut told: Told,
 ) -> Result<(), Failure> {
     let has_truth = told.columns.last().is_some_and(|column| column.iter().any(|number| number.is_finite()));
     let kept = if has_truth { told.names.len() } else { told.names.len() - WIND.len() };
+    let metadata = metadata(arguments, head, answering).map_err(Failure::work)?;
     if let Some(path) = &arguments.output {
         let columns: Vec<(&str, &[f64])> = told
             .names
@@ -236,16 +244,11 @@ fn finish(
             .skip(1)
             .map(|(name, values)| (name.as_str(), &values[..]))
             .collect();
-        let metadata = vec![
-            ("head".to_owned(), head.source.text.clone()),
-            ("bandwidth_hz".to_owned(), answering.bandwidth_hz.to_string()),
-            ("recording".to_owned(), arguments.recording.display().to_string()),
-        ];
         write_columns(path, answering.every_s, &columns, &metadata).map_err(Failure::work)?;
     }
     if let Some(path) = &arguments.plot {
         let canvas = plot::Canvas::create(path).map_err(Failure::usage)?;
-        canvas.draw(&recording(told, kept)).map_err(Failure::work)?;
+        canvas.draw(&recording(&mut told, kept, metadata)).map_err(Failure::work)?;
     }
     let errors = &told.errors;
     let tally = told.tally.summary();
@@ -320,10 +323,27 @@ fn finish(
     super::print(&text)
 }
 
-/// The answers as a recording, to be drawn.
-fn recording(told: &Told, kept: usize) -> Recording {
-    let columns = told.names.iter().zip(&told.columns).take(kept);
-    let column =
-        |(name, values): (&String, &Vec<f64>)| Column { name: name.clone(), values: Values::Numbers(values.clone()) };
-    Recording { path: "these answers".into(), metadata: Metadata::new(), columns: columns.map(column).collect() }
+/// Where the answers come from.
+fn metadata(arguments: &Arguments, head: &Head, answering: &Answering) -> Result<Metadata, RecordingError> {
+    let recording = arguments.recording.display().to_string();
+    let known = Reader::open(&arguments.recording)?.metadata();
+    let title = known.into_iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title);
+    let pairs = [
+        ("title", title),
+        ("head_name", head.name.clone()),
+        ("head", head.source.text.clone()),
+        ("bandwidth_hz", answering.bandwidth_hz.to_string()),
+        ("recording", recording),
+    ];
+    Ok(pairs.map(|(key, value)| (key.to_owned(), value)).into())
+}
+
+/// The answers as a recording, to be drawn; it takes them.
+fn recording(told: &mut Told, kept: usize, metadata: Metadata) -> Recording {
+    let numbers = |(name, values): (&String, Vec<f64>)| Column { name: name.clone(), values: Values::Numbers(values) };
+    let mut columns: Vec<Column> =
+        told.names.iter().zip(std::mem::take(&mut told.columns)).take(kept).map(numbers).collect();
+    columns.push(numbers((&GAS_TEMPERATURE.to_owned(), std::mem::take(&mut told.gas_c))));
+    columns.push(Column { name: EVENT.to_owned(), values: Values::Words(std::mem::take(&mut told.events)) });
+    Recording { path: "these answers".into(), metadata, columns }
 }

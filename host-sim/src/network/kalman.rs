@@ -124,18 +124,18 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<Filter, String> {
 }
 
 impl Plant<'_> {
-    fn gains(&self) -> Vec<f64> {
+    pub(super) fn gains(&self) -> Vec<f64> {
         self.mesh_rad_s.iter().map(|&rate| mesh::gain(rate, self.sample_period_s)).collect()
     }
 
     /// r of low and high readings in turns, K².
-    fn variance_k2(&self) -> f64 {
+    pub(super) fn variance_k2(&self) -> f64 {
         let ReadingNoise { low_k, high_k } = self.noise;
         1.0 / (NOMINAL_DUTY / (high_k * high_k) + (1.0 - NOMINAL_DUTY) / (low_k * low_k))
     }
 
-    /// The filter of a random walk; `near_hz` is about where its bandwidth is.
-    fn filter(&self, step_w: f64, near_hz: f64) -> Result<Filter, String> {
+    /// Transition, noise and output of the states and q, for a random walk of q (without a surface, of the states).
+    pub(super) fn equations(&self, step_w: f64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let gains = self.gains();
         let (states, order) = (gains.len(), gains.len() + usize::from(self.surface.is_some()));
         let mut transition = DMatrix::zeros(order, order);
@@ -159,6 +159,14 @@ impl Plant<'_> {
             }
             None => noise.fill_diagonal(variance),
         }
+        (transition, noise, h)
+    }
+
+    /// The filter of a random walk; `near_hz` is about where its bandwidth is.
+    fn filter(&self, step_w: f64, near_hz: f64) -> Result<Filter, String> {
+        let gains = self.gains();
+        let (transition, noise, h) = self.equations(step_w);
+        let (states, order) = (gains.len(), h.len());
         let r = self.variance_k2();
         let p = riccati(&transition, &h, &noise, r)
             .ok_or("the equations of its filter do not settle: are the readings' noise and the model right?")?;

@@ -1,66 +1,124 @@
 //! How an observer becomes quick after the wind has jumped: the sets of gains and the alarm of [`dr_core::model::network`].
 //!
+//! After a jump of q the filter knows its states as well as before, but for what the jump has done to them until it was noticed; only q
+//! itself is unknown. From there Kalman's equations say what each further reading is worth, step by step:
+//!
 //! ```text
-//! b_j = b_0 (b/b_0)^(j/7),   set j until t_j = 0.5/b_j after the last alarm          b: steady bandwidth
-//! alarm:   smoothed over 0.25/b_0,   threshold 5.5 standard deviations of what noise makes of it
+//! P ← P_steady + J² Σ v vᵀ / 2        v = (−m_k (1 − e^(−ξ_k t)), 1)  at t = 0 and at the time of the alarm
+//! L = P h / (hᵀ P h + r),    P ← A (P − L hᵀ P) Aᵀ + Q
 //! ```
 //!
-//! A filter of bandwidth b has settled after about half of a period 1/b, so the bandwidth falls as 0.5/t: at any time after a jump the
-//! answer comes from about as much time as has passed. b_0 is as great as the noise allows: 2 mW of a convective power.
+//! The gains fall as the time since the alarm grows, and end in those of the steady filter. The board has them as sets, means over stretches
+//! of time that grow by a factor; P's element of q is the variance of the answer. J is 20 mW: more than any wind changes.
+//!
+//! ```text
+//! alarm:   innovations smoothed over 0.25/b_0,   threshold 5.5 standard deviations of what noise makes of it
+//! ```
+//!
+//! b_0 is the greatest bandwidth whose noise is below 2 mW: what can be noticed at once. Noise alone makes less than one alarm an hour.
 
 use dr_core::model::AlarmConfig;
 use dr_core::model::mesh;
 use dr_core::model::network::FASTER;
+use nalgebra::DVector;
 
 use super::kalman::{Filter, NOMINAL_DUTY, Plant, design};
+use super::riccati::riccati;
 
-/// b_0 over b, at most.
+/// b_0 over the steady bandwidth, at most.
 const GREATEST_RATIO: f64 = 32.0;
 /// Less of it is not worth its trouble.
 const LEAST_RATIO: f64 = 1.3;
-/// Noise of the quickest set, W.
+/// Noise of b_0, W.
 const MOST_NOISE_W: f64 = 2e-3;
-/// Periods of its bandwidth after which a filter has settled.
-const SETTLED: f64 = 0.5;
-/// Periods of the quickest bandwidth over which innovations are smoothed.
+/// Periods of b_0 over which innovations are smoothed.
 const SMOOTHED: f64 = 0.25;
-/// Standard deviations to an alarm: noise alone makes less than one an hour.
+/// Standard deviations to an alarm.
 const ALARM: f64 = 5.5;
+/// J, W.
+const JUMP_W: f64 = 0.02;
+/// The first set lasts so many ticks, the last one until so many periods of the steady bandwidth have passed.
+const FIRST_TICKS: f64 = 4.0;
+const LAST_PERIODS: f64 = 1.5;
 
-/// Sets of gains with the times until which they are used, the quickest first.
-pub struct Quickness {
-    pub sets: Vec<(f64, Filter)>,
-    quickest_hz: f64,
+/// A set of gains, means over its time.
+pub struct Set {
+    pub until_s: f64,
+    pub correction_w_per_k: Vec<f64>,
+    pub convection_w_per_k: f64,
+    pub variance_w2: f64,
 }
 
-/// The sets for a steady bandwidth; none where nothing quicker can be had.
-pub fn quickness(plant: &Plant<'_>, bandwidth_hz: f64) -> Option<Quickness> {
+/// The sets, the quickest first, and when they are needed.
+pub struct Quickness {
+    pub sets: Vec<Set>,
+    pub alarm: AlarmConfig,
+}
+
+/// The sets for a steady filter; none where nothing quicker can be had.
+pub fn quickness(plant: &Plant<'_>, steady: &Filter) -> Option<Quickness> {
     let mut ratio = GREATEST_RATIO;
     let quickest_hz = loop {
         if ratio < LEAST_RATIO {
             return None;
         }
-        if design(plant, ratio * bandwidth_hz).is_ok_and(|filter| filter.noise_w <= MOST_NOISE_W) {
-            break ratio * bandwidth_hz;
+        if design(plant, ratio * steady.bandwidth_hz).is_ok_and(|filter| filter.noise_w <= MOST_NOISE_W) {
+            break ratio * steady.bandwidth_hz;
         }
         ratio /= 1.25;
     };
-    let sets = (0..FASTER).map(|j| {
-        let hz = quickest_hz * (bandwidth_hz / quickest_hz).powf(j as f64 / FASTER as f64);
-        design(plant, hz).ok().map(|filter| (SETTLED / hz, filter))
-    });
-    Some(Quickness { sets: sets.collect::<Option<_>>()?, quickest_hz })
+    let smoothing_s = SMOOTHED / quickest_hz;
+    Some(Quickness { sets: sets(plant, steady, smoothing_s)?, alarm: alarm(plant, steady, smoothing_s) })
 }
 
-impl Quickness {
-    /// When the wind has jumped; `weights` are those of the steady filter.
-    pub fn alarm(&self, plant: &Plant<'_>, weights: [f64; 2]) -> AlarmConfig {
-        let smoothing_s = SMOOTHED / self.quickest_hz;
-        let share = mesh::gain(1.0 / smoothing_s, plant.sample_period_s);
-        let of = |weight: f64, sd_k: f64| (weight * sd_k).powi(2);
-        let variance_k2 = (1.0 - NOMINAL_DUTY) * of(weights[0], plant.noise.low_k)
-            + NOMINAL_DUTY * of(weights[1], plant.noise.high_k);
-        let threshold_k = ALARM * (variance_k2 * share / (2.0 - share)).sqrt();
-        AlarmConfig { smoothing_s: smoothing_s as f32, threshold_k: threshold_k as f32 }
+fn sets(plant: &Plant<'_>, steady: &Filter, delay_s: f64) -> Option<Vec<Set>> {
+    let surface = plant.surface?;
+    let gains = plant.gains();
+    let states = gains.len();
+    let (transition, noise, h) = plant.equations(steady.step_w);
+    let r = plant.variance_k2();
+    let mut p = riccati(&transition, &h, &noise, r)?;
+    for since_s in [0.0, delay_s] {
+        let moved = |k: usize| -surface[k] * mesh::gain(plant.mesh_rad_s[k], since_s);
+        let v = DVector::from_fn(states + 1, |k, _| if k < states { moved(k) } else { 1.0 });
+        p += 0.5 * JUMP_W * JUMP_W * &v * v.transpose();
     }
+    let first_s = FIRST_TICKS * plant.sample_period_s;
+    let last_s = LAST_PERIODS / steady.bandwidth_hz;
+    let mut sets = Vec::with_capacity(FASTER);
+    let mut tick = 0_u32;
+    for set in 0..FASTER {
+        let until_s = first_s * (last_s / first_s).powf(set as f64 / (FASTER - 1) as f64);
+        let (mut sum, mut variance_w2, mut count) = (DVector::zeros(states + 1), 0.0, 0_u32);
+        while f64::from(tick) * plant.sample_period_s < until_s {
+            let ph = &p * &h;
+            let gain = &ph / (h.dot(&ph) + r);
+            let kept = &p - &gain * ph.transpose();
+            sum += &gain;
+            variance_w2 += kept[(states, states)].max(0.0);
+            p = &transition * kept * transition.transpose() + &noise;
+            (tick, count) = (tick + 1, count + 1);
+        }
+        if count == 0 {
+            continue;
+        }
+        let mean = sum / f64::from(count);
+        sets.push(Set {
+            until_s,
+            correction_w_per_k: (0..states).map(|k| mean[k] * (1.0 - gains[k]) / gains[k]).collect(),
+            convection_w_per_k: -mean[states],
+            variance_w2: variance_w2 / f64::from(count),
+        });
+    }
+    Some(sets)
+}
+
+/// When the wind has jumped.
+fn alarm(plant: &Plant<'_>, steady: &Filter, smoothing_s: f64) -> AlarmConfig {
+    let share = mesh::gain(1.0 / smoothing_s, plant.sample_period_s);
+    let of = |weight: f64, sd_k: f64| (weight * sd_k).powi(2);
+    let [low, high] = steady.weights;
+    let variance_k2 = (1.0 - NOMINAL_DUTY) * of(low, plant.noise.low_k) + NOMINAL_DUTY * of(high, plant.noise.high_k);
+    let threshold_k = ALARM * (variance_k2 * share / (2.0 - share)).sqrt();
+    AlarmConfig { smoothing_s: smoothing_s as f32, threshold_k: threshold_k as f32 }
 }

@@ -149,11 +149,18 @@ impl Windless {
                 continue;
             };
             let plant = own.plant(sample_period_s, noise[own.element]);
-            let Some(quickness) = quickness(&plant, bandwidth_hz) else { continue };
-            config.alarm = Some(quickness.alarm(&plant, config.gains.weights.map(f64::from)));
-            for (set, (until_s, filter)) in (0_u8..).zip(&quickness.sets) {
-                let (element, gains) = (own.element as u8, gains(filter));
-                observer.faster.push(FasterConfig { element, set, until_s: *until_s as f32, gains });
+            let steady = design(&plant, bandwidth_hz)?;
+            let Some(quickness) = quickness(&plant, &steady) else { continue };
+            config.alarm = Some(quickness.alarm);
+            for (set, of) in (0_u8..).zip(&quickness.sets) {
+                let gains = GainsConfig {
+                    correction_w_per_k: padded(&of.correction_w_per_k, 0.0),
+                    convection_w_per_k: of.convection_w_per_k as f32,
+                    weights: config.gains.weights,
+                    variance_w2: of.variance_w2 as f32,
+                };
+                let (element, until_s) = (own.element as u8, of.until_s as f32);
+                observer.faster.push(FasterConfig { element, set, until_s, gains });
             }
         }
         Ok(observer)

@@ -45,6 +45,14 @@ impl Axis {
         Self { low, high, scale: Scale::Linear, step: step(high - low, ticks) }
     }
 
+    /// A given range of angles in degrees; where it is wide, ticks are parts of a right angle.
+    pub fn degrees(low: f64, high: f64, ticks: usize) -> Self {
+        let rough = (high - low) / ticks.max(1) as f64;
+        let round = [10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| *step >= 0.7 * rough);
+        let step = if rough > 8.0 { round.unwrap_or(90.0) } else { step(high - low, ticks) };
+        Self { low, high, scale: Scale::Linear, step }
+    }
+
     /// A logarithmic range around all values that it can hold, with a little air: a decade at least.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>, ticks: usize) -> Self {
         let (low, high) = values

@@ -3,6 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::PlotError;
+use super::answer::Answer;
 use super::draw::{GAS, GREYS, INK, PALETTE, shade};
 use super::reduce::{Bin, bins, mean_power};
 use super::set_points::SetPoint;
@@ -49,6 +50,8 @@ pub struct Content<'r> {
     pub events: Vec<(String, f64, f64)>,
     /// Words, row, when.
     pub trips: Vec<(String, usize, f64)>,
+    /// What the anemometer says, where it does.
+    pub answer: Option<Answer>,
 }
 
 impl<'r> Content<'r> {
@@ -125,7 +128,9 @@ impl<'r> Content<'r> {
         let events = recording
             .events()
             .map(|words| words.stretches().map(|(from, to, word)| (word.to_owned(), start(from), start(to))));
+        let answer = Answer::of(recording, time_s, &elements);
         Ok(Self {
+            answer,
             recording,
             time_s,
             elements,
@@ -140,6 +145,11 @@ impl<'r> Content<'r> {
             events: events.into_iter().flatten().collect(),
             trips,
         })
+    }
+
+    /// Whether there are answers and nothing of the instrument that gave them: what `anemo wind` makes.
+    pub fn is_of_answers(&self) -> bool {
+        self.answer.is_some() && self.elements.is_empty()
     }
 
     /// Rows of the close-up: around the first trip, or else from the middle of the run's second half, where it has settled.

@@ -26,6 +26,10 @@ pub const PALETTE: [RGBColor; 4] =
     [RGBColor(0x00, 0x72, 0xb2), RGBColor(0xe6, 0x9f, 0x00), RGBColor(0x00, 0x9e, 0x73), RGBColor(0xcc, 0x79, 0xa7)];
 /// Of the gas: pale, as it lies beneath what measures it.
 pub const GAS: RGBColor = RGBColor(0xb8, 0xa3, 0xd6);
+/// Of what the anemometer says, over the truth.
+pub const ANSWER: RGBColor = RGBColor(0x00, 0x5a, 0x8f);
+/// Of the truth behind an answer: pale, as it lies beneath.
+pub const TRUTH: RGBColor = RGBColor(0xf0, 0xb8, 0x78);
 pub const GREYS: [RGBColor; 2] = [RGBColor(0x3a, 0x3f, 0x44), RGBColor(0x9a, 0xa2, 0xa8)];
 
 /// A colour once more for other elements: as it is, darker, paler, and nearly black.

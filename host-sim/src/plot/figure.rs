@@ -3,6 +3,7 @@
 use plotters::style::{Color as _, RGBColor, WHITE};
 
 use super::PlotError;
+use super::answer::{self, Part};
 use super::axis::Axis;
 use super::content::{BINS, Content, Curve};
 use super::draw::{
@@ -29,6 +30,7 @@ pub fn svg(recording: &Recording) -> Result<String, PlotError> {
         && content.powers.is_empty()
         && content.heaters.is_empty()
         && content.wind.is_empty()
+        && content.answer.is_none()
     {
         return Err(PlotError::Nothing(recording.path.clone()));
     }
@@ -44,6 +46,7 @@ struct Layout {
     left: f64,
     events: Option<Rect>,
     wind: Option<Rect>,
+    answers: Vec<(Part, Rect)>,
     temperatures: Option<Rect>,
     deviations: Option<Rect>,
     powers: Option<Rect>,
@@ -55,7 +58,8 @@ impl Layout {
     fn of(content: &Content) -> Self {
         let mut y = 62.0;
         let names = content.heaters.iter().map(|(name, _, _)| text_width(name, 12.0));
-        let left = names.fold(LEFT, |left, width| left.max(width + 18.0));
+        let doubts = content.answer.iter().flat_map(|answer| &answer.doubts).map(|(name, _)| text_width(name, 12.0));
+        let left = names.chain(doubts).fold(LEFT, |left, width| left.max(width + 18.0));
         let width = WIDTH - RIGHT - left;
         let mut place = |wanted: bool, above: f64, height: f64| {
             wanted.then(|| {
@@ -70,11 +74,18 @@ impl Layout {
         let labels: Vec<&str> = temperatures.map(|curve| curve.label.as_str()).collect();
         let above_temperatures = CAPTION + legend_height(labels.iter().copied(), width);
         let above_powers = CAPTION + legend_height(content.powers.iter().map(|power| power.label.as_str()), width);
+        let alone = content.is_of_answers();
+        let parts = content.answer.as_ref().map_or_else(Vec::new, |answer| answer.parts(alone));
+        let any_wind = (!content.wind.is_empty() || content.answer.is_some()) && !alone;
         let layout = Self {
             height: 0.0,
             left,
             events: place(named, 4.0, 22.0),
-            wind: place(!content.wind.is_empty(), CAPTION, 130.0),
+            wind: place(any_wind, CAPTION, if content.answer.is_some() { 190.0 } else { 130.0 }),
+            answers: parts
+                .into_iter()
+                .filter_map(|(part, height)| Some((part, place(true, CAPTION, height)?)))
+                .collect(),
             temperatures: place(!content.temperatures.is_empty(), above_temperatures, 130.0),
             deviations: place(!content.deviations.is_empty(), CAPTION, 100.0),
             powers: place(!content.powers.is_empty(), above_powers, 190.0),
@@ -86,13 +97,16 @@ impl Layout {
 
     /// The panels over the whole time, in order.
     fn whole(&self) -> impl Iterator<Item = Rect> {
-        [self.wind, self.temperatures, self.deviations, self.powers, self.heaters].into_iter().flatten()
+        let answers = self.answers.iter().map(|(_, rect)| *rect);
+        let others = [self.temperatures, self.deviations, self.powers, self.heaters];
+        self.wind.into_iter().chain(answers).chain(others.into_iter().flatten())
     }
 }
 
 fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Result<(), DrawError<'a>> {
     let figure = Figure::new(svg, WIDTH, layout.height)?;
-    let bins = content.temperatures.first().or(content.wind.first()).map(|curve| &curve.bins);
+    let first = content.temperatures.first().or(content.wind.first());
+    let bins = first.map(|curve| &curve.bins).or(content.answer.as_ref().map(|answer| &answer.speed.answer));
     let end_s = bins.and_then(|bins| bins.last()).map_or(content.time_s[content.time_s.len() - 1], |bin| bin.to_s);
     let start_s = content.time_s[0];
     let end_s = if end_s > start_s { end_s } else { start_s + 1.0 };
@@ -102,16 +116,11 @@ fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Resul
     headline(&figure, content, layout.left)?;
     event_bands(&figure, content, layout, &time)?;
     if let Some(rect) = layout.wind {
-        let values = content.wind.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
-        let panel = panel(rect, Axis::around(values.chain([0.0]), 5));
-        panel.grid()?;
-        panel.caption("Wind", "m/s, into which it blows", &legend(&content.wind))?;
-        for curve in &content.wind {
-            panel.band(&curve.bins, curve.colour.mix(0.18))?;
-        }
-        for curve in &content.wind {
-            let width = if curve.label == "speed" { 1.6 } else { 1.1 };
-            panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, width)?;
+        wind(&panel, rect, content)?;
+    }
+    for (part, rect) in &layout.answers {
+        if let Some(of) = &content.answer {
+            answer::draw(&figure, of, *part, *rect, &time)?;
         }
     }
     if let Some(rect) = layout.temperatures {
@@ -143,6 +152,41 @@ fn compose<'a>(content: &Content, layout: &Layout, svg: &'a mut String) -> Resul
     figure.finish()
 }
 
+/// The true wind, or what the anemometer says over it.
+fn wind<'f, 'a>(
+    panel: &impl Fn(Rect, Axis) -> Panel<'f, 'a>,
+    rect: Rect,
+    content: &Content,
+) -> Result<(), DrawError<'a>>
+where
+    'a: 'f,
+{
+    let answers = content.answer.as_ref().map_or(&[][..], |answer| &answer.components);
+    let truths = content.wind.iter().flat_map(|curve| &curve.bins).flat_map(|bin| [bin.least, bin.most]);
+    // Transients of the first answers would hide the wind.
+    let told = if content.wind.is_empty() { answers } else { &[] };
+    let values = truths.chain(told.iter().flat_map(|curve| &curve.bins).map(|bin| bin.mean));
+    let panel = panel(rect, Axis::around(values.chain([0.0]), 5));
+    panel.grid()?;
+    if !answers.is_empty() {
+        let unit = match content.wind.is_empty() {
+            true => "m/s, into which it blows, as answered",
+            false => "m/s, into which it blows; answers over the true wind, which is wide and pale",
+        };
+        panel.caption("Wind", unit, &legend(if content.wind.is_empty() { answers } else { &content.wind }))?;
+        return answer::drawn_over(&panel, &content.wind, answers);
+    }
+    panel.caption("Wind", "m/s, into which it blows", &legend(&content.wind))?;
+    for curve in &content.wind {
+        panel.band(&curve.bins, curve.colour.mix(0.18))?;
+    }
+    for curve in &content.wind {
+        let width = if curve.label == "speed" { 1.6 } else { 1.1 };
+        panel.curve(curve.bins.iter().map(|bin| (bin.middle_s(), bin.mean)), curve.colour, width)?;
+    }
+    Ok(())
+}
+
 fn headline<'a>(figure: &Figure<'a>, content: &Content, left: f64) -> Result<(), DrawError<'a>> {
     let of = |key| content.recording.metadata(key);
     let title = of("title").map_or_else(|| content.recording.path.display().to_string(), str::to_owned);
@@ -150,7 +194,12 @@ fn headline<'a>(figure: &Figure<'a>, content: &Content, left: f64) -> Result<(),
     let (rows, elements) = (content.time_s.len(), content.elements.len());
     let mut parts = vec![of("head_name").map_or_else(|| format!("{elements} elements"), |head| format!("head {head}"))];
     parts.extend(of("firmware").map(str::to_owned));
-    parts.push(format!("{rows} ticks"));
+    if content.is_of_answers() {
+        parts.push(format!("{rows} answers"));
+        parts.extend(of("bandwidth_hz").map(|bandwidth_hz| format!("bandwidth {bandwidth_hz} Hz")));
+    } else {
+        parts.push(format!("{rows} ticks"));
+    }
     parts.extend(of("lost").filter(|lost| *lost != "0").map(|lost| format!("{lost} lost")));
     parts.extend(of("hash").map(|hash| format!("hash {hash}")));
     figure.text(&parts.join("  ·  "), (left, 49.0), 12.5, QUIET, Align::Left, false)

@@ -1,9 +1,10 @@
-//! A run as a picture: wind, temperatures, powers and heater bits over one time axis, as SVG. Models have pictures of their own
-//! ([`model`]).
+//! A run as a picture: wind, temperatures, powers and heater bits over one time axis, as SVG; of a head that answers with the wind its
+//! answers as well, and answers by themselves (`answer`). Models have pictures of their own ([`model`]).
 //!
 //! Everything is reduced to about one value a pixel first (`reduce.rs`), so that 100 000 ticks stay a picture of some hundred
 //! kilobytes in which a single odd tick can still be seen. Panels for which the recording has no columns are left out.
 
+mod answer;
 mod axis;
 mod content;
 mod draw;

@@ -37,6 +37,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             wind_m_s: Some([0; 3].map(|_| f64::from(random()))),
             gas_temperature_c: gas.then(|| -53.0 + (0.01 * f64::from(n)).sin()),
+            answer: &[],
         };
         collector.push(&row).unwrap();
     }
@@ -152,6 +153,82 @@ fn panels_without_columns_are_left_out_and_a_foreign_table_is_refused() {
         error.ends_with("r.csv: holds none of the columns that a run records, such as temperature_c:<element>"),
         "{error}"
     );
+}
+
+/// Answers of 400 winds that go round once, with the true wind; `metadata` are lines before the header.
+fn answers(parts: &[&str], metadata: &str, doubts: impl Fn(usize) -> u16) -> Recording {
+    let named = |prefix: &str| parts.iter().map(|part| format!(",{prefix}{part}")).collect::<String>();
+    let mut text = format!("{metadata}time_s,answer_x_m_s,answer_y_m_s,answer_z_m_s,answer_speed_m_s,");
+    text += "answer_speed_error_m_s,answer_direction_error_deg,answer_gas_c";
+    text +=
+        &format!("{}{},answer_doubts,wind_x_m_s,wind_y_m_s,wind_z_m_s\n", named("conductance_w_k:"), named("raw_w_k:"));
+    for n in 0..400 {
+        let azimuth = (0.9 * n as f64).to_radians();
+        let (x, y) = (3.0 * azimuth.cos(), 3.0 * azimuth.sin());
+        let measured = ",0.0011".repeat(2 * parts.len());
+        text += &format!("{n},{x},{y},4,5,0.1,1.5,-53{measured},{},{x},{y},4\n", doubts(n));
+    }
+    read(&text)
+}
+
+const SECTORS: [&str; 4] = ["sector1", "sector2", "sector3", "sector4"];
+
+#[test]
+fn answers_by_themselves_have_a_page_of_their_own() {
+    let svg = figure::svg(&answers(&SECTORS, "", |n| if n == 77 { 8 } else { 0 })).unwrap();
+    for text in
+        ["Wind speed", "Azimuth", "Elevation", "Conductance to the gas", "ambiguous", "400 answers", "true wind"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    // The gas stands still; nothing is known of temperatures and bits; one doubt occurs.
+    for text in ["\nGas\n", "Temperature", "Heater bits", "NaN", "saturated"] {
+        assert!(!svg.contains(text), "{text}");
+    }
+    let nothing_doubted = figure::svg(&answers(&SECTORS, "", |_| 0)).unwrap();
+    assert!(nothing_doubted.contains("\nnone\n"));
+}
+
+#[test]
+fn an_answer_without_direction_leaves_a_gap_and_still_has_a_speed() {
+    let recording = answers(&SECTORS, "", |n| if (100..300).contains(&n) { 32 } else { 0 });
+    let answer = content::Content::of(&recording).unwrap().answer.unwrap();
+    let told = |bins: &[reduce::Bin]| bins.iter().filter(|bin| bin.mean.is_finite()).count();
+    assert_eq!(told(&answer.speed.answer), 400);
+    let (azimuth, elevation) = (answer.azimuth.unwrap(), answer.elevation.unwrap());
+    assert_eq!((told(&azimuth.answer), told(&elevation.answer)), (200, 200));
+    assert_eq!(told(azimuth.truth.as_ref().unwrap()), 400);
+    // sin(elevation) = 4/5; an error of 1.5° on the sphere is 1.5°/cos(elevation) = 2.5° of azimuth.
+    assert!((elevation.answer[0].mean - 53.130_102).abs() < 1e-5);
+    assert!((azimuth.error[0] - 2.5).abs() < 1e-9 && (elevation.error[0] - 1.5).abs() < 1e-12);
+    assert!((azimuth.answer[50].mean - 45.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_head_of_two_hemispheres_has_one_angle() {
+    let axis = "[[calibration.parts]]\\naxis = [0.0, 0.0, 2.0]\\n[[calibration.parts]]\\naxis = [0.0, 0.0, -2.0]\\n";
+    // All of its answers are undetermined: that is no reason for a gap.
+    let recording = answers(&["hemisphere1", "hemisphere2"], &format!("# head: {axis}\n"), |_| 16);
+    let recording_of = content::Content::of(&recording).unwrap();
+    let answer = recording_of.answer.as_ref().unwrap();
+    assert!(answer.azimuth.is_none() && answer.elevation.is_none());
+    // cos(angle) = 4/5
+    let angle = answer.angle.as_ref().unwrap();
+    assert!(angle.answer.iter().all(|bin| (bin.mean - 36.869_898).abs() < 1e-5));
+    let svg = figure::svg(&recording).unwrap();
+    assert!(svg.contains("Angle to the head") && !svg.contains("Azimuth"));
+}
+
+#[test]
+fn a_run_that_answers_shows_them_over_the_true_wind() {
+    let mut recording = answers(&SECTORS, "", |_| 0);
+    let temperature = crate::recording::Values::Numbers(vec![-23.0; 400]);
+    recording.columns.push(crate::recording::Column { name: "temperature_c:sector1".into(), values: temperature });
+    let svg = figure::svg(&recording).unwrap();
+    for text in ["answers over the true wind", "Doubts", "Temperature", "400 ticks"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(!svg.contains("Azimuth") && !svg.contains("Conductance"));
 }
 
 #[test]

@@ -29,6 +29,7 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
         state: if n < 10 { "running" } else { "tripped:over_temperature:sector1" },
         wind_m_s: wind.then_some([1.0, -0.1, f64::from(x) * 0.25]),
         gas_temperature_c: None,
+        answer: &[],
     })
 }
 

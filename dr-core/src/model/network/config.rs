@@ -6,7 +6,10 @@ use crate::model::ORDER;
 pub const CROSS_ORDER: usize = 4;
 
 /// Most sets of faster gains of an element.
-pub const FASTER: usize = 7;
+pub const FASTER: usize = 16;
+
+/// Most elements that have such sets: the parts of a head.
+pub const QUICK: usize = 4;
 
 /// Most pairs of different elements: all of a head of six.
 pub const CROSSES: usize = 30;

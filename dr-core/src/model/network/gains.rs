@@ -4,6 +4,9 @@ use super::config::{AlarmConfig, FASTER, FasterConfig, GainsConfig};
 use crate::error::{self, ConfigError, Parameter, Problem};
 use crate::model::mesh;
 
+/// Until an alarm is over, its own errors are looked at as well: only what is so many times the threshold is another alarm.
+const ANOTHER: f32 = 4.0;
+
 /// What is remembered of the innovations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watch {
@@ -20,13 +23,44 @@ impl Default for Watch {
     }
 }
 
+/// Sets of gains with the ticks after an alarm until which they are used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sets([Option<(u32, GainsConfig)>; FASTER]);
+
+impl Sets {
+    /// Takes in the gains of a set; those before it have to be known.
+    pub fn set(&mut self, config: &FasterConfig, sample_period_s: f32) -> Result<(), ConfigError> {
+        let set = usize::from(config.set);
+        let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
+        let before = match set.checked_sub(1) {
+            None => Some(0),
+            Some(before) => self.0.get(before).copied().flatten().map(|(until, _)| until),
+        };
+        if before.is_none_or(|before| before >= until_ticks) {
+            return Err(ConfigError { parameter: Parameter::UntilS, problem: Problem::NotAscending });
+        }
+        let problem = Problem::OutOfRange { least: 0.0, most: (FASTER - 1) as f32 };
+        let slot = self.0.get_mut(set).ok_or(ConfigError { parameter: Parameter::GainSet, problem })?;
+        *slot = Some((until_ticks, checked(&config.gains)?));
+        Ok(())
+    }
+}
+
+impl Default for Sets {
+    /// None.
+    fn default() -> Self {
+        Self([None; FASTER])
+    }
+}
+
 /// Gains of an element, checked and made ready.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
     steady: GainsConfig,
     /// Share of a new innovation, and threshold in K.
     alarm: Option<(f32, f32)>,
-    faster: [Option<(u32, GainsConfig)>; FASTER],
+    /// Which sets are this element's, of those of its network.
+    pub sets: Option<u8>,
 }
 
 impl Adaptive {
@@ -40,24 +74,7 @@ impl Adaptive {
                 Some((share, alarm.threshold_k))
             }
         };
-        Ok(Self { steady: checked(gains)?, alarm, faster: [None; FASTER] })
-    }
-
-    /// Takes in the gains of a set; those before it have to be known.
-    pub fn set(&mut self, config: &FasterConfig, sample_period_s: f32) -> Result<(), ConfigError> {
-        let set = usize::from(config.set);
-        let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
-        let before = match set.checked_sub(1) {
-            None => Some(0),
-            Some(before) => self.faster.get(before).copied().flatten().map(|(until, _)| until),
-        };
-        if before.is_none_or(|before| before >= until_ticks) {
-            return Err(ConfigError { parameter: Parameter::UntilS, problem: Problem::NotAscending });
-        }
-        let problem = Problem::OutOfRange { least: 0.0, most: (FASTER - 1) as f32 };
-        let slot = self.faster.get_mut(set).ok_or(ConfigError { parameter: Parameter::GainSet, problem })?;
-        *slot = Some((until_ticks, checked(&config.gains)?));
-        Ok(())
+        Ok(Self { steady: checked(gains)?, alarm, sets: None })
     }
 
     /// Whether the element has a convection at all.
@@ -67,14 +84,17 @@ impl Adaptive {
 
     /// The gains for an innovation, before its weight, at a level.
     #[inline]
-    pub fn at(&self, watch: &mut Watch, error_k: f32, level: usize) -> &GainsConfig {
+    pub fn at<'a>(&'a self, sets: Option<&'a Sets>, watch: &mut Watch, error_k: f32, level: usize) -> &'a GainsConfig {
         let Some((share, threshold_k)) = self.alarm else { return &self.steady };
         watch.smoothed_k += share * (self.steady.weights[level] * error_k - watch.smoothed_k);
         watch.calm_ticks = watch.calm_ticks.saturating_add(1);
+        let sets = || sets.into_iter().flat_map(|sets| sets.0.iter().map_while(Option::as_ref));
+        let is_quick = sets().any(|(until, _)| watch.calm_ticks < *until);
+        let threshold_k = if is_quick { ANOTHER * threshold_k } else { threshold_k };
         if watch.smoothed_k > threshold_k || watch.smoothed_k < -threshold_k {
             watch.calm_ticks = 0;
         }
-        for (until_ticks, gains) in self.faster.iter().map_while(Option::as_ref) {
+        for (until_ticks, gains) in sets() {
             if watch.calm_ticks < *until_ticks {
                 return gains;
             }
@@ -107,13 +127,14 @@ mod tests {
     #[test]
     fn after_an_alarm_the_sets_follow_each_other_until_all_is_calm() {
         let alarm = AlarmConfig { smoothing_s: 0.01, threshold_k: 0.001 };
-        let mut adaptive = Adaptive::new(&gains(0.1), Some(&alarm), 0.001).unwrap();
+        let adaptive = Adaptive::new(&gains(0.1), Some(&alarm), 0.001).unwrap();
+        let mut sets = Sets::default();
         for (set, until_s, convection) in [(0, 0.01, 0.9), (1, 0.03, 0.5)] {
             let config = FasterConfig { element: 0, set, until_s, gains: gains(convection) };
-            adaptive.set(&config, 0.001).unwrap();
+            sets.set(&config, 0.001).unwrap();
         }
         let mut watch = Watch::default();
-        let mut at = |error_k: f32| adaptive.at(&mut watch, error_k, 1).convection_w_per_k;
+        let mut at = |error_k: f32| adaptive.at(Some(&sets), &mut watch, error_k, 1).convection_w_per_k;
         assert!((0..1000).all(|n| at(if n % 2 == 0 { 0.002 } else { -0.002 }) == 0.1), "noise is no alarm");
         assert!((0..20).any(|_| at(0.002) == 0.9), "a mean is one");
         let after: std::vec::Vec<f32> = (0..100).map(|_| at(0.0)).collect();
@@ -126,12 +147,12 @@ mod tests {
 
     #[test]
     fn sets_come_in_the_order_of_their_times() {
-        let mut adaptive = Adaptive::new(&gains(0.1), None, 0.001).unwrap();
+        let mut sets = Sets::default();
         let config = |set, until_s| FasterConfig { element: 0, set, until_s, gains: gains(0.5) };
-        assert_eq!(adaptive.set(&config(1, 0.1), 0.001).unwrap_err().parameter, Parameter::UntilS);
-        adaptive.set(&config(0, 0.1), 0.001).unwrap();
-        assert_eq!(adaptive.set(&config(1, 0.05), 0.001).unwrap_err().parameter, Parameter::UntilS);
-        assert!(adaptive.set(&config(1, 0.2), 0.001).is_ok());
+        assert_eq!(sets.set(&config(1, 0.1), 0.001).unwrap_err().parameter, Parameter::UntilS);
+        sets.set(&config(0, 0.1), 0.001).unwrap();
+        assert_eq!(sets.set(&config(1, 0.05), 0.001).unwrap_err().parameter, Parameter::UntilS);
+        assert!(sets.set(&config(1, 0.2), 0.001).is_ok());
         assert!(Adaptive::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, 0.001).is_err());
     }
 }

@@ -37,10 +37,10 @@ mod config;
 
 mod gains;
 
-pub use config::{AlarmConfig, CROSS_ORDER, CROSSES, CrossConfig, FASTER, FasterConfig, GainsConfig, OwnConfig};
+pub use config::{AlarmConfig, CROSS_ORDER, CROSSES, CrossConfig, FASTER, FasterConfig, GainsConfig, OwnConfig, QUICK};
 pub use gains::Watch;
 
-use gains::Adaptive;
+use gains::{Adaptive, Sets};
 
 use super::{ORDER, RelaxationState, Relaxations, Symbol};
 use crate::error::{self, ConfigError, Parameter, Problem};
@@ -78,6 +78,9 @@ struct Cross {
 pub struct Network<const N: usize> {
     own: [Option<Own>; N],
     cross: [Option<Cross>; CROSSES],
+    /// Of elements that have faster gains, in the order in which they were told.
+    sets: [Sets; QUICK],
+    quick: u8,
 }
 
 /// What it remembers.
@@ -120,7 +123,7 @@ pub struct Convection<const N: usize> {
 
 impl<const N: usize> Default for Network<N> {
     fn default() -> Self {
-        Self { own: [None; N], cross: [None; CROSSES] }
+        Self { own: [None; N], cross: [None; CROSSES], sets: [Sets::default(); QUICK], quick: 0 }
     }
 }
 
@@ -154,7 +157,14 @@ impl<const N: usize> Network<N> {
     /// Names a number that makes no sense, a time that does not ascend, or what is not known.
     pub fn set_faster(&mut self, config: &FasterConfig, sample_period_s: f32) -> Result<(), ConfigError> {
         let own = self.own.get_mut(usize::from(config.element)).and_then(Option::as_mut).ok_or(NO_SUCH_ELEMENT)?;
-        own.gains.set(config, sample_period_s)
+        let place = own.gains.sets.unwrap_or(self.quick);
+        let problem = Problem::OutOfRange { least: 0.0, most: QUICK as f32 };
+        let sets = self.sets.get_mut(usize::from(place));
+        sets.ok_or(ConfigError { parameter: Parameter::GainSet, problem })?.set(config, sample_period_s)?;
+        if own.gains.sets.replace(place).is_none() {
+            self.quick += 1;
+        }
+        Ok(())
     }
 
     /// Takes in a pair of elements; both have to be known.
@@ -196,7 +206,8 @@ impl<const N: usize> Network<N> {
             if look.valid >> i & 1 == 1 {
                 error_k = look.temperature_c[i] - base_c - own.symbol.output(x);
             }
-            let gains = own.gains.at(&mut state.watch[i], error_k, level);
+            let sets = own.gains.sets.and_then(|place| self.sets.get(usize::from(place)));
+            let gains = own.gains.at(sets, &mut state.watch[i], error_k, level);
             let innovation_k = gains.weights[level] * error_k;
             let q = state.convection_w[i] - gains.convection_w_per_k * innovation_k;
             convection.variance_w2[i] = gains.variance_w2;

@@ -19,7 +19,7 @@ use super::surface::{Local, Part};
 /// Most steps from one start, dropped ones included.
 pub const MOST_STEPS: u8 = 16;
 /// Most steps for one answer: it has to be there before the next tick, whatever was measured.
-pub const MOST_STEPS_IN_ALL: u8 = 36;
+pub const MOST_STEPS_IN_ALL: u8 = 28;
 
 const DAMPING: f32 = 0.01;
 /// Enough for the equations to be solved where one direction has no effect.

@@ -62,7 +62,7 @@ impl Tunnel {
     fn conductance_w_k(&self, gas_k: f64, wind_m_s: Vector3<f64>) -> Vec<f64> {
         let gas = Gas::new(Species::CarbonDioxide, PRESSURE_PA, gas_k).unwrap();
         let convection = match self.sectors {
-            true => Convection::Sectors(Sectors::new(&gas, DIAMETER_M).unwrap()),
+            true => Convection::Sectors(Box::new(Sectors::new(&gas, DIAMETER_M).unwrap())),
             false => Convection::Hemispheres(Hemispheres::new(&gas, DIAMETER_M).unwrap()),
         };
         let mut conductances = vec![0.0; self.gains.len()];

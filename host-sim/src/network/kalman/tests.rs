@@ -1,4 +1,4 @@
-use dr_core::model::{Look, Network, NetworkState, ORDER, OwnConfig};
+use dr_core::model::{GainsConfig, Look, Network, NetworkState, ORDER, OwnConfig};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -82,9 +82,13 @@ impl Board {
             r_k_per_w: padded(&R, 0.0),
             surface: padded(plant.surface.unwrap(), 1.0),
             rest_c: REST_C as f32,
-            correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),
-            convection_w_per_k: filter.convection_w_per_k as f32,
-            weights: filter.weights.map(|weight| weight as f32),
+            gains: GainsConfig {
+                correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),
+                convection_w_per_k: filter.convection_w_per_k as f32,
+                weights: filter.weights.map(|weight| weight as f32),
+                variance_w2: (filter.noise_w * filter.noise_w) as f32,
+            },
+            alarm: None,
         };
         let mut network = Network::default();
         network.set_own(0, &config, plant.sample_period_s as f32).unwrap();
