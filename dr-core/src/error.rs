@@ -66,6 +66,10 @@ pub enum Parameter {
     GasPolynomial,
     NusseltPoint,
     CrossHeating,
+    CardMean,
+    CardDifference,
+    CardAnisotropy,
+    CardShare,
 }
 
 impl Parameter {
@@ -129,6 +133,10 @@ impl Parameter {
             Self::GasPolynomial => "gas_polynomial",
             Self::NusseltPoint => "nusselt_point",
             Self::CrossHeating => "cross_heating",
+            Self::CardMean => "card_mean",
+            Self::CardDifference => "card_difference",
+            Self::CardAnisotropy => "card_anisotropy",
+            Self::CardShare => "card_share",
         }
     }
 }
