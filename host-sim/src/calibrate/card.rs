@@ -34,8 +34,8 @@ const LEAST_RATIO: f64 = 3.0;
 const MOST_ACROSS: f64 = 0.02;
 /// Harmonics of E that are sought.
 const SEEN: usize = 5;
-/// What a bend of the mean curve costs, and a harmonic of E, beside a relative error of one.
-const BEND: f64 = 3e-3;
+/// What a bend of the mean curve by a factor of e from one knot to the next costs, and a harmonic of E, beside a relative error of one.
+const BEND: f64 = 0.05;
 const HARMONIC: f64 = 1e-3;
 const MOST_STEPS: usize = 60;
 /// As in `held_out`.
@@ -215,9 +215,8 @@ fn solve(drawn: &DrawnCard, steady: &[Steady]) -> Result<CardCalibration, Calibr
     let [along, around] = differences.unlike;
     let gains = PLACES.map(|[p, q]| 1.0 / (1.0 + along * p + around * q + twist * p * q));
     let usual = gains.iter().sum::<f64>() / DICE as f64;
-    let knots = |of: &dyn Fn(f64) -> f64| {
-        std::array::from_fn(|k| of(most_reynolds.sqrt() * k as f64 / (KNOTS - 1) as f64))
-    };
+    let knots =
+        |of: &dyn Fn(f64) -> f64| std::array::from_fn(|k| of(most_reynolds.sqrt() * k as f64 / (KNOTS - 1) as f64));
     // Still gas counts at the reference, where the network holds it.
     let conductivity_w_m_k = steady.first().map_or(0.0, |steady| steady.gas.conductivity_w_m_k);
     let calibration = CardCalibration {
@@ -298,9 +297,12 @@ struct Mean {
     share: f64,
 }
 
-/// Knots but the first, then harmonics of E but the zeroth.
+/// Logarithms of what the curve rises from knot to knot, so that it rises; then harmonics of E but the zeroth.
 fn unpacked(x: &DVector<f64>) -> ([f64; KNOTS], [f64; TERMS]) {
-    let knots = std::array::from_fn(|k| if k == 0 { f64::from(CONDUCTION) } else { x[k - 1] });
+    let mut knots = [f64::from(CONDUCTION); KNOTS];
+    for k in 1..KNOTS {
+        knots[k] = knots[k - 1] + x[k - 1].exp();
+    }
     let mut seen = [0.0; TERMS];
     seen[0] = 1.0;
     for n in 1..=SEEN {
@@ -333,14 +335,14 @@ fn mean(rows: &[Row], most_root: f64) -> Option<Mean> {
             rows.len() + bends + SEEN,
             rows.iter()
                 .map(|row| of_row(row, &both) / row.mean - 1.0)
-                .chain((1..KNOTS - 1).map(|k| BEND * (both.0[k + 1] - 2.0 * both.0[k] + both.0[k - 1])))
+                .chain((1..KNOTS - 1).map(|k| BEND * (x[k] - x[k - 1])))
                 .chain((1..=SEEN).map(|n| HARMONIC * n as f64 * both.1[n])),
         )
     };
     let most_mean = rows.iter().map(|row| row.mean).fold(0.0, f64::max);
     let start = f64::from(CONDUCTION);
     let mut x = DVector::from_fn(KNOTS - 1 + SEEN, |n, _| match n {
-        n if n < KNOTS - 1 => start + (most_mean - start) * (n + 1) as f64 / (KNOTS - 1) as f64,
+        n if n < KNOTS - 1 => ((most_mean - start).max(1e-3) / (KNOTS - 1) as f64).ln(),
         n if n == KNOTS - 1 => -0.3,
         _ => 0.0,
     });
@@ -409,7 +411,10 @@ impl CardCalibration {
     /// # Errors
     /// If it makes no card, or the reading cannot be meant.
     pub fn error(&self, steady: &Steady) -> Result<Option<Error>, CalibrateError> {
-        let gas = steady.gas.core()?;
+        let gas = steady.gas.core().map_err(|error| CalibrateError::Reading {
+            label: steady.label.clone(),
+            sentence: format!("gas: {error}"),
+        })?;
         let mut measured = [None; DICE];
         for (i, (measured, reading)) in measured.iter_mut().zip(&steady.parts).enumerate() {
             let share = self.gains[i] / reading.overheat_k;

@@ -1,5 +1,7 @@
 //! `anemo calibrate`: a head that answers with the wind, from its readings in known winds.
 
+mod card;
+
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
@@ -10,7 +12,7 @@ use crate::answer::replay::head_of;
 use crate::answer::steady::Search;
 use crate::answer::winds;
 use crate::calibrate::{self, Calibration, HeldOut, Scheme, Steady, held_out};
-use crate::head::calibration::{NewCalibration, NewPart, without_calibration};
+use crate::head::calibration::{Curves, NewCalibration, NewPart, without_calibration};
 use crate::head::{Answering, Head};
 use crate::model::Model;
 use crate::network::{Windless, reading_noise};
@@ -37,6 +39,7 @@ Examples:
   anemo calibrate tunnel*.parquet --network network.json -o head.toml
   anemo calibrate tunnel.csv --network network.json --winds winds.csv --head heads/my-sphere.toml -o head.toml
   anemo calibrate tunnel.parquet --network network.json --settle 60 --json
+  anemo calibrate tunnel.parquet --network card1.json --elements card1-die1,card1-die2,card1-die3,card1-die4 -o head.toml
 
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
 pub struct Arguments {
@@ -61,6 +64,13 @@ pub struct Arguments {
     /// Diameter of the sphere, mm.
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     diameter_mm: f64,
+    /// Four dice of one card in a square, instead of a sphere: the two at the tip (+x), the second of them around the boom from the first, then the
+    /// two behind, each beside the one before it. In winds of the card's plane.
+    #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
+    elements: Vec<String>,
+    /// Side of a die, mm.
+    #[arg(long, value_name = "MM", default_value_t = 1.5)]
+    die_mm: f64,
     /// Directions that are more uncertain than this are said to be none, °.
     #[arg(long, value_name = "DEGREES", default_value_t = 20.0)]
     direction_error_max_deg: f64,
@@ -70,7 +80,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options = [("--settle", arguments.settle), ("--diameter-mm", arguments.diameter_mm)];
+    let options =
+        [("--settle", arguments.settle), ("--diameter-mm", arguments.diameter_mm), ("--die-mm", arguments.die_mm)];
     if let Some((name, _)) = options.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
         return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
     }
@@ -86,7 +97,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let noise = reading_noise(&model, &head);
     let reference_gas_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
     let reference_gas_c = reference_gas_c.ok_or_else(|| named("does not tell its gas".to_owned()))?;
-    let (places, drawn) = parts(&head, arguments.diameter_mm * 1e-3).map_err(Failure::usage)?;
+    let card = match &arguments.elements[..] {
+        [] => None,
+        elements => Some(card::drawn(&head, elements, arguments.die_mm * 1e-3).map_err(Failure::usage)?),
+    };
+    let (places, sphere) = match &card {
+        Some((places, _)) => (places.clone(), None),
+        None => {
+            let (places, drawn) = parts(&head, arguments.diameter_mm * 1e-3).map_err(Failure::usage)?;
+            (places, Some(drawn))
+        }
+    };
     let reference = head.elements.iter().position(|element| element.name == crate::sensor::reference::NAME);
 
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
@@ -101,6 +122,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         winds: table.as_ref(),
     };
     let (steady, species, short) = look(&search, &arguments.recordings)?;
+    let Some(drawn) = sphere else {
+        let Some((_, drawn)) = card else { return Ok(()) };
+        return card::finish(arguments, &search, &drawn, &steady, species, short);
+    };
     let calibration = calibrate::calibrate(&drawn, &steady).map_err(Failure::work)?;
     let seen = held_out(&drawn, &steady, Scheme::Directions, FOLDS).map_err(Failure::work)?;
     let speeds = held_out(&drawn, &steady, Scheme::Speeds, FOLDS).map_err(Failure::work)?;
@@ -120,21 +145,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         diameter_m: calibration.diameter_m,
         direction_error_max_deg: arguments.direction_error_max_deg,
         reference: reference.map(|element| names[element].to_owned()),
-        nusselt: (calibration.least_reynolds, calibration.most_reynolds, calibration.amplitudes.to_vec()),
+        curves: Curves::Nusselt(calibration.least_reynolds, calibration.most_reynolds, calibration.amplitudes.to_vec()),
         parts: new_parts(&calibration),
         windless: &windless,
         noise: &noise,
         names: &names,
     };
-    let text =
-        format!("{}\n{}", without_calibration(&head.source.text).trim_end(), new.to_toml().map_err(Failure::work)?);
-    // What cannot be read again is not written.
-    let source = crate::toml_file::Source { path: head.source.path.clone(), text: text.clone() };
-    let calibrated = Head::from_source(source).map_err(Failure::work)?;
+    let calibrated = with_calibration(&head, &new, arguments.output.as_deref())?;
     let noise_by_bandwidth = noise_by_bandwidth(&calibrated);
-    if let Some(path) = &arguments.output {
-        write(path, &text)?;
-    }
     if arguments.json {
         return super::print_json(&summary_json(&calibration, &seen, &speeds, &noise_by_bandwidth));
     }
@@ -232,6 +250,19 @@ fn noise_by_bandwidth(head: &Head) -> Vec<(f64, f64)> {
         Some((bandwidth_hz, observer.sd_w[at] / TOLD_OVERHEAT_K))
     };
     BANDWIDTHS_HZ.into_iter().filter_map(noise).collect()
+}
+
+/// The head with its calibration, written if it is wanted.
+fn with_calibration(head: &Head, new: &NewCalibration<'_>, output: Option<&Path>) -> Result<Head, Failure> {
+    let text =
+        format!("{}\n{}", without_calibration(&head.source.text).trim_end(), new.to_toml().map_err(Failure::work)?);
+    // What cannot be read again is not written.
+    let source = crate::toml_file::Source { path: head.source.path.clone(), text: text.clone() };
+    let calibrated = Head::from_source(source).map_err(Failure::work)?;
+    if let Some(path) = output {
+        write(path, &text)?;
+    }
+    Ok(calibrated)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {
