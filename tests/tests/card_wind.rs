@@ -42,7 +42,7 @@ fn four_dice_of_a_card_tell_speed_and_direction_in_its_plane() {
 
     let elements = DICE.join(",");
     let records = [1, 2, 3, 4].map(|die| format!("identify-die{die}.parquet"));
-    let mut network = vec!["network", "--elements", &elements, "-o", "network.json"];
+    let mut network = vec!["network", "--elements", &elements, "--cross-poles", "3", "-o", "network.json"];
     network.extend(records.iter().map(String::as_str));
     command(folder, &network).unwrap();
 

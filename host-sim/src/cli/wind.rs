@@ -233,7 +233,8 @@ impl Told {
                 *self.doubts.entry(name).or_default() += 1;
             }
         }
-        if !answer.doubts.has(Doubts::FAILED) && answer.speed_m_s > 0.0 {
+        // Of a speed that is not known from nothing, a relative error says nothing.
+        if !answer.doubts.has(Doubts::FAILED) && answer.speed_m_s > answer.speed_error_m_s {
             self.speed_error.0 += f64::from(answer.speed_error_m_s / answer.speed_m_s).powi(2);
             self.speed_error.1 += 1;
             if !answer.doubts.has(Doubts::NO_DIRECTION) {
