@@ -69,6 +69,10 @@ pub enum Parameter {
     AlarmThresholdK,
     UntilS,
     GainSet,
+    CardMean,
+    CardDifference,
+    CardAnisotropy,
+    CardShare,
 }
 
 impl Parameter {
@@ -135,6 +139,10 @@ impl Parameter {
             Self::AlarmThresholdK => "threshold_k",
             Self::UntilS => "until_s",
             Self::GainSet => "set",
+            Self::CardMean => "card_mean",
+            Self::CardDifference => "card_difference",
+            Self::CardAnisotropy => "card_anisotropy",
+            Self::CardShare => "card_share",
         }
     }
 }

@@ -84,6 +84,7 @@ mod tests {
         WindCommand,
     };
     use dr_core::model::{AlarmConfig, GainsConfig, OwnConfig, Reachability, SelfHeatingConfig};
+    use dr_core::sensor::wind::CardConfig;
     use dr_core::sensor::{Channel, Platinum, Reading};
     use std::vec::Vec;
 
@@ -155,7 +156,17 @@ mod tests {
             },
             alarm: Some(AlarmConfig { smoothing_s: 1.7e38, threshold_k: 1.7e38 }),
         };
+        let card = CardConfig {
+            mean: [1.7e38; 12],
+            difference: [1.7e38; 12],
+            along: [-1.7e38; 8],
+            around: [-1.7e38; 8],
+            seen: [-1.7e38; 8],
+            mean_share: 1.7e38,
+            difference_share: 1.7e38,
+        };
         for message in [
+            ToBoard::Command(Command::Wind(WindCommand::Card(card))),
             ToBoard::Command(Command::Model { element: 255, model }),
             ToBoard::Command(Command::Wind(WindCommand::Own { element: 255, config: own })),
             ToBoard::Readings(readings),

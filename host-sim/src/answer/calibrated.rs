@@ -3,12 +3,11 @@
 use super::steady::Search;
 use super::winds::Winds;
 use crate::calibrate::{self, Calibration, HeldOut, Scheme, Steady, held_out};
-use crate::head::calibration::{NewCalibration, NewPart, without_calibration};
+use crate::head::calibration::{Curves, NewCalibration, NewPart};
 use crate::head::{Answering, Head};
 use crate::model::Model;
 use crate::network::{ReadingNoise, Windless, reading_noise};
 use crate::sensor::Species;
-use crate::toml_file::Source;
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 10;
@@ -94,17 +93,17 @@ impl<'a> Calibrator<'a> {
             diameter_m: calibration.diameter_m,
             direction_error_max_deg,
             reference: self.reference.map(|element| names[element].to_owned()),
-            nusselt: (calibration.least_reynolds, calibration.most_reynolds, calibration.amplitudes.to_vec()),
+            curves: Curves::Nusselt(
+                calibration.least_reynolds,
+                calibration.most_reynolds,
+                calibration.amplitudes.to_vec(),
+            ),
             parts: new_parts(&calibration),
             windless: &self.windless,
             noise: &self.noise,
             names: &names,
         };
-        let tail = new.to_toml().map_err(|error| error.to_string())?;
-        let text = format!("{}\n{tail}", without_calibration(&self.head.source.text).trim_end());
-        // What cannot be read again is not written.
-        let source = Source { path: self.head.source.path.clone(), text: text.clone() };
-        let head = Head::from_source(source).map_err(|error| error.to_string())?;
+        let (text, head) = new.with_head(self.head)?;
         Ok(Calibrated { text, head, calibration, directions, speeds })
     }
 }

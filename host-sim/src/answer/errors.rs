@@ -23,6 +23,8 @@ pub struct Errors {
     /// Of these, how many had no wind, and how many no direction.
     pub failed: u64,
     pub no_direction: u64,
+    /// Outward normal of a card: only what lies in its plane is asked for.
+    plane: Option<[f64; 3]>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,8 +49,20 @@ impl Sum {
 }
 
 impl Errors {
+    /// Of a head that tells the wind in the plane across `normal` only; of any other without one.
+    pub fn in_plane(normal: Option<[f64; 3]>) -> Self {
+        Self { plane: normal, ..Self::default() }
+    }
+
     /// Takes an answer in; `axes` are those of the parts, outward.
     pub fn add(&mut self, answer: &WindSample, axes: &[[f64; 3]], truth_m_s: [f64; 3]) {
+        let truth_m_s = match self.plane {
+            Some(normal) => {
+                let share = (0..3).map(|k| truth_m_s[k] * normal[k]).sum::<f64>() / length(normal).powi(2);
+                std::array::from_fn(|k| truth_m_s[k] - share * normal[k])
+            }
+            None => truth_m_s,
+        };
         let speed_m_s = length(truth_m_s);
         if speed_m_s < SLOWEST_M_S {
             return;
@@ -61,10 +75,10 @@ impl Errors {
         self.speed.add(f64::from(answer.speed_m_s) / speed_m_s - 1.0);
         if answer.doubts.has(Doubts::NO_DIRECTION) {
             self.no_direction += 1;
-        } else if !answer.doubts.has(Doubts::UNDETERMINED) {
+        } else if self.plane.is_some() || !answer.doubts.has(Doubts::UNDETERMINED) {
             self.direction_deg.add(angle_deg(answer.wind_m_s.map(f64::from), truth_m_s));
         }
-        if axes.len() > 3 {
+        if axes.len() > 3 && self.plane.is_none() {
             self.linear_deg.add(angle_deg(linear(answer, axes), truth_m_s));
         }
     }
@@ -135,6 +149,15 @@ mod tests {
             conductance_w_k: [1.0, 1.0, 1.0, 2.0].into_iter().collect(),
             raw_w_k: [1.0; 4].into_iter().collect(),
         }
+    }
+
+    #[test]
+    fn of_a_card_only_what_lies_in_its_plane_is_asked_for() {
+        let mut errors = Errors::in_plane(Some([0.0, 0.0, 1.0]));
+        let told = WindSample { doubts: Doubts::UNDETERMINED, ..answer([0.0, 2.0, 0.0]) };
+        errors.add(&told, &[], [2.0, 0.0, 5.0]);
+        assert!(errors.speed_rms().unwrap() < 1e-9);
+        assert!((errors.direction_rms_deg().unwrap() - 90.0).abs() < 1e-9);
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! | [`calibration`] | what was found, with errors, and dr-core's configurations of it |
 //! | [`folds`], [`held_out`] | cross-validation through dr-core's inverse |
 //! | [`report`] | all that in words |
+//! | [`card`] | all of it for the four dice of a card, in winds of its plane |
 //!
 //! *What no wind can tell.* A common factor of all gains is one of all amplitudes: the mean gain is one by definition. A common offset
 //! of G0 is, at one overheat in one gas, one of a_0: still gas among the readings settles it, where Nu is 2. Without it only k A / d holds
@@ -31,6 +32,7 @@
 //! *Limits.* The winds count as known exactly; their errors belong into the variances. No stem, no free convection, one Prandtl number.
 
 pub mod calibration;
+pub mod card;
 mod equations;
 mod family;
 mod fit;
@@ -44,6 +46,7 @@ pub mod spline;
 pub mod spread;
 
 pub use calibration::{CalibratedPart, Calibration};
+pub use card::{CardCalibration, CardHeldOut, DrawnCard};
 pub use folds::Scheme;
 pub use held_out::{HeldOut, held_out};
 pub use run::{GasProperties, Head, HeadPart, PartReading, Steady};

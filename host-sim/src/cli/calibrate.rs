@@ -1,5 +1,7 @@
 //! `anemo calibrate`: a head that answers with the wind, from its readings in known winds.
 
+mod card;
+
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
@@ -31,6 +33,7 @@ Examples:
   anemo calibrate tunnel*.parquet --network network.json -o head.toml
   anemo calibrate tunnel.csv --network network.json --winds winds.csv --head heads/my-sphere.toml -o head.toml
   anemo calibrate tunnel.parquet --network network.json --settle 60 --json
+  anemo calibrate tunnel.parquet --network card1.json --elements card1-die1,card1-die2,card1-die3,card1-die4 -o head.toml
 
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
 pub struct Arguments {
@@ -55,6 +58,13 @@ pub struct Arguments {
     /// Diameter of the sphere, mm.
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     diameter_mm: f64,
+    /// Four dice of one card in a square, instead of a sphere: the two at the tip (+x), the second of them around the boom from the first, then the
+    /// two behind, each beside the one before it. In winds of the card's plane.
+    #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
+    elements: Vec<String>,
+    /// Side of a die, mm.
+    #[arg(long, value_name = "MM", default_value_t = 1.5)]
+    die_mm: f64,
     /// Directions that are more uncertain than this are said to be none, °.
     #[arg(long, value_name = "DEGREES", default_value_t = 20.0)]
     direction_error_max_deg: f64,
@@ -64,7 +74,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options = [("--settle", arguments.settle), ("--diameter-mm", arguments.diameter_mm)];
+    let options =
+        [("--settle", arguments.settle), ("--diameter-mm", arguments.diameter_mm), ("--die-mm", arguments.die_mm)];
     if let Some((name, _)) = options.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
         return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
     }
@@ -76,6 +87,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref()).map_err(Failure::usage)?;
     let model = Model::read(&arguments.network).map_err(Failure::usage)?;
     let named = |sentence: String| Failure::usage(format!("{}: {sentence}", arguments.network.display()));
+    if !arguments.elements.is_empty() {
+        return card::execute(arguments, &head, &model);
+    }
     let calibrator = Calibrator::new(&head, &model, arguments.diameter_mm * 1e-3).map_err(named)?;
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
     let search = calibrator.search(arguments.settle, table.as_ref());

@@ -25,7 +25,8 @@ Examples:
   anemo run experiments/wind/sphere-b/identify-sector1.toml -o sector1.parquet       (and so on for the others)
   anemo network sector*.parquet core*.parquet -o network.json
   anemo network records/*.parquet --head heads/my-sphere.toml -o network.json --json
-  anemo network records/*.csv --cross-poles 3 -o network.json")]
+  anemo network records/*.csv --cross-poles 3 -o network.json
+  anemo network die*.parquet --elements card1-die1,card1-die2,card1-die3,card1-die4 -o card1.json")]
 pub struct Arguments {
     /// The records: one .parquet or .csv file an element.
     #[arg(required = true, value_name = "RECORD")]
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// The head, which says what layers lie between elements and surface; by default the one that the records carry.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
+    /// Elements of the network, by default all of the head; what others do, which only measure, counts as part of the structure.
+    #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
+    elements: Vec<String>,
     /// Most free rates of an element's own heating.
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=8))]
     own_poles: u8,
@@ -51,7 +55,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = arguments.records.iter().map(PathBuf::as_path).collect();
     super::keep(&read, &[arguments.output.as_deref()])?;
     let poles = Poles { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
-    let open = |n: usize| Recorded::read(&arguments.records[n]);
+    let open = |n: usize| {
+        let record = Recorded::read(&arguments.records[n])?;
+        if arguments.elements.is_empty() { Ok(record) } else { record.only(&arguments.elements) }
+    };
     let head = head(arguments)?;
     let mut model = identified(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;
     let windless = match &head {

@@ -117,7 +117,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
     let parts: Vec<String> = calibration.parts.iter().map(|&place| head.elements[place].name.clone()).collect();
     let axes = axes(&head, calibration);
-    let mut told = Told::new(&parts);
+    let mut told = Told::new(&parts, calibration.card_normal());
     let mut label = (String::new(), f64::NEG_INFINITY);
     while let Some(moment) = replay.next_moment().map_err(Failure::work)? {
         if label.0 != moment.event || label.1 == f64::NEG_INFINITY {
@@ -181,7 +181,7 @@ impl GasTold {
 }
 
 impl Told {
-    fn new(parts: &[String]) -> Self {
+    fn new(parts: &[String], card_normal: Option<[f64; 3]>) -> Self {
         let mut names = vec![TIME.to_owned()];
         names.extend(answer::columns(parts));
         names.extend(WIND.map(str::to_owned));
@@ -190,7 +190,7 @@ impl Told {
             names,
             events: Words::default(),
             gas_c: Vec::new(),
-            errors: Errors::default(),
+            errors: Errors::in_plane(card_normal),
             tally: Tally::default(),
             speed_error: (0.0, 0),
             direction_error_deg: (0.0, 0),
@@ -311,11 +311,14 @@ fn finish(
             percent(Some(errors.speed_worst()))
         );
         text += &format!(
-            "  direction  {} rms, {} at worst; linear inverse {} rms\n",
+            "  direction  {} rms, {} at worst",
             degrees(errors.direction_rms_deg()),
-            degrees(Some(errors.direction_worst_deg())),
-            degrees(errors.linear_rms_deg())
+            degrees(Some(errors.direction_worst_deg()))
         );
+        text += &match calibration.card_normal() {
+            Some(_) => ", in the plane of the card\n".to_owned(),
+            None => format!("; linear inverse {} rms\n", degrees(errors.linear_rms_deg())),
+        };
     }
     for path in [&arguments.output, &arguments.plot].into_iter().flatten() {
         text += &format!("\nwritten to {}\n", path.display());

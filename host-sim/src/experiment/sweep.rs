@@ -9,9 +9,10 @@
 //! | `hold_s` | s | each wind |
 //! | `still_s` | s | still gas before the first; 0 if not given |
 //! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
+//! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
 //!
-//! Directions are drawn evenly over the sphere. It becomes ordinary entries with the labels `still`, `wind 1`, `wind 2` …
+//! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the labels `still`, `wind 1`, `wind 2` …
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -36,7 +37,15 @@ pub(super) struct SweepTable {
     still_s: f64,
     #[serde(default)]
     stem_cone_deg: f64,
+    plane: Option<Plane>,
     seed: Option<u64>,
+}
+
+/// In which the winds lie.
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+enum Plane {
+    Level,
 }
 
 /// The entries of an experiment of `ticks`; winds that would begin after its end are left out.
@@ -66,6 +75,9 @@ pub(super) fn entries(grid: &Grid, table: &SweepTable, seed: u64, ticks: u32) ->
         let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(draw.share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
+            if table.plane == Some(Plane::Level) {
+                break 0.0;
+            }
             let z = 2.0 * draw.share() - 1.0;
             if table.stem_cone_deg == 0.0 || z < lowest {
                 break z;
@@ -127,6 +139,18 @@ mod tests {
     }
 
     #[test]
+    fn winds_of_a_plane_lie_in_it_and_go_everywhere() {
+        let experiment =
+            with("winds = 200\nleast_m_s = 0.5\nmost_m_s = 10.0\nhold_s = 0.1\nplane = \"level\"").unwrap();
+        let mut quarters = [0; 4];
+        for wind in &experiment.wind {
+            assert_eq!(wind.elevation_deg, 0.0);
+            quarters[(wind.azimuth_deg / 90.0) as usize % 4] += 1;
+        }
+        assert!(quarters.iter().all(|&count| count > 30), "{quarters:?}");
+    }
+
+    #[test]
     fn a_sweep_that_cannot_be_is_refused_by_name() {
         let good = "winds = 5\nleast_m_s = 1.0\nmost_m_s = 13.0\nhold_s = 1.0";
         assert!(with(good).is_ok());
@@ -136,6 +160,7 @@ mod tests {
             ("most_m_s = 13.0", "most_m_s = 0.5", "`sweep.most_m_s` is 0.5 m/s: it must lie between 1 and 100 m/s"),
             ("hold_s = 1.0", "hold_s = 0.0001", "`sweep.hold_s`"),
             ("hold_s = 1.0", "hold_s = 1.0\nstem = 1.0", "unknown key `stem`"),
+            ("hold_s = 1.0", "hold_s = 1.0\nplane = \"upright\"", "upright"),
         ] {
             let error = with(&good.replace(from, to)).unwrap_err();
             assert!(error.contains(expected), "{error}");

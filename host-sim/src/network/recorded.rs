@@ -97,6 +97,32 @@ impl Recorded {
         })
     }
 
+    /// The same of some of its elements, in its own order; what the others do counts as part of the structure.
+    ///
+    /// # Errors
+    /// A sentence: no such element, or the driven one is not among them.
+    pub fn only(self, wanted: &[String]) -> Result<Self, String> {
+        if let Some(name) = wanted.iter().find(|name| !self.elements.contains(name)) {
+            let hint = crate::toml_file::suggest(name, self.elements.iter().map(String::as_str));
+            return Err(format!("{}: has no element `{name}`; {hint}", self.name));
+        }
+        let driven = self.driven_name().to_owned();
+        let Some(place) = self.elements.iter().filter(|name| wanted.contains(name)).position(|name| *name == driven)
+        else {
+            return Err(format!("{}: drives `{driven}`, which is not among {}", self.name, wanted.join(", ")));
+        };
+        let kept: Vec<bool> = self.elements.iter().map(|name| wanted.contains(name)).collect();
+        let columns =
+            |of: Vec<Vec<f64>>| of.into_iter().zip(&kept).filter(|(_, kept)| **kept).map(|(of, _)| of).collect();
+        Ok(Self {
+            driven: place,
+            power_w: columns(self.power_w),
+            temperature_c: columns(self.temperature_c),
+            elements: self.elements.into_iter().filter(|name| wanted.contains(name)).collect(),
+            ..self
+        })
+    }
+
     pub fn driven_name(&self) -> &str {
         &self.elements[self.driven]
     }
@@ -193,6 +219,16 @@ mod tests {
         let record = Recorded::of(&recording()).unwrap();
         assert_eq!((record.driven_name(), record.elements.len()), ("a", 2));
         assert!((record.sample_period_s - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn some_of_its_elements_are_a_record_too() {
+        let record = Recorded::of(&recording()).unwrap();
+        let only = |names: &[&str]| record.clone().only(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
+        let alone = only(&["a"]).unwrap();
+        assert_eq!((alone.driven_name(), alone.elements.len(), alone.power_w.len()), ("a", 1, 1));
+        assert!(only(&["b"]).unwrap_err().contains("drives `a`, which is not among b"));
+        assert!(only(&["a", "c"]).unwrap_err().contains("has no element `c`"));
     }
 
     #[test]

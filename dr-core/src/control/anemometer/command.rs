@@ -1,7 +1,7 @@
 //! What an anemometer is told.
 
 use crate::model::{CrossConfig, FasterConfig, OwnConfig};
-use crate::sensor::wind::{GasLawConfig, PartConfig, nusselt::ORDERS};
+use crate::sensor::wind::{CardConfig, GasLawConfig, PartConfig, nusselt::ORDERS};
 
 /// A part of a head: a surface with the element that heats it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,7 +9,7 @@ use crate::sensor::wind::{GasLawConfig, PartConfig, nusselt::ORDERS};
 pub struct PartOfHead {
     /// Which element.
     pub element: u8,
-    /// Its place on the sphere.
+    /// Its place on the sphere; of a die its card's normal, and its place on the card as `corner`.
     pub surface: PartConfig,
     /// True conductance over that which power and temperature say.
     pub gain: f32,
@@ -21,11 +21,11 @@ pub struct PartOfHead {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AnswerConfig {
-    /// 4 sectors or 2 hemispheres.
+    /// 4 sectors, 2 hemispheres, or 4 dice of a card.
     pub parts: u8,
-    /// Of the sphere, m.
+    /// Of the sphere, or side of a die, m.
     pub diameter_m: f32,
-    /// Least and greatest Reynolds number of the points; none for a head without calibration.
+    /// Least and greatest Reynolds number of the points, or of the card's winds; none for a head without calibration.
     pub reynolds: Option<[f32; 2]>,
     /// Directions that are more uncertain are said to be none, rad.
     pub direction_error_max_rad: f32,
@@ -79,4 +79,6 @@ pub enum WindCommand {
         /// Temperature, °C, where no element measures it.
         temperature_c: Option<f32>,
     },
+    /// The parts are dice on a card, and this is how they answer: in place of points.
+    Card(CardConfig),
 }

@@ -1,15 +1,16 @@
-//! The inverse of a head, by the number of its parts.
+//! The inverse of a head, by the number and the kind of its parts.
 
 use super::MOST_PARTS;
 use super::command::AnswerConfig;
 use crate::error::{ConfigError, Parameter, Problem};
-use crate::sensor::wind::{Gas, Measured, NusseltConfig, PartConfig, Wind, WindState, WindVector};
+use crate::sensor::wind::{Card, CardConfig, Gas, Measured, NusseltConfig, PartConfig, Wind, WindState, WindVector};
 
 /// A head that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Head {
     Sectors(WindVector<4>),
     Hemispheres(WindVector<2>),
+    Card(Card),
 }
 
 impl Head {
@@ -26,11 +27,20 @@ impl Head {
             (2, [Some(a), Some(b), ..]) => {
                 Ok(Self::Hemispheres(WindVector::new(nusselt, &[a, b], diameter_m, most_rad)?))
             }
-            _ => Err(ConfigError {
-                parameter: Parameter::Parts,
-                problem: Problem::OutOfRange { least: 2.0, most: MOST_PARTS as f32 },
-            }),
+            _ => Err(wrong_number(2.0)),
         }
+    }
+
+    /// Four dice on a card.
+    pub fn card(
+        card: &CardConfig,
+        parts: &[Option<PartConfig>; MOST_PARTS],
+        most_reynolds: f32,
+        config: &AnswerConfig,
+    ) -> Result<Self, ConfigError> {
+        let (4, [Some(a), Some(b), Some(c), Some(d)]) = (config.parts, *parts) else { return Err(wrong_number(4.0)) };
+        let (side_m, most_rad) = (config.diameter_m, config.direction_error_max_rad);
+        Ok(Self::Card(Card::new(card, &[a, b, c, d], side_m, most_reynolds, most_rad)?))
     }
 
     pub fn step(&self, state: &mut WindState, gas: &Gas, measured: &[Option<Measured>; MOST_PARTS]) -> Wind {
@@ -38,6 +48,11 @@ impl Head {
         match self {
             Self::Sectors(vector) => vector.step(state, gas, measured),
             Self::Hemispheres(vector) => vector.step(state, gas, &[a, b]),
+            Self::Card(card) => card.step(gas, measured),
         }
     }
+}
+
+const fn wrong_number(least: f32) -> ConfigError {
+    ConfigError { parameter: Parameter::Parts, problem: Problem::OutOfRange { least, most: MOST_PARTS as f32 } }
 }

@@ -169,6 +169,7 @@ impl<const N: usize> Anemometer<N> {
                 setup::check_element(self.network.knows(usize::from(config.element)))?;
                 self.setup.set_part(*part, config)?;
             }
+            WindCommand::Card(config) => self.setup.set_card(config),
             WindCommand::GasLaw(config) => self.setup.set_gas_law(config)?,
             WindCommand::Answer(config) => {
                 self.answer = Some(self.setup.answer::<N>(config, sample_period_s)?);

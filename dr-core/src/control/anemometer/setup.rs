@@ -6,7 +6,7 @@ use super::{Answer, MOST_PARTS, PATIENCE_S, REFERENCE_PATIENCE_S, SATURATED_S, S
 use crate::error::{self, ConfigError, Parameter, Problem};
 use crate::model::mesh;
 use crate::sensor::wind::nusselt::{ORDERS, POINTS};
-use crate::sensor::wind::{GasLaw, GasLawConfig, NusseltConfig, Part, PartConfig};
+use crate::sensor::wind::{CardConfig, GasLaw, GasLawConfig, NusseltConfig, Part, PartConfig};
 
 /// The pieces.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,13 +14,15 @@ pub struct Setup {
     points: [[f32; ORDERS]; POINTS],
     /// Bit j is set once point j has been given.
     given: u32,
+    /// In place of points.
+    card: Option<CardConfig>,
     parts: [Option<PartOfHead>; MOST_PARTS],
     gas_law: Option<GasLaw>,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { points: [[0.0; ORDERS]; POINTS], given: 0, parts: [None; MOST_PARTS], gas_law: None }
+        Self { points: [[0.0; ORDERS]; POINTS], given: 0, card: None, parts: [None; MOST_PARTS], gas_law: None }
     }
 }
 
@@ -31,6 +33,11 @@ impl Setup {
         *slot = amplitudes;
         self.given |= 1 << point;
         Ok(())
+    }
+
+    /// Checked with the last command, which has the rest of what it stands on.
+    pub fn set_card(&mut self, config: &CardConfig) {
+        self.card = Some(*config);
     }
 
     pub fn set_part(&mut self, part: u8, config: &PartOfHead) -> Result<(), ConfigError> {
@@ -89,14 +96,17 @@ impl Setup {
     /// The inverse, for a head with a calibration.
     fn head(&self, config: &AnswerConfig) -> Result<Option<Head>, ConfigError> {
         let Some([least_reynolds, most_reynolds]) = config.reynolds else { return Ok(None) };
-        if self.given != u32::MAX {
-            return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: Problem::NotPositive });
-        }
         if self.gas_law.is_none() {
             return Err(ConfigError { parameter: Parameter::GasPolynomial, problem: Problem::NotPositive });
         }
-        let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
         let surfaces: [Option<PartConfig>; MOST_PARTS] = self.parts.map(|part| part.map(|part| part.surface));
+        if let Some(card) = &self.card {
+            return Head::card(card, &surfaces, most_reynolds, config).map(Some);
+        }
+        if self.given != u32::MAX {
+            return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: Problem::NotPositive });
+        }
+        let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
         Head::new(&nusselt, &surfaces, config).map(Some)
     }
 }

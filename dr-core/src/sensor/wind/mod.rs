@@ -1,4 +1,4 @@
-//! From what the parts of a heated sphere lose to the wind vector.
+//! From what the parts of a heated sphere, or the dice of a heated card, lose to the wind vector.
 //!
 //! | file | what |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | [`surface`] | its mean over one part of the sphere, and how that changes with the wind |
 //! | [`sphere`] | the parts of known heads: four tetrahedral sectors, two hemispheres |
 //! | [`vector`] | the inverse: conductances in, wind vector with its covariance out |
+//! | [`card`] | the same for four dice on a card: speed and direction in its plane |
 //! | [`Wind`] | the wind as it is answered, with its errors and doubts |
 //!
 //! A wind vector says where the gas goes *to*. It comes in the frame in which the axes of the parts are given.
@@ -39,6 +40,7 @@
 
 mod answer;
 mod arithmetic;
+pub mod card;
 mod descent;
 mod fold;
 mod frame;
@@ -52,6 +54,7 @@ pub mod surface;
 pub mod vector;
 
 pub use answer::{Quality, Wind};
+pub use card::{Card, CardConfig};
 pub use gas::Gas;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};

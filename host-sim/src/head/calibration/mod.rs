@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the windless identification), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
 //! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head answers with conductances only |
+//! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::sensor::wind::card`] |
 //! | `[[calibration.parts]]` | `element`, `axis` and `corner` in the tunnel's frame, `area_m2`, `means`, `threefold`, `gain`, `windless_w_k` |
 //! | `[[calibration.own]]` | `element`, `rest_c`, `noise_k` (low and high level), `mesh_rad_s`, `r_k_per_w`, `surface` (m_k, for what the wind cools) |
 //! | `[[calibration.cross]]` | `from`, `to`, `mesh_rad_s`, `r_k_per_w`, `surface` |
@@ -17,8 +18,8 @@ mod table;
 
 use dr_core::control::anemometer::MOST_PARTS;
 use dr_core::control::{AnswerConfig, PartOfHead, WindCommand};
-use dr_core::sensor::wind::PartConfig;
 use dr_core::sensor::wind::nusselt::POINTS;
+use dr_core::sensor::wind::{CardConfig, PartConfig};
 use serde::Serialize;
 
 use super::Element;
@@ -28,6 +29,7 @@ use crate::sensor::Species;
 use crate::sensor::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use crate::toml_file::{FileError, Source, suggest};
 pub use table::CalibrationTable;
+pub use table::CardTable;
 use table::{CrossTable, NusseltTable, OwnTable, PartTable};
 
 /// The gas is known so far on either side of the reference, K: further than any place on Mars goes in a year.
@@ -84,6 +86,14 @@ pub struct NewPart {
     pub windless_w_k: f64,
 }
 
+/// How conductances depend on the wind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Curves {
+    /// Of a sphere: least and greatest Reynolds number, and the amplitudes between them.
+    Nusselt(f64, f64, Vec<[f64; 6]>),
+    Card(CardTable),
+}
+
 /// All of a new calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewCalibration<'a> {
@@ -93,8 +103,7 @@ pub struct NewCalibration<'a> {
     pub diameter_m: f64,
     pub direction_error_max_deg: f64,
     pub reference: Option<String>,
-    /// Least and greatest Reynolds number, and the amplitudes between them.
-    pub nusselt: (f64, f64, Vec<[f64; 6]>),
+    pub curves: Curves,
     pub parts: Vec<NewPart>,
     pub windless: &'a Windless,
     pub noise: &'a [ReadingNoise],
@@ -125,7 +134,7 @@ impl Calibration {
         let reference =
             table.reference.as_ref().map(|name| place("calibration.reference".to_owned(), name)).transpose()?;
         if ![2, MOST_PARTS].contains(&table.parts.len()) {
-            let sentence = format!("are {}: four sectors or two hemispheres belong here", table.parts.len());
+            let sentence = format!("are {}: four sectors, two hemispheres or four dice belong here", table.parts.len());
             return Err(source.refuse("calibration.parts", sentence));
         }
         let parts: Vec<usize> = (table.parts.iter().enumerate())
@@ -136,6 +145,10 @@ impl Calibration {
         {
             let sentence = format!("has {} rows: {POINTS} belong here", nusselt.amplitudes.len());
             return Err(source.refuse("calibration.nusselt.amplitudes", sentence));
+        }
+        if table.card.is_some() && (table.nusselt.is_some() || table.parts.len() != MOST_PARTS) {
+            let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
+            return Err(source.refuse("calibration.card", sentence));
         }
         let mut own = Vec::with_capacity(table.own.len());
         let mut noise = vec![ReadingNoise { low_k: 1e-3, high_k: 1e-3 }; elements.len()];
@@ -193,6 +206,9 @@ impl Calibration {
                 commands.push(WindCommand::Point { point, amplitudes: amplitudes.map(|a| a as f32) });
             }
         }
+        if let Some(card) = &self.table.card {
+            commands.push(WindCommand::Card(card.config()));
+        }
         for (part, (of, &element)) in (0_u8..).zip(self.table.parts.iter().zip(&self.parts)) {
             let config = PartOfHead {
                 element: element as u8,
@@ -218,7 +234,9 @@ impl Calibration {
                 u16::MAX
             ));
         }
-        let reynolds = self.table.nusselt.as_ref().map(|of| [of.least_reynolds as f32, of.most_reynolds as f32]);
+        let sphere = self.table.nusselt.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
+        let card = self.table.card.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
+        let reynolds = sphere.or(card).map(|both| both.map(|reynolds| reynolds as f32));
         Ok(AnswerConfig {
             parts: self.parts.len() as u8,
             diameter_m: self.table.diameter_m as f32,
@@ -231,9 +249,14 @@ impl Calibration {
         })
     }
 
-    /// Whether it has amplitudes, without which there is no wind.
+    /// Whether it has amplitudes or a card's curves, without which there is no wind.
     pub fn is_complete(&self) -> bool {
-        self.table.nusselt.is_some()
+        self.table.nusselt.is_some() || self.table.card.is_some()
+    }
+
+    /// Outward normal of the card, for a head that tells the wind in a card's plane only.
+    pub fn card_normal(&self) -> Option<[f64; 3]> {
+        self.table.card.as_ref().and(self.table.parts.first()).map(|part| part.axis)
     }
 
     /// Gas of the windless identification, °C.
@@ -271,9 +294,27 @@ impl NewCalibration<'_> {
         toml::to_string(&Tail { calibration: self.table() })
     }
 
+    /// The head's file with this calibration at its end, and the head that it makes.
+    ///
+    /// # Errors
+    /// A sentence: why it cannot be read again.
+    pub fn with_head(&self, head: &super::Head) -> Result<(String, super::Head), String> {
+        let tail = self.to_toml().map_err(|error| error.to_string())?;
+        let text = format!("{}\n{tail}", without_calibration(&head.source.text).trim_end());
+        // What cannot be read again is not written.
+        let source = Source { path: head.source.path.clone(), text: text.clone() };
+        let made = super::Head::from_source(source).map_err(|error| error.to_string())?;
+        Ok((text, made))
+    }
+
     fn table(&self) -> CalibrationTable {
         let name = |element: usize| self.names.get(element).copied().unwrap_or_default().to_owned();
-        let (least_reynolds, most_reynolds, amplitudes) = self.nusselt.clone();
+        let (nusselt, card) = match self.curves.clone() {
+            Curves::Nusselt(least_reynolds, most_reynolds, amplitudes) => {
+                (Some(NusseltTable { least_reynolds, most_reynolds, amplitudes }), None)
+            }
+            Curves::Card(card) => (None, Some(card)),
+        };
         CalibrationTable {
             made_from: self.made_from.clone(),
             species: self.species.name().to_owned(),
@@ -281,7 +322,8 @@ impl NewCalibration<'_> {
             diameter_m: self.diameter_m,
             direction_error_max_deg: self.direction_error_max_deg,
             reference: self.reference.clone(),
-            nusselt: Some(NusseltTable { least_reynolds, most_reynolds, amplitudes }),
+            nusselt,
+            card,
             parts: self.parts.iter().map(PartTable::of).collect(),
             own: self
                 .windless
@@ -308,6 +350,20 @@ impl NewCalibration<'_> {
                     surface: cross.surface.clone(),
                 })
                 .collect(),
+        }
+    }
+}
+
+impl CardTable {
+    pub fn config(&self) -> CardConfig {
+        CardConfig {
+            mean: self.mean.map(|x| x as f32),
+            difference: self.difference.map(|x| x as f32),
+            along: self.along.map(|x| x as f32),
+            around: self.around.map(|x| x as f32),
+            seen: self.seen.map(|x| x as f32),
+            mean_share: self.mean_share as f32,
+            difference_share: self.difference_share as f32,
         }
     }
 }

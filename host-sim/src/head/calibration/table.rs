@@ -1,5 +1,6 @@
 //! The tables of a calibration as they are written: every key that there is, before anything is checked.
 
+use dr_core::sensor::wind::card::{KNOTS, TERMS};
 use serde::{Deserialize, Serialize};
 
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub struct CalibrationTable {
     pub reference: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nusselt: Option<NusseltTable>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub card: Option<CardTable>,
     #[serde(default)]
     pub parts: Vec<PartTable>,
     #[serde(default)]
@@ -30,6 +33,21 @@ pub struct NusseltTable {
     pub most_reynolds: f64,
     /// a_0 … a_5 at Reynolds numbers in geometric progression.
     pub amplitudes: Vec<[f64; 6]>,
+}
+
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct CardTable {
+    pub least_reynolds: f64,
+    pub most_reynolds: f64,
+    /// At values of √Re evenly from zero to that of the greatest Reynolds number.
+    pub mean: [f64; KNOTS],
+    pub difference: [f64; KNOTS],
+    pub along: [f64; TERMS],
+    pub around: [f64; TERMS],
+    pub seen: [f64; TERMS],
+    pub mean_share: f64,
+    pub difference_share: f64,
 }
 
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 extern crate std;
 
 mod amplitudes;
+mod cards;
 mod noise;
 mod partial;
 mod round_trip;
