@@ -102,7 +102,7 @@ fn finish(
         diameter_m: drawn.side_m,
         direction_error_max_deg: arguments.direction_error_max_deg,
         reference: search.reference.map(|element| names[element].to_owned()),
-        curves: Curves::Card(table(&calibration)),
+        curves: Curves::Card(Box::new(table(&calibration))),
         parts: parts.collect(),
         windless: search.windless,
         noise: search.noise,

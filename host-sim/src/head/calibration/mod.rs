@@ -91,7 +91,7 @@ pub struct NewPart {
 pub enum Curves {
     /// Of a sphere: least and greatest Reynolds number, and the amplitudes between them.
     Nusselt(f64, f64, Vec<[f64; 6]>),
-    Card(CardTable),
+    Card(Box<CardTable>),
 }
 
 /// All of a new calibration.
@@ -313,7 +313,7 @@ impl NewCalibration<'_> {
             Curves::Nusselt(least_reynolds, most_reynolds, amplitudes) => {
                 (Some(NusseltTable { least_reynolds, most_reynolds, amplitudes }), None)
             }
-            Curves::Card(card) => (None, Some(card)),
+            Curves::Card(card) => (None, Some(*card)),
         };
         CalibrationTable {
             made_from: self.made_from.clone(),
