@@ -101,7 +101,8 @@ fn an_octave_without_fronts_is_named() {
 #[test]
 fn winds_in_a_plane_do_for_sectors_but_not_for_hemispheres() {
     let ring = |tilt: f64| -> Vec<[f64; 3]> {
-        let place = |j: usize| (j as f64 * std::f64::consts::TAU / 16.0, if j % 2 == 0 { tilt } else { -tilt });
+        let place =
+            |j: usize| (j as f64 * std::f64::consts::TAU / 16.0, if j.is_multiple_of(2) { tilt } else { -tilt });
         (0..16).map(place).map(|(angle, up)| [angle.cos(), angle.sin(), up]).collect()
     };
     for tunnel in [Tunnel::sectors(), Tunnel::hemispheres()] {
