@@ -23,7 +23,7 @@ use super::spline::{LEAST_COUNT, Spline};
 
 const CURVATURE: f64 = 6.0;
 pub const SIZE: f64 = 8.0;
-/// More coefficients than this need more than the amplitudes have of shape.
+/// More coefficients would follow the noise: the amplitudes have no more shape than this between still gas and a turbulent wake.
 const MOST_COUNT: usize = 9;
 /// A mean less than this is none.
 const SEEN: f32 = 1e-6;
