@@ -50,6 +50,9 @@ pub use run::{GasProperties, Head, HeadPart, PartReading, Steady};
 
 use family::{Family, seen_orders};
 
+/// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much as this.
+const MOST_RESIDUAL_RMS: f64 = 0.1;
+
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     #[error("head: {0}")]
@@ -64,6 +67,12 @@ pub enum CalibrateError {
          and the frame of the winds"
     )]
     NoMinimum,
+    #[error(
+        "what fits best leaves {:.0} % rms of the convective power, most of it `{}`, {}: parts in another order than the head's, winds in another \
+         frame, or a part of the head that is not as drawn",
+        100.0 * residual_rms, worst.label, worst.part
+    )]
+    Unexplained { residual_rms: f64, worst: calibration::Worst },
     #[error(
         "the amplitudes that fit best do not tell a wind: {0}; check the order of the parts and the signs of the winds"
     )]
@@ -113,6 +122,10 @@ fn solve(head: &Head, steady: &[Steady]) -> Result<Calibration, CalibrateError> 
     let problem = equations::Problem::new(&ready, &winds, family);
     let fitted = fit::fit(&problem)?;
     let calibration = Calibration::of(&problem, head, &fitted);
+    if calibration.residual_rms > MOST_RESIDUAL_RMS {
+        let Calibration { residual_rms, worst, .. } = calibration;
+        return Err(CalibrateError::Unexplained { residual_rms, worst });
+    }
     dr_core::sensor::wind::Nusselt::new(&calibration.nusselt())?;
     Ok(calibration)
 }
