@@ -71,6 +71,21 @@ fn a_mounting_twenty_degrees_off_is_found() {
 }
 
 #[test]
+fn an_axis_of_hemispheres_twenty_degrees_off_is_found() {
+    for (k, axis) in super::tunnel::directions(6).enumerate() {
+        let axis = Unit::new_normalize(Vector3::from(axis));
+        let tunnel =
+            Tunnel { rotation: Rotation3::from_axis_angle(&axis, 20.0_f64.to_radians()), ..Tunnel::hemispheres() };
+        let readings = tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-3, 20 + k as u64);
+        let found = calibrate(&tunnel.head(), &readings).unwrap();
+        // A turn about the axis itself is nothing that they could see.
+        let off = Vector3::from(found.parts[0].axis).angle(&(tunnel.rotation.inverse() * Vector3::x())).to_degrees();
+        println!("turned by 20° about {:.2?}: axis found to {off:.3}°", axis.as_slice());
+        assert!(off < 0.1);
+    }
+}
+
+#[test]
 fn a_calibration_holds_at_another_gas_temperature() {
     for tunnel in [Tunnel::sectors(), Tunnel::hemispheres()] {
         let found = calibrate(&tunnel.head(), &tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-3, 3)).unwrap();
