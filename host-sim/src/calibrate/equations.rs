@@ -12,7 +12,7 @@ use dr_core::sensor::wind::nusselt::{CONDUCTION, ORDERS};
 use dr_core::sensor::wind::surface::Local;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::family::{At, Family};
+use super::family::{At, Family, SIZE};
 use super::rotation::Mounting;
 use super::run::{Ready, Wind};
 
@@ -33,6 +33,20 @@ pub struct Problem<'a> {
     /// A_n(Re) of every wind that is not still.
     at: Vec<Option<At>>,
 }
+
+/// How readings and higher orders are looked upon.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Standard error of every Nusselt number beyond that of its reading.
+    pub blur: f64,
+    /// Size of the amplitudes from a_2 on.
+    pub size: f64,
+}
+
+/// From afar: mean and a_1 alone show where the head points, with no valleys in which higher orders make up for a wrong mounting.
+pub const FIRST: Look = Look { blur: 0.2, size: 0.3 };
+/// As the readings are.
+pub const LAST: Look = Look { blur: 0.0, size: SIZE };
 
 /// A place among the unknowns.
 #[derive(Debug, Clone)]
@@ -109,7 +123,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    pub fn equations(&self, place: &Place) -> Equations {
+    pub fn equations(&self, place: &Place, look: Look) -> Equations {
         let m = self.unknowns(place);
         let mut sums = Sums { h: DMatrix::zeros(m, m), b: DVector::zeros(m), cost: 0.0 };
         let (mut residuals, mut relative_square) = (Vec::new(), 0.0);
@@ -122,7 +136,9 @@ impl<'a> Problem<'a> {
             });
             for (i, reading) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
-                let weight = reading.overheat_k * reading.unit_w_k / (place.gains[i] * reading.error_w);
+                let unit_w = reading.overheat_k * reading.unit_w_k;
+                let error_w = reading.error_w.hypot(look.blur * unit_w);
+                let weight = unit_w / (place.gains[i] * error_w);
                 let nusselt = match &stream {
                     Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
                     None => f64::from(CONDUCTION),
@@ -130,16 +146,16 @@ impl<'a> Problem<'a> {
                 for k in 0..self.spread.ncols() {
                     row[self.first_gain() + k] = -weight * nusselt / place.gains[i] * self.spread[(i, k)];
                 }
-                let still = self.still_unit_w_k[i] * reading.above_reference_k / reading.error_w;
+                let still = self.still_unit_w_k[i] * reading.above_reference_k / error_w;
                 row[self.first_still() + i] = -still;
-                let residual = reading.power_w / reading.error_w - (weight * nusselt - still * place.still[i]);
+                let residual = reading.power_w / error_w - (weight * nusselt - still * place.still[i]);
                 sums.add(&row, residual);
                 residuals.push(residual);
                 relative_square += (residual / (weight * nusselt)).powi(2);
             }
         }
         let (chi_square, mut of_readings) = (sums.cost, sums.h.clone());
-        self.beforehand(place, &mut sums);
+        self.beforehand(place, look, &mut sums);
         let Sums { mut h, b, cost } = sums;
         h.fill_lower_triangle_with_upper_triangle();
         of_readings.fill_lower_triangle_with_upper_triangle();
@@ -169,9 +185,9 @@ impl<'a> Problem<'a> {
         nusselt
     }
 
-    fn beforehand(&self, place: &Place, sums: &mut Sums) {
+    fn beforehand(&self, place: &Place, look: Look, sums: &mut Sums) {
         let mut row = vec![0.0; sums.b.len()];
-        for known in self.family.beforehand() {
+        for known in self.family.beforehand(look.size) {
             row.fill(0.0);
             let mut value = 0.0;
             for (k, factor) in known {
@@ -264,14 +280,14 @@ mod tests {
         }
         place.gains = vec![1.1, 0.9, 1.05, 0.95];
         let place = problem.moved(&place, &DVector::zeros(problem.unknowns(&place)));
-        let here = problem.equations(&place);
+        let here = problem.equations(&place, LAST);
         for k in 0..problem.unknowns(&place) {
             // Means are f32: a step large beside their rounding.
             let step = 3e-3;
             let cost = |sign: f64| {
                 let mut by = DVector::zeros(problem.unknowns(&place));
                 by[k] = sign * step;
-                problem.equations(&problem.moved(&place, &by)).cost
+                problem.equations(&problem.moved(&place, &by), LAST).cost
             };
             let difference = (cost(-1.0) - cost(1.0)) / (4.0 * step);
             // The cost is no parabola in gains and turns: second order of the step.

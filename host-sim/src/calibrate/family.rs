@@ -22,8 +22,8 @@ use dr_core::sensor::wind::nusselt::{CONDUCTION, ORDERS};
 use super::spline::{LEAST_COUNT, Spline};
 
 const CURVATURE: f64 = 6.0;
-const SIZE: f64 = 8.0;
-/// More coefficients than this need more than the amplitudes have of shape.
+pub const SIZE: f64 = 8.0;
+/// More coefficients would follow the noise: the amplitudes have no more shape than this between still gas and a turbulent wake.
 const MOST_COUNT: usize = 9;
 /// A mean less than this is none.
 const SEEN: f32 = 1e-6;
@@ -80,8 +80,8 @@ impl Family {
         a
     }
 
-    /// What is known beforehand: rows of (place, factor), each zero with a standard error of one.
-    pub fn beforehand(&self) -> Vec<Vec<(usize, f64)>> {
+    /// What is known beforehand: rows of (place, factor), each zero with a standard error of one; higher orders are of this `size`.
+    pub fn beforehand(&self, size: f64) -> Vec<Vec<(usize, f64)>> {
         let (count, curvatures) = (self.spline.count(), self.spline.curvatures());
         let mut rows = Vec::new();
         for (j, &n) in self.orders.iter().enumerate() {
@@ -89,7 +89,7 @@ impl Family {
                 rows.push((0..3).map(|i| (j * count + k + i, factors[i] / CURVATURE)).collect());
             }
             if n >= 2 {
-                rows.extend((0..count).map(|k| vec![(j * count + k, 1.0 / SIZE)]));
+                rows.extend((0..count).map(|k| vec![(j * count + k, 1.0 / size)]));
             }
         }
         rows

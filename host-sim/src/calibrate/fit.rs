@@ -1,12 +1,13 @@
 //! Weighted least squares for all unknowns at once: Gauss–Newton, damped after Levenberg and Marquardt.
 //!
 //! A step is that of the linear equations with γ ≥ 0 kept exactly (Lawson and Hanson). It is taken if the cost falls. It ends where an
-//! undamped step would lower the cost by less than `SMALL` standard errors squared.
+//! undamped step would lower the cost by less than `SMALL` standard errors squared. It goes down twice: `FIRST` from afar, to find the
+//! mounting, and then to what the readings say (`LAST`).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::CalibrateError;
-use super::equations::{Equations, Place, Problem};
+use super::equations::{Equations, FIRST, LAST, Look, Place, Problem};
 use crate::identify::nonnegative;
 
 const DAMPING: f64 = 1e-2;
@@ -15,6 +16,9 @@ const MOST_STEPS: usize = 200;
 const SMALL: f64 = 1e-3;
 /// Damping at which a step is as short as to say that there is none.
 const MOST_DAMPING: f64 = 1e8;
+const LEAST_DAMPING: f64 = 1e-9;
+/// No head is made worse than this.
+const LIKELY_GAINS: std::ops::Range<f64> = 0.2..5.0;
 
 /// A solution and how sure it is.
 pub struct Fitted {
@@ -27,39 +31,44 @@ pub struct Fitted {
 }
 
 pub fn fit(problem: &Problem<'_>) -> Result<Fitted, CalibrateError> {
-    let mut place = problem.drawn();
-    let mut here = problem.equations(&place);
+    let first = descend(problem, problem.drawn(), FIRST).ok_or(CalibrateError::NoMinimum)?;
+    let mut place = descend(problem, first, LAST).ok_or(CalibrateError::NoMinimum)?;
+    place.mounting = place.mounting.smallest();
+    let equations = problem.equations(&place, LAST);
+    let covariance = covariance(problem, &place, &equations).ok_or(CalibrateError::NoMinimum)?;
+    let determined = (&covariance * &equations.of_readings).trace();
+    let degrees_of_freedom = equations.residuals.len() as f64 - determined;
+    Ok(Fitted { place, equations, covariance, degrees_of_freedom })
+}
+
+/// Down from a place to where an undamped step would not pay.
+fn descend(problem: &Problem<'_>, mut place: Place, look: Look) -> Option<Place> {
+    let mut here = problem.equations(&place, look);
     let mut damping = DAMPING;
     for _ in 0..MOST_STEPS {
         let step = step(problem, &place, &here, damping);
         let there = problem.moved(&place, &step);
         let promised = 2.0 * here.b.dot(&step) - (&here.h * &step).dot(&step);
-        let sane = there.gains.iter().all(|c| *c > 0.2 && *c < 5.0) && step.iter().all(|x| x.is_finite());
-        let next = sane.then(|| problem.equations(&there)).filter(|next| next.cost < here.cost);
-        let done = damping <= DAMPING && promised < SMALL;
-        if let Some(next) = next {
-            (place, here) = (there, next);
-            damping = (damping * 0.1).max(1e-9);
-        } else if !done {
-            damping *= 10.0;
+        let sane = there.gains.iter().all(|c| LIKELY_GAINS.contains(c)) && step.iter().all(|x| x.is_finite());
+        let next = sane.then(|| problem.equations(&there, look)).filter(|next| next.cost < here.cost);
+        // Of readings that scatter by more than they say, a standard error is larger.
+        let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
+        let done = damping <= DAMPING && promised < SMALL * scatter;
+        match next {
+            Some(next) => {
+                (place, here) = (there, next);
+                damping = (damping * 0.1).max(LEAST_DAMPING);
+            }
+            None => damping *= 10.0,
         }
-        if done || damping > MOST_DAMPING {
-            return finished(problem, place, done);
+        if done {
+            return Some(place);
+        }
+        if damping > MOST_DAMPING {
+            return None;
         }
     }
-    finished(problem, place, false)
-}
-
-fn finished(problem: &Problem<'_>, mut place: Place, done: bool) -> Result<Fitted, CalibrateError> {
-    if !done {
-        return Err(CalibrateError::NoMinimum);
-    }
-    place.mounting = place.mounting.smallest();
-    let equations = problem.equations(&place);
-    let covariance = covariance(problem, &place, &equations).ok_or(CalibrateError::NoMinimum)?;
-    let determined = (&covariance * &equations.of_readings).trace();
-    let degrees_of_freedom = equations.residuals.len() as f64 - determined;
-    Ok(Fitted { place, equations, covariance, degrees_of_freedom })
+    None
 }
 
 /// (H + λ diag H) δ = b with γ + δ ≥ 0, in units in which diag H is one.

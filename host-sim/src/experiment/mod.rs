@@ -36,7 +36,7 @@
 mod blown;
 mod drives;
 pub mod models;
-mod sweep;
+pub mod sweep;
 mod table;
 pub mod wind;
 

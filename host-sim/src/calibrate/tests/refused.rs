@@ -172,11 +172,19 @@ fn winds_with_the_wrong_sign_do_not_pass_for_a_calibration() {
     for reading in &mut readings {
         reading.wind_m_s = reading.wind_m_s.map(|v| -v);
     }
-    match calibrate(&tunnel.head(), &readings) {
-        Err(error) => println!("{error}"),
-        Ok(found) => {
-            println!("{found}");
-            assert!(found.chi_square > 100.0 * found.degrees_of_freedom);
-        }
+    let error = calibrate(&tunnel.head(), &readings).unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, CalibrateError::Amplitudes(_) | CalibrateError::Unexplained { .. }), "{error}");
+}
+
+#[test]
+fn parts_in_another_order_than_the_heads_do_not_pass_for_a_calibration() {
+    let tunnel = Tunnel::sectors();
+    let mut readings = good();
+    for reading in &mut readings {
+        reading.parts.swap(0, 1);
     }
+    let error = calibrate(&tunnel.head(), &readings).unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, CalibrateError::Unexplained { residual_rms, .. } if residual_rms > 0.2), "{error}");
 }
