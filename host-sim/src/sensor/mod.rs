@@ -7,7 +7,7 @@
 //! | [`network`] | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
 //! | [`sphere_a`], [`sphere_b`], [`rems`] | the sensors of the thesis as such networks, from geometry and materials |
 //! | [`rod`] | what holds them |
-//! | [`reference`] | what measures the gas beside a sphere |
+//! | [`reference`](mod@reference) | what measures the gas beside a sphere |
 //! | [`body`] | what all of them do: take heat, lose it and account for it |
 //! | [`construction`] | one of them, by its name |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |

@@ -29,7 +29,8 @@
 //! the wind through these, so its power answers with the time constants of the silver on the glue besides that of the film. That is the
 //! difference from sphere B, whose bare chip is soldered and which has one significant pole.
 //!
-//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`, and a [`reference`](super::reference) where the head has one. Surfaces: the two hemispheres, looking along +x and −x; the
+//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`, and a [`reference`](mod@reference) where the
+//! head has one. Surfaces: the two hemispheres, looking along +x and −x; the
 //! stem is along −z.
 //!
 //! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the chips lose nothing to the gas inside,

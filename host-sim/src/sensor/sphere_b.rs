@@ -26,7 +26,8 @@
 //! at the high level lies above its sector by power times contact (20 mK here). A one-bit loop turns part of that into an offset of
 //! the mean: up to 9 mK at 100 Hz; glued with 20 µm of silver epoxy (0.5 W/K) it would be 25 mK.
 //!
-//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a [`reference`](super::reference) where the head has one. Surfaces: the four sectors.
+//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a [`reference`](mod@reference) where the
+//! head has one. Surfaces: the four sectors.
 //!
 //! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of the parts.
 
