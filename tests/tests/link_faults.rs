@@ -57,9 +57,9 @@ fn garbage_is_dropped_and_counted() {
         garbage.push(0);
         garbage
     };
-    let bursts = [bytes(5), bytes(40), bytes(100), bytes(300), bytes(1), bytes(700)];
+    let bursts = [bytes(5), bytes(40), bytes(100), bytes(400), bytes(1), bytes(700)];
     let counted = disturbed(&bursts);
-    println!("garbage of 5, 40, 100, 300, 1 and 700 bytes: {counted:?}");
+    println!("garbage of 5, 40, 100, 400, 1 and 700 bytes: {counted:?}");
     assert_eq!((counted.damaged, counted.oversized, counted.messages), (4, 2, 0));
 }
 
