@@ -52,7 +52,7 @@ impl<'a> OffLine<'a> {
 }
 
 /// Power of an element at its low level, W.
-fn standing_w(head: &Head, element: usize, temperature_c: f32) -> f32 {
+pub(super) fn standing_w(head: &Head, element: usize, temperature_c: f32) -> f32 {
     head.elements.get(element).map_or(0.0, |of| of.config.channel.standing_power_w(temperature_c))
 }
 

@@ -7,6 +7,7 @@ use dr_core::control::Tick;
 use dr_core::model::{Look, Network, NetworkState};
 use wire::MOST_ELEMENTS;
 
+use super::off_line::standing_w;
 use super::replay::{Moment, Replay, ReplayError};
 use super::winds::Winds;
 use crate::calibrate::{GasProperties, PartReading, Steady};
@@ -136,10 +137,7 @@ impl Looking<'_> {
     /// If its wind is not known.
     pub fn take(&mut self, moment: &Moment) -> Result<(), ReplayError> {
         let search = self.search;
-        let standing_w = std::array::from_fn(|i| match search.head.elements.get(i) {
-            Some(element) => element.config.channel.standing_power_w(moment.tick.temperature_c[i]),
-            None => 0.0,
-        });
+        let standing_w = std::array::from_fn(|i| standing_w(search.head, i, moment.tick.temperature_c[i]));
         let convection = self.network.step(&mut self.state, &look(&moment.tick, self.levels, &standing_w));
         self.levels = moment.tick.heaters.0;
         let wind_m_s = search.wind(moment).ok_or_else(|| {

@@ -21,6 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use super::CalibrateError;
 use super::held_out::{Error, Summary};
 use super::run::{PartReading, Steady};
+use crate::head::calibration::CardTable;
 
 /// p_i, q_i: neighbours follow each other from the tip on.
 const PLACES: [[f64; 2]; DICE] = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -384,16 +385,24 @@ fn mean(rows: &[Row], most_root: f64) -> Option<Mean> {
 }
 
 impl CardCalibration {
-    pub fn config(&self) -> CardConfig {
-        CardConfig {
-            mean: self.mean.map(|x| x as f32),
-            difference: self.difference.map(|x| x as f32),
-            along: self.along.map(|x| x as f32),
-            around: self.around.map(|x| x as f32),
-            seen: self.seen.map(|x| x as f32),
-            mean_share: self.mean_share as f32,
-            difference_share: self.difference_share as f32,
+    /// As a head file has it.
+    pub fn table(&self) -> CardTable {
+        CardTable {
+            least_reynolds: self.least_reynolds,
+            most_reynolds: self.most_reynolds,
+            mean: self.mean,
+            difference: self.difference,
+            along: self.along,
+            around: self.around,
+            seen: self.seen,
+            mean_share: self.mean_share,
+            difference_share: self.difference_share,
         }
+    }
+
+    /// As the board takes it.
+    pub fn config(&self) -> CardConfig {
+        self.table().config()
     }
 
     fn card(&self) -> Result<Card, dr_core::ConfigError> {

@@ -9,7 +9,7 @@ use crate::calibrate::card::{calibrate, held_out};
 use crate::calibrate::{CardCalibration, CardHeldOut, DrawnCard, Steady};
 use crate::cli::Failure;
 use crate::head::Head;
-use crate::head::calibration::{CardTable, Curves, NewCalibration, NewPart};
+use crate::head::calibration::{Curves, NewCalibration, NewPart};
 use crate::model::Model;
 use crate::network::{Windless, reading_noise};
 use crate::sensor::Species;
@@ -102,7 +102,7 @@ fn finish(
         diameter_m: drawn.side_m,
         direction_error_max_deg: arguments.direction_error_max_deg,
         reference: search.reference.map(|element| names[element].to_owned()),
-        curves: Curves::Card(Box::new(table(&calibration))),
+        curves: Curves::Card(Box::new(calibration.table())),
         parts: parts.collect(),
         windless: search.windless,
         noise: search.noise,
@@ -123,20 +123,6 @@ fn finish(
         text += &format!("\nhead written to {}\n", path.display());
     }
     crate::cli::print(&text)
-}
-
-fn table(of: &CardCalibration) -> CardTable {
-    CardTable {
-        least_reynolds: of.least_reynolds,
-        most_reynolds: of.most_reynolds,
-        mean: of.mean,
-        difference: of.difference,
-        along: of.along,
-        around: of.around,
-        seen: of.seen,
-        mean_share: of.mean_share,
-        difference_share: of.difference_share,
-    }
 }
 
 fn summary_json(calibration: &CardCalibration, told: &CardHeldOut) -> serde_json::Value {

@@ -249,23 +249,9 @@ impl Calibration {
         })
     }
 
-    /// Whether it has amplitudes or a card's curves, without which there is no wind.
-    pub fn is_complete(&self) -> bool {
-        self.table.nusselt.is_some() || self.table.card.is_some()
-    }
-
     /// Outward normal of the card, for a head that tells the wind in a card's plane only.
     pub fn card_normal(&self) -> Option<[f64; 3]> {
         self.table.card.as_ref().and(self.table.parts.first()).map(|part| part.axis)
-    }
-
-    /// Gas of the windless identification, °C.
-    pub fn reference_gas_c(&self) -> f64 {
-        self.table.reference_gas_c
-    }
-
-    pub fn diameter_m(&self) -> f64 {
-        self.table.diameter_m
     }
 
     /// In words.
