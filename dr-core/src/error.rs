@@ -73,6 +73,7 @@ pub enum Parameter {
     CardDifference,
     CardAnisotropy,
     CardShare,
+    WindowS,
 }
 
 impl Parameter {
@@ -143,6 +144,7 @@ impl Parameter {
             Self::CardDifference => "card_difference",
             Self::CardAnisotropy => "card_anisotropy",
             Self::CardShare => "card_share",
+            Self::WindowS => "window_s",
         }
     }
 }
@@ -171,6 +173,8 @@ pub enum Problem {
         /// The step.
         of: f32,
     },
+    /// It has to be given before.
+    Missing,
 }
 
 /// A refused configuration.
@@ -192,6 +196,7 @@ impl fmt::Display for ConfigError {
             Problem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
             Problem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
             Problem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
+            Problem::Missing => write!(f, "`{name}` has to be given before"),
             Problem::NotAMultiple { of } => write!(f, "`{name}` must be a whole multiple of {of}"),
         }
     }

@@ -110,7 +110,9 @@ pub fn log_event(event: &wire::Event) {
         RunState::Standby => defmt::info!("standby at tick {=u32}", event.tick),
         RunState::Running => defmt::info!("running from tick {=u32}", event.tick),
         RunState::Tripped(trip) => {
-            defmt::warn!("tripped at tick {=u32}: {=str}, element {=u8}", event.tick, trip.cause.name(), trip.element);
+            // 255 is the whole instrument.
+            let element = trip.element.unwrap_or(u8::MAX);
+            defmt::warn!("tripped at tick {=u32}: {=str}, element {=u8}", event.tick, trip.cause.name(), element);
         }
     }
 }

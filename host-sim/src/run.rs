@@ -140,6 +140,12 @@ fn change_drives(
     change: &Change,
     taken: &mut dyn FnMut(usize, Drive),
 ) -> Result<(), RunError> {
+    if change.drives.iter().any(|(_, drive)| drive.can_heat()) {
+        match instrument.command(setup::ARM) {
+            Ok(_) | Err(InstrumentError::Refused(Refusal::Tripped(_))) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
     for &(place, drive) in &change.drives {
         match instrument.command(Command::Drive { element: place as u8, drive }) {
             Ok(_) => taken(place, drive),
@@ -334,10 +340,10 @@ impl Totals {
             RunState::Running => return "running".clone_into(&mut self.state),
             RunState::Tripped(trip) => trip,
         };
-        let element = names.get(usize::from(trip.element)).copied().unwrap_or("?");
+        let element = setup::place(trip, names);
         let cause = trip.cause.name();
         self.state = format!("tripped:{cause}:{element}");
-        self.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element: element.to_owned() });
+        self.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element });
     }
 
     /// Elements that were to be held at a temperature, at first or later, and never had it.

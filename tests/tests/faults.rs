@@ -39,7 +39,7 @@ fn broken(kind: &str, on_board: bool) -> Trip {
 fn an_open_or_shorted_resistor_trips_within_a_tick_on_both_bodies() {
     for (kind, cause) in [("open", Cause::Open), ("shorted", Cause::Short)] {
         for on_board in [false, true] {
-            assert_eq!(broken(kind, on_board), Trip { cause, element: 2 });
+            assert_eq!(broken(kind, on_board), Trip::of(2, cause));
         }
     }
 }
@@ -73,7 +73,7 @@ fn an_element_that_gets_too_hot_trips_within_a_tick_on_both_bodies() {
         loop {
             let sample = instrument.observe().unwrap().sample;
             if let RunState::Tripped(trip) = sample.state {
-                assert_eq!(trip, Trip { cause: Cause::OverTemperature, element: 0 });
+                assert_eq!(trip, Trip::of(0, Cause::OverTemperature));
                 assert_eq!(sample.heaters, Heaters(0));
                 break;
             }

@@ -99,7 +99,7 @@ mod tests {
             tick: u32::MAX,
             heaters: Heaters(u16::MAX),
             valid: u16::MAX,
-            state: RunState::Tripped(Trip { cause: Cause::Unreachable, element: 15 }),
+            state: RunState::Tripped(Trip::of(15, Cause::Unreachable)),
             temperature_c: List::from_array([-1.7e38; MOST_ELEMENTS]),
             power_w: List::from_array([1.7e38; MOST_ELEMENTS]),
         };

@@ -1,7 +1,7 @@
 //! What a host may ask of the controller, and why it may say no.
 //!
 //! Commands set an instrument up in `Standby`; drives may be changed while it runs. The order that a host follows:
-//! `Clear`, `SamplePeriod`, `Guard`, `Observe`, `Element` and `Model` for each element, `Drive` for each element, `Start`.
+//! `Clear`, `SamplePeriod`, `Guard`, `Observe`, `Element` and `Model` for each element, `Drive` for each element, `Arm`, `Start`.
 
 use super::anemometer::WindCommand;
 use super::controller::ElementConfig;
@@ -59,7 +59,18 @@ pub enum Command {
     },
     /// What the anemometer has to know.
     Wind(WindCommand),
+    /// For so long, what can heat may be asked for: `Start`, and while running a drive that heats. After the sample period, at any time
+    /// but when tripped. `Stop`, `Disarm`, `Clear`, `SamplePeriod` and a trip end it at once.
+    Arm {
+        /// Seconds, up to [`LONGEST_ARMED_S`]; counted in ticks.
+        window_s: f32,
+    },
+    /// Ends what `Arm` began. What runs goes on.
+    Disarm,
 }
+
+/// Longest time for which an instrument can be armed, s.
+pub const LONGEST_ARMED_S: f32 = 600.0;
 
 /// An answer to a command that was carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,23 +127,21 @@ pub enum Refusal {
     },
     /// A controller by itself knows nothing of the wind.
     NoAnemometer,
+    /// This can heat, and the instrument is not armed, or no longer.
+    NotArmed,
 }
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NotInStandby => write!(f, "this can only be set in standby: stop the run first"),
-            Self::Tripped(trip) => write!(
-                f,
-                "the instrument is tripped ({}, element {}): acknowledge it first",
-                trip.cause.name(),
-                trip.element
-            ),
+            Self::Tripped(trip) => write!(f, "the instrument is tripped ({trip}): acknowledge it first"),
             Self::NotTripped => write!(f, "there is no trip to acknowledge"),
             Self::NoSuchElement { element } => write!(f, "the instrument has no element {element}"),
             Self::NotConfigured { element } => write!(f, "element {element} has no configuration yet"),
             Self::NoSamplePeriod => write!(f, "the sample period has to be set first"),
             Self::NoAnemometer => write!(f, "this controller has no anemometer"),
+            Self::NotArmed => write!(f, "this can heat, and the instrument is not armed, or no longer: arm it first"),
             Self::Invalid { element: Some(element), error } => write!(f, "element {element}: {error}"),
             Self::Invalid { element: None, error } => write!(f, "{error}"),
             Self::Unreachable { element, target_c, verdict } => match verdict {

@@ -13,6 +13,7 @@
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, Judgement, Limits, Trip};
 use super::targets::{self, Margins};
+use seals::Seals;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
 
@@ -27,6 +28,17 @@ pub enum RunState {
     Running,
     /// All heaters low until acknowledged.
     Tripped(Trip),
+}
+
+impl RunState {
+    /// All of it in one word.
+    pub(crate) fn word(self) -> u32 {
+        match self {
+            Self::Standby => 0,
+            Self::Running => 1,
+            Self::Tripped(Trip { cause, element }) => 2 | (cause as u32) << 8 | u32::from(element.unwrap_or(0xff)) << 16,
+        }
+    }
 }
 
 /// Levels of all elements: bit i is set while element i is at its high level.
@@ -112,6 +124,11 @@ pub struct Controller<const N: usize> {
     states: [ElementState; N],
     state: RunState,
     tick: u32,
+    /// Ticks for which what can heat may still be asked for.
+    armed_ticks: u32,
+    seals: Seals<N>,
+    /// Times that a seal was broken.
+    upsets: u32,
 }
 
 impl<const N: usize> Default for Controller<N> {
@@ -135,7 +152,11 @@ impl<const N: usize> Controller<N> {
             states: [ElementState::default(); N],
             state: RunState::Standby,
             tick: 0,
+            armed_ticks: 0,
+            seals: Seals::default(),
+            upsets: 0,
         }
+        .sealed()
     }
 
     /// What the instrument is doing.
@@ -146,6 +167,16 @@ impl<const N: usize> Controller<N> {
     /// Number of the next tick.
     pub const fn ticks(&self) -> u32 {
         self.tick
+    }
+
+    /// Whether what can heat may be asked for now.
+    pub const fn is_armed(&self) -> bool {
+        self.armed_ticks > 0
+    }
+
+    /// Times that what it knows was found to be something else than what it had been told.
+    pub const fn upsets(&self) -> u32 {
+        self.upsets
     }
 
     /// How many elements are configured.
@@ -180,17 +211,19 @@ impl<const N: usize> Controller<N> {
 
     /// One tick. Readings of elements that are not configured are not looked at.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
+        let upset = self.look_for_upsets();
         let (valid, fault) = self.take_in(readings);
-        let mut trip = fault.filter(|_| !matches!(self.state, RunState::Tripped(_)));
+        let mut trip = upset.or(fault.filter(|_| !matches!(self.state, RunState::Tripped(_))));
         if trip.is_none() && self.state == RunState::Running {
             trip = self.decide(valid);
         }
         if let Some(trip) = trip {
-            self.state = RunState::Tripped(trip);
+            self.fall(trip);
         }
         if self.state != RunState::Running {
             self.states.iter_mut().for_each(|state| state.level = Level::Low);
         }
+        self.armed_ticks = self.armed_ticks.saturating_sub(1);
         let (power_w, equivalent_power_w) = self.heat(valid);
         let output = Tick {
             tick: self.tick,
@@ -204,7 +237,23 @@ impl<const N: usize> Controller<N> {
             trip,
         };
         self.tick = self.tick.wrapping_add(1);
+        self.seal_states();
         output
+    }
+
+    /// Trips for a cause that the controller cannot see by itself, unless it is tripped already. The levels of the next tick are low; those
+    /// of this one are the board's to lower.
+    pub fn trip(&mut self, cause: Cause) {
+        if !matches!(self.state, RunState::Tripped(_)) {
+            self.fall(Trip::whole(cause));
+            self.seal_states();
+        }
+    }
+
+    /// From whatever it did to tripped.
+    const fn fall(&mut self, trip: Trip) {
+        self.state = RunState::Tripped(trip);
+        self.armed_ticks = 0;
     }
 
     /// Judges the readings; gives the mask of good ones and the first fault.
@@ -229,7 +278,7 @@ impl<const N: usize> Controller<N> {
                 }
                 Judgement::Bad(cause) => cause,
             };
-            fault = fault.or(Some(Trip { cause, element: i as u8 }));
+            fault = fault.or(Some(Trip::of(i, cause)));
         }
         (valid, fault)
     }
@@ -252,7 +301,7 @@ impl<const N: usize> Controller<N> {
             state.level = element.drive.step(&mut state.drive, &input);
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             if state.saturated_ticks > self.guard.unreachable_limit_ticks {
-                trip = trip.or(Some(Trip { cause: Cause::Unreachable, element: i as u8 }));
+                trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }
         }
         trip
@@ -289,5 +338,6 @@ fn mask<T>(items: &[T], is_set: impl Fn(&T) -> bool) -> u16 {
 
 mod fold;
 mod handle;
+mod seals;
 #[cfg(test)]
 mod tests;

@@ -12,6 +12,7 @@
 //! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the power it takes.
 
 use crate::error::{self, ConfigError, Parameter};
+use crate::seal::Seal;
 use crate::sensor::{Level, Platinum};
 use crate::signal::{Prbs, SigmaDelta};
 
@@ -106,7 +107,55 @@ impl Default for DriveState {
     }
 }
 
+impl DriveState {
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.number(self.modulator.accumulator);
+        if let Some(register) = &self.register {
+            register.seal(seal);
+        }
+        seal.word(self.ticks_left);
+        seal.word(u32::from(self.level == Level::High) | u32::from(self.saturated) << 1);
+        seal.number(self.target_c);
+    }
+}
+
 impl Drive {
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        match *self {
+            Self::Passive => seal.word(0),
+            Self::Level(Level::Low) => seal.word(1),
+            Self::Level(Level::High) => seal.word(2),
+            Self::Power { power_w } => {
+                seal.word(3);
+                seal.number(power_w);
+            }
+            Self::Temperature { target_c } => {
+                seal.word(4);
+                seal.number(target_c);
+            }
+            Self::Prbs { order, seed, ticks_per_bit } => {
+                seal.word(5 | u32::from(order) << 8);
+                seal.word(seed);
+                seal.word(ticks_per_bit);
+            }
+            Self::Setpoints { low_c, high_c, dwell_ticks, seed } => {
+                seal.word(6);
+                seal.numbers(&[low_c, high_c]);
+                seal.word(dwell_ticks);
+                seal.word(seed);
+            }
+        }
+    }
+
+    /// Whether it can ever ask for the high level.
+    pub const fn can_heat(&self) -> bool {
+        !matches!(self, Self::Passive | Self::Level(Level::Low))
+    }
+
     /// Checks the drive's numbers against the resistor that it will heat and gives the state it starts from.
     ///
     /// # Errors

@@ -9,11 +9,17 @@
 //! | `NonFinite` | a number inside is not one | 1 tick |
 //! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
 //! | `Unreachable` | a regulating drive has asked for one level all the time | `unreachable_limit_ticks` |
+//! | `Upset` | what the controller knows is not what it was told (`seal.rs`) | 1 tick; a model's, within as many ticks as there are elements |
+//!
+//! The rest is not seen by the controller, but told it by the board that it runs on: `Deadline`, levels that were not decided anew in time;
+//! `Heater`, a pin that could not be set; and of a start that nobody asked for `Panic`, `Fault`, `Watchdog` and `BrownOut`.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
 use crate::error::{self, ConfigError, Parameter};
+use crate::seal::Seal;
 use crate::sensor::{Channel, Level, Platinum, Reading};
+use core::fmt;
 
 /// Why the heaters went off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +34,13 @@ pub enum Cause {
     Missing,
     Stale,
     Unreachable,
+    Upset,
+    Deadline,
+    Heater,
+    Panic,
+    Fault,
+    Watchdog,
+    BrownOut,
 }
 
 impl Cause {
@@ -42,18 +55,44 @@ impl Cause {
             Self::Missing => "missing",
             Self::Stale => "stale",
             Self::Unreachable => "unreachable",
+            Self::Upset => "memory-upset",
+            Self::Deadline => "deadline-missed",
+            Self::Heater => "heater-pin",
+            Self::Panic => "panic",
+            Self::Fault => "processor-fault",
+            Self::Watchdog => "watchdog",
+            Self::BrownOut => "brown-out",
         }
     }
 }
 
-/// A trip: its cause and the element that showed it.
+/// A trip: its cause and the element that showed it, if it is one element's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trip {
     /// Why.
     pub cause: Cause,
-    /// Which element, from 0.
-    pub element: u8,
+    /// Which element, from 0; none if it is the whole instrument's.
+    pub element: Option<u8>,
+}
+
+impl Trip {
+    /// A trip of one element.
+    pub const fn of(element: usize, cause: Cause) -> Self {
+        Self { cause, element: Some(element as u8) }
+    }
+
+    /// A trip of the whole instrument.
+    pub const fn whole(cause: Cause) -> Self {
+        Self { cause, element: None }
+    }
+}
+
+impl fmt::Display for Trip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.cause.name())?;
+        self.element.map_or(Ok(()), |element| write!(f, ", element {element}"))
+    }
 }
 
 /// What is plausible for one element.
@@ -87,6 +126,15 @@ impl Limits {
         error::within(Parameter::TemperatureMaxC, self.temperature_max_c, coldest_c, hottest_c)?;
         error::within(Parameter::CodeMax, self.code_max as f32, 1.0, 8_388_607.0)?;
         Ok(self)
+    }
+
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.number(self.resistance_min_ohm);
+        seal.number(self.resistance_max_ohm);
+        seal.number(self.temperature_max_c);
+        seal.word(self.code_max.cast_unsigned());
     }
 }
 

@@ -10,7 +10,7 @@ pub mod station;
 pub mod targets;
 
 pub use anemometer::{Anemometer, AnswerConfig, Doubts, PartOfHead, WindCommand, WindTick};
-pub use command::{Command, Refusal, Reply};
+pub use command::{Command, LONGEST_ARMED_S, Refusal, Reply};
 pub use controller::{Controller, ElementConfig, Heaters, RunState, Tick};
 pub use digest::Digest;
 pub use drive::Drive;

@@ -29,6 +29,7 @@
 use super::sliding::equivalent_control;
 use super::{Symbol, mesh};
 use crate::error::{self, ConfigError, Parameter, Problem};
+use crate::seal::Seal;
 
 /// τ: the time in which half of an error of the temperature is made good, s. Well above a tick, so that reading noise is averaged;
 /// below the seconds in which a wind is to be seen.
@@ -88,6 +89,12 @@ impl<const K: usize> Observer<K> {
             gain_w_per_k: gain_w_per_k as f32,
             adding_w_per_k: (0.25 * f64::from(sample_period_s) / within_s * gain_w_per_k) as f32,
         })
+    }
+
+    /// Takes all of it into a seal.
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.numbers(&self.rates_rad_s);
+        seal.numbers(&[self.high_frequency_gain_k_per_j, self.gain_w_per_k, self.adding_w_per_k]);
     }
 
     /// Looks at the shares `weighted_k` = z_k of the temperature rise that the states amount to, `rise_k` in all, beside the rise that

@@ -6,6 +6,7 @@
 use super::symbol::pairwise_sum;
 use super::{Observed, Observer, ObserverState, Reachability, RelaxationState, Relaxations, Symbol, reachability};
 use crate::error::{self, ConfigError, Parameter};
+use crate::seal::Seal;
 
 /// Order of the models that the controller carries.
 pub const ORDER: usize = 8;
@@ -45,6 +46,14 @@ impl SelfHeating {
             symbol: Symbol::new(config.r_k_per_w)?,
             reference_c: error::finite(Parameter::ReferenceC, config.reference_c)?,
         })
+    }
+
+    /// Takes all of it into a seal.
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.numbers(&self.mesh_rad_s);
+        seal.numbers(&[self.sample_period_s, self.reference_c]);
+        seal.numbers(self.relaxations.gain());
+        seal.numbers(self.symbol.r_k_per_w());
     }
 
     /// One sample period under `power_w`.

@@ -12,6 +12,7 @@
 //! the ends of the range, which is what one unit in the last place of an f32 resistance is worth.
 
 use crate::error::{self, ConfigError, Parameter};
+use crate::seal::Seal;
 
 /// Callendar–Van Dusen coefficients of IEC 60751: /°C, /°C², /°C⁴.
 const A: f32 = 3.9083e-3;
@@ -53,6 +54,16 @@ impl Platinum {
     /// If the resistance is not a number greater than zero, or above 1 MΩ.
     pub fn iec60751(resistance_0c_ohm: f32) -> Result<Self, ConfigError> {
         Ok(Self { resistance_0c_ohm: checked_resistance(resistance_0c_ohm)?, law: Law::Iec60751 })
+    }
+
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.number(self.resistance_0c_ohm);
+        match self.law {
+            Law::Linear { coefficient_per_c } => seal.number(coefficient_per_c),
+            Law::Iec60751 => seal.word(u32::MAX),
+        }
     }
 
     /// Checks again what came over a link or out of a file, where the constructors were not asked.

@@ -10,6 +10,7 @@
 
 use super::platinum::Platinum;
 use crate::error::{self, ConfigError, Parameter};
+use crate::seal::Seal;
 
 /// What the front end has to say of one element in one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +67,13 @@ impl Channel {
 
     pub(crate) fn checked(self) -> Result<Self, ConfigError> {
         Self::new(self.platinum, self.volt_per_code, self.current_low_a, self.current_high_a)
+    }
+
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        self.platinum.seal(seal);
+        seal.numbers(&[self.volt_per_code, self.current_low_a, self.current_high_a]);
     }
 
     /// The resistor's characteristic.

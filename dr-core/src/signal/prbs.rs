@@ -4,6 +4,7 @@
 //! sequence is as good as white is ω_p/(2ⁿ−1) ≤ ω ≤ ω_p/2.3 (thesis 2.5). Taps: P. Alfke, Xilinx XAPP052, table 3.
 
 use crate::error::{ConfigError, Parameter, Problem};
+use crate::seal::Seal;
 
 /// Least and greatest register length.
 pub const ORDERS: core::ops::RangeInclusive<u8> = 2..=32;
@@ -65,6 +66,14 @@ pub struct Prbs {
 }
 
 impl Prbs {
+    /// Takes all of it into a seal.
+    #[inline]
+    pub(crate) fn seal(&self, seal: &mut Seal) {
+        seal.word(self.register);
+        seal.word(self.mask);
+        seal.word(self.taps);
+    }
+
     /// An n-bit generator that starts from the low n bits of `seed`.
     ///
     /// # Errors

@@ -290,6 +290,7 @@ fn anemometer() -> Option<()> {
         reference_gas_c: GAS_C,
     })))?;
     tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(GAS_C) }))?;
+    tell(Command::Arm { window_s: 1.0 })?;
     tell(Command::Start)?;
 
     let vector = WindVector::new(&nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
@@ -346,6 +347,7 @@ fn control<const N: usize>(
         controller.handle(Command::Model { element, model }).ok()?;
         controller.handle(Command::Drive { element, drive }).ok()?;
     }
+    controller.handle(Command::Arm { window_s: 1.0 }).ok()?;
     controller.handle(Command::Start).ok()?;
 
     let mut temperature_c = [-50.0_f32; N];

@@ -4,6 +4,9 @@ use super::{Instrument, InstrumentError};
 use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply, Trip, WindCommand};
 use dr_core::model::SelfHeatingConfig;
 
+/// What a host sends before it asks for heat: time enough for the next command to be repeated until it arrives.
+pub const ARM: Command = Command::Arm { window_s: 30.0 };
+
 /// Everything that an instrument has to know of an experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
@@ -58,6 +61,7 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
     for wind in &setup.wind {
         instrument.command(Command::Wind(*wind))?;
     }
+    instrument.command(ARM)?;
     Ok(match instrument.command(Command::Start)? {
         // It runs, but what it said got lost: that much is known here as well.
         Reply::Done => judged(setup),
@@ -86,9 +90,18 @@ fn judged(setup: &Setup) -> Reply {
 
 /// A trip in words.
 pub fn tripped(trip: Trip, setup: &Setup) -> InstrumentError {
-    let name = setup.elements.get(usize::from(trip.element)).map(|element| element.name.clone());
-    let element = name.unwrap_or_else(|| format!("element {}", trip.element));
-    InstrumentError::Tripped { cause: trip.cause.name(), element }
+    let names: Vec<&str> = setup.elements.iter().map(|element| &*element.name).collect();
+    InstrumentError::Tripped { cause: trip.cause.name(), element: place(trip, &names) }
+}
+
+/// What of a head tripped, for people.
+pub fn place(trip: Trip, names: &[&str]) -> String {
+    match trip.element {
+        None => "the whole instrument".to_owned(),
+        Some(element) => {
+            names.get(usize::from(element)).map_or_else(|| format!("element {element}"), |&name| name.to_owned())
+        }
+    }
 }
 
 /// Names the element that a refusal is about, which the instrument knows by number only.
@@ -102,7 +115,8 @@ pub fn name_element(refusal: &Refusal, setup: &Setup) -> Option<String> {
         | Refusal::Tripped(_)
         | Refusal::NotTripped
         | Refusal::NoSamplePeriod
-        | Refusal::NoAnemometer => {
+        | Refusal::NoAnemometer
+        | Refusal::NotArmed => {
             return None;
         }
     };

@@ -66,7 +66,7 @@ impl Setup {
     /// All pieces together.
     pub fn answer<const N: usize>(&self, config: &AnswerConfig, period_s: f32) -> Result<Answer, ConfigError> {
         if self.parts().count() < usize::from(config.parts) {
-            return Err(ConfigError { parameter: Parameter::Parts, problem: Problem::NotPositive });
+            return Err(ConfigError { parameter: Parameter::Parts, problem: Problem::Missing });
         }
         if let Some(reference) = config.reference {
             error::within(Parameter::ReferenceElement, f32::from(reference), 0.0, (N - 1) as f32)?;
@@ -97,14 +97,14 @@ impl Setup {
     fn head(&self, config: &AnswerConfig) -> Result<Option<Head>, ConfigError> {
         let Some([least_reynolds, most_reynolds]) = config.reynolds else { return Ok(None) };
         if self.gas_law.is_none() {
-            return Err(ConfigError { parameter: Parameter::GasPolynomial, problem: Problem::NotPositive });
+            return Err(ConfigError { parameter: Parameter::GasPolynomial, problem: Problem::Missing });
         }
         let surfaces: [Option<PartConfig>; MOST_PARTS] = self.parts.map(|part| part.map(|part| part.surface));
         if let Some(card) = &self.card {
             return Head::card(card, &surfaces, most_reynolds, config).map(Some);
         }
         if self.given != u32::MAX {
-            return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: Problem::NotPositive });
+            return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: Problem::Missing });
         }
         let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
         Head::new(&nusselt, &surfaces, config).map(Some)
@@ -117,7 +117,7 @@ const fn out_of_range(parameter: Parameter, least: f32, most: f32) -> ConfigErro
 
 /// An element that has a part must be one of the network.
 pub const fn check_element(known: bool) -> Result<(), ConfigError> {
-    if known { Ok(()) } else { Err(ConfigError { parameter: Parameter::PartElement, problem: Problem::NotPositive }) }
+    if known { Ok(()) } else { Err(ConfigError { parameter: Parameter::PartElement, problem: Problem::Missing }) }
 }
 
 /// A gas as it is told.

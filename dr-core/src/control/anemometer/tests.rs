@@ -120,6 +120,7 @@ impl Bench {
         tell(Command::Wind(WindCommand::GasLaw(law())));
         tell(Command::Wind(WindCommand::Answer(*answer)));
         tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(GAS_C) }));
+        tell(Command::Arm { window_s: 1.0 });
         tell(Command::Start);
         Self {
             station,
@@ -237,6 +238,7 @@ fn what_is_wrong_is_said_in_every_answer() {
     let stuck = after(
         &|bench| {
             let drive = Drive::Temperature { target_c: 20.0 };
+            bench.station.handle(Command::Arm { window_s: 1.0 }).unwrap();
             for element in 0..6 {
                 bench.station.handle(Command::Drive { element, drive }).unwrap();
             }

@@ -1,7 +1,7 @@
 //! What of a controller goes into a run's digest.
 
 use super::super::digest::Digest;
-use super::{Controller, RunState, Tick};
+use super::{Controller, Tick};
 
 impl<const N: usize> Controller<N> {
     /// Folds all that the controller knows after `tick` into a digest: temperatures, bits, powers and every state of the elements that
@@ -9,11 +9,7 @@ impl<const N: usize> Controller<N> {
     pub fn fold(&self, tick: &Tick<N>, digest: &mut Digest) {
         digest.word(tick.tick);
         digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
-        digest.word(match tick.state {
-            RunState::Standby => 0,
-            RunState::Running => 1,
-            RunState::Tripped(trip) => 2 | (trip.cause as u32) << 8 | u32::from(trip.element) << 16,
-        });
+        digest.word(tick.state.word());
         if let Some(equivalent_power_w) = &tick.equivalent_power_w {
             for (state, &equivalent_w) in self.states.iter().zip(equivalent_power_w).take(self.configured) {
                 digest.number(state.observer.added_w);

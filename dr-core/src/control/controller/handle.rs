@@ -1,7 +1,7 @@
 //! What a controller does when it is told something.
 
-use super::{Controller, Element, ElementConfig, ElementState, RunState};
-use crate::control::command::{Command, Refusal, Reply};
+use super::{Cause, Controller, Element, ElementConfig, ElementState, RunState, Trip};
+use crate::control::command::{Command, LONGEST_ARMED_S, Refusal, Reply};
 use crate::control::drive::Drive;
 use crate::control::targets;
 use crate::error::{self, Parameter};
@@ -13,15 +13,28 @@ impl<const N: usize> Controller<N> {
     /// # Errors
     /// Says why not, and changes nothing.
     pub fn handle(&mut self, command: Command) -> Result<Reply, Refusal> {
+        if let Some(trip) = self.look_everywhere_for_upsets() {
+            // Sealed with the command, it would not be found any more.
+            self.fall(trip);
+            self.seal_states();
+            return Err(Refusal::Tripped(trip));
+        }
+        let reply = self.carry_out(command)?;
+        self.seal_all();
+        Ok(reply)
+    }
+
+    fn carry_out(&mut self, command: Command) -> Result<Reply, Refusal> {
         match command {
             Command::Clear => {
                 self.in_standby()?;
-                *self = Self::new();
+                self.forget();
             }
             Command::SamplePeriod { sample_period_s } => {
                 self.in_standby()?;
                 let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
                 self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
+                self.armed_ticks = 0;
                 // Their gains were for the old period.
                 for element in self.elements.iter_mut().flatten() {
                     (element.model, element.observer) = (None, None);
@@ -64,16 +77,39 @@ impl<const N: usize> Controller<N> {
                 if let RunState::Tripped(trip) = self.state {
                     return Err(Refusal::Tripped(trip));
                 }
-                self.state = RunState::Standby;
+                (self.state, self.armed_ticks) = (RunState::Standby, 0);
             }
-            Command::Acknowledge => {
-                if !matches!(self.state, RunState::Tripped(_)) {
-                    return Err(Refusal::NotTripped);
-                }
-                self.state = RunState::Standby;
-            }
+            Command::Acknowledge => match self.state {
+                RunState::Tripped(Trip { cause: Cause::Upset, .. }) => self.forget(),
+                RunState::Tripped(_) => self.state = RunState::Standby,
+                RunState::Standby | RunState::Running => return Err(Refusal::NotTripped),
+            },
+            Command::Arm { window_s } => self.arm(window_s)?,
+            Command::Disarm => self.armed_ticks = 0,
         }
         Ok(Reply::Done)
+    }
+
+    /// All but the count of upsets.
+    fn forget(&mut self) {
+        *self = Self { upsets: self.upsets, ..Self::new() };
+    }
+
+    fn arm(&mut self, window_s: f32) -> Result<(), Refusal> {
+        if let RunState::Tripped(trip) = self.state {
+            return Err(Refusal::Tripped(trip));
+        }
+        let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
+        let window_s = error::positive(Parameter::WindowS, window_s)
+            .and_then(|window_s| error::within(Parameter::WindowS, window_s, 0.0, LONGEST_ARMED_S))
+            .map_err(|error| Refusal::Invalid { element: None, error })?;
+        // A window shorter than a tick still is one.
+        self.armed_ticks = ((window_s / sample_period_s) as u32).max(1);
+        Ok(())
+    }
+
+    const fn armed(&self) -> Result<(), Refusal> {
+        if self.is_armed() { Ok(()) } else { Err(Refusal::NotArmed) }
     }
 
     fn in_standby(&self) -> Result<(), Refusal> {
@@ -107,6 +143,9 @@ impl<const N: usize> Controller<N> {
         if let RunState::Tripped(trip) = self.state {
             return Err(Refusal::Tripped(trip));
         }
+        if self.state == RunState::Running && drive.can_heat() {
+            self.armed()?;
+        }
         let slot = self.element_mut(element)?;
         let invalid = |error| Refusal::Invalid { element: Some(element), error };
         let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
@@ -126,6 +165,7 @@ impl<const N: usize> Controller<N> {
         if self.sample_period_s.is_none() {
             return Err(Refusal::NoSamplePeriod);
         }
+        self.armed()?;
         let (mut judged, mut unjudged) = (0, 0);
         let mut states = self.states;
         for (i, (element, state)) in self.elements.iter().zip(&mut states).enumerate() {

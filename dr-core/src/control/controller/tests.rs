@@ -8,8 +8,10 @@ use crate::model::mesh;
 use crate::sensor::Platinum;
 use std::vec::Vec;
 
+mod arming;
 mod elements;
 mod observing;
+mod upsets;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 
@@ -39,6 +41,12 @@ fn code(temperature_c: f32, high: bool) -> Reading {
     Reading::Code((volt / f64::from(VOLT_PER_CODE)) as i32)
 }
 
+/// Arms and starts.
+fn start<const N: usize>(controller: &mut Controller<N>) -> Result<Reply, Refusal> {
+    controller.handle(Command::Arm { window_s: 1.0 })?;
+    controller.handle(Command::Start)
+}
+
 /// A controller of two elements with these drives, running.
 fn running(drives: [Drive; 2]) -> Controller<2> {
     let mut controller = Controller::new();
@@ -49,7 +57,7 @@ fn running(drives: [Drive; 2]) -> Controller<2> {
         controller.handle(Command::Model { element: element_index, model: model() }).unwrap();
         controller.handle(Command::Drive { element: element_index, drive }).unwrap();
     }
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     controller
 }
 
@@ -113,13 +121,13 @@ fn every_fault_trips_within_its_tick_and_stays() {
         assert_eq!(controller.tick(&[code(0.0, false); 2]).heaters, Heaters(0b11));
         let tick = controller.tick(&[code(0.0, true), bad]);
         assert_eq!(tick.heaters, Heaters(0), "{cause:?}");
-        assert_eq!(tick.trip, Some(Trip { cause, element: 1 }));
+        assert_eq!(tick.trip, Some(Trip::of(1, cause)));
         let later = controller.tick(&[code(0.0, false); 2]);
         assert_eq!((later.heaters, later.trip), (Heaters(0), None));
-        assert_eq!(later.state, RunState::Tripped(Trip { cause, element: 1 }));
-        assert_eq!(controller.handle(Command::Start), Err(Refusal::Tripped(Trip { cause, element: 1 })));
+        assert_eq!(later.state, RunState::Tripped(Trip::of(1, cause)));
+        assert_eq!(start(&mut controller), Err(Refusal::Tripped(Trip::of(1, cause))));
         controller.handle(Command::Acknowledge).unwrap();
-        controller.handle(Command::Start).unwrap();
+        start(&mut controller).unwrap();
         assert_eq!(controller.tick(&[code(0.0, false); 2]).heaters, Heaters(0b11));
     }
 }
@@ -142,7 +150,7 @@ fn a_missing_reading_is_borne_at_the_low_level_only_so_long() {
         let back = controller.tick(&[code(5.0, false), code(5.0, true)]);
         assert_eq!(back.heaters, Heaters(0b11));
         controller.tick(&[absent, code(5.0, true)]);
-        assert_eq!(controller.tick(&[absent, code(5.0, true)]).trip, Some(Trip { cause, element: 0 }));
+        assert_eq!(controller.tick(&[absent, code(5.0, true)]).trip, Some(Trip::of(0, cause)));
     }
 }
 
@@ -151,7 +159,7 @@ fn a_set_point_that_is_never_met_trips_in_the_end() {
     let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
     controller.handle(Command::Stop).unwrap();
     controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 50 })).unwrap();
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     let mut ticks = 0;
     let trip = loop {
         let high = ticks > 0;
@@ -162,7 +170,7 @@ fn a_set_point_that_is_never_met_trips_in_the_end() {
         }
         assert!(ticks < 100);
     };
-    assert_eq!(trip, Some(Trip { cause: Cause::Unreachable, element: 0 }));
+    assert_eq!(trip, Some(Trip::of(0, Cause::Unreachable)));
     // the first tick changes the level, then 50 are borne
     assert_eq!(ticks, 52);
 }
@@ -185,7 +193,7 @@ fn a_model_loaded_after_the_drive_is_asked_at_the_start() {
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: 20.0 } }).unwrap();
     controller.handle(Command::Model { element: 0, model: model() }).unwrap();
-    assert!(matches!(controller.handle(Command::Start), Err(Refusal::Unreachable { .. })));
+    assert!(matches!(start(&mut controller), Err(Refusal::Unreachable { .. })));
     assert_eq!(controller.state(), RunState::Standby);
 }
 
@@ -214,7 +222,7 @@ fn a_refused_command_changes_nothing() {
 #[test]
 fn names_what_has_to_come_first() {
     let mut controller = Controller::<1>::new();
-    assert_eq!(controller.handle(Command::Start), Err(Refusal::NoSamplePeriod));
+    assert_eq!(start(&mut controller), Err(Refusal::NoSamplePeriod));
     assert_eq!(
         controller.handle(Command::Drive { element: 0, drive: Drive::Passive }),
         Err(Refusal::NotConfigured { element: 0 })
@@ -257,7 +265,7 @@ fn two_runs_of_the_same_experiment_are_the_same_run() {
         digests.push(digest.value());
         controller.handle(Command::Stop).unwrap();
         controller.tick(&body.readings());
-        controller.handle(Command::Start).unwrap();
+        start(&mut controller).unwrap();
     }
     assert_eq!(digests[0], digests[1]);
 }
@@ -286,7 +294,7 @@ fn a_new_period_makes_models_wait_for_their_new_gains() {
     assert!(controller.model_temperature_c(0).is_some());
     controller.handle(Command::SamplePeriod { sample_period_s: 0.02 }).unwrap();
     assert_eq!((controller.model_temperature_c(0), controller.sample_period_s()), (None, Some(0.02)));
-    assert_eq!(controller.handle(Command::Start), Ok(Reply::Started { judged: 0, unjudged: 0 }));
+    assert_eq!(start(&mut controller), Ok(Reply::Started { judged: 0, unjudged: 0 }));
 }
 
 #[test]
@@ -299,7 +307,7 @@ fn a_start_says_how_many_set_points_were_judged() {
         controller.handle(Command::Drive { element: index, drive }).unwrap();
     }
     controller.handle(Command::Model { element: 1, model: model() }).unwrap();
-    assert_eq!(controller.handle(Command::Start), Ok(Reply::Started { judged: 1, unjudged: 2 }));
+    assert_eq!(start(&mut controller), Ok(Reply::Started { judged: 1, unjudged: 2 }));
 }
 
 #[test]
@@ -322,7 +330,7 @@ fn set_points_stay_under_the_temperature_limit() {
 fn of_two_faults_the_first_element_is_named() {
     let mut controller = running([Drive::Passive, Drive::Passive]);
     let tick = controller.tick(&[Reading::Code(3), Reading::Code(8_388_607)]);
-    assert_eq!(tick.trip, Some(Trip { cause: Cause::Short, element: 0 }));
+    assert_eq!(tick.trip, Some(Trip::of(0, Cause::Short)));
 }
 
 #[test]
@@ -331,7 +339,7 @@ fn a_new_drive_starts_afresh_and_with_full_patience() {
     let mut controller = running([prbs, Drive::Power { power_w: 0.06 }]);
     controller.handle(Command::Stop).unwrap();
     controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 20 })).unwrap();
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     let mut heaters = Heaters(0);
     let bits = |controller: &mut Controller<2>, heaters: &mut Heaters| -> Vec<bool> {
         (0..15)
@@ -355,12 +363,12 @@ fn a_mean_power_out_of_reach_trips_in_the_end() {
     let mut controller = running([Drive::Power { power_w: 0.06 }, Drive::Passive]);
     controller.handle(Command::Stop).unwrap();
     controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 3 })).unwrap();
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     for tick in 0..3 {
         assert_eq!(controller.tick(&[code(-40.0, tick > 0), code(-40.0, false)]).trip, None);
     }
     let trip = controller.tick(&[code(-40.0, true), code(-40.0, false)]).trip;
-    assert_eq!(trip, Some(Trip { cause: Cause::Unreachable, element: 0 }));
+    assert_eq!(trip, Some(Trip::of(0, Cause::Unreachable)));
 }
 
 #[test]
@@ -399,7 +407,7 @@ fn the_digest_sees_every_part_of_the_state() {
     assert_ne!(digest(&changed, &observed), digest(&controller, &observed));
     let other = Tick { equivalent_power_w: Some([0.0, 1.0]), ..tick };
     assert_ne!(digest(&controller, &observed), digest(&controller, &other));
-    let trip = Trip { cause: Cause::Open, element: 1 };
+    let trip = Trip::of(1, Cause::Open);
     for other in [
         Tick { heaters: Heaters(2), ..tick },
         Tick { valid: 1, ..tick },

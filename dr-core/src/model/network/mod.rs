@@ -146,8 +146,14 @@ impl<const N: usize> Network<N> {
     /// # Errors
     /// Names a number that is not finite, rates that do not ascend, a steady gain or a weight that is not greater than zero, or no such element.
     pub fn set_own(&mut self, element: usize, config: &OwnConfig, sample_period_s: f32) -> Result<(), ConfigError> {
-        let own = Own::new(config, sample_period_s)?;
-        *self.own.get_mut(element).ok_or(NO_SUCH_ELEMENT)? = Some(own);
+        let mut own = Own::new(config, sample_period_s)?;
+        let slot = self.own.get_mut(element).ok_or(NO_SUCH_ELEMENT)?;
+        // Its place for quicker gains stays its own, and is empty again.
+        own.gains.sets = slot.as_ref().and_then(|known| known.gains.sets);
+        if let Some(sets) = own.gains.sets.and_then(|place| self.sets.get_mut(usize::from(place))) {
+            *sets = Sets::default();
+        }
+        *slot = Some(own);
         Ok(())
     }
 
@@ -304,7 +310,7 @@ impl<const N: usize> Network<N> {
     }
 }
 
-const NO_SUCH_ELEMENT: ConfigError = ConfigError { parameter: Parameter::CrossHeating, problem: Problem::NotPositive };
+const NO_SUCH_ELEMENT: ConfigError = ConfigError { parameter: Parameter::PartElement, problem: Problem::Missing };
 
 impl Own {
     fn new(config: &OwnConfig, sample_period_s: f32) -> Result<Self, ConfigError> {

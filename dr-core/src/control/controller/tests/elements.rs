@@ -33,7 +33,7 @@ fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
         controller.handle(Command::Model { element: index, model: model() }).unwrap();
         controller.handle(Command::Drive { element: index, drive }).unwrap();
     }
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     let (mut temperature_c, mut heaters) = ([-50.0_f32; 3], Heaters::default());
     let (mut said, mut digest) = (Vec::new(), Digest::default());
     for n in 0..2000 {

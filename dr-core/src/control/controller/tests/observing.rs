@@ -7,7 +7,7 @@ fn observing(drives: [Drive; 2]) -> Controller<2> {
     let mut controller = running(drives);
     controller.handle(Command::Stop).unwrap();
     controller.handle(Command::Observe { on: true }).unwrap();
-    controller.handle(Command::Start).unwrap();
+    start(&mut controller).unwrap();
     controller
 }
 
