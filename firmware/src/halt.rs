@@ -1,34 +1,72 @@
-//! When nothing can go on: heaters to the low level before anything else, then a word for the log, then a new start.
+//! When nothing can go on: heaters to the low level before anything else, then what happened into RAM that outlasts the
+//! reset, then a word for the log, then a new start, tripped until somebody acknowledges it ([`firmware::past_life`]).
 
 use crate::board;
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
+use firmware::past_life::{self, PastLife, Record, WORDS};
+use wire::{Crash, CrashKind, Name, ResetCause};
 
-/// Exit codes of the virtual board, which cannot be reset without losing its host.
-const PANICKED: u8 = 101;
-const FAULTED: u8 = 102;
+/// Left alone by the start, which clears the rest of the RAM.
+#[unsafe(link_section = ".uninit.PAST_LIFE")]
+static mut RECORD: core::mem::MaybeUninit<Record> = core::mem::MaybeUninit::uninit();
+
+fn read() -> Record {
+    // SAFETY: any bits are words. Volatile, since nothing that the compiler knows of has written them. Whoever writes them is the start
+    // or an end, when nothing else runs, or the control task, which is alone in acknowledging.
+    unsafe { (&raw const RECORD).cast::<[u32; WORDS]>().read_volatile() }
+}
+
+fn write(life: &PastLife) {
+    // SAFETY: as for reading.
+    unsafe { (&raw mut RECORD).cast::<[u32; WORDS]>().write_volatile(life.record()) }
+}
+
+/// The life that begins, and why; once a start.
+pub fn past_life(reset: ResetCause) -> (ResetCause, PastLife) {
+    let life = PastLife::after(&read(), reset);
+    write(&life);
+    (board::reset_as_remembered(reset, &life), life)
+}
+
+/// The crash has been acknowledged: the next start is one like any other.
+pub fn acknowledge() {
+    if let Some(life) = PastLife::read(&read()) {
+        write(&PastLife { crash: None, ..life });
+    }
+}
+
+/// Remembers a crash over the reset that follows. One that nobody has acknowledged stays: the first is the one to look into.
+fn remember(kind: CrashKind, file: Name, at: u32) {
+    let life = PastLife::read(&read()).unwrap_or(PastLife::FIRST);
+    if life.crash.is_none() {
+        write(&PastLife { crash: Some(Crash { kind, file, at }), ..life });
+    }
+}
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
     board::heaters_low();
+    let (file, line) = info.location().map_or(("", 0), |place| (place.file(), place.line()));
+    remember(CrashKind::Panic, past_life::end_of(file), line);
     // The place is enough to find the cause, and needs no formatting of numbers that only panics would use.
-    if let Some(place) = info.location() {
-        defmt::error!("panic at {=str}:{=u32}", place.file(), place.line());
-    }
-    board::restart(PANICKED)
+    defmt::error!("panic at {=str}:{=u32}", file, line);
+    board::restart()
 }
 
 #[defmt::panic_handler]
 fn defmt_panic() -> ! {
     cortex_m::interrupt::disable();
     board::heaters_low();
-    board::restart(PANICKED)
+    remember(CrashKind::Panic, past_life::end_of("defmt"), 0);
+    board::restart()
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     board::heaters_low();
+    remember(CrashKind::Fault, Name::new(), frame.pc());
     defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    board::restart(FAULTED)
+    board::restart()
 }

@@ -5,7 +5,7 @@
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use dr_core::control::Command;
 use heapless::spsc::Producer;
-use wire::{Readings, Received, ToBoard};
+use wire::{Provocation, Readings, Received, ToBoard};
 
 /// A command and the sequence number by which its reply refers to it.
 pub type Request = (u16, Command);
@@ -20,9 +20,9 @@ pub struct Questions {
 }
 
 impl Questions {
-    /// Nothing asked; a sample every tick.
+    /// A board says who it is when it starts; a sample every tick.
     pub const fn new() -> Self {
-        Self { identity: AtomicBool::new(false), telemetry_every: AtomicU16::new(1) }
+        Self { identity: AtomicBool::new(true), telemetry_every: AtomicU16::new(1) }
     }
 
     /// Whether somebody wants to know who this is. Answering once is enough however often it was asked.
@@ -59,6 +59,10 @@ pub enum Wake {
     Transmit,
     /// The host says that the run is over.
     Finish(u8),
+    /// The simulated front end has said nothing for a tick; the sequence number by which that is answered.
+    Silence(u16),
+    /// Something is to go wrong.
+    Provoke(Provocation),
     /// Nobody.
     Nobody,
 }
@@ -106,7 +110,11 @@ impl<'a> Inbox<'a> {
                 self.wake_control_if(queued)
             }
             ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),
-            ToBoard::Readings(_) | ToBoard::Finish { .. } => self.wake_control_if(false),
+            ToBoard::Silence if self.is_virtual => Wake::Silence(received.sequence),
+            ToBoard::Provoke(what) if self.is_virtual => Wake::Provoke(*what),
+            ToBoard::Readings(_) | ToBoard::Finish { .. } | ToBoard::Silence | ToBoard::Provoke(_) => {
+                self.wake_control_if(false)
+            }
         }
     }
 
@@ -135,16 +143,21 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_board_takes_no_readings_from_a_link() {
+    fn a_sensor_board_takes_neither_readings_nor_trouble_from_a_link() {
         let readings = Readings::new(&[dr_core::sensor::Reading::Code(1); 6]).unwrap();
         with_inbox(false, |inbox, _| {
             assert_eq!(inbox.accept(&received(ToBoard::Readings(readings.clone()))), Wake::Nobody);
             assert_eq!(inbox.accept(&received(ToBoard::Finish { code: 0 })), Wake::Nobody);
-            assert_eq!(inbox.refused, 2);
+            assert_eq!(inbox.accept(&received(ToBoard::Silence)), Wake::Nobody);
+            assert_eq!(inbox.accept(&received(ToBoard::Provoke(Provocation::Panic))), Wake::Nobody);
+            assert_eq!(inbox.refused, 4);
         });
         with_inbox(true, |inbox, _| {
             assert_eq!(inbox.accept(&received(ToBoard::Readings(readings))), Wake::Control);
             assert_eq!(inbox.accept(&received(ToBoard::Finish { code: 7 })), Wake::Finish(7));
+            assert_eq!(inbox.accept(&received(ToBoard::Silence)), Wake::Silence(1));
+            let reset = ToBoard::Provoke(Provocation::Reset);
+            assert_eq!(inbox.accept(&received(reset)), Wake::Provoke(Provocation::Reset));
         });
     }
 

@@ -4,7 +4,10 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod check_ins;
+pub mod dead_man;
 pub mod drivers;
 pub mod inbox;
 pub mod margins;
 pub mod outbox;
+pub mod past_life;

@@ -20,9 +20,11 @@ use defmt as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI3])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
-    use super::vitals::{self, CheckIns, Health, Member};
-    use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Command, Refusal, RunState, Station};
+    use super::halt;
+    use super::vitals::{self, Health};
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+    use dr_core::control::{Cause, Command, Refusal, RunState, Station};
+    use firmware::check_ins::{CheckIns, Member};
     use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
@@ -35,6 +37,9 @@ mod app {
     /// The vector of `receive`.
     const RECEIVE: Interrupt = Interrupt::USART2;
 
+    /// The vector of the dead man's handle. On the sensor board its timer raises it.
+    const DEAD_MAN: Interrupt = Interrupt::TIM5;
+
     /// Messages to the host that may wait; at 1 kHz and 921 600 baud the link needs 0.7 ms for a sample.
     const TELEMETRY_SLOTS: usize = 32;
 
@@ -45,6 +50,13 @@ mod app {
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
+    /// The dead man's handle has bitten, and the controller does not know yet.
+    static BITTEN: AtomicBool = AtomicBool::new(false);
+    static DEADLINES: AtomicU32 = AtomicU32::new(0);
+    static UPSETS: AtomicU32 = AtomicU32::new(0);
+    static ARMED: AtomicBool = AtomicBool::new(false);
+    /// What a life before ended with has been acknowledged.
+    static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
 
     #[shared]
     struct Shared {
@@ -80,8 +92,15 @@ mod app {
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
         vitals::start_ticking(&mut core.SYST);
-        defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, parts.reset_name());
-        let identity = vitals::identity(parts.reset);
+        let (reset, past) = halt::past_life(parts.reset);
+        defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
+        let mut station = Station::new();
+        if let Some(cause) = past.trip(reset) {
+            station.trip(cause);
+        }
+        let identity = vitals::identity(reset, past);
+        // Says who it is before anything else: a host that was speaking to the life before must learn of it.
+        transmit::spawn().ok();
         (
             Shared {
                 inbox: Inbox::new(request_in, exchange_in, &QUESTIONS, board::IS_VIRTUAL),
@@ -89,7 +108,7 @@ mod app {
                 status: None,
             },
             Local {
-                station: Station::new(),
+                station,
                 front_end: parts.front_end,
                 requests,
                 outbox: Outbox::new(message_in, &UNSENT),
@@ -116,10 +135,21 @@ mod app {
         }
     }
 
-    /// Owns the station: controller and anemometer. Priority 4, the highest: nothing delays a decision.
+    /// The dead man's handle bites: levels have not been decided anew for two ticks. Priority 5, above all others: whatever holds the
+    /// control task up, a silent front end or itself, cannot hold this up. Touches nothing that others own.
+    #[task(binds = TIM5, priority = 5)]
+    fn dead_man(_: dead_man::Context) {
+        board::heaters_low();
+        board::acknowledge_dead_man();
+        BITTEN.store(true, Relaxed);
+        DEADLINES.store(DEADLINES.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// Owns the station: controller and anemometer. Priority 4: nothing but the dead man's handle comes before a decision.
     ///
     /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise still see the old levels.
-    /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through.
+    /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
+    /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
     #[task(binds = EXTI4, priority = 4, local = [station, front_end, requests, outbox, last_state])]
     fn control(cx: control::Context) {
@@ -134,9 +164,19 @@ mod app {
 
         // One tick or none, unless the front end makes up for ticks in which it was silent.
         while let Some(readings) = front_end.poll() {
+            if BITTEN.load(Relaxed) {
+                BITTEN.store(false, Relaxed);
+                station.trip(Cause::Deadline);
+            }
             let tick = station.tick(&readings);
             // The heaters first: the wind decides nothing.
-            front_end.apply(&tick);
+            if !front_end.apply(&tick) {
+                station.trip(Cause::Heater);
+            }
+            // If the handle has bitten since, what has just been set is too old; the next tick trips.
+            if BITTEN.load(Relaxed) {
+                board::heaters_low();
+            }
             let wind = station.sense(&tick);
             if let Some(answer) = front_end.answer(station, &tick, wind.as_ref()) {
                 outbox.put(answer);
@@ -152,6 +192,12 @@ mod app {
             CONTROL_CYCLES_MAX.store(CONTROL_CYCLES_MAX.load(Relaxed).max(cycles), Relaxed);
             started = ended;
         }
+
+        if let Some(answer) = front_end.answer_silence() {
+            outbox.put(answer);
+        }
+        UPSETS.store(station.controller().upsets(), Relaxed);
+        ARMED.store(station.controller().is_armed(), Relaxed);
 
         let state = station.controller().state();
         if state != *last_state {
@@ -177,9 +223,14 @@ mod app {
         }
         let reply = station.handle(command)?;
         MARGINS.put(station.controller().margins());
-        // Not before: a start that is refused must not disturb the run.
-        if let Command::Start = command {
-            front_end.restart();
+        match command {
+            // Not before: a start that is refused must not disturb the run.
+            Command::Start => front_end.restart(),
+            Command::Acknowledge => {
+                halt::acknowledge();
+                ACKNOWLEDGED.store(true, Relaxed);
+            }
+            _ => {}
         }
         Ok(reply)
     }
@@ -216,6 +267,9 @@ mod app {
         while host_transmitter.is_free() {
             let mut number = || sequence.next(UNSENT.count());
             if QUESTIONS.take_identity() {
+                if ACKNOWLEDGED.load(Relaxed) {
+                    identity.crash = None;
+                }
                 transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
             } else if let Some(message) = messages.peek() {
                 // Sent where it stands: messages have room for many elements, and are slow to move.
@@ -252,6 +306,9 @@ mod app {
                 refused,
                 unsent: UNSENT.count(),
                 late_ticks: LATE_TICKS.load(Relaxed),
+                deadlines: DEADLINES.load(Relaxed),
+                upsets: UPSETS.load(Relaxed),
+                armed: ARMED.load(Relaxed),
                 control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
                 tick_cycles: TICK_CYCLES.load(Relaxed),
                 margins: MARGINS.read(),
@@ -286,6 +343,13 @@ mod app {
                 transmit::spawn().ok();
             }
             Wake::Finish(code) => board::finish(code),
+            Wake::Silence(sequence) => {
+                if board::silence(sequence) {
+                    rtic::pend(DEAD_MAN);
+                }
+                rtic::pend(CONTROL);
+            }
+            Wake::Provoke(what) => board::provoke(what),
             Wake::Nobody => {}
         }
     }

@@ -1,9 +1,10 @@
-//! Is everybody well? Check-ins for the watchdog, the status of each second, and words for the log.
+//! Is everybody well? Food for the watchdog, the status of each second, who this is, and words for the log.
 
 use crate::board::{self, Watchdog};
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use dr_core::control::RunState;
+use firmware::check_ins::CheckIns;
+use firmware::past_life::PastLife;
 use wire::{Identity, Name, ResetCause};
 
 /// Name and version of this firmware.
@@ -11,47 +12,6 @@ pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
 
 /// Beats of the health task a second. SysTick's 24 bits allow no less than 10 at 168 MHz.
 const BEATS_PER_SECOND: u32 = 20;
-
-/// Who has to check in.
-#[derive(Clone, Copy)]
-pub enum Member {
-    /// The control task.
-    Control,
-    /// The receiver.
-    Receive,
-    /// The transmitter.
-    Transmit,
-}
-
-/// Who has checked in since the watchdog was last fed.
-pub struct CheckIns([AtomicBool; 3]);
-
-impl CheckIns {
-    /// Nobody yet.
-    pub const fn new() -> Self {
-        Self([const { AtomicBool::new(false) }; 3])
-    }
-
-    /// Says that a task is alive.
-    pub fn check_in(&self, member: Member) {
-        let Self([control, receive, transmit]) = self;
-        match member {
-            Member::Control => control,
-            Member::Receive => receive,
-            Member::Transmit => transmit,
-        }
-        .store(true, Relaxed);
-    }
-
-    /// Whether all have checked in; if so, they are asked anew.
-    fn all_anew(&self) -> bool {
-        let all = self.0.iter().all(|member| member.load(Relaxed));
-        if all {
-            self.0.iter().for_each(|member| member.store(false, Relaxed));
-        }
-        all
-    }
-}
 
 /// What the health task remembers.
 pub struct Health {
@@ -96,12 +56,12 @@ pub fn start_ticking(syst: &mut SYST) {
 }
 
 /// Who this is.
-pub fn identity(reset: ResetCause) -> Identity {
+pub fn identity(reset: ResetCause, past: PastLife) -> Identity {
     let mut firmware = Name::new();
     // A longer name is cut: it is for people.
     NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);
     let (elements, order) = (board::ELEMENTS as u8, dr_core::model::ORDER as u8);
-    Identity { firmware, board: board::KIND, elements, order, reset }
+    Identity { firmware, board: board::KIND, elements, order, reset, starts: past.starts, crash: past.crash }
 }
 
 /// A change of state, for people.

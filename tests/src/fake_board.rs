@@ -2,7 +2,7 @@
 //! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
 
 use crate::{foreign_frame, readings, sensor};
-use dr_core::control::{Command, Controller, Reply, RunState};
+use dr_core::control::{Cause, Command, Controller, Reply, RunState};
 use dr_core::sensor::Reading;
 use firmware::drivers::ads131e06::CHANNELS;
 use firmware::inbox::{Exchange, Inbox, Questions, Request};
@@ -181,7 +181,7 @@ impl Life {
         let mut controller = Controller::<CHANNELS>::new();
         let mut sensor = self.new_sensor();
         let (mut obeyed, mut unheard) = (Vec::new(), None);
-        let (mut reset, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 0, Instant::now());
+        let (mut reset, mut starts, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 1, 0, Instant::now());
         let mut buffer = [0; 256];
         let mut between_frames = receiver.clone();
         while self.cable.is_alive() {
@@ -228,7 +228,8 @@ impl Life {
             }
             if due(self.quirks.restarts_at) {
                 (controller, receiver, sequence) = (Controller::new(), Receiver::new(), Sequence::new());
-                (reset, uptime_s) = (ResetCause::Watchdog, 0);
+                (reset, starts, uptime_s) = (ResetCause::Watchdog, starts + 1, 0);
+                controller.trip(Cause::Watchdog);
             }
             if self.mended.swap(false, Relaxed) {
                 self.experiment.faults.clear();
@@ -255,7 +256,7 @@ impl Life {
             if questions.take_identity() {
                 let firmware = Name::try_from("fake board").expect("it is short");
                 let (board, elements, order) = (BoardKind::Sensor, CHANNELS as u8, dr_core::model::ORDER as u8);
-                send(&FromBoard::Identity(Identity { firmware, board, elements, order, reset }));
+                send(&FromBoard::Identity(Identity { firmware, board, elements, order, reset, starts, crash: None }));
             }
             while let Some(message) = messages.dequeue() {
                 send(&message);
@@ -270,6 +271,9 @@ impl Life {
                     refused,
                     unsent,
                     late_ticks,
+                    deadlines: 0,
+                    upsets: controller.upsets(),
+                    armed: controller.is_armed(),
                     control_cycles_max,
                     tick_cycles,
                     margins: controller.margins().collect(),

@@ -76,8 +76,8 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::{
-        BoardKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample, Parts, Readings,
-        ResetCause, Sample, Status, ToBoard, WindSample,
+        BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample,
+        Parts, Readings, ResetCause, Sample, Status, ToBoard, WindSample,
     };
     use dr_core::control::{
         Cause, Command, Controller, Doubts, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
@@ -120,8 +120,10 @@ mod tests {
         let observed = ObservedSample { sample: sample.clone(), equivalent_power_w, wind: Some(wind) };
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
         assert_eq!(firmware.len(), firmware.capacity());
+        let crash = Crash { kind: CrashKind::Fault, file: firmware.clone(), at: u32::MAX };
+        let (board, reset) = (BoardKind::Virtual, ResetCause::Unknown);
         let identity =
-            Identity { firmware, board: BoardKind::Virtual, elements: 255, order: 255, reset: ResetCause::Unknown };
+            Identity { firmware, board, elements: 255, order: 255, reset, starts: u32::MAX, crash: Some(crash) };
         let counters = LinkCounters {
             messages: u32::MAX,
             damaged: u32::MAX,
@@ -136,6 +138,9 @@ mod tests {
             refused: u32::MAX,
             unsent: u32::MAX,
             late_ticks: u32::MAX,
+            deadlines: u32::MAX,
+            upsets: u32::MAX,
+            armed: true,
             control_cycles_max: u32::MAX,
             tick_cycles: u32::MAX,
             margins: List::from_array([Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); MOST_ELEMENTS]),

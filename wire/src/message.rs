@@ -46,6 +46,31 @@ pub enum ToBoard {
         /// Exit code.
         code: u8,
     },
+    /// A tick has passed in which the simulated front end said nothing. Answered by `Heaters` with the levels as they stand then.
+    /// Obeyed by the virtual board only.
+    Silence,
+    /// Something goes wrong. Obeyed by the virtual board only.
+    Provoke(Provocation),
+}
+
+/// What can be made to go wrong on the virtual board, to see what becomes of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Provocation {
+    /// The firmware panics.
+    Panic,
+    /// It reads where there is nothing: a hard fault.
+    Fault,
+    /// It calls itself until the stack is full.
+    Overflow,
+    /// The reset pin.
+    Reset,
+    /// A bit flips in a byte of its RAM.
+    Upset {
+        /// Where the byte is, from the beginning of the RAM on.
+        offset: u32,
+        /// Which bit, 0 … 7.
+        bit: u8,
+    },
 }
 
 /// Board to host.
@@ -99,6 +124,30 @@ pub struct Identity {
     pub order: u8,
     /// Why it last started.
     pub reset: ResetCause,
+    /// How often it has started since its supply came up.
+    pub starts: u32,
+    /// What ended its life before, if it was a panic or a fault that nobody has acknowledged yet.
+    pub crash: Option<Crash>,
+}
+
+/// What a firmware died of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Crash {
+    /// Panic or fault.
+    pub kind: CrashKind,
+    /// Of a panic the file, without its folders as far as they do not fit; of a fault nothing.
+    pub file: Name,
+    /// Of a panic the line, of a fault the address at which it happened.
+    pub at: u32,
+}
+
+/// Kinds of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CrashKind {
+    /// The firmware found itself in a state that it does not know.
+    Panic,
+    /// The processor did: a bad address, a bad instruction, a full stack.
+    Fault,
 }
 
 /// Kinds of boards.
@@ -292,6 +341,12 @@ pub struct Status {
     pub unsent: u32,
     /// Ticks that came before the one before was through.
     pub late_ticks: u32,
+    /// Times that the heaters were lowered because their levels had not been decided anew in time.
+    pub deadlines: u32,
+    /// Times that memory was found to be something else than what had been written to it.
+    pub upsets: u32,
+    /// Whether what can heat may be asked for now.
+    pub armed: bool,
     /// Longest control task so far, processor cycles (0 where there is no cycle counter).
     pub control_cycles_max: u32,
     /// Processor cycles in a tick; 0 until the sample period is set.

@@ -13,9 +13,9 @@
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, Judgement, Limits, Trip};
 use super::targets::{self, Margins};
-use seals::Seals;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
+use seals::Seals;
 
 /// What the instrument is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,7 +36,9 @@ impl RunState {
         match self {
             Self::Standby => 0,
             Self::Running => 1,
-            Self::Tripped(Trip { cause, element }) => 2 | (cause as u32) << 8 | u32::from(element.unwrap_or(0xff)) << 16,
+            Self::Tripped(Trip { cause, element }) => {
+                2 | (cause as u32) << 8 | u32::from(element.unwrap_or(0xff)) << 16
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use super::anemometer::{Anemometer, WindCommand, WindTick};
 use super::command::{Command, Refusal, Reply};
 use super::controller::{Controller, RunState, Tick};
 use super::digest::Digest;
+use super::guard::Cause;
 use crate::sensor::Reading;
 
 /// The two, which are told and ticked together.
@@ -62,6 +63,11 @@ impl<const N: usize> Station<N> {
         let invalid = |error| Refusal::Invalid { element, error };
         self.anemometer.handle(command, sample_period_s).map_err(invalid)?;
         Ok(Reply::Done)
+    }
+
+    /// Trips for a cause that the controller cannot see by itself, unless it is tripped already.
+    pub fn trip(&mut self, cause: Cause) {
+        self.controller.trip(cause);
     }
 
     /// The first half of a tick: readings in, levels out.

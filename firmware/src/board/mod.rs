@@ -11,6 +11,8 @@
 //! | `Idler` | `wait` sleeps |
 //! | `heaters_low` | from any context, owning nothing |
 //! | `restart` | a new start after a panic or a fault |
+//! | `acknowledge_dead_man` | takes back the interrupt of the dead man's handle |
+//! | `silence`, `provoke`, `finish` | what only the host of a virtual board asks for |
 
 #[cfg(all(feature = "sensor-board", feature = "virtual-board"))]
 compile_error!("choose one board: --features sensor-board or --features virtual-board");
@@ -43,16 +45,14 @@ pub struct Parts {
     pub reset: ResetCause,
 }
 
-impl Parts {
-    /// The reset cause, for people.
-    pub const fn reset_name(&self) -> &'static str {
-        match self.reset {
-            ResetCause::PowerOn => "power-on",
-            ResetCause::Pin => "the reset pin",
-            ResetCause::Software => "software",
-            ResetCause::Watchdog => "the watchdog",
-            ResetCause::BrownOut => "a brown-out",
-            ResetCause::Unknown => "an unknown cause",
-        }
+/// A reset cause, for people.
+pub const fn reset_name(reset: ResetCause) -> &'static str {
+    match reset {
+        ResetCause::PowerOn => "power-on",
+        ResetCause::Pin => "the reset pin",
+        ResetCause::Software => "software",
+        ResetCause::Watchdog => "the watchdog",
+        ResetCause::BrownOut => "a brown-out",
+        ResetCause::Unknown => "an unknown cause",
     }
 }

@@ -7,21 +7,26 @@
 //!   semihosting. Some thirty times faster, for long runs; the bytes are the same.
 //!
 //! What the emulator lacks is left out: no PLL (its RCC does not answer), no DMA, no transmit interrupts (so sending is
-//! polled, which costs nothing there), no watchdog, no cycle counter.
+//! polled, which costs nothing there), no watchdog, no cycle counter, no timer: how long the front end is silent the host says.
+//! A reset is a real one: RAM stays, as on the sensor board.
 
 use super::Parts;
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
+use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Digest, Station, Tick, WindTick};
+use dr_core::control::{Digest, Heaters, Station, Tick, WindTick};
 use dr_core::sensor::Reading;
+use firmware::dead_man::DeadMan;
 use firmware::inbox::Exchange;
 use firmware::outbox::Sequence;
+use firmware::past_life::PastLife;
 use heapless::spsc::Consumer;
 use stm32f4xx_hal::pac::{self, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
-use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, ResetCause, encode};
+use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause, encode};
 
 use defmt_semihosting as _;
 
@@ -37,6 +42,12 @@ pub const IS_VIRTUAL: bool = true;
 pub const CLOCK_HZ: u32 = 168_000_000;
 
 const BAUD: u32 = 921_600;
+
+/// What would be the heaters' pins.
+static PINS: AtomicU16 = AtomicU16::new(0);
+static DEAD_MAN: DeadMan = DeadMan::new();
+/// One more than the number of the silence that has to be answered; 0 if there is none.
+static SILENCE: AtomicU32 = AtomicU32::new(0);
 
 /// Sets up the links.
 pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: Consumer<'static, Exchange>) -> Parts {
@@ -65,8 +76,8 @@ pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: 
             .map_or(HostTransmitter::Usart(host_tx), |fifos| HostTransmitter::Fifo(fifos.from_board)),
         watchdog: Watchdog,
         idler: Idler { fifos, buffer: [0; 256] },
-        // The emulated RCC does not keep the flags.
-        reset: ResetCause::Unknown,
+        // The emulated RCC does not keep the flags; what outlasts a reset in RAM will tell whether there was one.
+        reset: ResetCause::Software,
     }
 }
 
@@ -75,12 +86,63 @@ pub const fn cycles() -> u32 {
     0
 }
 
-/// There is no heater that could be left on.
-pub const fn heaters_low() {}
+/// Puts all heaters at the low level at once.
+pub fn heaters_low() {
+    PINS.store(0, Relaxed);
+}
 
-/// Leaves the emulator.
-pub fn restart(code: u8) -> ! {
-    finish(code)
+/// The host counts the time; there is no interrupt to take back.
+pub const fn acknowledge_dead_man() {}
+
+/// A tick has passed in which the front end said nothing; says whether the dead man's handle bites.
+pub fn silence(sequence: u16) -> bool {
+    SILENCE.store(u32::from(sequence) + 1, Relaxed);
+    DEAD_MAN.tick_passed()
+}
+
+/// Why it started, by what is remembered.
+pub fn reset_as_remembered(_: ResetCause, life: &PastLife) -> ResetCause {
+    match (life.starts, &life.crash) {
+        (1, _) => ResetCause::PowerOn,
+        (_, Some(_)) => ResetCause::Software,
+        (_, None) => ResetCause::Pin,
+    }
+}
+
+/// A new start, with the RAM as it is. The emulator's links stay open.
+pub fn restart() -> ! {
+    heaters_low();
+    SCB::sys_reset()
+}
+
+/// Does itself harm, as it is told.
+#[inline(never)]
+pub fn provoke(what: Provocation) {
+    const RAM: usize = 0x2000_0000;
+    const RAM_BYTES: u32 = 128 * 1024;
+    match what {
+        #[allow(clippy::panic)]
+        Provocation::Panic => panic!("as the host has asked"),
+        // SAFETY: nothing is there, which is what is wanted: a bus fault, and from it a hard fault.
+        Provocation::Fault => drop(unsafe { core::ptr::read_volatile(0xd000_0000 as *const u32) }),
+        Provocation::Overflow => fill_the_stack(0),
+        Provocation::Reset => restart(),
+        Provocation::Upset { offset, bit } if offset < RAM_BYTES && bit < 8 => {
+            let byte = (RAM + offset as usize) as *mut u8;
+            // SAFETY: none, and that is the point: it stands for a particle that hits this byte. It is in RAM.
+            unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << bit) };
+        }
+        Provocation::Upset { .. } => {}
+    }
+}
+
+/// Calls itself for ever.
+#[allow(unconditional_recursion)]
+#[inline(never)]
+fn fill_the_stack(depth: u32) {
+    let filling = core::hint::black_box([depth; 16]);
+    fill_the_stack(depth.wrapping_add(1));
+    core::hint::black_box(filling);
 }
 
 /// Leaves the emulator with an exit code.
@@ -138,8 +200,12 @@ impl FrontEnd {
         Some(readings)
     }
 
-    /// There is no heater: the levels go with the answer.
-    pub const fn apply(&mut self, _tick: &Tick<ELEMENTS>) {}
+    /// The levels go with the answer.
+    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
+        DEAD_MAN.decided(tick.heaters.0 != 0);
+        PINS.store(tick.heaters.0, Relaxed);
+        true
+    }
 
     /// Answers the exchange with the levels and a digest of all that led to them and followed from them. Gives the answer back if it
     /// has to go by the host link.
@@ -150,8 +216,19 @@ impl FrontEnd {
         wind: Option<&WindTick>,
     ) -> Option<FromBoard> {
         station.fold(tick, wind, &mut self.digest);
-        let answer = HeaterFrame { to: self.answering, heaters: tick.heaters, digest: self.digest.value() };
-        let answer = FromBoard::Heaters(answer);
+        self.tell_levels(self.answering)
+    }
+
+    /// Answers a tick of silence with the levels as they have become.
+    pub fn answer_silence(&mut self) -> Option<FromBoard> {
+        let number = SILENCE.load(Relaxed).checked_sub(1)?;
+        SILENCE.store(0, Relaxed);
+        self.tell_levels(number as u16)
+    }
+
+    fn tell_levels(&mut self, to: u16) -> Option<FromBoard> {
+        let heaters = Heaters(PINS.load(Relaxed));
+        let answer = FromBoard::Heaters(HeaterFrame { to, heaters, digest: self.digest.value() });
         let Some((usart, sequence)) = &mut self.usart else { return Some(answer) };
         let mut buffer = [0; MAX_FRAME];
         if let Ok(frame) = encode(sequence.next(0), &answer, &mut buffer) {

@@ -78,6 +78,11 @@ impl TickPlan {
         Ok(Self { rate, conversions: sample_period_us / rate.conversion_us() })
     }
 
+    /// Length of a tick, µs.
+    pub const fn tick_us(self) -> u32 {
+        self.conversions * self.rate.conversion_us()
+    }
+
     /// Plans ticks of `sample_period_s` s, as commands carry it.
     ///
     /// # Errors

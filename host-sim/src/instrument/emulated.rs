@@ -9,14 +9,14 @@ mod stream;
 
 use super::link::{Link, PATIENCE, Persistence, Stream};
 use super::lock_step::packed;
-use super::{Account, Body, InstrumentError, TickReport};
+use super::{Account, Body, InstrumentError, TickReport, why_it_started};
 use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
 use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
 pub use stream::Pipe;
-use wire::{FromBoard, HeaterFrame, Identity, Status, ToBoard};
+use wire::{FromBoard, HeaterFrame, Identity, Provocation, Status, ToBoard};
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
@@ -54,6 +54,8 @@ pub struct Emulated {
     answer: Option<HeaterFrame>,
     sample: Option<TickReport>,
     status: Option<Status>,
+    /// Who it has become by a start that nobody here asked for.
+    reborn: Option<Identity>,
     /// Exchanges since the host link was last read.
     unattended: u32,
 }
@@ -76,7 +78,17 @@ impl Emulated {
             InstrumentError::Silent(patience) => InstrumentError::Mute { firmware: firmware.to_owned(), patience },
             other => other,
         })?;
-        Ok(Self { process, links, identity, digest: 0, answer: None, sample: None, status: None, unattended: 0 })
+        Ok(Self {
+            process,
+            links,
+            identity,
+            digest: 0,
+            answer: None,
+            sample: None,
+            status: None,
+            reborn: None,
+            unattended: 0,
+        })
     }
 
     /// Puts bytes on the host link that no host would: to see what the board makes of them.
@@ -90,6 +102,36 @@ impl Emulated {
     /// The board's last word on its health.
     pub fn status(&self) -> Option<&Status> {
         self.status.as_ref()
+    }
+
+    /// Makes something go wrong on the board. What becomes of it shows in what it does next.
+    ///
+    /// # Errors
+    /// If the board is gone.
+    pub fn provoke(&mut self, what: Provocation) -> Result<(), InstrumentError> {
+        self.links.bench().send(&ToBoard::Provoke(what)).map(drop)
+    }
+
+    /// A tick passes in which the front end says nothing; gives the levels as they stand then.
+    ///
+    /// # Errors
+    /// If the board is gone, or answers something else.
+    pub fn silence(&mut self) -> Result<HeaterFrame, InstrumentError> {
+        self.answered(&ToBoard::Silence).map_err(|error| self.process.explain(error))
+    }
+
+    /// Waits for a board to start anew, and goes on with it as it is then.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub fn reborn(&mut self) -> Result<Identity, InstrumentError> {
+        while self.reborn.is_none() {
+            let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
+            self.hear(message);
+        }
+        (self.answer, self.sample, self.status) = (None, None, None);
+        self.identity = self.reborn.take().unwrap_or_else(|| self.identity.clone());
+        Ok(self.identity.clone())
     }
 
     /// Asks for no samples: what is left of an exchange is readings, levels and digest. For runs of millions of ticks of
@@ -127,13 +169,19 @@ impl Emulated {
     }
 
     fn ask(&mut self, readings: &[Reading]) -> Result<HeaterFrame, InstrumentError> {
-        let asked = self.links.bench().send(&ToBoard::Readings(packed(readings)?))?;
+        self.answered(&ToBoard::Readings(packed(readings)?))
+    }
+
+    /// Sends what is answered by levels.
+    fn answered(&mut self, message: &ToBoard) -> Result<HeaterFrame, InstrumentError> {
+        let asked = self.links.bench().send(message)?;
         let answer = loop {
             let message = self.process.patiently(|patience| self.links.bench().receive(patience))?;
             self.hear(message);
             if let Some(answer) = self.answer.take() {
                 break answer;
             }
+            self.still_the_same()?;
         };
         if answer.to != asked {
             return Err(InstrumentError::Protocol(format!("exchange {asked} was answered as {}", answer.to)));
@@ -157,8 +205,14 @@ impl Emulated {
             }
             let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
             self.hear(message);
+            self.still_the_same()?;
             self.unattended = 0;
         }
+    }
+
+    /// An error if the board has started anew.
+    fn still_the_same(&self) -> Result<(), InstrumentError> {
+        self.reborn.as_ref().map_or(Ok(()), |reborn| Err(InstrumentError::Restarted(why_it_started(reborn))))
     }
 
     fn hear(&mut self, message: FromBoard) {
@@ -167,7 +221,13 @@ impl Emulated {
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
-            FromBoard::Event(_) | FromBoard::Identity(_) | FromBoard::Reply { .. } => {}
+            FromBoard::Event(_) | FromBoard::Reply { .. } => {}
+            // A board says who it is when it starts, and whenever it is asked.
+            FromBoard::Identity(identity) => {
+                if identity.starts != self.identity.starts {
+                    self.reborn = Some(identity);
+                }
+            }
         }
     }
 }

@@ -31,6 +31,8 @@ impl InProcess {
                 elements: MOST_ELEMENTS as u8,
                 order,
                 reset: ResetCause::PowerOn,
+                starts: 1,
+                crash: None,
             },
             station: Station::new(),
             digest: Digest::default(),

@@ -22,7 +22,9 @@ use dr_core::control::{Command, Refusal, Reply};
 use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
-use wire::{FromBoard, Identity, LinkCounters, List, ObservedSample, Sample, Status, WindSample};
+use wire::{
+    CrashKind, FromBoard, Identity, LinkCounters, List, ObservedSample, ResetCause, Sample, Status, WindSample,
+};
 
 /// What a controller says of one tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,6 +116,23 @@ pub trait Instrument {
     fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
 }
 
+/// Why a board has started, as a clause.
+pub fn why_it_started(identity: &Identity) -> String {
+    let crash = identity.crash.as_ref().map(|crash| match crash.kind {
+        CrashKind::Panic => format!("its firmware panicked at {}:{}", crash.file, crash.at),
+        CrashKind::Fault => format!("its processor faulted at {:#010x}", crash.at),
+    });
+    let reset = match identity.reset {
+        ResetCause::PowerOn => "its supply was gone",
+        ResetCause::Pin => "somebody reset it",
+        ResetCause::Software => "its firmware ran into an error",
+        ResetCause::Watchdog => "a task of its firmware hung",
+        ResetCause::BrownOut => "its supply dipped",
+        ResetCause::Unknown => "it does not know why",
+    };
+    crash.unwrap_or_else(|| reset.to_owned())
+}
+
 /// Why an instrument cannot go on. Each says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum InstrumentError {
@@ -177,7 +196,7 @@ pub enum InstrumentError {
     },
     /// It forgot everything in the middle of a run.
     #[error("the board has started anew in the middle of the run, heaters low; it says that {0}")]
-    Restarted(&'static str),
+    Restarted(String),
     /// Nobody answers.
     #[error("the board has not answered for {:.1} s; is its firmware running, and is this its port?", .0.as_secs_f64())]
     Silent(Duration),

@@ -5,13 +5,13 @@
 //! run with an error.
 
 use super::link::{Link, Persistence, Stream};
-use super::{Account, Instrument, InstrumentError, Observation, TickReport};
+use super::{Account, Instrument, InstrumentError, Observation, TickReport, why_it_started};
 use dr_core::control::{Command, Reply, RunState};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
-use wire::{FromBoard, Identity, ResetCause, Status, ToBoard};
+use wire::{FromBoard, Identity, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -64,6 +64,8 @@ impl Stream for Port {
 struct Heard {
     samples: VecDeque<TickReport>,
     status: Option<Status>,
+    /// Of the life in which the conversation began.
+    starts: Option<u32>,
     restarted: bool,
 }
 
@@ -76,7 +78,11 @@ impl Heard {
                 self.status = Some(status);
             }
             // Changes of state are in every sample; a reply that comes now is the second to a repeated command.
-            FromBoard::Identity(_) | FromBoard::Reply { .. } | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
+            // A board says who it is when it starts, and whenever it is asked.
+            FromBoard::Identity(identity) => {
+                self.restarted |= self.starts.is_some_and(|starts| starts != identity.starts)
+            }
+            FromBoard::Reply { .. } | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
         }
     }
 
@@ -119,7 +125,8 @@ impl Serial {
         // Ends whatever the board may have taken for the beginning of a frame.
         link.stream_mut().write_all(&[0])?;
         let identity = link.hello(HELLO_PATIENCE)?;
-        Ok(Self { link, identity, heard: Heard::default(), silence: SILENCE })
+        let heard = Heard { starts: Some(identity.starts), ..Heard::default() };
+        Ok(Self { link, identity, heard, silence: SILENCE })
     }
 }
 
@@ -160,7 +167,7 @@ impl Instrument for Serial {
             }
             if self.heard.restarted {
                 let identity = self.link.hello(HELLO_PATIENCE)?;
-                return Err(InstrumentError::Restarted(why(identity.reset)));
+                return Err(InstrumentError::Restarted(why_it_started(&identity)));
             }
             if Instant::now() >= deadline {
                 // It may still send its status.
@@ -192,17 +199,6 @@ impl Instrument for Serial {
             }
         }
         Ok(Account { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
-    }
-}
-
-fn why(reset: ResetCause) -> &'static str {
-    match reset {
-        ResetCause::PowerOn => "its supply was gone",
-        ResetCause::Pin => "somebody reset it",
-        ResetCause::Software => "its firmware ran into an error",
-        ResetCause::Watchdog => "a task of its firmware hung",
-        ResetCause::BrownOut => "its supply dipped",
-        ResetCause::Unknown => "it does not know why",
     }
 }
 

@@ -18,6 +18,7 @@
 
 use super::ELEMENTS;
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
+use super::dead_man::DeadMan;
 use dr_core::ConfigError;
 use dr_core::control::{Station, Tick, WindTick};
 use dr_core::sensor::Reading;
@@ -37,7 +38,7 @@ use stm32f4xx_hal::spi::Spi;
 /// The heater pins in their port: PC0 … PC5.
 pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 /// Until the host sets one.
-const FIRST_PERIOD_US: u32 = 10_000;
+pub const FIRST_PERIOD_US: u32 = 10_000;
 
 /// Six pins of port C.
 pub type Heaters = HeaterPins<PartiallyErasedPin<'C', Output>, ELEMENTS>;
@@ -64,6 +65,7 @@ pub struct FrontEnd {
     adc: Adc,
     line: PB4<Input>,
     heaters: Heaters,
+    dead_man: DeadMan,
     /// The ADC has been brought up: its reference is on and its offsets are known.
     usable: bool,
     /// The rate it converts at; `None` while it must not be believed.
@@ -76,7 +78,15 @@ pub struct FrontEnd {
 
 impl FrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
-    pub fn start(spi: SPI1, pins: AdcPins, mut exti: EXTI, syscfg: SYSCFG, heaters: Heaters, rcc: &mut Rcc) -> Self {
+    pub fn start(
+        spi: SPI1,
+        pins: AdcPins,
+        mut exti: EXTI,
+        syscfg: SYSCFG,
+        heaters: Heaters,
+        dead_man: DeadMan,
+        rcc: &mut Rcc,
+    ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
         let clock = pins.clock.into_alternate().speed(Speed::Medium);
         let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
@@ -102,6 +112,7 @@ impl FrontEnd {
             adc,
             line,
             heaters,
+            dead_man,
             usable,
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
@@ -143,10 +154,10 @@ impl FrontEnd {
         edge && self.rate.is_some()
     }
 
-    /// Puts the levels on the pins.
-    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) {
-        // Writing these pins cannot fail, and for a level beyond the last element all are low already.
-        self.heaters.apply(tick.heaters).ok();
+    /// Puts the levels on the pins; says whether that went well. If not, they are low.
+    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
+        self.dead_man.decided(tick.heaters.0 != 0);
+        self.heaters.apply(tick.heaters).is_ok()
     }
 
     /// Nobody waits for an answer: the levels are where they belong.
@@ -156,6 +167,11 @@ impl FrontEnd {
         _: &Tick<ELEMENTS>,
         _: Option<&WindTick>,
     ) -> Option<wire::FromBoard> {
+        None
+    }
+
+    /// There is nothing that could be answered.
+    pub const fn answer_silence(&mut self) -> Option<wire::FromBoard> {
         None
     }
 
@@ -179,6 +195,7 @@ impl FrontEnd {
         }
         self.data_ready = expectation(plan);
         self.mean = SettledMean::new(plan);
+        self.dead_man.set_tick(plan.tick_us());
         self.overran = false;
         Ok(())
     }

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
+//! | `dead_man.rs` | heaters low unless their levels are decided anew |
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `watchdog.rs` | reset unless everybody is well |
@@ -11,27 +12,31 @@
 //! code from the reference manual RM0090.
 
 mod clocks;
+mod dead_man;
 mod front_end;
 mod host_link;
 mod watchdog;
 
 pub use clocks::{CLOCK_HZ, cycles};
+pub use dead_man::acknowledge_dead_man;
 pub use front_end::FrontEnd;
 pub use host_link::{HostReceiver, HostTransmitter, acknowledge_received, acknowledge_sent};
 pub use watchdog::Watchdog;
 
 use super::Parts;
 use cortex_m::peripheral::SCB;
+use dead_man::DeadMan;
 use defmt_rtt as _;
 use firmware::drivers::ads131e06::CHANNELS;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
-use front_end::{AdcPins, HEATER_MASK};
+use firmware::past_life::PastLife;
+use front_end::{AdcPins, FIRST_PERIOD_US, HEATER_MASK};
 use heapless::spsc::Consumer;
 use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac::{self, GPIOC};
 use stm32f4xx_hal::prelude::*;
-use wire::BoardKind;
+use wire::{BoardKind, ResetCause};
 
 /// For the log.
 pub const NAME: &str = "sensor";
@@ -81,7 +86,8 @@ pub fn init(
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
-    let front_end = FrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, &mut rcc);
+    let dead_man = DeadMan::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
+    let front_end = FrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
     watchdog.expect_check_ins();
     Parts { front_end, host_receiver, host_transmitter, watchdog, idler: Idler, reset }
 }
@@ -93,15 +99,28 @@ pub fn heaters_low() {
     unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(HEATER_MASK << 16)) };
 }
 
-/// A new start. The log has said why; the next start tells the host that software asked for it.
-pub fn restart(_: u8) -> ! {
+/// Why it started, by its flags.
+pub const fn reset_as_remembered(reset: ResetCause, _: &PastLife) -> ResetCause {
+    reset
+}
+
+/// A new start. The next one tells the host that software asked for it, and what is known of why.
+pub fn restart() -> ! {
     heaters_low();
     SCB::sys_reset()
 }
 
+/// Only a virtual board is told of silence: here it is the timer that notices.
+pub const fn silence(_: u16) -> bool {
+    false
+}
+
+/// Only a virtual board does what does it harm.
+pub const fn provoke(_: wire::Provocation) {}
+
 /// Only a virtual board can be asked to leave; a start anew is the nearest thing.
-pub fn finish(code: u8) -> ! {
-    restart(code)
+pub fn finish(_: u8) -> ! {
+    restart()
 }
 
 /// Sleeps.

@@ -65,7 +65,10 @@ fn a_window_without_an_end_is_refused() {
     let mut controller = idle();
     for window_s in [0.0, -1.0, f32::NAN, f32::INFINITY, 600.1] {
         let refusal = controller.handle(Command::Arm { window_s }).unwrap_err();
-        assert!(matches!(refusal, Refusal::Invalid { error, .. } if error.parameter == Parameter::WindowS), "{window_s}");
+        assert!(
+            matches!(refusal, Refusal::Invalid { error, .. } if error.parameter == Parameter::WindowS),
+            "{window_s}"
+        );
         assert!(!controller.is_armed());
     }
     assert_eq!(Controller::<2>::new().handle(Command::Arm { window_s: 1.0 }), Err(Refusal::NoSamplePeriod));
