@@ -343,3 +343,5 @@ mod handle;
 mod seals;
 #[cfg(test)]
 mod tests;
+#[cfg(any(test, feature = "upset"))]
+pub mod upset;

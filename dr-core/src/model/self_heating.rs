@@ -56,6 +56,12 @@ impl SelfHeating {
         seal.numbers(self.symbol.r_k_per_w());
     }
 
+    /// Flips a bit of its reference, for fault injection.
+    #[cfg(any(test, feature = "upset"))]
+    pub(crate) fn upset(&mut self, bit: u32) {
+        self.reference_c = f32::from_bits(self.reference_c.to_bits() ^ 1 << (bit % 32));
+    }
+
     /// One sample period under `power_w`.
     #[inline]
     pub fn step(&self, state: &mut RelaxationState<ORDER>, power_w: f32) {
