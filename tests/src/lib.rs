@@ -2,6 +2,7 @@
 
 pub mod calibrated;
 pub mod fake_board;
+pub mod injection;
 pub mod loops;
 pub mod records;
 pub mod speed;

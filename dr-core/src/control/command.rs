@@ -60,7 +60,7 @@ pub enum Command {
     /// What the anemometer has to know.
     Wind(WindCommand),
     /// For so long, what can heat may be asked for: `Start`, and while running a drive that heats. After the sample period, at any time
-    /// but when tripped. `Stop`, `Disarm`, `Clear`, `SamplePeriod` and a trip end it at once.
+    /// but when tripped. `Start`, `Stop`, `Disarm`, `Clear`, `SamplePeriod` and a trip end it at once.
     Arm {
         /// Seconds, up to [`LONGEST_ARMED_S`]; counted in ticks.
         window_s: f32,

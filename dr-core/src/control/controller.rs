@@ -109,8 +109,20 @@ struct ElementState {
     absent_ticks: u32,
     /// Ticks in a row that the drive was saturated.
     saturated_ticks: u32,
+    /// The last code, and ticks in a row that it has been the same.
+    code: i32,
+    same_ticks: u32,
     model: RelaxationState<ORDER>,
     observer: ObserverState,
+}
+
+impl ElementState {
+    /// Remembers a code, and how often it has come.
+    fn see(&mut self, reading: Reading) {
+        let Reading::Code(code) = reading else { return };
+        self.same_ticks = if code == self.code { self.same_ticks.saturating_add(1) } else { 0 };
+        self.code = code;
+    }
 }
 
 /// Everything that decides, for an instrument of up to N elements. They are configured from the first on, without gaps; room
@@ -266,6 +278,7 @@ impl<const N: usize> Controller<N> {
             let cause = match guard::judge(&element.config.limits, &element.config.channel, *reading, state.level) {
                 Judgement::Good { resistance_ohm, temperature_c } => {
                     state.absent_ticks = 0;
+                    state.see(*reading);
                     state.resistance_ohm = resistance_ohm;
                     state.temperature_c = temperature_c;
                     valid |= 1 << i;
@@ -304,6 +317,10 @@ impl<const N: usize> Controller<N> {
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             if state.saturated_ticks > self.guard.unreachable_limit_ticks {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
+            }
+            let may_stick = self.guard.stuck_limit_ticks == 0 || !element.drive.can_heat();
+            if !may_stick && state.same_ticks > self.guard.stuck_limit_ticks {
+                trip = trip.or(Some(Trip::of(i, Cause::Stuck)));
             }
         }
         trip

@@ -9,6 +9,7 @@
 //! | `NonFinite` | a number inside is not one | 1 tick |
 //! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
 //! | `Unreachable` | a regulating drive has asked for one level all the time | `unreachable_limit_ticks` |
+//! | `Stuck` | a driven element's code has not changed at all: the converter repeats itself | `stuck_limit_ticks` |
 //! | `Upset` | what the controller knows is not what it was told (`seal.rs`) | 1 tick; a model's, within as many ticks as there are elements |
 //!
 //! The rest is not seen by the controller, but told it by the board that it runs on: `Deadline`, levels that were not decided anew in time;
@@ -34,6 +35,7 @@ pub enum Cause {
     Missing,
     Stale,
     Unreachable,
+    Stuck,
     Upset,
     Deadline,
     Heater,
@@ -55,6 +57,7 @@ impl Cause {
             Self::Missing => "missing",
             Self::Stale => "stale",
             Self::Unreachable => "unreachable",
+            Self::Stuck => "stuck",
             Self::Upset => "memory-upset",
             Self::Deadline => "deadline-missed",
             Self::Heater => "heater-pin",
@@ -146,12 +149,14 @@ pub struct GuardConfig {
     pub missing_limit_ticks: u32,
     /// Ticks in a row that a regulating drive may ask for the same level; one more trips.
     pub unreachable_limit_ticks: u32,
+    /// Ticks in a row that a driven element may read the very same code; one more trips. 0: for ever, for converters that show no noise.
+    pub stuck_limit_ticks: u32,
 }
 
 impl Default for GuardConfig {
-    /// Strict about readings; patient for the better part of an hour at 100 Hz about set-points.
+    /// Strict about readings; patient for the better part of an hour at 100 Hz about set-points; for any converter.
     fn default() -> Self {
-        Self { missing_limit_ticks: 1, unreachable_limit_ticks: 200_000 }
+        Self { missing_limit_ticks: 1, unreachable_limit_ticks: 200_000, stuck_limit_ticks: 0 }
     }
 }
 

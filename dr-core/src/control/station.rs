@@ -70,6 +70,12 @@ impl<const N: usize> Station<N> {
         self.controller.trip(cause);
     }
 
+    /// Flips a bit of the controller's, for fault injection: [`Controller::upset`].
+    #[cfg(feature = "upset")]
+    pub fn upset(&mut self, which: usize, element: usize, bit: u32) -> Option<&'static str> {
+        self.controller.upset(which, element, bit)
+    }
+
     /// The first half of a tick: readings in, levels out.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
         self.controller.tick(readings)

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | top | `name`, optionally `sensor` ("sphere-a", "sphere-b" or "rems"): what simulates it |
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
-//! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s` |
+//! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s`, `stuck_limit_ticks` |
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
 //! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, optionally `layers` (0 … 3, between element and surface) |
 //! | `[calibration]` | optional, see [`calibration`] |
@@ -45,6 +45,8 @@ pub struct Head {
     pub volt_per_code: f64,
     pub missing_limit_ticks: u32,
     pub unreachable_limit_s: f64,
+    /// 0: never.
+    pub stuck_limit_ticks: u32,
     pub elements: Vec<Element>,
     /// What it takes to answer with the wind.
     pub calibration: Option<Calibration>,
@@ -109,6 +111,7 @@ impl Head {
             volt_per_code: adc.volt_per_code,
             missing_limit_ticks: table.guard.missing_limit_ticks,
             unreachable_limit_s,
+            stuck_limit_ticks: table.guard.stuck_limit_ticks.unwrap_or(0),
             calibration,
             elements,
             source,
@@ -154,7 +157,11 @@ impl Head {
     pub fn guard_config(&self, sample_period_s: f64) -> GuardConfig {
         let unreachable_limit_ticks =
             (self.unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
-        GuardConfig { missing_limit_ticks: self.missing_limit_ticks, unreachable_limit_ticks }
+        GuardConfig {
+            missing_limit_ticks: self.missing_limit_ticks,
+            unreachable_limit_ticks,
+            stuck_limit_ticks: self.stuck_limit_ticks,
+        }
     }
 }
 

@@ -34,6 +34,7 @@ pub(super) struct AdcTable {
 pub(super) struct GuardTable {
     pub missing_limit_ticks: u32,
     pub unreachable_limit_s: f64,
+    pub stuck_limit_ticks: Option<u32>,
 }
 
 /// An element, or what the elements of a kind share.

@@ -186,7 +186,7 @@ impl<const N: usize> Controller<N> {
         }
         self.states = states;
         self.tick = 0;
-        self.state = RunState::Running;
+        (self.state, self.armed_ticks) = (RunState::Running, 0);
         Ok(Reply::Started { judged, unjudged })
     }
 }

@@ -83,6 +83,7 @@ impl<const N: usize> Controller<N> {
         seal.number(self.sample_period_s.unwrap_or(0.0));
         seal.word(self.guard.missing_limit_ticks);
         seal.word(self.guard.unreachable_limit_ticks);
+        seal.word(self.guard.stuck_limit_ticks);
         seal.word(self.configured as u32 | u32::from(self.observing) << 8);
         for element in self.elements.iter().map_while(Option::as_ref) {
             element.config.channel.seal(&mut seal);
@@ -123,5 +124,7 @@ impl ElementState {
         seal.word(u32::from(self.level == Level::High));
         seal.word(self.absent_ticks);
         seal.word(self.saturated_ticks);
+        seal.word(self.code.cast_unsigned());
+        seal.word(self.same_ticks);
     }
 }

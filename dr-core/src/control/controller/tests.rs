@@ -158,7 +158,7 @@ fn a_missing_reading_is_borne_at_the_low_level_only_so_long() {
 fn a_set_point_that_is_never_met_trips_in_the_end() {
     let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
     controller.handle(Command::Stop).unwrap();
-    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 50 })).unwrap();
+    controller.handle(Command::Guard(GuardConfig { unreachable_limit_ticks: 50, ..GuardConfig::default() })).unwrap();
     start(&mut controller).unwrap();
     let mut ticks = 0;
     let trip = loop {
@@ -338,7 +338,7 @@ fn a_new_drive_starts_afresh_and_with_full_patience() {
     let prbs = Drive::Prbs { order: 7, seed: 21, ticks_per_bit: 1 };
     let mut controller = running([prbs, Drive::Power { power_w: 0.06 }]);
     controller.handle(Command::Stop).unwrap();
-    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 20 })).unwrap();
+    controller.handle(Command::Guard(GuardConfig { unreachable_limit_ticks: 20, ..GuardConfig::default() })).unwrap();
     start(&mut controller).unwrap();
     let mut heaters = Heaters(0);
     let bits = |controller: &mut Controller<2>, heaters: &mut Heaters| -> Vec<bool> {
@@ -362,7 +362,7 @@ fn a_new_drive_starts_afresh_and_with_full_patience() {
 fn a_mean_power_out_of_reach_trips_in_the_end() {
     let mut controller = running([Drive::Power { power_w: 0.06 }, Drive::Passive]);
     controller.handle(Command::Stop).unwrap();
-    controller.handle(Command::Guard(GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: 3 })).unwrap();
+    controller.handle(Command::Guard(GuardConfig { unreachable_limit_ticks: 3, ..GuardConfig::default() })).unwrap();
     start(&mut controller).unwrap();
     for tick in 0..3 {
         assert_eq!(controller.tick(&[code(-40.0, tick > 0), code(-40.0, false)]).trip, None);
@@ -417,4 +417,27 @@ fn the_digest_sees_every_part_of_the_state() {
     ] {
         assert_ne!(digest(&controller, &other), plain, "{other:?}");
     }
+}
+
+#[test]
+fn a_code_that_never_changes_trips_a_driven_element() {
+    let mut controller = Controller::<2>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
+    controller.handle(Command::Guard(GuardConfig { stuck_limit_ticks: 20, ..GuardConfig::default() })).unwrap();
+    for (place, drive) in [(0, Drive::Passive), (1, Drive::Temperature { target_c: 0.0 })] {
+        controller.handle(Command::Element { element: place, config: element() }).unwrap();
+        controller.handle(Command::Drive { element: place, drive }).unwrap();
+    }
+    start(&mut controller).unwrap();
+    // Both stand still; the second as it was read at the high level. A code that comes again after another begins anew.
+    let tick = |controller: &mut Controller<2>, second_c: f32| {
+        let read_high = controller.states[1].level == Level::High;
+        controller.tick(&[code(-40.0, false), code(second_c, read_high)])
+    };
+    for n in 0..60 {
+        assert_eq!(tick(&mut controller, if n % 20 == 0 { -31.0 } else { -30.0 }).trip, None, "tick {n}");
+    }
+    let trips: Vec<_> = (0..25).filter_map(|n| tick(&mut controller, -30.0).trip.map(|trip| (n, trip))).collect();
+    // Since the change at tick 40 the code has been the same from tick 41 on: 18 times at the end of the loop.
+    assert_eq!(trips, [(2, Trip::of(1, Cause::Stuck))]);
 }

@@ -1,0 +1,156 @@
+//! The firmware's parts in this process: receiver, inbox, station, dead man's handle and memory of past lives, put together as its tasks are.
+
+use super::Subject;
+use dr_core::control::{Cause, Command, Digest, Heaters, Reply, Station};
+use dr_core::sensor::Reading;
+use firmware::dead_man::DeadMan;
+use firmware::inbox::{Exchange, Inbox, Questions, Request};
+use firmware::past_life::{PastLife, end_of};
+use heapless::spsc::{Consumer, Queue};
+use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
+use wire::{
+    BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Readings, Receiver, ResetCause, ToBoard,
+};
+
+/// The parts of a board that knows its host by bytes alone.
+pub struct Bench<'a> {
+    identity: Identity,
+    station: Station<MOST_ELEMENTS>,
+    digest: Digest,
+    receiver: Receiver,
+    inbox: Inbox<'a>,
+    requests: Consumer<'a, Request>,
+    dead_man: DeadMan,
+    bitten: bool,
+    pins: Heaters,
+    past: PastLife,
+    /// Its time goes on when somebody asks for it.
+    asked_s: u32,
+}
+
+/// Lends such a board.
+pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
+    let (mut requests, mut exchanges, questions) = (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Questions::new());
+    let ((request_in, requests), (exchange_in, _)) = (requests.split(), exchanges.split());
+    take(Bench {
+        identity: Identity {
+            firmware: Name::try_from("the firmware's parts").unwrap_or_default(),
+            board: BoardKind::Virtual,
+            elements: MOST_ELEMENTS as u8,
+            order: dr_core::model::ORDER as u8,
+            reset: ResetCause::PowerOn,
+            starts: 1,
+            crash: None,
+        },
+        station: Station::new(),
+        digest: Digest::default(),
+        receiver: Receiver::new(),
+        inbox: Inbox::new(request_in, exchange_in, &questions, false),
+        requests,
+        dead_man: DeadMan::new(),
+        bitten: false,
+        pins: Heaters::default(),
+        past: PastLife::FIRST,
+        asked_s: 0,
+    })
+}
+
+impl Bench<'_> {
+    /// As the start of the firmware does it.
+    fn start_anew(&mut self, reset: ResetCause) {
+        self.past = PastLife::after(&self.past.record(), reset);
+        (self.station, self.receiver, self.digest) = (Station::new(), Receiver::new(), Digest::default());
+        (self.dead_man, self.bitten, self.pins) = (DeadMan::new(), false, Heaters::default());
+        while self.requests.dequeue().is_some() {}
+        if let Some(cause) = self.past.trip(reset) {
+            self.station.trip(cause);
+        }
+        (self.identity.reset, self.identity.starts) = (reset, self.past.starts);
+        self.identity.crash.clone_from(&self.past.crash);
+    }
+
+    fn crash(&mut self, kind: CrashKind) {
+        self.pins = Heaters::default();
+        self.past.crash = Some(Crash { kind, file: end_of("somewhere.rs"), at: 1 });
+        self.start_anew(ResetCause::Software);
+    }
+}
+
+impl Body for Bench<'_> {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        let reply = self.station.handle(command).map_err(InstrumentError::Refused)?;
+        match command {
+            Command::Start => self.digest = Digest::default(),
+            Command::Acknowledge => self.past.crash = None,
+            _ => {}
+        }
+        Ok(reply)
+    }
+
+    fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
+        let readings = Readings::new(readings).ok_or_else(|| InstrumentError::Protocol("too many".to_owned()))?;
+        if core::mem::take(&mut self.bitten) {
+            self.station.trip(Cause::Deadline);
+        }
+        let tick = self.station.tick(&readings.readings());
+        self.pins = tick.heaters;
+        self.dead_man.decided(tick.heaters.0 != 0);
+        let wind = self.station.sense(&tick);
+        self.station.fold(&tick, wind.as_ref(), &mut self.digest);
+        let told = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
+        told.ok_or_else(|| InstrumentError::Protocol("a tick is told by another message".to_owned()))
+    }
+
+    fn digest(&self) -> u64 {
+        self.digest.value()
+    }
+
+    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
+        Ok(Account::default())
+    }
+}
+
+impl Subject for Bench<'_> {
+    fn silence(&mut self) -> Result<Heaters, InstrumentError> {
+        if self.dead_man.tick_passed() {
+            (self.pins, self.bitten) = (Heaters::default(), true);
+        }
+        Ok(self.pins)
+    }
+
+    fn hear(&mut self, bytes: &[u8]) -> Result<(), InstrumentError> {
+        for &byte in bytes {
+            if let Some(received) = self.receiver.push::<ToBoard>(byte) {
+                self.inbox.accept(&received);
+            }
+        }
+        while let Some((_, command)) = self.requests.dequeue() {
+            // What is refused is told to whoever sent it.
+            self.command(command).ok();
+        }
+        Ok(())
+    }
+
+    fn counted(&mut self) -> Result<(u32, LinkCounters), InstrumentError> {
+        self.asked_s += 1;
+        Ok((self.asked_s, self.receiver.counters()))
+    }
+
+    fn harm(&mut self, harm: Provocation) -> Result<(), InstrumentError> {
+        match harm {
+            Provocation::Panic => self.crash(CrashKind::Panic),
+            Provocation::Fault | Provocation::Overflow => self.crash(CrashKind::Fault),
+            Provocation::Reset => self.start_anew(ResetCause::Pin),
+            Provocation::Upset { .. } => {}
+        }
+        Ok(())
+    }
+
+    fn upset(&mut self, which: usize, element: usize, bit: u32) -> Result<bool, InstrumentError> {
+        Ok(self.station.upset(which, element, bit).is_some())
+    }
+}

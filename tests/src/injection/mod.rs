@@ -1,0 +1,28 @@
+//! Fault injection: something goes wrong in front of the front end, on the link, or in the memory of an instrument that runs, and somebody who
+//! knows nothing of its firmware judges what becomes of the heaters.
+//!
+//! ```text
+//! sensor ──► fault ──► readings ──► subject ──► levels ──► sensor
+//!                         │            ▲           │
+//!                         └─► judge ◄──┼───────────┘
+//!                                    frames, upsets, resets
+//! ```
+//!
+//! | file | what |
+//! |---|---|
+//! | `fault.rs` | what can go wrong, drawn from a seed |
+//! | `subject.rs` | what it happens to: the firmware's parts in this process, or the firmware in the emulator |
+//! | `bench.rs` | the former |
+//! | `judge.rs` | the invariant, and whether readings are told as they are |
+//! | `campaign.rs` | one fault after the other, and the table of what came of them |
+
+mod bench;
+mod campaign;
+mod fault;
+mod judge;
+mod subject;
+
+pub use bench::with_bench;
+pub use campaign::{Row, campaign, table};
+pub use fault::Kind;
+pub use subject::Subject;

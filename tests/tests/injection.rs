@@ -1,0 +1,47 @@
+//! Faults by the ten thousand: whatever goes wrong, no heater is on without a fresh, valid reading, and every fault ends in correct readings,
+//! a trip or a counted drop.
+//!
+//! The table of what came of them is a reviewed snapshot: `UPDATE_SNAPSHOTS=1 cargo test … --test injection` writes it anew.
+
+use anemo_tests::injection::{Kind, Row, campaign, table, with_bench};
+use anemo_tests::{experiment, file, firmware};
+use host_sim::instrument::emulated::{Emulated, Path as Way};
+
+/// Of each kind. With fewer the rare outcomes would not show.
+const IN_PROCESS: u32 = 900;
+const ON_THE_BOARD: u32 = 15;
+
+fn compare(name: &str, rows: &[Row]) {
+    let (text, path) = (table(rows), file("tests/snapshots").join(name));
+    println!("{text}");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        return std::fs::write(&path, &text).expect("the folder is there");
+    }
+    let reviewed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(text, reviewed, "{}: review what has changed, then write it anew (top of this test)", path.display());
+}
+
+#[test]
+fn in_process_every_fault_ends_well() {
+    let experiment = experiment("gusts.toml");
+    let rows: Vec<Row> = Kind::ALL
+        .iter()
+        .map(|&kind| with_bench(|mut bench| campaign(&mut bench, &experiment, kind, IN_PROCESS, 20_261_121)))
+        .collect();
+    assert!(rows.iter().map(|row| row.faults).sum::<u32>() >= 20_000);
+    compare("faults_in_process.md", &rows);
+}
+
+#[test]
+fn on_the_emulated_board_every_fault_ends_well() {
+    let experiment = experiment("gusts.toml");
+    let kinds = Kind::ALL.iter().filter(|&&kind| kind != Kind::Upset);
+    let rows: Vec<Row> = kinds
+        .map(|&kind| {
+            let mut board = Emulated::start(&firmware(), Way::Fifo).expect("the emulated board starts");
+            campaign(&mut board, &experiment, kind, ON_THE_BOARD, 20_261_122)
+        })
+        .collect();
+    assert!(rows.iter().map(|row| row.faults).sum::<u32>() >= 300);
+    compare("faults_on_the_board.md", &rows);
+}
