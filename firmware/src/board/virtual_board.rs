@@ -23,8 +23,6 @@ use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
 use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, ResetCause, encode};
 
-use defmt_semihosting as _;
-
 /// For the log.
 pub const NAME: &str = "virtual";
 /// For the host.

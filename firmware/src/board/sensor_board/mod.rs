@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
+//! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `watchdog.rs` | reset unless everybody is well |
 //!
@@ -12,6 +13,7 @@
 
 mod clocks;
 mod front_end;
+mod heater_pin;
 mod host_link;
 mod watchdog;
 
@@ -28,6 +30,7 @@ use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
 use front_end::{AdcPins, HEATER_MASK};
 use heapless::spsc::Consumer;
+use heater_pin::HeaterPin;
 use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac::{self, GPIOC};
 use stm32f4xx_hal::prelude::*;
@@ -54,12 +57,12 @@ pub fn init(
     let mut rcc = device.RCC.constrain();
     let gpioc = device.GPIOC.split(&mut rcc);
     let heaters = HeaterPins::new([
-        gpioc.pc0.into_push_pull_output().erase_number(),
-        gpioc.pc1.into_push_pull_output().erase_number(),
-        gpioc.pc2.into_push_pull_output().erase_number(),
-        gpioc.pc3.into_push_pull_output().erase_number(),
-        gpioc.pc4.into_push_pull_output().erase_number(),
-        gpioc.pc5.into_push_pull_output().erase_number(),
+        HeaterPin::new(gpioc.pc0.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc1.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc2.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc3.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc4.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc5.into_push_pull_output().erase_number()),
     ])
     .expect("writing a pin of this processor cannot fail");
 
