@@ -2,7 +2,7 @@
 
 use crate::board;
 use core::panic::PanicInfo;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::ExceptionFrame;
 
 /// Exit codes of the virtual board, which cannot be reset without losing its host.
 const PANICKED: u8 = 101;
@@ -26,9 +26,9 @@ fn defmt_panic() -> ! {
     board::restart(PANICKED)
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+/// A hard fault, from `fault_entry`. After an overflow of the stack there may be no frame that tells where.
+pub fn fault(frame: Option<&ExceptionFrame>) -> ! {
     board::heaters_low();
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
+    defmt::error!("hard fault at {=u32:#x}", frame.map_or(0, ExceptionFrame::pc));
     board::restart(FAULTED)
 }

@@ -12,6 +12,7 @@
 #![no_main]
 
 mod board;
+mod fault_entry;
 mod halt;
 mod vitals;
 
