@@ -106,12 +106,8 @@ impl CallGraph {
             .build()
             .map_err(|error| anyhow!("the decoder does not start: {error}"))?;
         for (span, (names, _)) in spans.iter().zip(names.values()) {
-            let mut function = Function {
-                names: names.clone(),
-                calls: BTreeSet::new(),
-                calls_pointers: false,
-                frame: 0,
-            };
+            let mut function =
+                Function { names: names.clone(), calls: BTreeSet::new(), calls_pointers: false, frame: 0 };
             for (part, is_data) in parts(span, &data_marks) {
                 let bytes = code
                     .get((part.start - base) as usize..(part.end - base) as usize)
@@ -119,7 +115,9 @@ impl CallGraph {
                 if is_data {
                     pointed.extend(words(bytes).filter_map(pointer));
                 } else {
-                    decode(&decoder, bytes, &part, span, &mut function, &inside, &mut |word| pointed.extend(pointer(word)))?;
+                    decode(&decoder, bytes, &part, span, &mut function, &inside, &mut |word| {
+                        pointed.extend(pointer(word))
+                    })?;
                 }
             }
             functions.push(function);
@@ -192,7 +190,8 @@ fn decode(
     let mut registers = Registers::default();
     let mut end = part.start;
     for instruction in instructions.iter() {
-        let (mnemonic, operands) = (instruction.mnemonic().unwrap_or(""), instruction.op_str().unwrap_or(""));
+        let mnemonic = instruction.mnemonic().context("the decoder was built without names of instructions")?;
+        let operands = instruction.op_str().unwrap_or("");
         let at = instruction.address() as u32;
         end = at + instruction.bytes().len() as u32;
         let place = || format!("{} at {at:#x}: `{mnemonic} {operands}`", function.name());

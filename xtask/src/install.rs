@@ -80,7 +80,9 @@ pub fn flip_link() -> Result<PathBuf> {
     if !installed.is_file() {
         shell::announce(&format!("installing flip-link {FLIP_LINK_VERSION} into {}", tools.display()));
         let mut cargo = shell::cargo();
-        cargo.args(["install", "--quiet", "flip-link", "--locked", "--version", FLIP_LINK_VERSION, "--root"]).arg(&tools);
+        cargo
+            .args(["install", "--quiet", "flip-link", "--locked", "--version", FLIP_LINK_VERSION, "--root"])
+            .arg(&tools);
         shell::run(&mut cargo).with_context(|| {
             format!("flip-link is missing; type: cargo install flip-link --locked --version {FLIP_LINK_VERSION}")
         })?;

@@ -10,7 +10,8 @@ const FAULTED: i32 = 102;
 const TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// The ways in which it overflows.
-const WAYS: [(&str, &str); 2] = [("call", "a function that calls itself"), ("interrupt", "an interrupt at the end of the stack")];
+const WAYS: [(&str, &str); 2] =
+    [("call", "a function that calls itself"), ("interrupt", "an interrupt at the end of the stack")];
 
 pub fn run() -> Result<()> {
     let elf = artefacts::overflow_image()?;
@@ -20,11 +21,8 @@ pub fn run() -> Result<()> {
         qemu.args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null"]);
         qemu.args(["-semihosting-config", &format!("enable=on,target=native,arg=overflow,arg={way}")]);
         qemu.arg("-kernel").arg(&elf);
-        let mut child = qemu
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .spawn()
-            .context("qemu-system-arm cannot be started")?;
+        let mut child =
+            qemu.stdin(Stdio::null()).stdout(Stdio::null()).spawn().context("qemu-system-arm cannot be started")?;
         let start = Instant::now();
         let status = loop {
             if let Some(status) = child.try_wait()? {

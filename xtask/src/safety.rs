@@ -15,7 +15,12 @@ pub fn run() -> Result<()> {
         println!("\n{}", board.feature());
         let found = [panics::check(&graph).context("panics"), stack::check(&graph).context("stack")];
         faults.extend(found.into_iter().filter_map(Result::err).map(|fault| format!("{}: {fault:#}", board.feature())));
-        println!("  {:<40} {:>8} of {}", "functions that run after start-up", panics::reachable(&graph), graph.functions.len());
+        println!(
+            "  {:<40} {:>8} of {}",
+            "functions that run after start-up",
+            panics::reachable(&graph),
+            graph.functions.len()
+        );
     }
     faults.extend(overflow::run().context("overflow").err().map(|fault| format!("{fault:#}")));
     if !faults.is_empty() {

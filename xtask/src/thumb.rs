@@ -144,7 +144,8 @@ mod tests {
         assert_eq!(of("bx", "lr"), Effect::Nothing);
         assert_eq!(of("pop", "{r4, pc}"), Effect::Nothing);
         assert_eq!(of("ldr", "pc, [sp], #4"), Effect::Nothing);
-        for (mnemonic, operands) in [("bx", "r3"), ("blx", "r2"), ("ldr", "pc, [r0]"), ("mov", "pc, r1"), ("blx", "lr")] {
+        for (mnemonic, operands) in [("bx", "r3"), ("blx", "r2"), ("ldr", "pc, [r0]"), ("mov", "pc, r1"), ("blx", "lr")]
+        {
             assert_eq!(of(mnemonic, operands), Effect::Pointer, "{mnemonic} {operands}");
         }
         assert_eq!(of("bic", "r0, r1, #1"), Effect::Nothing);
