@@ -5,9 +5,9 @@
 //! up: heaters stay as they are until the watchdog comes. So here, before anything is pushed, a stack pointer with too little room
 //! below is set back to the top. What lay there is lost, and nobody comes back to it.
 //!
-//! The processor's own frame cannot be stored either when the stack is at its end. That fault of stacking is not another hard fault: the
-//! entry goes on without a frame (Armv7-M Architecture Reference Manual, "Derived exceptions on exception entry"). `halt::fault` then gets
-//! none.
+//! The processor's own frame cannot be stored either when the stack is at its end. That does not keep the handler from running: "if a corrupted
+//! stack causes a fault, the fault handler still executes even though the stack pushes for the handler failed" (Arm DDI 0337E, 5.12.1). There
+//! is then no frame, and `halt::fault` gets none.
 
 use crate::halt;
 use core::arch::naked_asm;

@@ -14,6 +14,8 @@
 mod board;
 mod fault_entry;
 mod halt;
+#[cfg(feature = "virtual-board")]
+mod stack;
 mod vitals;
 
 use defmt as _;

@@ -76,13 +76,15 @@ pub const fn cycles() -> u32 {
 /// There is no heater that could be left on.
 pub const fn heaters_low() {}
 
-/// Leaves the emulator.
-pub fn restart(code: u8) -> ! {
-    finish(code)
+/// The run is over.
+pub fn finish(code: u8) -> ! {
+    let (used, size) = crate::stack::used();
+    defmt::info!("{=u32} of {=u32} bytes of stack have been in use", used, size);
+    restart(code)
 }
 
 /// Leaves the emulator with an exit code.
-pub fn finish(code: u8) -> ! {
+pub fn restart(code: u8) -> ! {
     /// ADP_Stopped_ApplicationExit, the reason that carries a code.
     const APPLICATION_EXIT: u32 = 0x2_0026;
     /// The call that carries it; the crate knows only the one without a code.
