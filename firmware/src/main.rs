@@ -10,6 +10,8 @@
 //! line, on the virtual board by a frame. What the boards do not share is in [`board`].
 #![no_std]
 #![no_main]
+// Start-up may panic, and says why there. What runs behind it is looked at in the image: `cargo xtask safety`.
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
 
 mod board;
 mod fault_entry;

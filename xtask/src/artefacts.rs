@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
-const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
+pub const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
 
 /// The two boards that the firmware is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]

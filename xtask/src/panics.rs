@@ -9,6 +9,7 @@
 
 use crate::call_graph::{CallGraph, Function};
 use anyhow::{Result, bail};
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 
 /// The idle loop: what runs before it is start-up.
@@ -34,7 +35,7 @@ pub fn is_panic(function: &Function) -> bool {
 /// Every way from what runs after start-up to a panic, one for each function that panics.
 pub fn check(graph: &CallGraph) -> Result<()> {
     let Some(idle) = graph.function(IDLE) else { bail!("the image has no function `{IDLE}`") };
-    if !graph.functions.iter().any(|function| is_panic(function)) {
+    if !graph.functions.iter().any(is_panic) {
         bail!(
             "the image has no panic at all, not even at start-up: their names must have changed, so nothing is checked"
         );
@@ -83,8 +84,8 @@ fn ways(graph: &CallGraph, roots: impl Iterator<Item = usize>) -> Vec<String> {
                 }
                 way.reverse();
                 ways.push(way.join(" → "));
-            } else if !from.contains_key(&callee) {
-                from.insert(callee, Some(function));
+            } else if let Entry::Vacant(new) = from.entry(callee) {
+                new.insert(Some(function));
                 queue.push_back(callee);
             }
         }

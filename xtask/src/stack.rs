@@ -19,6 +19,8 @@ const BUDGET: u32 = 24 * 1024;
 /// What the processor puts on the stack when an exception begins: 8 registers, 17 of the FPU with its status, a word to stay free, and up to 4
 /// bytes of alignment (Armv7-M Architecture Reference Manual, B1.5.7).
 const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
+/// What the fault's entry leaves to its handler: `ROOM` in `firmware/src/fault_entry.rs`.
+const FAULT_ROOM: u32 = 1024;
 /// Where RAM begins (`memory.x`); below it there is nothing that can be written.
 const RAM: u32 = 0x2000_0000;
 /// Handlers that come on top of every task.
@@ -62,6 +64,9 @@ pub fn check(graph: &CallGraph) -> Result<()> {
         bail!(
             "the stack lies from {bottom:#x} to {top:#x}, not at the bottom of RAM, where running over its end is a fault; is flip-link the linker?"
         );
+    }
+    if worst.fault > EXCEPTION_FRAME + FAULT_ROOM {
+        bail!("the fault handler may need more than the {FAULT_ROOM} bytes that its entry leaves it");
     }
     if total > BUDGET {
         bail!("{total} bytes of stack may be needed, {BUDGET} are allowed");

@@ -37,6 +37,7 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 const BAUD: u32 = 921_600;
 
 /// Sets up the links.
+#[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: Consumer<'static, Exchange>) -> Parts {
     let mut rcc = device.RCC.freeze(Config::hsi());
     let gpioa = device.GPIOA.split(&mut rcc);

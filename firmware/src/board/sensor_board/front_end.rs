@@ -77,6 +77,7 @@ pub struct FrontEnd {
 
 impl FrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
+    #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
     pub fn start(spi: SPI1, pins: AdcPins, mut exti: EXTI, syscfg: SYSCFG, heaters: Heaters, rcc: &mut Rcc) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
         let clock = pins.clock.into_alternate().speed(Speed::Medium);

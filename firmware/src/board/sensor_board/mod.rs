@@ -49,6 +49,7 @@ pub const IS_VIRTUAL: bool = false;
 ///
 /// Called with interrupts disabled. An ADC that does not answer is no reason to stop: the board then reports every reading
 /// as missing, and the guard keeps the heaters low.
+#[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn init(
     device: pac::Peripherals,
     core: &mut cortex_m::Peripherals,
