@@ -12,6 +12,17 @@ fn main() {
         println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     }
 
+    // Said here, because the compiler only says that there is no such program.
+    println!("cargo:rerun-if-env-changed=RUSTC_LINKER");
+    if let Ok(linker) = env::var("RUSTC_LINKER")
+        && linker.contains("flip-link")
+        && Command::new(&linker).arg("--help").output().is_err()
+    {
+        println!(
+            "cargo:warning={linker} is missing: build by cargo xtask, or type: cargo install flip-link --locked --version 0.1.12"
+        );
+    }
+
     // An archive without history still builds; it then goes by its version alone.
     let commit = Command::new("git").args(["rev-parse", "--short=8", "HEAD"]).output();
     let commit = commit.ok().filter(|o| o.status.success()).and_then(|o| String::from_utf8(o.stdout).ok());

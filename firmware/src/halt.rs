@@ -44,29 +44,37 @@ fn remember(kind: CrashKind, file: Name, at: u32) {
     }
 }
 
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
+/// The end of this life. Heaters first, in any case.
+fn end(kind: CrashKind, file: &str, at: u32) -> ! {
     cortex_m::interrupt::disable();
     board::heaters_low();
-    let (file, line) = info.location().map_or(("", 0), |place| (place.file(), place.line()));
-    remember(CrashKind::Panic, past_life::end_of(file), line);
-    // The place is enough to find the cause, and needs no formatting of numbers that only panics would use.
-    defmt::error!("panic at {=str}:{=u32}", file, line);
+    remember(kind, past_life::end_of(file), at);
+    match kind {
+        // The place is enough to find the cause, and needs no formatting of numbers that only panics would use.
+        CrashKind::Panic => defmt::error!("panic at {=str}:{=u32}", file, at),
+        CrashKind::Fault => defmt::error!("fault at {=u32:#x}", at),
+    }
     board::restart()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    let (file, line) = info.location().map_or(("", 0), |place| (place.file(), place.line()));
+    end(CrashKind::Panic, file, line)
 }
 
 #[defmt::panic_handler]
 fn defmt_panic() -> ! {
-    cortex_m::interrupt::disable();
-    board::heaters_low();
-    remember(CrashKind::Panic, past_life::end_of("defmt"), 0);
-    board::restart()
+    end(CrashKind::Panic, "defmt", 0)
 }
 
+/// A hard fault, from `fault_entry`. After an overflow of the stack there may be no frame that tells where.
+pub fn fault(frame: Option<&ExceptionFrame>) -> ! {
+    end(CrashKind::Fault, "", frame.map_or(0, ExceptionFrame::pc))
+}
+
+/// An interrupt that nobody has asked for; where its number would be an address it can be told from one.
 #[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    board::heaters_low();
-    remember(CrashKind::Fault, Name::new(), frame.pc());
-    defmt::error!("hard fault at {=u32:#x}", frame.pc());
-    board::restart()
+unsafe fn DefaultHandler(number: i16) -> ! {
+    end(CrashKind::Fault, "interrupt", number as u32)
 }

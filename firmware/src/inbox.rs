@@ -2,6 +2,7 @@
 //!
 //! One place for all links, so that a command means the same whichever way it came.
 
+use crate::queue;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use dr_core::control::Command;
 use heapless::spsc::Producer;
@@ -98,7 +99,7 @@ impl<'a> Inbox<'a> {
             }
             _ if received.repeated => Wake::Nobody,
             ToBoard::Command(command) => {
-                let queued = self.requests.enqueue((received.sequence, *command)).is_ok();
+                let queued = queue::put(&mut self.requests, (received.sequence, *command)).is_ok();
                 self.wake_control_if(queued)
             }
             ToBoard::Telemetry { every } => {
@@ -106,7 +107,7 @@ impl<'a> Inbox<'a> {
                 Wake::Nobody
             }
             ToBoard::Readings(readings) if self.is_virtual => {
-                let queued = self.exchanges.enqueue((received.sequence, readings.clone())).is_ok();
+                let queued = queue::put(&mut self.exchanges, (received.sequence, readings.clone())).is_ok();
                 self.wake_control_if(queued)
             }
             ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),

@@ -10,14 +10,19 @@
 //! line, on the virtual board by a frame. What the boards do not share is in [`board`].
 #![no_std]
 #![no_main]
+// Start-up may panic, and says why there. What runs behind it is looked at in the image: `cargo xtask safety`.
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
 
 mod board;
+mod fault_entry;
 mod halt;
+#[cfg(feature = "virtual-board")]
+mod stack;
 mod vitals;
 
 use defmt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI3])]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::halt;
@@ -36,6 +41,11 @@ mod app {
     const CONTROL: Interrupt = Interrupt::EXTI4;
     /// The vector of `receive`.
     const RECEIVE: Interrupt = Interrupt::USART2;
+    /// The vector of `transmit`: of a peripheral that no board uses, raised by software alone.
+    ///
+    /// An asynchronous task would be spawned by name. But it is compiled into a machine that panics when it is polled behind its end,
+    /// which RTIC's executor does not do and the compiler cannot see.
+    const TRANSMIT: Interrupt = Interrupt::SPI3;
 
     /// The vector of the dead man's handle. On the sensor board its timer raises it.
     const DEAD_MAN: Interrupt = Interrupt::TIM5;
@@ -68,6 +78,8 @@ mod app {
     #[local]
     struct Local {
         station: Station<ELEMENTS>,
+        /// What the life before ended with.
+        past_trip: Option<Cause>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
         outbox: Outbox<'static>,
@@ -94,13 +106,10 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let mut station = Station::new();
-        if let Some(cause) = past.trip(reset) {
-            station.trip(cause);
-        }
+        let past_trip = past.trip(reset);
         let identity = vitals::identity(reset, past);
         // Says who it is before anything else: a host that was speaking to the life before must learn of it.
-        transmit::spawn().ok();
+        rtic::pend(TRANSMIT);
         (
             Shared {
                 inbox: Inbox::new(request_in, exchange_in, &QUESTIONS, board::IS_VIRTUAL),
@@ -108,7 +117,8 @@ mod app {
                 status: None,
             },
             Local {
-                station,
+                station: Station::new(),
+                past_trip,
                 front_end: parts.front_end,
                 requests,
                 outbox: Outbox::new(message_in, &UNSENT),
@@ -125,6 +135,8 @@ mod app {
 
     /// Sleeps until something happens. The virtual board may wait for its host here, and hands over what it said.
     #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox])]
+    // Under its own name in the image, where `cargo xtask safety` looks for it: what runs before it is start-up.
+    #[inline(never)]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
             for &byte in cx.local.idler.wait() {
@@ -151,11 +163,15 @@ mod app {
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
     /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 4, local = [station, front_end, requests, outbox, last_state])]
+    #[task(binds = EXTI4, priority = 4, local = [station, past_trip, front_end, requests, outbox, last_state])]
     fn control(cx: control::Context) {
-        let control::LocalResources { station, front_end, requests, outbox, last_state, .. } = cx.local;
+        let control::LocalResources { station, past_trip, front_end, requests, outbox, last_state, .. } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
+        // Before any command.
+        if let Some(cause) = past_trip.take() {
+            station.trip(cause);
+        }
 
         while let Some((sequence, command)) = requests.dequeue() {
             let result = handle(station, front_end, command);
@@ -205,8 +221,7 @@ mod app {
             outbox.put(FromBoard::Event(Event { tick: station.controller().ticks(), state }));
         }
         if outbox.waits() {
-            // Fails when it is spawned already: then it will find this tick's messages too.
-            transmit::spawn().ok();
+            rtic::pend(TRANSMIT);
         }
     }
 
@@ -260,8 +275,8 @@ mod app {
     }
 
     /// Sends what waits. Priority 1; 31 messages may wait meanwhile, and what finds it full is counted.
-    #[task(priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
-    async fn transmit(mut cx: transmit::Context) {
+    #[task(binds = SPI3, priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
+    fn transmit(mut cx: transmit::Context) {
         let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
         CHECK_INS.check_in(Member::Transmit);
         while host_transmitter.is_free() {
@@ -317,7 +332,7 @@ mod app {
         }
         rtic::pend(CONTROL);
         rtic::pend(RECEIVE);
-        transmit::spawn().ok();
+        rtic::pend(TRANSMIT);
     }
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority 2, as `receive`.
@@ -333,15 +348,13 @@ mod app {
     #[task(binds = DMA1_STREAM6, priority = 1)]
     fn sent(_: sent::Context) {
         board::acknowledge_sent();
-        transmit::spawn().ok();
+        rtic::pend(TRANSMIT);
     }
 
     fn wake(who: Wake) {
         match who {
             Wake::Control => rtic::pend(CONTROL),
-            Wake::Transmit => {
-                transmit::spawn().ok();
-            }
+            Wake::Transmit => rtic::pend(TRANSMIT),
             Wake::Finish(code) => board::finish(code),
             Wake::Silence(sequence) => {
                 if board::silence(sequence) {

@@ -11,8 +11,9 @@
 //! frame at the next zero.
 
 use crate::VERSION;
+use crate::stuffing::{Stuffed, unstuff};
 use crc::{CRC_16_IBM_SDLC, Crc, Table};
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Longest frame, terminator included. The longest message is a tick of 16 elements with observers and wind: 71 numbers of 4 bytes.
@@ -47,8 +48,7 @@ struct Frame<'a, T> {
 /// If the buffer is too short; one of [`MAX_FRAME`] never is.
 pub fn encode<'a, T: Serialize>(sequence: u16, message: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], postcard::Error> {
     let frame = Frame { version: VERSION, sequence, message };
-    let storage = CrcModifier::new(Cobs::try_new(Slice::new(buffer))?, CRC.digest());
-    postcard::serialize_with_flavor(&frame, storage).map(|sent| &*sent)
+    postcard::serialize_with_flavor(&frame, CrcModifier::new(Stuffed::new(buffer)?, CRC.digest()))
 }
 
 /// Takes apart a frame without its terminator, in place: sequence number and message.
@@ -57,7 +57,7 @@ pub fn encode<'a, T: Serialize>(sequence: u16, message: &T, buffer: &'a mut [u8]
 /// As [`FrameError`] says.
 #[inline(always)] // a message is moved once less
 pub fn decode<T: DeserializeOwned>(frame: &mut [u8]) -> Result<(u16, T), FrameError> {
-    let length = cobs::decode_in_place(frame).map_err(|_| FrameError::Damaged)?;
+    let length = unstuff(frame).ok_or(FrameError::Damaged)?;
     let content = frame.get(..length).ok_or(FrameError::Damaged)?;
     let (checked, checksum) = content.split_last_chunk::<CHECKSUM>().ok_or(FrameError::Damaged)?;
     if CRC.checksum(checked) != u16::from_le_bytes(*checksum) {

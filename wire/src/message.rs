@@ -60,8 +60,6 @@ pub enum Provocation {
     Panic,
     /// It reads where there is nothing: a hard fault.
     Fault,
-    /// It calls itself until the stack is full.
-    Overflow,
     /// The reset pin.
     Reset,
     /// A bit flips in a byte of its RAM.

@@ -2,13 +2,16 @@
 //!
 //! Paths are read from cargo's own messages, so that any target directory works.
 
-use crate::shell;
+use crate::{install, shell};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 /// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
+pub const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
 
 /// The two boards that the firmware is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,11 @@ pub fn cost_image() -> Result<PathBuf> {
     image("cost", Board::Virtual)
 }
 
+/// Builds the image that overflows its stack (see `overflow`).
+pub fn overflow_image() -> Result<PathBuf> {
+    image("overflow", Board::Virtual)
+}
+
 /// Builds the `anemo` command.
 pub fn anemo() -> Result<PathBuf> {
     executable(shell::cargo().args(["build", "--release", "-p", "host-sim", "--bin", "anemo"]), "anemo")
@@ -46,6 +54,7 @@ pub fn anemo() -> Result<PathBuf> {
 
 fn image(bin: &str, board: Board) -> Result<PathBuf> {
     let mut cargo = shell::cargo();
+    cargo.env(LINKER_VARIABLE, install::flip_link()?);
     // Incremental builds are cut into other units: other instructions are counted then than in a fresh clone.
     cargo.env("CARGO_INCREMENTAL", "0");
     cargo.args(["build", "--profile", "firmware", "--target", TARGET, "-p", "firmware", "--bin", bin]);

@@ -1,13 +1,14 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! The thumb target comes by rustup, QEMU by the system's packages. Whatever cannot be installed is named together with the line to type.
+//! The thumb target comes by rustup, QEMU by the system's packages, flip-link by cargo. Whatever cannot be installed is named together with the line to type.
 
 use crate::artefacts::TARGET;
 use crate::shell;
 use anyhow::{Context, Result, anyhow, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
+const FLIP_LINK_VERSION: &str = "0.1.12";
 pub const QEMU: &str = "qemu-system-arm";
 
 /// A system's package manager and how it brings QEMU for Arm.
@@ -67,6 +68,26 @@ pub fn thumb_target() -> Result<()> {
         );
     }
     shell::run(shell::program("rustup").args(["target", "add", TARGET]))
+}
+
+/// The linker that puts the stack below all statics. Gives where it is: found on the path, or installed among the build's products.
+pub fn flip_link() -> Result<PathBuf> {
+    if shell::answers("flip-link", &["--help"]) {
+        return Ok(PathBuf::from("flip-link"));
+    }
+    let tools = shell::target_directory()?.join("tools");
+    let installed = tools.join("bin").join(format!("flip-link{}", std::env::consts::EXE_SUFFIX));
+    if !installed.is_file() {
+        shell::announce(&format!("installing flip-link {FLIP_LINK_VERSION} into {}", tools.display()));
+        let mut cargo = shell::cargo();
+        cargo
+            .args(["install", "--quiet", "flip-link", "--locked", "--version", FLIP_LINK_VERSION, "--root"])
+            .arg(&tools);
+        shell::run(&mut cargo).with_context(|| {
+            format!("flip-link is missing; type: cargo install flip-link --locked --version {FLIP_LINK_VERSION}")
+        })?;
+    }
+    Ok(installed)
 }
 
 /// The tools that `lint` needs beside the compiler.

@@ -1,6 +1,6 @@
 //! Everything that is checked by reading: format, clippy on both sides, documentation, links.
 
-use crate::artefacts::{Board, TARGET};
+use crate::artefacts::{Board, LINKER_VARIABLE, TARGET};
 use crate::{install, links, shell};
 use anyhow::{Context, Result};
 
@@ -16,6 +16,7 @@ pub fn run() -> Result<()> {
     for board in Board::ALL {
         shell::announce(&format!("clippy, {}", board.feature()));
         let mut cargo = shell::cargo();
+        cargo.env(LINKER_VARIABLE, install::flip_link()?);
         cargo.args(["clippy", "-p", "firmware", "--lib", "--bins", "--target", TARGET]);
         cargo.args(["--no-default-features", "--features", board.feature(), "--", "-D", "warnings"]);
         shell::run(&mut cargo)?;

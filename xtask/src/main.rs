@@ -1,6 +1,7 @@
 //! The one door to every job of the project, for people and for continuous integration alike: `cargo xtask <job>`.
 
 mod artefacts;
+mod call_graph;
 mod ci;
 mod cortex_m4;
 mod cost;
@@ -9,10 +10,15 @@ mod flash;
 mod install;
 mod links;
 mod lint;
+mod overflow;
+mod panics;
+mod safety;
 mod shell;
 mod size;
+mod stack;
 mod symbols;
 mod test;
+mod thumb;
 mod trace;
 
 use clap::{Parser, Subcommand};
@@ -42,6 +48,8 @@ enum Job {
     Ci,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,
+    /// Show on both boards' images that no task can panic and that the stack suffices, and that an overflow of it ends as a fault
+    Safety,
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::Options),
     /// Program a sensor board through a debug probe and follow its log
@@ -55,6 +63,7 @@ fn main() -> ExitCode {
         Job::Lint => lint::run(),
         Job::Ci => ci::run(),
         Job::Size => size::run(),
+        Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),
         Job::Flash(options) => flash::run(&options),
     };

@@ -27,6 +27,14 @@ pub fn cargo() -> Command {
     command
 }
 
+/// Where cargo puts what it builds.
+pub fn target_directory() -> Result<PathBuf> {
+    // Cargo puts this program into a folder named by its profile, in there.
+    let own = std::env::current_exe().context("this program's own path is not known")?;
+    let target = own.ancestors().nth(2).context("this program does not lie in a target directory")?;
+    Ok(target.to_path_buf())
+}
+
 /// Says in one line what is done next.
 pub fn announce(what: &str) {
     eprintln!("── {what}");

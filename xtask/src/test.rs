@@ -3,7 +3,7 @@
 //! Budgets come first and whole experiments last, so that the output ends with the test runner's own summary.
 
 use crate::artefacts::{self, Board};
-use crate::{cost, install, shell, size};
+use crate::{cost, install, safety, shell, size};
 use anyhow::Result;
 
 pub fn run() -> Result<()> {
@@ -11,6 +11,8 @@ pub fn run() -> Result<()> {
     install::qemu()?;
     shell::announce("size of the firmware");
     size::run()?;
+    shell::announce("panics, stack, overflow");
+    safety::run()?;
     shell::announce("cost of the hot paths");
     cost::run(&cost::Options::check())?;
 

@@ -157,7 +157,7 @@ impl<const N: usize> Controller<N> {
     /// A controller in standby that knows no element yet.
     pub fn new() -> Self {
         let () = Self::FITS_THE_MASKS;
-        Self {
+        let mut new = Self {
             sample_period_s: None,
             guard: GuardConfig::default(),
             observing: false,
@@ -169,8 +169,9 @@ impl<const N: usize> Controller<N> {
             armed_ticks: 0,
             seals: Seals::default(),
             upsets: 0,
-        }
-        .sealed()
+        };
+        new.seal_all();
+        new
     }
 
     /// What the instrument is doing.

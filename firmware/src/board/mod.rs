@@ -25,6 +25,8 @@ pub use sensor_board::*;
 #[cfg(feature = "virtual-board")]
 mod virtual_board;
 #[cfg(feature = "virtual-board")]
+mod virtual_log;
+#[cfg(feature = "virtual-board")]
 pub use virtual_board::*;
 
 use wire::ResetCause;

@@ -28,8 +28,6 @@ use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
 use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause, encode};
 
-use defmt_semihosting as _;
-
 /// For the log.
 pub const NAME: &str = "virtual";
 /// For the host.
@@ -50,6 +48,7 @@ static DEAD_MAN: DeadMan = DeadMan::new();
 static SILENCE: AtomicU32 = AtomicU32::new(0);
 
 /// Sets up the links.
+#[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: Consumer<'static, Exchange>) -> Parts {
     let mut rcc = device.RCC.freeze(Config::hsi());
     let gpioa = device.GPIOA.split(&mut rcc);
@@ -121,11 +120,10 @@ pub fn provoke(what: Provocation) {
     const RAM: usize = 0x2000_0000;
     const RAM_BYTES: u32 = 128 * 1024;
     match what {
-        #[allow(clippy::panic)]
+        #[expect(clippy::panic, reason = "it is asked for")]
         Provocation::Panic => panic!("as the host has asked"),
         // SAFETY: nothing is there, which is what is wanted: a bus fault, and from it a hard fault.
         Provocation::Fault => drop(unsafe { core::ptr::read_volatile(0xd000_0000 as *const u32) }),
-        Provocation::Overflow => fill_the_stack(0),
         Provocation::Reset => restart(),
         Provocation::Upset { offset, bit } if offset < RAM_BYTES && bit < 8 => {
             let byte = (RAM + offset as usize) as *mut u8;
@@ -136,17 +134,15 @@ pub fn provoke(what: Provocation) {
     }
 }
 
-/// Calls itself for ever.
-#[allow(unconditional_recursion)]
-#[inline(never)]
-fn fill_the_stack(depth: u32) {
-    let filling = core::hint::black_box([depth; 16]);
-    fill_the_stack(depth.wrapping_add(1));
-    core::hint::black_box(filling);
+/// The run is over.
+pub fn finish(code: u8) -> ! {
+    let (used, size) = crate::stack::used();
+    defmt::info!("{=u32} of {=u32} bytes of stack have been in use", used, size);
+    leave(code)
 }
 
 /// Leaves the emulator with an exit code.
-pub fn finish(code: u8) -> ! {
+fn leave(code: u8) -> ! {
     /// ADP_Stopped_ApplicationExit, the reason that carries a code.
     const APPLICATION_EXIT: u32 = 0x2_0026;
     /// The call that carries it; the crate knows only the one without a code.

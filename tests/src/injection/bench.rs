@@ -9,7 +9,8 @@ use firmware::past_life::{PastLife, end_of};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
 use wire::{
-    BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Readings, Receiver, ResetCause, ToBoard,
+    BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Readings,
+    Receiver, ResetCause, ToBoard,
 };
 
 /// The parts of a board that knows its host by bytes alone.
@@ -30,7 +31,8 @@ pub struct Bench<'a> {
 
 /// Lends such a board.
 pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
-    let (mut requests, mut exchanges, questions) = (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Questions::new());
+    let (mut requests, mut exchanges, questions) =
+        (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Questions::new());
     let ((request_in, requests), (exchange_in, _)) = (requests.split(), exchanges.split());
     take(Bench {
         identity: Identity {
@@ -143,7 +145,7 @@ impl Subject for Bench<'_> {
     fn harm(&mut self, harm: Provocation) -> Result<(), InstrumentError> {
         match harm {
             Provocation::Panic => self.crash(CrashKind::Panic),
-            Provocation::Fault | Provocation::Overflow => self.crash(CrashKind::Fault),
+            Provocation::Fault => self.crash(CrashKind::Fault),
             Provocation::Reset => self.start_anew(ResetCause::Pin),
             Provocation::Upset { .. } => {}
         }

@@ -203,9 +203,10 @@ impl<S: Subject> Instrument for AsInstrument<'_, S> {
 
 /// The table of a campaign.
 pub fn table(rows: &[Row]) -> String {
-    let mut text = "| fault | injected | correct again | tripped | frames dropped and counted | ticks to heaters low, at most |\n\
+    let mut text =
+        "| fault | injected | correct again | tripped | frames dropped and counted | ticks to heaters low, at most |\n\
                     |---|--:|--:|---|--:|--:|\n"
-        .to_owned();
+            .to_owned();
     for row in rows {
         let trips: Vec<String> = row.trips.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
         let or_none = |number: u32| if number == 0 { String::new() } else { number.to_string() };

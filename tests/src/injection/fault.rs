@@ -34,12 +34,11 @@ pub enum Kind {
     Reset,
     Panic,
     ProcessorFault,
-    StackOverflow,
 }
 
 impl Kind {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 24] = [
         Self::Open,
         Self::Short,
         Self::TooHot,
@@ -64,7 +63,6 @@ impl Kind {
         Self::Reset,
         Self::Panic,
         Self::ProcessorFault,
-        Self::StackOverflow,
     ];
 
     /// For the table.
@@ -94,7 +92,6 @@ impl Kind {
             Self::Reset => "reset",
             Self::Panic => "panic",
             Self::ProcessorFault => "processor fault",
-            Self::StackOverflow => "stack overflow",
         }
     }
 
@@ -121,7 +118,6 @@ impl Kind {
             Self::Reset => Some(Provocation::Reset),
             Self::Panic => Some(Provocation::Panic),
             Self::ProcessorFault => Some(Provocation::Fault),
-            Self::StackOverflow => Some(Provocation::Overflow),
             _ => None,
         }
     }
@@ -226,7 +222,8 @@ impl Fault {
         };
         let mut bytes = frame(&dangerous);
         // No zero within.
-        let mut any = |count: usize| -> Vec<u8> { (0..count).map(|_| (self.noise.next_u32() % 255) as u8 + 1).collect() };
+        let mut any =
+            |count: usize| -> Vec<u8> { (0..count).map(|_| (self.noise.next_u32() % 255) as u8 + 1).collect() };
         match self.kind {
             Kind::Garbage => bytes = [any(5 + self.bits as usize % 200), vec![0]].concat(),
             Kind::Truncated => {

@@ -231,6 +231,10 @@ impl<const N: usize> Anemometer<N> {
         if let (Some(convection), Some(gas_c)) = (convection, gas_c) {
             for (p, part) in self.setup.parts().enumerate().take(usize::from(answer.config.parts)) {
                 let i = usize::from(part.element);
+                // The network does not know such an element, so no part has it; said for the compiler, which else leaves a panic here.
+                if i >= N {
+                    continue;
+                }
                 doubts = doubts.with(Doubts::SATURATED, self.state.level_ticks[i] > answer.saturated_ticks);
                 let overheat_k = convection.surface_c[i] - gas_c;
                 if overheat_k < LEAST_OVERHEAT_K {

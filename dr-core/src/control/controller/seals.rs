@@ -29,12 +29,6 @@ impl<const N: usize> Default for Seals<N> {
 }
 
 impl<const N: usize> Controller<N> {
-    /// The same, sealed as it is.
-    pub(super) fn sealed(mut self) -> Self {
-        self.seal_all();
-        self
-    }
-
     /// Seals everything as it is now, which is right by what has just been checked.
     pub(super) fn seal_all(&mut self) {
         self.seals.settings = self.seal_of_settings();

@@ -227,7 +227,7 @@ impl<const N: usize> Network<N> {
         }
         for (cross, x) in self.cross.iter().zip(&mut state.cross) {
             let Some(cross) = cross else { break };
-            let from = usize::from(cross.from);
+            let Some(from) = cross.source::<N>() else { break };
             let (power_w, q) = (look.power_w[from], convection.power_w[from]);
             cross.relaxations.step_each(x, &core::array::from_fn(|k| power_w - cross.surface[k] * q));
         }
@@ -239,7 +239,9 @@ impl<const N: usize> Network<N> {
         let mut warmed_k = [0.0; N];
         for (cross, x) in self.cross.iter().zip(&state.cross) {
             let Some(cross) = cross else { break };
-            warmed_k[usize::from(cross.to)] += cross.symbol.output(x);
+            if let Some(warmed_k) = warmed_k.get_mut(usize::from(cross.to)) {
+                *warmed_k += cross.symbol.output(x);
+            }
         }
         warmed_k
     }
@@ -269,7 +271,8 @@ impl<const N: usize> Network<N> {
                 let Some(own) = own.as_ref().filter(|own| own.gains.convects()) else { continue };
                 let mut left_k = too_warm_k[i];
                 for cross in self.cross.iter().map_while(Option::as_ref).filter(|cross| usize::from(cross.to) == i) {
-                    left_k -= cross.surface_k_per_w.steady_gain_k_per_w() * q[usize::from(cross.from)];
+                    let Some(from) = cross.source::<N>() else { break };
+                    left_k -= cross.surface_k_per_w.steady_gain_k_per_w() * q[from];
                 }
                 q[i] = left_k / own.surface_k_per_w.steady_gain_k_per_w();
             }
@@ -287,7 +290,7 @@ impl<const N: usize> Network<N> {
         }
         for (cross, x) in self.cross.iter().zip(&mut state.cross) {
             let Some(cross) = cross else { break };
-            let from = usize::from(cross.from);
+            let Some(from) = cross.source::<N>() else { break };
             x.x = cross.surface.map(|m| look.standing_w[from] - m * state.convection_w[from]);
         }
     }
@@ -332,6 +335,11 @@ impl Own {
 }
 
 impl Cross {
+    /// The element that heats. Always one of N, as it is known to the network; the compiler cannot see that, and would leave a panic here.
+    fn source<const N: usize>(&self) -> Option<usize> {
+        Some(usize::from(self.from)).filter(|&from| from < N)
+    }
+
     fn new(config: &CrossConfig, sample_period_s: f32) -> Result<Self, ConfigError> {
         for share in config.surface {
             error::within(Parameter::SurfaceShare, share, -10.0, 10.0)?;

@@ -19,6 +19,7 @@
 use super::ELEMENTS;
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
 use super::dead_man::DeadMan;
+use super::heater_pin::HeaterPin;
 use dr_core::ConfigError;
 use dr_core::control::{Station, Tick, WindTick};
 use dr_core::sensor::Reading;
@@ -29,7 +30,7 @@ use firmware::drivers::data_ready::{DataReady, Due};
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::settled_mean::SettledMean;
 use firmware::drivers::tick_plan::{DataRate, TickPlan};
-use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PA5, PA6, PA7, PB0, PB4, PartiallyErasedPin, Speed};
+use stm32f4xx_hal::gpio::{Edge, Input, Output, PA4, PA5, PA6, PA7, PB0, PB4, Speed};
 use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -41,7 +42,7 @@ pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 pub const FIRST_PERIOD_US: u32 = 10_000;
 
 /// Six pins of port C.
-pub type Heaters = HeaterPins<PartiallyErasedPin<'C', Output>, ELEMENTS>;
+pub type Heaters = HeaterPins<HeaterPin, ELEMENTS>;
 type Adc = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
 
 /// Where the ADC is connected.
@@ -78,6 +79,7 @@ pub struct FrontEnd {
 
 impl FrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
+    #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
     pub fn start(
         spi: SPI1,
         pins: AdcPins,

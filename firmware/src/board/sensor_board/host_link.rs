@@ -44,6 +44,7 @@ static TELEMETRY_FRAME: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX
 static TELEMETRY_RECEIVED: [AtomicU8; RECEIVED] = [const { AtomicU8::new(0) }; RECEIVED];
 
 /// Sets up both directions; receiving begins.
+#[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn start(usart: USART2, dma: DMA1, tx: PA2, rx: PA3, rcc: &mut Rcc) -> (HostTransmitter, HostReceiver)
 where
     Tx<USART2>: DMASet<Stream6<DMA1>, 4, MemoryToPeripheral>,

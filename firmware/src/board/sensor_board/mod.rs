@@ -5,6 +5,7 @@
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
 //! | `dead_man.rs` | heaters low unless their levels are decided anew |
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
+//! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `watchdog.rs` | reset unless everybody is well |
 //!
@@ -14,6 +15,7 @@
 mod clocks;
 mod dead_man;
 mod front_end;
+mod heater_pin;
 mod host_link;
 mod watchdog;
 
@@ -33,6 +35,7 @@ use firmware::drivers::reset_flags;
 use firmware::past_life::PastLife;
 use front_end::{AdcPins, FIRST_PERIOD_US, HEATER_MASK};
 use heapless::spsc::Consumer;
+use heater_pin::HeaterPin;
 use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac::{self, GPIOC};
 use stm32f4xx_hal::prelude::*;
@@ -51,6 +54,7 @@ pub const IS_VIRTUAL: bool = false;
 ///
 /// Called with interrupts disabled. An ADC that does not answer is no reason to stop: the board then reports every reading
 /// as missing, and the guard keeps the heaters low.
+#[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn init(
     device: pac::Peripherals,
     core: &mut cortex_m::Peripherals,
@@ -59,12 +63,12 @@ pub fn init(
     let mut rcc = device.RCC.constrain();
     let gpioc = device.GPIOC.split(&mut rcc);
     let heaters = HeaterPins::new([
-        gpioc.pc0.into_push_pull_output().erase_number(),
-        gpioc.pc1.into_push_pull_output().erase_number(),
-        gpioc.pc2.into_push_pull_output().erase_number(),
-        gpioc.pc3.into_push_pull_output().erase_number(),
-        gpioc.pc4.into_push_pull_output().erase_number(),
-        gpioc.pc5.into_push_pull_output().erase_number(),
+        HeaterPin::new(gpioc.pc0.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc1.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc2.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc3.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc4.into_push_pull_output().erase_number()),
+        HeaterPin::new(gpioc.pc5.into_push_pull_output().erase_number()),
     ])
     .expect("writing a pin of this processor cannot fail");
 
