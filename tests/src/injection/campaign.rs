@@ -17,8 +17,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::collections::BTreeMap;
 use wire::{Identity, LinkCounters};
 
-/// Ticks in a row that have to be told as they are before a fault counts as over.
-const WELL_TICKS: u32 = 5;
+/// Ticks in a row that have to be told as they are before a fault counts as over: more than there are elements, whose models are looked at in turn.
+const WELL_TICKS: u32 = 20;
 
 /// What came of all faults of a kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
