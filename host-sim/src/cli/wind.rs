@@ -36,7 +36,8 @@ Examples:
       --gas-temperature temperature_c:boom --pressure 820
 
 Doubts: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
-uncalibrated, no-gas, not-running, saturated, starting, cold; in the table they are the sum of 1, 2, 4, 8 … 4096 in this order.")]
+uncalibrated, no-gas, not-running, saturated, starting, cold; in the table they are the sum \
+of 1, 2, 4, 8 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
