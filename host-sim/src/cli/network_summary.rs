@@ -65,7 +65,7 @@ fn apart(model: &Model) -> String {
     let worst = model.outputs.iter().max_by(|a, b| a.se_offset_c.total_cmp(&b.se_offset_c));
     let Some(worst) = worst.filter(|output| output.se_offset_c > 0.0) else { return String::new() };
     format!(
-        "records disagree by up to {:.2} mK, {}: {:.2} % of {TOLD_OVERHEAT_K} K of overheat\n",
+        "records disagree by up to {:.2} mK, {}: {:.3} % of {TOLD_OVERHEAT_K} K of overheat\n",
         1e3 * worst.se_offset_c,
         worst.name.strip_prefix(TEMPERATURE).unwrap_or(&worst.name),
         100.0 * worst.se_offset_c / TOLD_OVERHEAT_K
