@@ -23,7 +23,8 @@ use crate::toml_file::Source;
 #[command(after_help = "\
 Examples:
   for e in sector1 sector2 sector3 sector4 core1 core2
-  do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim -o id-$e.parquet; done
+  do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim \\
+      -o id-$e.parquet; done
   anemo network id-*.parquet -o network.json
   anemo network records/*.parquet --head my-sphere.toml -o network.json --json
   anemo network records/*.csv --cross-poles 3 -o network.json
