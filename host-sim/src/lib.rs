@@ -22,6 +22,7 @@ pub mod answer;
 pub mod calibrate;
 pub mod cli;
 pub mod design;
+pub mod estimate;
 pub mod experiment;
 pub mod head;
 pub mod identify;

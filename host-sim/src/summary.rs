@@ -84,10 +84,10 @@ impl fmt::Display for RunSummary {
             writeln!(f, "in {ticks} ticks ({share:.0} %) the wind was beyond {}", self.validity)?;
         }
         if self.unjudged > 0 {
-            let (what, has) = if self.unjudged == 1 { ("set-point", "was") } else { ("set-points", "were") };
+            let what = if self.unjudged == 1 { "set-point" } else { "set-points" };
             writeln!(
                 f,
-                "{} {what} {has} not judged beforehand: the experiment has no model of these elements",
+                "whether {} {what} can be held was not judged beforehand: the experiment names no `models` of these elements",
                 self.unjudged
             )?;
         }

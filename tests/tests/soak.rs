@@ -3,9 +3,9 @@
 
 use anemo_tests::{changed, firmware, readings, sensor};
 use dr_core::control::{Command, Drive};
+use host_sim::instrument::Body;
 use host_sim::instrument::emulated::{Emulated, Path as Way};
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::Body;
 use std::cell::Cell;
 use wire::{MAX_FRAME, Status, ToBoard, encode};
 
@@ -44,7 +44,9 @@ fn a_day_and_a_night() {
         // Every hour another element changes its set-point, as a host would ask for it.
         if n % 36_000 == 35_999 {
             let (element, target_c) = ((n / 36_000) as u8 % elements, -24.0 + (n / 36_000 % 3) as f32);
-            for command in [Command::Arm { window_s: 1.0 }, Command::Drive { element, drive: Drive::Temperature { target_c } }] {
+            for command in
+                [Command::Arm { window_s: 1.0 }, Command::Drive { element, drive: Drive::Temperature { target_c } }]
+            {
                 assert_eq!(board.command(command).unwrap(), host.command(command).unwrap());
             }
         }

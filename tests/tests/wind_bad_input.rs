@@ -152,6 +152,11 @@ fn three_sectors_answer_with_a_wider_error_that_holds() {
 
 /// Writes `r.parquet` as `three.parquet`, without the readings of a column from a time on.
 fn without(desk: &Desk, column: &str, from_s: f64) {
+    rewritten(desk, "three.parquet", column, from_s, &|_| Some(0.0));
+}
+
+/// Writes `r.parquet` anew: without the readings of a column from a time on, and with only those rows whose time is moved by something.
+fn rewritten(desk: &Desk, name: &str, column: &str, from_s: f64, moved_s: &dyn Fn(f64) -> Option<f64>) {
     let mut recording = Recording::read(&desk.path().join("r.parquet")).unwrap();
     let from = recording.numbers("time_s").unwrap().partition_point(|&time_s| time_s < from_s);
     let Some(Column { values: Values::Numbers(values), .. }) =
@@ -172,14 +177,16 @@ fn without(desk: &Desk, column: &str, from_s: f64) {
     let columns = |prefix: &str| elements.iter().map(|element| of(prefix, element)).collect::<Vec<_>>();
     let (temperature, power, heater) = (columns("temperature_c:"), columns("power_w:"), columns("heater:"));
     let wind = ["wind_x_m_s", "wind_y_m_s", "wind_z_m_s"].map(|name| recording.numbers(name).unwrap());
-    let path = desk.path().join("three.parquet");
+    let path = desk.path().join(name);
     let mut writer = RecordingWriter::create(&path, layout, &recording.metadata).unwrap();
     for row in 0..recording.len() {
+        let time_s = recording.numbers("time_s").unwrap()[row];
+        let Some(by_s) = moved_s(time_s) else { continue };
         let narrow = |columns: &[&[f64]]| columns.iter().map(|values| values[row] as f32).collect::<Vec<_>>();
         let heaters = heater.iter().enumerate().map(|(i, values)| u16::from(values[row] != 0.0) << i).sum();
         writer
             .push(&Row {
-                time_s: recording.numbers("time_s").unwrap()[row],
+                time_s: time_s + by_s,
                 temperature_c: &narrow(&temperature),
                 power_w: &narrow(&power),
                 equivalent_power_w: &[],
@@ -193,6 +200,103 @@ fn without(desk: &Desk, column: &str, from_s: f64) {
             .unwrap();
     }
     writer.finish(&Vec::new()).unwrap();
+}
+
+#[test]
+fn rows_that_are_missing_are_gone_through_and_doubted_after() {
+    let desk = blown(HELD_S + 40.0, &[]);
+    json(&desk, &["run", "e.toml", "--on", "sim", "-o", "r.parquet", "--json"]);
+    // 3 s are lost, of a recording that begins at 200 s.
+    let (lost_s, back_s) = (HELD_S + 1.0, HELD_S + 4.0);
+    let none = f64::INFINITY;
+    let moved = |time_s: f64| (!(lost_s..back_s).contains(&time_s)).then_some(200.0);
+    rewritten(&desk, "gap.parquet", "temperature_c:sector1", none, &moved);
+    let wind = json(&desk, &["wind", "gap.parquet", "-o", "w.parquet", "--every", "0.02", "--json"]);
+    assert_eq!((wind["gaps"].as_u64(), wind["every_s"].as_f64()), (Some(1), Some(0.02)), "{wind}");
+    assert!((wind["missing_s"].as_f64().unwrap() - 3.0).abs() < 1e-6, "{wind}");
+    let told = Told::read(&desk, "w.parquet");
+    // Answers stand at the times of their rows, and none where there was no row.
+    let time_s = told.0.numbers("time_s").unwrap();
+    assert_eq!((time_s[0], time_s[1]), (200.0, 200.02));
+    assert_eq!(told.rows(200.0 + lost_s + 0.01, 200.0 + back_s).count(), 0);
+    assert_eq!(told.0.words("event").unwrap().dictionary(), ["steady"]);
+    // Counted as one tick, the gap would take what the silver did meanwhile for wind: half of it.
+    let speed_m_s = told.mean(ANSWER_SPEED, 200.0 + back_s + 1.0, 200.0 + back_s + 30.0);
+    println!("after the gap {speed_m_s:.3} m/s of 5");
+    assert!((speed_m_s / 5.0 - 1.0).abs() < 0.01, "{speed_m_s}");
+    // For ten times as long as it lasted.
+    assert!(told.all_have(200.0 + back_s, 200.0 + back_s + 29.9, &[Doubts::STARTING]));
+    assert!(told.none_has(200.0 + back_s + 30.0, 400.0, Doubts::STARTING));
+    let text = String::from_utf8(desk.anemo(&["wind", "gap.parquet"], &[]).stdout).unwrap();
+    assert!(text.contains("1 gaps in the recording, 3 s in all"), "{text}");
+
+    rewritten(&desk, "back.parquet", "temperature_c:sector1", none, &|time_s| {
+        Some(if time_s < 1.0 { 0.0 } else { -0.5 })
+    });
+    let (code, sentence) = desk.refused(&["wind", "back.parquet", "-o", "none.parquet"], &[]);
+    assert!(code == 1 && sentence.contains("row 1001: `time_s` goes from 0.999 s to 0.5 s"), "{sentence}");
+    rewritten(&desk, "empty.parquet", "temperature_c:sector1", none, &|_| None);
+    let (code, sentence) = desk.refused(&["wind", "empty.parquet"], &[]);
+    assert_eq!((code, sentence.as_str()), (2, "empty.parquet: has columns but no rows"));
+}
+
+#[test]
+fn options_of_wind_that_cannot_be_are_refused_before_anything_is_computed() {
+    let desk = blown(3.0, &[]);
+    json(&desk, &["run", "e.toml", "--on", "sim", "-o", "r.parquet", "--json"]);
+    for (arguments, expected) in [
+        (
+            ["--every", "0.0015"],
+            "--every 0.0015 is not a whole number of sample periods of 0.001 s: 0.001 s or 0.002 s would be",
+        ),
+        (["--every", "0"], "--every 0 is not a whole number of sample periods of 0.001 s: 0.001 s would be"),
+        (["-o", "none/w.csv"], "none/w.csv: cannot be written: there is no folder `none`"),
+        (["--plot", "w.png"], "w.png: a picture's name ends in .svg"),
+        (["--bandwidth", "fast"], "(see `anemo wind --help`)"),
+    ] {
+        let (code, sentence) = desk.refused(&["wind", "r.parquet", arguments[0], arguments[1]], &[]);
+        assert!(code == 2 && sentence.ends_with(expected), "{sentence}");
+    }
+    // Nothing that counts is no perfect answer.
+    let none = json(&desk, &["wind", "r.parquet", "--from", "9999", "--json"]);
+    assert_eq!((&none["counted"], &none["compared"]), (&Value::from(0), &Value::from(0)));
+    assert!(none["speed_worst_error"].is_null() && none["direction_worst_error_deg"].is_null(), "{none}");
+    let text = String::from_utf8(desk.anemo(&["wind", "r.parquet", "--from", "9999"], &[]).stdout).unwrap();
+    assert!(text.contains("none of them counts: from 9999 s on") && text.contains("no answers to compare"), "{text}");
+    // A pressure of another unit is taken, and said to contradict.
+    let text = String::from_utf8(desk.anemo(&["wind", "r.parquet", "--pressure", "10"], &[]).stdout).unwrap();
+    assert!(text.contains("gas: co2 of 10 Pa, its temperature by element `reference`"), "{text}");
+    assert!(text.contains("warning: --pressure is 10 Pa, but the recording says 1000 Pa"), "{text}");
+}
+
+#[test]
+fn a_head_of_another_gas_or_with_a_wrong_number_is_refused_by_its_file() {
+    let air = blown(3.0, &[("species = \"co2\"", "species = \"air\"")]);
+    let (code, sentence) = air.refused(&["check", "e.toml"], &[]);
+    assert_eq!(code, 2);
+    let expected = "`gas.species` is `air`, but head `sphere-b-reference` is calibrated for co2: another gas is another calibration";
+    assert!(sentence.starts_with("e.toml, line ") && sentence.ends_with(expected), "{sentence}");
+    // A recording that says so of itself.
+    let desk = blown(3.0, &[]);
+    json(&desk, &["run", "e.toml", "--on", "sim", "-o", "r.csv", "--json"]);
+    let text = std::fs::read_to_string(desk.path().join("r.csv")).unwrap();
+    std::fs::write(desk.path().join("air.csv"), text.replace("# gas_species: co2", "# gas_species: air")).unwrap();
+    let (code, sentence) = desk.refused(&["wind", "air.csv"], &[]);
+    assert!(code == 2 && sentence.starts_with("air.csv: was taken in air, but head"), "{sentence}");
+
+    let text = std::fs::read_to_string(anemo_tests::calibrated::head()).unwrap();
+    let at = text.find("\ngain = ").unwrap() + 1;
+    let end = at + text[at..].find('\n').unwrap();
+    let wrong = desk.path().join("wrong.toml");
+    std::fs::write(&wrong, format!("{}gain = 0.0{}", &text[..at], &text[end..])).unwrap();
+    let place = 1 + text[..text.find("[[calibration.parts]]").unwrap()].matches('\n').count();
+    let expected =
+        format!("wrong.toml, line {place}: `calibration.parts[0]` cannot be used: `gain` must lie between 0.1 and 10");
+    let (code, sentence) = desk.refused(&["wind", "r.csv", "--head", "wrong.toml"], &[]);
+    assert_eq!((code, sentence.as_str()), (2, expected.as_str()));
+    let desk = blown_with(&wrong, 3.0, &[]);
+    let (code, sentence) = desk.refused(&["check", "e.toml"], &[]);
+    assert!(code == 2 && sentence.ends_with(&expected), "{sentence}");
 }
 
 #[test]

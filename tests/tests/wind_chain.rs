@@ -48,7 +48,7 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
         unseen.wind.len() - 1,
         errors.linear_rms_deg().unwrap(),
         100.0 * speed,
-        100.0 * errors.speed_worst()
+        100.0 * errors.speed_worst().unwrap()
     );
     assert_eq!((errors.failed, errors.no_direction), (0, 0));
     assert!(errors.count > 120 * 200, "{}", errors.count);

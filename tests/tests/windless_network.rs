@@ -61,6 +61,10 @@ fn from_still_records_to_the_conductance_of_a_wind() {
     assert!(sentence.contains("no record drives hemisphere2, core2"), "{sentence}");
     let sentence = refused(&["network", "core1.parquet", "core1.parquet"]);
     assert!(sentence.contains("both drive `core1`"), "{sentence}");
+    let sentence = refused(&["network", "core1.parquet", "-o", "none/network.json"]);
+    assert!(sentence.contains("none/network.json: cannot be written: there is no folder `none`"), "{sentence}");
+    let sentence = refused(&["network", "core1.parquet", "-o", "network.txt"]);
+    assert!(sentence.contains("network.txt: the name of a network ends in .json"), "{sentence}");
 
     let files = ELEMENTS.map(|element| format!("{element}.parquet"));
     let mut arguments = vec!["network", "-o", "network.json", "--json"];

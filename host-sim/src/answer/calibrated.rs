@@ -5,7 +5,7 @@ use super::winds::Winds;
 use crate::calibrate::{self, Calibration, HeldOut, Scheme, Steady, held_out};
 use crate::head::calibration::{Curves, NewCalibration, NewPart};
 use crate::head::{Answering, Head};
-use crate::model::Model;
+use crate::model::{Conditions, Model};
 use crate::network::{ReadingNoise, Windless, reading_noise};
 use crate::sensor::Species;
 
@@ -14,16 +14,56 @@ const FOLDS: usize = 10;
 /// Overheat and period at which noise is told.
 const TOLD_OVERHEAT_K: f64 = 30.0;
 
-/// A head that is going to be calibrated, with all that is known of it.
+/// What any calibration begins with: a head, its network, and what of it looks into the wind.
+pub struct Basis<'a> {
+    pub head: &'a Head,
+    pub windless: Windless,
+    pub noise: Vec<ReadingNoise>,
+    /// Places in the head of the parts' elements.
+    pub places: Vec<usize>,
+    /// The element that measures the gas.
+    pub reference: Option<usize>,
+    /// In which the network was identified.
+    pub still: Conditions,
+}
+
+impl<'a> Basis<'a> {
+    /// `model` is the windless network of `anemo network`.
+    ///
+    /// # Errors
+    /// A sentence: what the network does not tell.
+    pub fn new(head: &'a Head, model: &Model, places: Vec<usize>, reference: Option<usize>) -> Result<Self, String> {
+        let windless = Windless::of(model, head)?;
+        if let Some(&missing) = places.iter().find(|&&place| windless.own.iter().all(|own| own.element != place)) {
+            return Err(format!(
+                "network has no `{}`, which is a part of head `{}`: is it of another head?",
+                head.elements[missing].name, head.name
+            ));
+        }
+        let still = model.provenance.conditions.clone().ok_or("does not tell its gas")?;
+        Ok(Self { head, windless, noise: reading_noise(model, head), places, reference, still })
+    }
+
+    /// What is looked for in recordings, of which `settle_s` is left out of every wind.
+    pub fn search<'b>(&'b self, settle_s: f64, winds: Option<&'b Winds>) -> Search<'b> {
+        Search {
+            head: self.head,
+            windless: &self.windless,
+            noise: &self.noise,
+            parts: &self.places,
+            reference: self.reference,
+            still: &self.still,
+            settle_s,
+            winds,
+        }
+    }
+}
+
+/// A sphere that is going to be calibrated, with all that is known of it.
 pub struct Calibrator<'a> {
-    head: &'a Head,
-    windless: Windless,
-    noise: Vec<ReadingNoise>,
-    /// Places in the head of the parts' elements, and the parts as they are drawn.
-    places: Vec<usize>,
+    basis: Basis<'a>,
+    /// The parts as they are drawn.
     drawn: calibrate::Head,
-    reference: Option<usize>,
-    reference_gas_c: f64,
 }
 
 /// One that is.
@@ -42,26 +82,14 @@ impl<'a> Calibrator<'a> {
     /// # Errors
     /// A sentence: what the network, or the head, does not tell.
     pub fn new(head: &'a Head, model: &Model, diameter_m: f64) -> Result<Self, String> {
-        let windless = Windless::of(model, head)?;
-        let reference_gas_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
-        let reference_gas_c = reference_gas_c.ok_or("does not tell its gas")?;
         let (places, drawn) = parts(head, diameter_m)?;
         let reference = head.elements.iter().position(|element| element.name == crate::sensor::reference::NAME);
-        Ok(Self { head, windless, noise: reading_noise(model, head), places, drawn, reference, reference_gas_c })
+        Ok(Self { basis: Basis::new(head, model, places, reference)?, drawn })
     }
 
     /// What is looked for in recordings, of which `settle_s` is left out of every wind.
     pub fn search<'b>(&'b self, settle_s: f64, winds: Option<&'b Winds>) -> Search<'b> {
-        Search {
-            head: self.head,
-            windless: &self.windless,
-            noise: &self.noise,
-            parts: &self.places,
-            reference: self.reference,
-            reference_gas_c: self.reference_gas_c,
-            settle_s,
-            winds,
-        }
+        self.basis.search(settle_s, winds)
     }
 
     /// The calibrated head, and how well it answers winds that were held out.
@@ -80,7 +108,8 @@ impl<'a> Calibrator<'a> {
         let directions = held_out(&self.drawn, steady, Scheme::Directions, FOLDS).map_err(said)?;
         let speeds = held_out(&self.drawn, steady, Scheme::Speeds, FOLDS).map_err(said)?;
         let overall = directions.overall();
-        let names = self.head.names();
+        let basis = &self.basis;
+        let names = basis.head.names();
         let new = NewCalibration {
             made_from: format!(
                 "{} winds of {recordings} recordings; held out: direction {:.2}° rms, speed {:.2} % rms",
@@ -89,21 +118,21 @@ impl<'a> Calibrator<'a> {
                 100.0 * overall.speed_rms
             ),
             species,
-            reference_gas_c: self.reference_gas_c,
+            reference_gas_c: basis.still.gas_temperature_c,
             diameter_m: calibration.diameter_m,
             direction_error_max_deg,
-            reference: self.reference.map(|element| names[element].to_owned()),
+            reference: basis.reference.map(|element| names[element].to_owned()),
             curves: Curves::Nusselt(
                 calibration.least_reynolds,
                 calibration.most_reynolds,
                 calibration.amplitudes.to_vec(),
             ),
             parts: new_parts(&calibration),
-            windless: &self.windless,
-            noise: &self.noise,
+            windless: &basis.windless,
+            noise: &basis.noise,
             names: &names,
         };
-        let (text, head) = new.with_head(self.head)?;
+        let (text, head) = new.with_head(basis.head)?;
         Ok(Calibrated { text, head, calibration, directions, speeds })
     }
 }
@@ -162,4 +191,20 @@ fn new_parts(calibration: &Calibration) -> Vec<NewPart> {
         windless_w_k: part.still_w_k,
     };
     calibration.parts.iter().zip(calibration.part_configs()).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_network_that_lacks_a_part_of_the_head_is_refused_by_its_name() {
+        // It has hemisphere 1 and a core.
+        let model = crate::network::windless::tests::model();
+        let head = Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-a.toml")).unwrap();
+        let refused = Calibrator::new(&head, &model, 0.01).err().unwrap();
+        assert_eq!(refused, "network has no `hemisphere2`, which is a part of head `sphere-a`: is it of another head?");
+    }
 }

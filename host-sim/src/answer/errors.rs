@@ -43,6 +43,10 @@ impl Sum {
         self.worst = self.worst.max(value.abs());
     }
 
+    fn worst(&self) -> Option<f64> {
+        (self.count > 0).then_some(self.worst)
+    }
+
     fn rms(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
     }
@@ -92,16 +96,16 @@ impl Errors {
         (self.speed.count > 0).then(|| self.speed.sum / self.speed.count as f64)
     }
 
-    pub fn speed_worst(&self) -> f64 {
-        self.speed.worst
+    pub fn speed_worst(&self) -> Option<f64> {
+        self.speed.worst()
     }
 
     pub fn direction_rms_deg(&self) -> Option<f64> {
         self.direction_deg.rms()
     }
 
-    pub fn direction_worst_deg(&self) -> f64 {
-        self.direction_deg.worst
+    pub fn direction_worst_deg(&self) -> Option<f64> {
+        self.direction_deg.worst()
     }
 
     pub fn linear_rms_deg(&self) -> Option<f64> {
@@ -132,10 +136,10 @@ pub fn angle_deg(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn answer(wind_m_s: [f32; 3]) -> WindSample {
+    pub(crate) fn answer(wind_m_s: [f32; 3]) -> WindSample {
         WindSample {
             doubts: Doubts::default(),
             wind_m_s,
@@ -164,6 +168,7 @@ mod tests {
     fn errors_are_those_of_the_answers_that_count() {
         let axes = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
         let mut errors = Errors::default();
+        assert_eq!((errors.speed_worst(), errors.direction_worst_deg()), (None, None));
         errors.add(&answer([0.0, 2.2, 0.0]), &axes, [0.0, 2.0, 0.0]);
         errors.add(&answer([0.0, 1.8, 0.0]), &axes, [2.0, 0.0, 0.0]);
         errors.add(&answer([9.0, 9.0, 9.0]), &axes, [0.1, 0.0, 0.0]);

@@ -23,11 +23,10 @@ impl<'a> OffLine<'a> {
         answering: &Answering,
         sample_period_s: f64,
     ) -> Result<Self, String> {
-        let (commands, _) = calibration.commands(answering, sample_period_s)?;
+        let made = calibration.commands(answering, sample_period_s);
+        let (commands, _) = made.map_err(|sentence| format!("{}: {sentence}", head.source.path.display()))?;
         let mut own = Self { head, anemometer: Anemometer::new(), sample_period_s: sample_period_s as f32 };
-        for command in &commands {
-            own.handle(command).map_err(|error| format!("the head's calibration is refused: {error}"))?;
-        }
+        head.set_up(&mut own.anemometer, &commands, sample_period_s).map_err(|error| error.to_string())?;
         Ok(own)
     }
 
@@ -36,7 +35,8 @@ impl<'a> OffLine<'a> {
     /// # Errors
     /// A sentence: which number cannot be.
     pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), String> {
-        self.handle(&WindCommand::Gas { pressure_pa, temperature_c })
+        let told = self.anemometer.handle(&WindCommand::Gas { pressure_pa, temperature_c }, self.sample_period_s);
+        told.map_err(|error| error.to_string())
     }
 
     /// Follows a tick; gives an answer where one is due.
@@ -44,10 +44,6 @@ impl<'a> OffLine<'a> {
         let head = self.head;
         let answer = self.anemometer.step(tick, |element, temperature_c| standing_w(head, element, temperature_c))?;
         Some(WindSample::from(&answer))
-    }
-
-    fn handle(&mut self, command: &WindCommand) -> Result<(), String> {
-        self.anemometer.handle(command, self.sample_period_s).map_err(|error| error.to_string())
     }
 }
 

@@ -1,17 +1,19 @@
 //! A recording as the ticks that made it, row by row, in memory that does not grow with its length.
 //!
-//! Temperatures, powers and bits are recorded in the f32 in which the instrument computed, so what follows from them off line has the
-//! bits that it had on the board. A temperature that is missing was no good reading; the last good one stands in its place, as there.
+//! Rows may be missing: samples get lost on the way. The time between two rows then says how many ticks there were, and they are handed
+//! out as [`Known::Missing`]: heated on with the mean power of the last second, and not read. What the structure stores is wrong
+//! afterwards by whatever the power really was: of a gap g and a time constant τ by a part g/τ, which is forgotten with τ. So for ten times
+//! as long as the gap lasted moments are [`Known::AfterGap`]; then 2 % are left of whatever the power was wrong by.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use dr_core::control::{Heaters, RunState, Tick};
 use wire::MOST_ELEMENTS;
 
+use super::moment::{Known, Moment, Reading, Ticks, run_state};
 use crate::head::Head;
 use crate::model::Conditions;
 use crate::recording::{
-    Column, EVENT, GAS_TEMPERATURE, HEATER, POWER, Reader, RecordingError, STATE, TEMPERATURE, TIME, Values, WIND,
+    Column, EVENT, GAS_TEMPERATURE, HEATER, POWER, Reader, RecordingError, STATE, TEMPERATURE, TIME, Values, WIND, tidy,
 };
 use crate::toml_file::{FileError, Source, suggest};
 
@@ -26,21 +28,16 @@ pub enum ReplayError {
     Sentence(String),
 }
 
-/// One row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Moment {
-    pub time_s: f64,
-    pub tick: Tick<MOST_ELEMENTS>,
-    /// Label of the conditions; empty where there is none.
-    pub event: String,
-    /// True wind over the interval, where it is known.
-    pub wind_m_s: Option<[f64; 3]>,
-    /// True or measured temperature of the gas, from the column that was asked for, °C.
-    pub gas_c: Option<f64>,
-}
+/// Gaps by which moments after a gap are doubted.
+const DOUBTED: f64 = 10.0;
+/// Of a longer gap only so much is gone through, and for longer nothing is doubted, s: by then nothing is left of what the structure stored.
+const LONGEST_GAP_S: f64 = 3600.0;
+/// Part of the sample period by which the time between two rows may be off: a written time may be rounded.
+const ROUNDED: f64 = 0.1;
 
 /// A recording that is being replayed.
 pub struct Replay {
+    path: PathBuf,
     reader: Reader,
     places: Places,
     sample_period_s: f64,
@@ -48,9 +45,30 @@ pub struct Replay {
     chunk: Vec<Column>,
     row: usize,
     rows: Option<u64>,
-    first_s: Option<f64>,
-    temperature_c: [f32; MOST_ELEMENTS],
-    elements: usize,
+    ticks: Ticks,
+    /// Rows so far.
+    count: u64,
+    /// Time, label and gas of the last row.
+    last_s: Option<f64>,
+    last_event: String,
+    last_gas_c: Option<f64>,
+    /// The next row, and how many ticks are missing before it.
+    next: Option<Row>,
+    missing: u64,
+    /// Gaps so far, and how long they were, s.
+    gaps: (u64, f64),
+    /// Until when moments are soon after a gap, s.
+    after_gap_s: f64,
+}
+
+/// A row as it stands in the file.
+struct Row {
+    time_s: f64,
+    readings: [Reading; MOST_ELEMENTS],
+    event: String,
+    state: String,
+    wind_m_s: Option<[f64; 3]>,
+    gas_c: Option<f64>,
 }
 
 /// Where the columns stand among those that were selected.
@@ -110,22 +128,27 @@ impl Replay {
         }
         let metadata = reader.metadata();
         let period = metadata.iter().find(|(key, _)| key == "sample_period_s").map(|(_, value)| value.parse::<f64>());
-        let sample_period_s = match period {
-            Some(Ok(period_s)) if period_s > 0.0 && period_s.is_finite() => period_s,
-            _ => period_of(path)?,
-        };
+        let said_s = period.and_then(Result::ok).filter(|period_s| *period_s > 0.0 && period_s.is_finite());
+        let sample_period_s = period_of(path, said_s)?;
         reader.select(&selected);
         Ok(Self {
             rows: reader.rows(),
             conditions: Conditions::of_metadata(&metadata),
+            path: path.to_owned(),
             reader,
             places: Places { time, temperature, power, heater, event, state, wind, gas },
             sample_period_s,
             chunk: Vec::new(),
             row: 0,
-            first_s: None,
-            temperature_c: [0.0; MOST_ELEMENTS],
-            elements: head.elements.len(),
+            ticks: Ticks::new(sample_period_s),
+            count: 0,
+            last_s: None,
+            last_event: String::new(),
+            last_gas_c: None,
+            next: None,
+            missing: 0,
+            gaps: (0, 0.0),
+            after_gap_s: f64::NEG_INFINITY,
         })
     }
 
@@ -143,11 +166,91 @@ impl Replay {
         self.rows
     }
 
-    /// The next row; none after the last.
+    /// Whether it has the true wind in it.
+    pub fn has_wind(&self) -> bool {
+        self.places.wind.is_some()
+    }
+
+    /// Whether it has a column of the gas's temperature, the one that was asked for or the simulation's.
+    pub fn has_gas(&self) -> bool {
+        self.places.gas.is_some()
+    }
+
+    /// Gaps so far, and how long they were in all, s.
+    pub fn gaps(&self) -> (u64, f64) {
+        self.gaps
+    }
+
+    /// The next tick, recorded or not; none after the last row.
     ///
     /// # Errors
-    /// If the file is damaged.
+    /// If the file is damaged, or its time does not ascend by whole sample periods.
     pub fn next_moment(&mut self) -> Result<Option<Moment>, ReplayError> {
+        if self.next.is_none()
+            && let Some(row) = self.next_row()?
+        {
+            self.missing = self.missing_before(row.time_s)?;
+            self.next = Some(row);
+        }
+        if self.missing > 0 {
+            self.missing -= 1;
+            return Ok(Some(Moment {
+                time_s: self.last_s.unwrap_or_default(),
+                tick: self.ticks.missing(),
+                event: self.last_event.clone(),
+                state: String::new(),
+                wind_m_s: None,
+                gas_c: self.last_gas_c,
+                known: Known::Missing,
+            }));
+        }
+        let Some(row) = self.next.take() else { return Ok(None) };
+        self.last_s = Some(row.time_s);
+        self.last_event.clone_from(&row.event);
+        self.last_gas_c = row.gas_c;
+        let readings = row.readings.into_iter().take(self.places.power.len());
+        Ok(Some(Moment {
+            time_s: row.time_s,
+            tick: self.ticks.tick(row.time_s, run_state(&row.state), readings),
+            event: row.event,
+            state: row.state,
+            wind_m_s: row.wind_m_s,
+            gas_c: row.gas_c,
+            known: if row.time_s < self.after_gap_s { Known::AfterGap } else { Known::Recorded },
+        }))
+    }
+
+    /// How many ticks are missing between the last row and one of this time.
+    fn missing_before(&mut self, time_s: f64) -> Result<u64, ReplayError> {
+        let refuse = |sentence: String| {
+            ReplayError::Sentence(format!("{}: row {}: {sentence}", self.path.display(), self.count))
+        };
+        if !time_s.is_finite() {
+            return Err(refuse(format!("`{TIME}` is {time_s}: a time belongs there")));
+        }
+        let Some(last_s) = self.last_s else { return Ok(0) };
+        if time_s <= last_s {
+            return Err(refuse(format!("`{TIME}` goes from {last_s} s to {time_s} s, but time must ascend")));
+        }
+        let (step_s, period_s) = (time_s - last_s, self.sample_period_s);
+        let ticks = (step_s / period_s).round();
+        if ticks < 2.0 && (step_s / period_s - 1.0).abs() > ROUNDED {
+            return Err(refuse(format!(
+                "`{TIME}` moves on by {} s, by {} s elsewhere; resample the recording or cut it there",
+                tidy(step_s),
+                tidy(period_s)
+            )));
+        }
+        if ticks < 2.0 {
+            return Ok(0);
+        }
+        let gap_s = (ticks - 1.0) * period_s;
+        self.gaps = (self.gaps.0 + 1, self.gaps.1 + gap_s);
+        self.after_gap_s = self.after_gap_s.max(time_s + (DOUBTED * gap_s).min(LONGEST_GAP_S));
+        Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
+    }
+
+    fn next_row(&mut self) -> Result<Option<Row>, ReplayError> {
         while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
             match self.reader.next_chunk()? {
                 None => return Ok(None),
@@ -155,8 +258,8 @@ impl Replay {
             }
         }
         let row = self.row;
-        self.row += 1;
-        let chunk = &self.chunk;
+        (self.row, self.count) = (row + 1, self.count + 1);
+        let (chunk, places) = (&self.chunk, &self.places);
         let number = |place: usize| match &chunk[place].values {
             Values::Numbers(numbers) => numbers[row],
             Values::Words(_) => f64::NAN,
@@ -165,53 +268,52 @@ impl Replay {
             Values::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
             Values::Numbers(numbers) => numbers[row].to_string(),
         };
-        let time_s = number(self.places.time);
-        let first_s = *self.first_s.get_or_insert(time_s);
-        let (mut valid, mut heaters) = (0_u16, 0_u16);
-        let mut power_w = [0.0_f32; MOST_ELEMENTS];
-        let columns = self.places.temperature.iter().zip(&self.places.heater).zip(&self.places.power);
-        let numbers = self.temperature_c.iter_mut().zip(&mut power_w);
-        for (i, (((&temperature, &heater), &power), (temperature_c, power_w))) in columns.zip(numbers).enumerate() {
-            let read_c = number(temperature) as f32;
-            if read_c.is_finite() {
-                valid |= 1 << i;
-                *temperature_c = read_c;
-            }
-            heaters |= u16::from(number(heater) != 0.0) << i;
-            *power_w = number(power) as f32;
+        let mut readings = [Reading { temperature_c: f32::NAN, power_w: 0.0, is_high: false }; MOST_ELEMENTS];
+        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
+        for (reading, ((&temperature, &heater), &power)) in readings.iter_mut().zip(columns) {
+            *reading = Reading {
+                temperature_c: number(temperature) as f32,
+                power_w: number(power) as f32,
+                is_high: number(heater) != 0.0,
+            };
         }
-        let running = self.places.state.is_none_or(|place| word(place) == "running");
-        let tick = Tick {
-            tick: ((time_s - first_s) / self.sample_period_s).round() as u32,
-            elements: self.elements as u8,
-            heaters: Heaters(heaters),
-            valid,
-            temperature_c: self.temperature_c,
-            power_w,
-            equivalent_power_w: None,
-            state: if running { RunState::Running } else { RunState::Standby },
-            trip: None,
-        };
-        Ok(Some(Moment {
-            time_s,
-            tick,
-            event: self.places.event.map(word).unwrap_or_default(),
-            wind_m_s: self.places.wind.map(|places| places.map(number)),
-            gas_c: self.places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
+        Ok(Some(Row {
+            time_s: number(places.time),
+            readings,
+            state: places.state.map(word).unwrap_or_default(),
+            event: places.event.map(word).unwrap_or_default(),
+            wind_m_s: places.wind.map(|places| places.map(number)),
+            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
         }))
     }
 }
 
-/// The sample period of a table that does not say it: the time between its first two rows.
-fn period_of(path: &Path) -> Result<f64, ReplayError> {
+/// The sample period: what the recording says, or else the usual time between its first rows, which is to be the same.
+fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, ReplayError> {
+    let refuse = |sentence: String| ReplayError::Sentence(format!("{}: {sentence}", path.display()));
     let mut reader = Reader::open(path)?;
-    let refuse = || ReplayError::Sentence(format!("{}: has no two rows to tell a sample period by", path.display()));
-    let time = reader.names().iter().position(|name| name == TIME).ok_or_else(refuse)?;
-    reader.select(&[time]);
-    let chunk = reader.next_chunk()?.ok_or_else(refuse)?;
-    match &chunk[0].values {
-        Values::Numbers(time_s) if time_s.len() > 1 && time_s[1] > time_s[0] => Ok(time_s[1] - time_s[0]),
-        _ => Err(refuse()),
+    let time = reader.names().iter().position(|name| name == TIME);
+    reader.select(&[time.ok_or_else(|| refuse(format!("has no column `{TIME}`")))?]);
+    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows".to_owned()))?;
+    let Values::Numbers(time_s) = &chunk[0].values else {
+        return Err(refuse(format!("column `{TIME}` holds text where numbers belong")));
+    };
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(&usual_s) = steps.get(steps.len() / 2) else {
+        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by".to_owned()));
+    };
+    match said_s {
+        // A wrong step is for the row that has it.
+        _ if !(usual_s > 0.0 && usual_s.is_finite()) => {
+            said_s.ok_or_else(|| refuse(format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
+        }
+        None => Ok(usual_s),
+        Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
+        Some(said_s) => Err(refuse(format!(
+            "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
+            tidy(usual_s)
+        ))),
     }
 }
 
@@ -231,3 +333,6 @@ pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, ReplayErro
     let path = format!("the head in {}", recording.display()).into();
     Ok(Head::from_source(Source { path, text })?)
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,8 +7,9 @@ use dr_core::control::Tick;
 use dr_core::model::{Look, Network, NetworkState};
 use wire::MOST_ELEMENTS;
 
+use super::moment::{Known, Moment};
 use super::off_line::standing_w;
-use super::replay::{Moment, Replay, ReplayError};
+use super::replay::{Replay, ReplayError};
 use super::winds::Winds;
 use crate::calibrate::{GasProperties, PartReading, Steady};
 use crate::head::Head;
@@ -33,7 +34,8 @@ pub struct Search<'a> {
     pub parts: &'a [usize],
     /// The element that measures the gas.
     pub reference: Option<usize>,
-    pub reference_gas_c: f64,
+    /// In which the network was identified.
+    pub still: &'a Conditions,
     /// Left out of every wind, s.
     pub settle_s: f64,
     pub winds: Option<&'a Winds>,
@@ -84,7 +86,7 @@ impl Search<'_> {
         let name = path.display().to_string();
         let mut replay = Replay::open(path, self.head, None)?;
         let conditions = replay.conditions().cloned().ok_or_else(|| {
-            ReplayError::Sentence(format!("{name}: does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata"))
+            ReplayError::Sentence(format!("{name}: does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)"))
         })?;
         let mut looking = self.begin(name, conditions, replay.sample_period_s())?;
         let mut rows = 0;
@@ -101,11 +103,18 @@ impl Search<'_> {
     /// Begins to look through moments that come one by one.
     ///
     /// # Errors
-    /// If it is of a gas that is not known, or the observer cannot be made for its ticks.
+    /// If it is of a gas that is not known, or of other conditions than the network, or the observer cannot be made for its ticks.
     pub fn begin(&self, name: String, conditions: Conditions, period_s: f64) -> Result<Looking<'_>, ReplayError> {
         let refuse = |sentence: String| ReplayError::Sentence(format!("{name}: {sentence}"));
         let species =
             species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
+        let differences = self.still.of_another_network(&conditions);
+        if !differences.is_empty() {
+            return Err(refuse(format!(
+                "was taken {}, for which the network was identified: it holds for one gas and one support",
+                differences.join(" and ")
+            )));
+        }
         let observer = self.windless.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(refuse)?;
         let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
         Ok(Looking {
@@ -124,7 +133,7 @@ impl Search<'_> {
 
     fn wind(&self, moment: &Moment) -> Option<[f64; 3]> {
         match self.winds {
-            Some(winds) => winds.get(&moment.event).copied(),
+            Some(winds) => winds.of(&moment.event),
             None => moment.wind_m_s,
         }
     }
@@ -140,11 +149,19 @@ impl Looking<'_> {
         let standing_w = std::array::from_fn(|i| standing_w(search.head, i, moment.tick.temperature_c[i]));
         let convection = self.network.step(&mut self.state, &look(&moment.tick, self.levels, &standing_w));
         self.levels = moment.tick.heaters.0;
+        if moment.known == Known::Missing {
+            return Ok(());
+        }
         let wind_m_s = search.wind(moment).ok_or_else(|| {
-            ReplayError::Sentence(format!(
-                "{}: does not tell the wind of `{}`: give a table of winds with --winds",
-                self.name, moment.event
-            ))
+            ReplayError::Sentence(match search.winds {
+                Some(winds) => {
+                    format!("{} has no row `{}`, which is a wind of {}", winds.path.display(), moment.event, self.name)
+                }
+                None => format!(
+                    "{}: does not tell the wind of `{}`: give a table of winds with --winds",
+                    self.name, moment.event
+                ),
+            })
         })?;
         let same = |sums: &Sums| {
             sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
@@ -155,6 +172,7 @@ impl Looking<'_> {
         }
         let Some(sums) = &mut self.current else { return Ok(()) };
         if let Some(convection) = convection
+            && moment.known == Known::Recorded
             && moment.time_s - sums.from_s >= search.settle_s
         {
             let gas_c = match search.reference {
@@ -203,7 +221,7 @@ impl Looking<'_> {
                 PartReading {
                     power_w,
                     overheat_k: surface_c - gas_c,
-                    above_reference_k: surface_c - self.search.reference_gas_c,
+                    above_reference_k: surface_c - self.search.still.gas_temperature_c,
                     variance_w2: sd_w * sd_w / looks + least_w * least_w,
                 }
             })
@@ -261,4 +279,48 @@ fn look<'a>(
 /// A gas by the name that recordings have for it.
 pub fn species(name: &str) -> Option<Species> {
     [Species::CarbonDioxide, Species::Air].into_iter().find(|species| species.name() == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The conditions of the identification of sphere B.
+    fn mars() -> Conditions {
+        Conditions {
+            species: "co2".to_owned(),
+            pressure_pa: 1000.0,
+            gas_temperature_c: -53.15,
+            support_temperature_c: -43.15,
+        }
+    }
+
+    #[test]
+    fn a_recording_of_other_conditions_than_the_networks_is_refused() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
+        let head = Head::read(&path).unwrap();
+        let calibration = head.calibration.as_ref().unwrap();
+        let still = mars();
+        let search = Search {
+            head: &head,
+            windless: &calibration.windless,
+            noise: &calibration.noise,
+            parts: &calibration.parts,
+            reference: calibration.reference,
+            still: &still,
+            settle_s: 0.0,
+            winds: None,
+        };
+        let begun = |conditions: Conditions| search.begin("t.parquet".to_owned(), conditions, 1e-3).map(|_| ());
+        // What a calibration reckons with.
+        begun(Conditions { pressure_pa: 700.0, gas_temperature_c: -40.0, ..mars() }).unwrap();
+        let refused = begun(Conditions { support_temperature_c: -18.15, ..mars() }).unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            "t.parquet: was taken with its support at -18.15 °C instead of -43.15 °C, for which the network was identified: \
+             it holds for one gas and one support"
+        );
+        let refused = begun(Conditions { species: "air".to_owned(), ..mars() }).unwrap_err().to_string();
+        assert!(refused.contains("was taken in air instead of co2"), "{refused}");
+    }
 }

@@ -3,12 +3,23 @@
 //! A table is CSV with the columns `event`, `wind_x_m_s`, `wind_y_m_s`, `wind_z_m_s`: where the gas goes to, in the tunnel's frame.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::recording::{EVENT, Recording, RecordingError, WIND};
 
-/// Wind by label, m/s.
-pub type Winds = HashMap<String, [f64; 3]>;
+/// A table of winds.
+#[derive(Debug, Clone)]
+pub struct Winds {
+    pub path: PathBuf,
+    /// By label, m/s.
+    by_label: HashMap<String, [f64; 3]>,
+}
+
+impl Winds {
+    pub fn of(&self, label: &str) -> Option<[f64; 3]> {
+        self.by_label.get(label).copied()
+    }
+}
 
 /// Reads a table of winds.
 ///
@@ -24,15 +35,15 @@ pub fn read(path: &Path) -> Result<Winds, RecordingError> {
     for name in WIND {
         components.push(table.numbers(name).map_err(|_| refuse(format!("has no column `{name}` of numbers")))?);
     }
-    let mut winds = Winds::new();
+    let mut by_label = HashMap::new();
     for (row, label) in labels.iter().enumerate() {
         let wind_m_s = std::array::from_fn(|k| components[k][row]);
         if wind_m_s.iter().any(|v: &f64| !v.is_finite()) {
             return Err(refuse(format!("has no finite wind for `{label}`")));
         }
-        if winds.insert(label.to_owned(), wind_m_s).is_some() {
+        if by_label.insert(label.to_owned(), wind_m_s).is_some() {
             return Err(refuse(format!("has `{label}` twice")));
         }
     }
-    Ok(winds)
+    Ok(Winds { path: path.to_owned(), by_label })
 }

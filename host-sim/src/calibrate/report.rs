@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::calibration::Calibration;
 use super::held_out::{HeldOut, Summary};
+use crate::estimate::estimate;
 
 impl fmt::Display for Calibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -26,19 +27,20 @@ impl fmt::Display for Calibration {
         let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
         writeln!(
             f,
-            "mounting turned by {:.2}°: ({x:.2} ± {ex:.2}, {y:.2} ± {ey:.2}, {z:.2} ± {ez:.2})°",
-            self.rotation_deg()
+            "mounting turned by {:.2}°: ({}, {}, {})°",
+            self.rotation_deg(),
+            estimate(x, ex),
+            estimate(y, ey),
+            estimate(z, ez)
         )?;
-        writeln!(f, "{:<12} {:>18} {:>22}", "part", "gain", "G0 mW/K")?;
+        writeln!(f, "{:<12} {:>23} {:>23}", "part", "gain", "G0 mW/K")?;
         for part in &self.parts {
             writeln!(
                 f,
-                "{:<12} {:>8.4} ± {:.4}   {:>10.4} ± {:.4}",
+                "{:<12} {:>23} {:>23}",
                 part.name,
-                part.gain,
-                part.gain_error,
-                1e3 * part.still_w_k,
-                1e3 * part.still_error_w_k
+                estimate(part.gain, part.gain_error),
+                estimate(1e3 * part.still_w_k, 1e3 * part.still_error_w_k)
             )?;
         }
         Ok(())

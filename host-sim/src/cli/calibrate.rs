@@ -31,9 +31,11 @@ const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 #[command(after_help = "\
 Examples:
   anemo calibrate tunnel*.parquet --network network.json -o head.toml
-  anemo calibrate tunnel.csv --network network.json --winds winds.csv --head heads/my-sphere.toml -o head.toml
+  anemo calibrate tunnel.csv --network network.json --winds winds.csv \\
+      --head heads/my-sphere.toml -o head.toml
   anemo calibrate tunnel.parquet --network network.json --settle 60 --json
-  anemo calibrate tunnel.parquet --network card1.json --elements card1-die1,card1-die2,card1-die3,card1-die4 -o head.toml
+  anemo calibrate tunnel.parquet --network card1.json -o head.toml \\
+      --elements card1-die1,card1-die2,card1-die3,card1-die4
 
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
 pub struct Arguments {
@@ -83,6 +85,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     read.extend([arguments.network.as_path()]);
     read.extend(arguments.winds.as_deref());
     super::keep(&read, &[arguments.output.as_deref()])?;
+    if let Some(path) = &arguments.output {
+        super::writable(path, "a head", "toml")?;
+    }
 
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref()).map_err(Failure::usage)?;
     let model = Model::read(&arguments.network).map_err(Failure::usage)?;

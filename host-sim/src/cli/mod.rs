@@ -36,7 +36,7 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::experiment::Experiment;
 use crate::run::RunError;
@@ -58,7 +58,7 @@ Examples:
   anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
   anemo validate model.json another-day.parquet
   anemo analyse model.json --element sector1 --target 15
-  anemo network sector*.parquet core*.parquet -o network.json
+  anemo network id-*.parquet -o network.json
   anemo calibrate tunnel*.parquet --network network.json -o head.toml
   anemo wind day.parquet --head head.toml --plot wind.svg"
 )]
@@ -130,7 +130,8 @@ pub fn main() -> ExitCode {
             if error.use_stderr()
                 && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
-            complain(&one_sentence(&error));
+            let command = std::env::args().nth(1);
+            complain(&one_sentence(&error, command.as_deref()));
             return ExitCode::from(2);
         }
         Err(error) => {
@@ -196,6 +197,17 @@ fn write_text(path: &std::path::Path, text: &str) -> Result<(), Failure> {
     temporary.keep().map_err(failed)
 }
 
+/// Refuses a file that could only fail to be written once the work is done; `what` has a name with this extension.
+fn writable(path: &std::path::Path, what: &str, extension: &str) -> Result<(), Failure> {
+    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension)) {
+        return Err(Failure::usage(format!("{}: the name of {what} ends in .{extension}", path.display())));
+    }
+    // Dropped, it is gone again.
+    crate::recording::Temporary::create(path)
+        .map(drop)
+        .map_err(|error| Failure::usage(format!("{}: cannot be written: {error}", path.display())))
+}
+
 /// Reads an experiment and lets a controller in this process judge it, so that nothing is started that would be refused.
 fn read_experiment(path: &std::path::Path) -> Result<(Experiment, crate::run::Judgement), Failure> {
     let experiment = Experiment::read(path)?;
@@ -223,20 +235,23 @@ fn finite(options: &[(&str, Option<f64>)]) -> Result<(), String> {
     }
 }
 
-/// Clap's message without its usage block, in one line.
-fn one_sentence(error: &clap::Error) -> String {
+/// Clap's message to a command without its usage block, in one line.
+fn one_sentence(error: &clap::Error, command: Option<&str>) -> String {
     let text = error.to_string();
     let parts =
         text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let parts: Vec<&str> = parts.map(str::trim).filter(|line| !line.is_empty()).collect();
     let joined = parts.join("; ").replace(":; ", ": ");
-    format!("{} (see `anemo --help`)", joined.strip_prefix("error: ").unwrap_or(&joined))
+    let joined = joined.strip_prefix("error: ").unwrap_or(&joined);
+    // The help of the subcommand that was meant, if there is such a one.
+    let known = Arguments::command();
+    let command = command.filter(|name| known.find_subcommand(name).is_some());
+    let command = command.map_or(String::new(), |name| format!("{name} "));
+    format!("{joined} (see `anemo {command}--help`)")
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
-
     use super::*;
 
     #[test]
@@ -248,11 +263,25 @@ mod tests {
     fn a_wrong_option_is_one_sentence_with_the_right_one() {
         let error =
             Arguments::try_parse_from(["anemo", "run", "a.toml", "--on", "sim", "--plto", "x.svg"]).err().unwrap();
-        let sentence = one_sentence(&error);
+        let sentence = one_sentence(&error, Some("run"));
         assert!(
             sentence.starts_with("unexpected argument '--plto' found; tip: a similar argument exists: '--plot'"),
             "{sentence}"
         );
         assert!(!sentence.contains('\n'));
+        assert!(sentence.ends_with("(see `anemo run --help`)"), "{sentence}");
+    }
+
+    #[test]
+    fn a_wrong_value_leads_to_the_help_of_its_command() {
+        let sentence = |arguments: &[&str]| {
+            one_sentence(&Arguments::try_parse_from(arguments).err().unwrap(), arguments.get(1).copied())
+        };
+        let wrong = sentence(&["anemo", "wind", "a.parquet", "--bandwidth", "fast"]);
+        assert!(wrong.ends_with("(see `anemo wind --help`)"), "{wrong}");
+        let missing = sentence(&["anemo", "calibrate"]);
+        assert!(missing.ends_with("(see `anemo calibrate --help`)"), "{missing}");
+        let unknown = sentence(&["anemo", "blow"]);
+        assert!(unknown.ends_with("(see `anemo --help`)"), "{unknown}");
     }
 }

@@ -22,11 +22,14 @@ use crate::toml_file::Source;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo run experiments/wind/sphere-b/identify-sector1.toml -o sector1.parquet       (and so on for the others)
-  anemo network sector*.parquet core*.parquet -o network.json
-  anemo network records/*.parquet --head heads/my-sphere.toml -o network.json --json
+  for e in sector1 sector2 sector3 sector4 core1 core2
+  do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim \\
+      -o id-$e.parquet; done
+  anemo network id-*.parquet -o network.json
+  anemo network records/*.parquet --head my-sphere.toml -o network.json --json
   anemo network records/*.csv --cross-poles 3 -o network.json
-  anemo network die*.parquet --elements card1-die1,card1-die2,card1-die3,card1-die4 -o card1.json")]
+  anemo network die*.parquet -o card1.json \\
+      --elements card1-die1,card1-die2,card1-die3,card1-die4")]
 pub struct Arguments {
     /// The records: one .parquet or .csv file an element.
     #[arg(required = true, value_name = "RECORD")]
@@ -37,7 +40,7 @@ pub struct Arguments {
     /// The head, which says what layers lie between elements and surface; by default the one that the records carry.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Elements of the network, by default all of the head; what others do, which only measure, counts as part of the structure.
+    /// Elements of the network with commas between them, by default all of the head; what others do, which only measure, counts as part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Most free rates of an element's own heating.
@@ -54,6 +57,9 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = arguments.records.iter().map(PathBuf::as_path).collect();
     super::keep(&read, &[arguments.output.as_deref()])?;
+    if let Some(path) = &arguments.output {
+        super::writable(path, "a network", "json")?;
+    }
     let poles = Poles { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
     let open = |n: usize| {
         let record = Recorded::read(&arguments.records[n])?;

@@ -7,6 +7,13 @@ use crate::model::{Model, Pair};
 use crate::network::Windless;
 use crate::recording::{POWER, TEMPERATURE};
 
+/// What the lines of the elements say.
+const LEGEND: &str = "\n\
+    rad/s and K/W: rates of an element's own heating and what each contributes; surface: temperature of the surface over\n\
+    the element's in that relaxation, negative where it is too fast for the layers between them\n";
+/// Overheat by which the disagreement of records is told, K.
+const TOLD_OVERHEAT_K: f64 = 30.0;
+
 /// The network for people.
 pub fn summary(model: &Model, windless: Option<&Windless>, written: Option<&Path>) -> String {
     let mut text = String::new();
@@ -21,6 +28,7 @@ pub fn summary(model: &Model, windless: Option<&Windless>, written: Option<&Path
     );
     if let Some(windless) = windless {
         layers(&mut text, windless);
+        text.push_str(LEGEND);
     }
     gains(&mut text, model);
     let _ = writeln!(
@@ -38,6 +46,7 @@ pub fn summary(model: &Model, windless: Option<&Windless>, written: Option<&Path
             1e3 * output.residual_rms
         );
     }
+    text.push_str(&apart(model));
     text.push_str("\nchosen:\n");
     for reason in &model.chosen.reasons {
         let _ = writeln!(text, "  {reason}");
@@ -49,6 +58,18 @@ pub fn summary(model: &Model, windless: Option<&Windless>, written: Option<&Path
         let _ = writeln!(text, "\nnetwork written to {}", path.display());
     }
     text
+}
+
+/// How far records disagree: what of the head is not linear, and so is missing from the network.
+fn apart(model: &Model) -> String {
+    let worst = model.outputs.iter().max_by(|a, b| a.se_offset_c.total_cmp(&b.se_offset_c));
+    let Some(worst) = worst.filter(|output| output.se_offset_c > 0.0) else { return String::new() };
+    format!(
+        "records disagree by up to {:.2} mK, {}: {:.3} % of {TOLD_OVERHEAT_K} K of overheat\n",
+        1e3 * worst.se_offset_c,
+        worst.name.strip_prefix(TEMPERATURE).unwrap_or(&worst.name),
+        100.0 * worst.se_offset_c / TOLD_OVERHEAT_K
+    )
 }
 
 fn layers(text: &mut String, windless: &Windless) {

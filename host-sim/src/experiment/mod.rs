@@ -42,7 +42,7 @@ pub mod wind;
 
 use std::path::Path;
 
-use dr_core::control::{Drive, WindCommand};
+use dr_core::control::{Anemometer, Drive, WindCommand};
 use dr_core::model::SelfHeatingConfig;
 
 use crate::head::{Answering, Head};
@@ -117,6 +117,7 @@ impl Experiment {
             currents.push(place);
         }
         currents.sort_unstable();
+        of_one_gas(&source, &head, table.gas.species.into())?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;
 
@@ -194,7 +195,12 @@ impl Experiment {
             return Ok(Vec::new());
         };
         let made = calibration.commands(answering, self.sample_period_s);
-        let (mut commands, _) = made.map_err(|sentence| self.source.refuse("answer", sentence))?;
+        let of_the_head = |sentence: String| {
+            self.source.refuse("answer", format!("cannot be had of {}: {sentence}", self.head.source.path.display()))
+        };
+        let (mut commands, _) = made.map_err(of_the_head)?;
+        // What is wrong in the head's file is said of it, before any instrument hears of it.
+        self.head.set_up(&mut Anemometer::new(), &commands, self.sample_period_s)?;
         let temperature_c = calibration.reference.is_none().then_some(self.gas_temperature_c as f32);
         commands.push(WindCommand::Gas { pressure_pa: self.pressure_pa as f32, temperature_c });
         Ok(commands)
@@ -355,7 +361,22 @@ fn tidy(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }
 
-/// A swing begins with a tick, and before the end.
+/// A head answers in the gas only in which it was calibrated.
+fn of_one_gas(source: &Source, head: &Head, species: Species) -> Result<(), FileError> {
+    match &head.calibration {
+        Some(calibration) if calibration.species != species => Err(source.refuse(
+            "gas.species",
+            format!(
+                "is `{}`, but head `{}` is calibrated for {}: another gas is another calibration",
+                species.name(),
+                head.name,
+                calibration.species.name()
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// How a head with a calibration answers.
 fn answering(grid: &Grid, table: Option<&AnswerTable>, head: &Head) -> Result<Option<Answering>, FileError> {
     let source = grid.source;
@@ -379,6 +400,7 @@ fn answering(grid: &Grid, table: Option<&AnswerTable>, head: &Head) -> Result<Op
     Ok(Some(Answering::new(bandwidth_hz, every_s, fixed, grid.sample_period_s)))
 }
 
+/// A swing begins with a tick, and before the end.
 fn swing_starts(grid: &Grid, swing: Option<&GasSwing>, duration_s: f64) -> Result<(), FileError> {
     let Some(swing) = swing else { return Ok(()) };
     grid.instant("gas.swing.start_s", swing.start_s)?;

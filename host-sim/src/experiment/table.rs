@@ -75,7 +75,7 @@ impl From<GasSwingTable> for GasSwing {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum SpeciesName {
     Co2,

@@ -16,6 +16,7 @@
 
 pub mod calibration;
 mod matching;
+mod setup;
 mod table;
 
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use crate::recording::Metadata;
 
 /// Temperatures and pressures nearer than this are the same.
 pub const SAME_TEMPERATURE_K: f64 = 0.5;
-const SAME_PRESSURE: f64 = 0.01;
+pub const SAME_PRESSURE: f64 = 0.01;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,6 +62,12 @@ impl Conditions {
         }
         found
     }
+
+    /// What keeps a network without wind of these conditions from holding for another record: another species, or another support.
+    /// Pressure and temperature of the gas may differ; a calibration reckons with them.
+    pub fn of_another_network(&self, other: &Self) -> Vec<String> {
+        self.differences(&Self { pressure_pa: self.pressure_pa, ..other.clone() }, false)
+    }
 }
 
 #[cfg(test)]
@@ -90,5 +96,9 @@ mod tests {
         let named = mars().differences(&warmer, true);
         assert_eq!(named, ["at 700 Pa instead of 1000 Pa", "in a gas of -40 °C instead of -53.15 °C"]);
         assert_eq!(mars().differences(&warmer, false), ["at 700 Pa instead of 1000 Pa"]);
+        assert!(mars().of_another_network(&warmer).is_empty());
+        let elsewhere = Conditions { species: "air".to_owned(), support_temperature_c: -18.0, ..mars() };
+        let named = mars().of_another_network(&elsewhere);
+        assert_eq!(named, ["in air instead of co2", "with its support at -18 °C instead of -43.15 °C"]);
     }
 }

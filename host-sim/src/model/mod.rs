@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use conditions::{Conditions, SAME_TEMPERATURE_K};
+pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
 pub use file::{FORMAT, ModelError, VERSION};
 pub use forward::Forward;
 

@@ -67,28 +67,12 @@ pub fn identified(
     progress: &mut Progress<'_>,
 ) -> Result<Model, String> {
     let first = read(0)?;
+    all_driven_once(records, read, &first)?;
     let mut rounds: Vec<Round> = Vec::new();
     for n in 0..records {
-        let record = read(n)?;
-        record.alike(&first)?;
-        if let Some(before) = rounds.iter().find(|round| round.driven == record.driven_name()) {
-            return Err(format!(
-                "{} and {} both drive `{}`: one of them is enough",
-                before.name, record.name, before.driven
-            ));
-        }
-        rounds.push(first_round(&record, poles, progress)?);
+        rounds.push(first_round(&read(n)?, poles, progress)?);
     }
     let place = |driven: &str| first.elements.iter().position(|name| name == driven);
-    let missing: Vec<&str> = first
-        .elements
-        .iter()
-        .map(String::as_str)
-        .filter(|name| rounds.iter().all(|round| round.driven != *name))
-        .collect();
-    if !missing.is_empty() {
-        return Err(format!("no record drives {}: the network needs one record an element", missing.join(", ")));
-    }
     let mut second = Vec::new();
     for n in 0..records {
         second.push(second_round(&read(n)?, &rounds, poles, progress)?);
@@ -98,6 +82,29 @@ pub fn identified(
     let mut model = network(&first.elements, second)?;
     model.provenance.conditions = first.conditions;
     Ok(model)
+}
+
+/// Looks through all records before anything is computed.
+fn all_driven_once(
+    records: usize,
+    read: &dyn Fn(usize) -> Result<Recorded, String>,
+    first: &Recorded,
+) -> Result<(), String> {
+    let mut driven: Vec<(String, String)> = Vec::new();
+    for n in 0..records {
+        let record = read(n)?;
+        record.alike(first)?;
+        if let Some((name, element)) = driven.iter().find(|(_, element)| element == record.driven_name()) {
+            return Err(format!("{name} and {} both drive `{element}`: one of them is enough", record.name));
+        }
+        driven.push((record.name.clone(), record.driven_name().to_owned()));
+    }
+    let names = first.elements.iter().map(String::as_str);
+    let missing: Vec<&str> = names.filter(|name| driven.iter().all(|(_, element)| element != name)).collect();
+    if !missing.is_empty() {
+        return Err(format!("no record drives {}: the network needs one record an element", missing.join(", ")));
+    }
+    Ok(())
 }
 
 fn options() -> Options {
@@ -239,7 +246,7 @@ fn network(elements: &[String], rounds: Vec<Round>) -> Result<Model, String> {
         pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
     }
     let mut model = merge(&pairs)?;
-    let mut reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
+    let reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
     for (j, name) in elements.iter().enumerate() {
         let Some(place) = model.outputs.iter().position(|output| output.name == format!("{TEMPERATURE}{name}")) else {
             continue;
@@ -258,11 +265,6 @@ fn network(elements: &[String], rounds: Vec<Round>) -> Result<Model, String> {
         if !others.is_empty() {
             output.residual_rms = (others.iter().map(|rms| rms * rms).sum::<f64>() / others.len() as f64).sqrt();
         }
-        reasons.push(format!(
-            "`{name}`: {mean:.4} °C with no heating at all, the same within {:.2} mK in {} records",
-            1e3 * apart,
-            rests.len()
-        ));
     }
     model.offset_c = model.outputs[0].offset_c;
     model.residual_rms = model.outputs[0].residual_rms;

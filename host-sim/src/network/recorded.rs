@@ -13,6 +13,8 @@ use crate::recording::{POWER, Recording, STATE, TEMPERATURE, WIND};
 const MEASURES: f64 = 0.05;
 /// Part of its own mean that the power of a driven element spans at least.
 const DRIVEN: f64 = 0.5;
+/// Labels that a refusal names.
+const LABELS: usize = 3;
 /// Speed of simulated wind below which the gas is still, m/s.
 const STILL_M_S: f64 = 1e-3;
 
@@ -163,7 +165,7 @@ fn wind(recording: &Recording) -> Result<Option<String>, String> {
         if labels.len() > 1 {
             return Ok(Some(format!(
                 "was taken under several conditions, {}: a network without wind takes records of still gas only",
-                labels.join(", ")
+                some_of(&labels)
             )));
         }
     }
@@ -179,6 +181,14 @@ fn wind(recording: &Recording) -> Result<Option<String>, String> {
         }
     }
     Ok(None)
+}
+
+/// The first of many labels.
+fn some_of(labels: &[&str]) -> String {
+    match labels.len().checked_sub(LABELS) {
+        None | Some(0) => labels.join(", "),
+        Some(more) => format!("{} and {more} more", labels[..LABELS].join(", ")),
+    }
 }
 
 fn range_and_mean(values: &[f64]) -> (f64, f64) {
@@ -237,6 +247,9 @@ mod tests {
         assert!(none.starts_with("r.csv: drives no element"), "{none}");
         let two = refused(4, &|n| 0.01 * (n % 3) as f64);
         assert!(two.starts_with("r.csv: drives `a` and also b"), "{two}");
+        let labels = ["still", "wind 1", "wind 2", "wind 3", "wind 4"];
+        assert_eq!(some_of(&labels), "still, wind 1, wind 2 and 2 more");
+        assert_eq!(some_of(&labels[..3]), "still, wind 1, wind 2");
         let windy = refused(5, &|n| if n == 7 { 2.0 } else { 0.0 });
         assert!(windy.starts_with("r.csv: row 8: `wind_x_m_s` is 2.000 m/s"), "{windy}");
     }

@@ -266,4 +266,4 @@ fn ascending<const K: usize>(rates: &[f64]) -> [f32; K] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

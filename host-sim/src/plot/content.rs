@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::PlotError;
 use super::answer::Answer;
-use super::draw::{GAS, GREYS, INK, PALETTE, shade};
+use super::draw::{GAS, GREYS, INK, PALETTE, REFERENCE, shade};
 use super::reduce::{Bin, bins, mean_power};
 use super::set_points::SetPoint;
 use crate::recording::{GAS_TEMPERATURE, HEATER, POWER, Recording, STATE, TEMPERATURE, WIND};
@@ -61,7 +61,9 @@ impl<'r> Content<'r> {
         let mut cores = 0;
         let elements: Vec<_> = (recording.elements().into_iter().enumerate())
             .map(|(i, name)| {
-                let colour = if name.starts_with("core") {
+                let colour = if name == crate::sensor::reference::NAME {
+                    REFERENCE
+                } else if name.starts_with("core") {
                     cores += 1;
                     GREYS[(cores - 1) % GREYS.len()]
                 } else {

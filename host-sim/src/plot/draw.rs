@@ -26,6 +26,8 @@ pub const PALETTE: [RGBColor; 4] =
     [RGBColor(0x00, 0x72, 0xb2), RGBColor(0xe6, 0x9f, 0x00), RGBColor(0x00, 0x9e, 0x73), RGBColor(0xcc, 0x79, 0xa7)];
 /// Of the gas: pale, as it lies beneath what measures it.
 pub const GAS: RGBColor = RGBColor(0xb8, 0xa3, 0xd6);
+/// Of the element that measures it.
+pub const REFERENCE: RGBColor = RGBColor(0x6a, 0x3d, 0x9a);
 /// Of what the anemometer says, over the truth.
 pub const ANSWER: RGBColor = RGBColor(0x00, 0x5a, 0x8f);
 /// Of the truth behind an answer: pale, as it lies beneath.

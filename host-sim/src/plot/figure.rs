@@ -21,6 +21,8 @@ const RIGHT: f64 = 32.0;
 const CAPTION: f64 = 34.0;
 /// Dashed lines of set-points; more of them would be all that is seen.
 const MOST_SET_POINTS: usize = 40;
+/// Bands of conditions; of more of them nothing but stripes would be seen.
+const MOST_EVENTS: usize = 150;
 const BAND_COLOURS: [RGBColor; 2] = [RGBColor(0xdd, 0xe8, 0xf0), RGBColor(0xf3, 0xea, 0xd8)];
 
 /// Draws a recording.
@@ -210,6 +212,12 @@ fn event_bands<'a>(figure: &Figure<'a>, content: &Content, layout: &Layout, time
     let Some(strip) = layout.events else { return Ok(()) };
     let x = |time_s: f64| strip.left + (strip.right - strip.left) * time.share(time_s).clamp(0.0, 1.0);
     let last = content.events.len() - 1;
+    if content.events.len() > MOST_EVENTS {
+        let words = format!("{} conditions, “{}” to “{}”", last + 1, content.events[0].0, content.events[last].0);
+        figure.rectangle(strip, BAND_COLOURS[0].to_rgba(), true)?;
+        let middle = (f64::midpoint(strip.left, strip.right), f64::midpoint(strip.top, strip.bottom));
+        return figure.text(&words, middle, 12.0, INK, Align::Middle, false);
+    }
     for (i, (label, from_s, to_s)) in content.events.iter().enumerate() {
         // The last one holds to the end of the last tick.
         let (left, right) = (x(*from_s), if i == last { strip.right } else { x(*to_s) });

@@ -65,6 +65,21 @@ fn a_hundred_thousand_ticks_stay_a_small_picture() {
 }
 
 #[test]
+fn of_more_conditions_than_can_be_seen_the_number_is_told() {
+    let labelled = |rows: u32| {
+        let mut recording = noisy(3000, &[]);
+        let mut words = crate::recording::Words::default();
+        (0..3000_u32).for_each(|n| words.push(&format!("wind {}", n / rows)));
+        let events = recording.columns.iter_mut().find(|column| column.name == crate::recording::EVENT).unwrap();
+        events.values = crate::recording::Values::Words(words);
+        figure::svg(&recording).unwrap()
+    };
+    assert!(labelled(10).contains("300 conditions, “wind 0” to “wind 299”"));
+    let few = labelled(1000);
+    assert!(!few.contains("conditions") && few.contains("wind 2"));
+}
+
+#[test]
 fn a_gas_that_swings_is_drawn_among_the_temperatures() {
     let (still, swinging) = [false, true].map(|gas| figure::svg(&noisy_in(2000, &[], gas)).unwrap()).into();
     // One more curve and one more name; the elements are at -23 °C, so that the gas widens the axis.

@@ -22,6 +22,10 @@ impl Collector {
         Self { layout, recording: Recording { path: PathBuf::from("this run"), metadata: metadata.clone(), columns } }
     }
 
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
     pub fn push(&mut self, row: &Row) -> Result<(), RecordingError> {
         self.layout.check(row)?;
         let heaters = (0..self.layout.elements.len()).map(|i| f64::from(row.heaters >> i & 1));

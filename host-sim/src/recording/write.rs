@@ -149,6 +149,10 @@ impl RecordingWriter {
         Ok(Self { layout, path: path.to_owned(), sink, temporary })
     }
 
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
     pub fn push(&mut self, row: &Row) -> Result<(), RecordingError> {
         self.layout.check(row)?;
         match &mut self.sink {

@@ -31,7 +31,8 @@ pub struct Row {
     pub trips: BTreeMap<&'static str, u32>,
     /// Frames that the link dropped and counted.
     pub dropped: u32,
-    /// Ticks from the first that was wrong to heaters low, at most; of those that tripped.
+    /// Ticks from the first that was wrong until the element's heater was low for good, at most; of those that tripped. All heaters, where it is
+    /// not one element's fault.
     pub ticks_to_safe: u32,
 }
 
@@ -138,17 +139,25 @@ impl<S: Subject> Lab<'_, S> {
                 Ok(_) => Ended::Reset,
             };
         }
-        let mut well = 0;
+        let (mut well, mut safe_after) = (0, 1);
         for t in 0..kind.window_ticks() {
             if fault.is_silent(t) {
                 let levels = self.subject.silence().expect("the instrument answers");
                 self.judge.silence(levels, what);
                 self.sensor.advance(levels.0);
+                if levels.0 != 0 {
+                    safe_after = t + 2;
+                }
                 continue;
             }
             match self.tick(|readings| fault.apply(t, readings)) {
-                Err(cause) => return Ended::Tripped(cause, t + 1),
+                Err(cause) => return Ended::Tripped(cause, safe_after),
                 Ok(all_told) => well = if all_told && !is_wrong(&fault, t) { well + 1 } else { 0 },
+            }
+            let levels = self.judge.levels();
+            let is_heated = if fault.changes_readings() { levels.is_high(fault.element) } else { levels.0 != 0 };
+            if is_heated {
+                safe_after = t + 2;
             }
             if well == WELL_TICKS {
                 return Ended::Correct;

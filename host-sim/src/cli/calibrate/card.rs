@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::{Arguments, look};
+use crate::answer::calibrated::Basis;
 use crate::answer::steady::Search;
 use crate::answer::winds;
 use crate::calibrate::card::{calibrate, held_out};
@@ -11,7 +12,6 @@ use crate::cli::Failure;
 use crate::head::Head;
 use crate::head::calibration::{Curves, NewCalibration, NewPart};
 use crate::model::Model;
-use crate::network::{Windless, reading_noise};
 use crate::sensor::Species;
 use crate::toml_file::suggest;
 
@@ -49,23 +49,11 @@ fn drawn(head: &Head, elements: &[String], side_m: f64) -> Result<(Vec<usize>, D
 /// Reads, calibrates, writes and tells.
 pub(super) fn execute(arguments: &Arguments, head: &Head, model: &Model) -> Result<(), Failure> {
     let named = |sentence: String| Failure::usage(format!("{}: {sentence}", arguments.network.display()));
-    let windless = Windless::of(model, head).map_err(named)?;
-    let noise = reading_noise(model, head);
-    let reference_gas_c = model.provenance.conditions.as_ref().map(|conditions| conditions.gas_temperature_c);
-    let reference_gas_c = reference_gas_c.ok_or_else(|| named("does not tell its gas".to_owned()))?;
     let side_m = arguments.die_mm * 1e-3;
     let (places, card) = drawn(head, &arguments.elements, side_m).map_err(Failure::usage)?;
     let table = arguments.winds.as_deref().map(winds::read).transpose().map_err(Failure::usage)?;
-    let search = Search {
-        head,
-        windless: &windless,
-        noise: &noise,
-        parts: &places,
-        reference: None,
-        reference_gas_c,
-        settle_s: arguments.settle,
-        winds: table.as_ref(),
-    };
+    let basis = Basis::new(head, model, places, None).map_err(named)?;
+    let search = basis.search(arguments.settle, table.as_ref());
     let (steady, species, short) = look(&search, &arguments.recordings)?;
     finish(arguments, &search, &card, &steady, species, short)
 }
@@ -98,7 +86,7 @@ fn finish(
             100.0 * overall.speed_rms
         ),
         species,
-        reference_gas_c: search.reference_gas_c,
+        reference_gas_c: search.still.gas_temperature_c,
         diameter_m: drawn.side_m,
         direction_error_max_deg: arguments.direction_error_max_deg,
         reference: search.reference.map(|element| names[element].to_owned()),

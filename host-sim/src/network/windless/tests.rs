@@ -12,7 +12,7 @@ fn head() -> Head {
 }
 
 /// Hemisphere 1 and a core, each heating the other.
-fn model() -> Model {
+pub(crate) fn model() -> Model {
     let mut model = testing::model(&[0.00296, 0.0306, 1.69, 126.9], &[459.6, 72.11, 124.5, 6.204]);
     let core = testing::model(&[0.00295, 0.0305, 0.1108], &[294.2, 66.6, 31.8]);
     let far = testing::model(&[0.00296, 0.02874, 5.0], &[367.9, -24.7, -4.1]);

@@ -50,7 +50,8 @@ fn directions(of: &Measured, found: &mut Findings) {
         );
     }
     let speed = rms(&best.errors);
-    let ours = format!("{} rms, {} at worst", percent(speed, 2), percent(best.errors.speed_worst(), 2));
+    let ours =
+        format!("{} rms, {} at worst", percent(speed, 2), percent(best.errors.speed_worst().unwrap_or(f64::NAN), 2));
     found.push(
         Finding::told(format!("speed, {at}"), "", ours)
             .judged(format!("at most {} rms", percent(SPEED, 1)), speed <= SPEED),
@@ -139,16 +140,15 @@ fn section(text: &mut String, of: &Measured) {
         let errors = &row.errors;
         let degrees = |deg: Option<f64>| deg.map_or("–".to_owned(), |deg| format!("{deg:.2}°"));
         let share = |share: Option<f64>| share.map_or("–".to_owned(), |share| percent(share, 2));
-        let worst = Some(errors.direction_worst_deg()).filter(|_| errors.direction_rms_deg().is_some());
         let _ = writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} |",
             row.mode,
             share(errors.speed_rms()),
             share(errors.speed_bias()),
-            percent(errors.speed_worst(), 2),
+            share(errors.speed_worst()),
             degrees(errors.direction_rms_deg()),
-            degrees(worst),
+            degrees(errors.direction_worst_deg()),
             degrees(errors.linear_rms_deg())
         );
     }
