@@ -11,7 +11,7 @@
 //! | head | unknowns | what it answers |
 //! |---|---|---|
 //! | four tetrahedral sectors | 3 | the vector, and one number to check it by |
-//! | three of them left | 3 | the vector, or two that cool the three alike: then `ambiguous`, and of the two that nearest to the last one |
+//! | three of them left, or four of which one is hardly known | 3 | the vector, or two that cool the three alike: then `ambiguous`, and of the two that nearest to the last one |
 //! | parts with axes in a plane | 3 | the vector in that plane, and the size of what is across it (`undetermined`) |
 //! | two hemispheres | 2 | the component along their axis, and the size of what is across it (`undetermined`) |
 //!
@@ -44,6 +44,8 @@ const SAME: f32 = 0.01;
 const AS_GOOD: f32 = 9.0;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to judge what is there.
 const LEAST_ACROSS: f32 = 0.02;
+/// A part whose weight is less than this share of the best one's does not decide between two winds that cool the others alike.
+const DECIDES: f32 = 0.01;
 
 /// A conductance to the gas as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,17 +133,16 @@ impl<const N: usize> WindVector<N> {
             return Wind::failed(quality);
         }
         let variance = nusselt.iter().flatten().fold(f32::MAX, |least, &(_, variance)| least.min(variance));
-        let inverse = Inverse {
-            nusselt: &self.nusselt,
-            parts: &self.parts,
-            frame: &self.frame,
-            observed: nusselt.map(|n| n.map(|(nusselt, its)| Observed { nusselt, weight: variance / its })),
-            variance,
-        };
+        let observed = nusselt.map(|n| n.map(|(nusselt, its)| Observed { nusselt, weight: variance / its }));
+        // After an alarm of one part alone it is as if that were missing. With no more parts than unknowns weights change no solution.
+        let uneven = seen > self.frame.unknowns() && observed.iter().flatten().any(|part| part.weight < DECIDES);
+        let inverse = Inverse { nusselt: &self.nusselt, parts: &self.parts, frame: &self.frame, observed, variance };
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
         let speed_per_reynolds = 1.0 / per_speed;
         let last = state.last_m_s.map(|wind| scaled(wind, per_speed));
-        let Some((found, other)) = solve(&inverse, last, quality.degraded) else { return Wind::failed(quality) };
+        let Some((found, other)) = solve(&inverse, last, quality.degraded || uneven) else {
+            return Wind::failed(quality);
+        };
 
         quality.ambiguous = other.is_some();
         quality.extrapolated = self.nusselt.extrapolates(length(found.reynolds));
@@ -215,17 +216,14 @@ fn fits(found: &Found, variance: f32) -> bool {
 
 /// The best solution, and another one if it is as good.
 ///
-/// A complete head has one minimum near the linear inverse. Where parts are missing, all starts are followed, the other side of the fold
-/// among them; of solutions that are as good as each other the one nearest to `last` is taken, or without a last one the better.
-fn solve<const N: usize>(
-    inverse: &Inverse<N>,
-    last: Option<[f32; 3]>,
-    degraded: bool,
-) -> Option<(Found, Option<Found>)> {
+/// A complete head has one minimum near the linear inverse. Where parts are missing or hardly known (`twins`), all starts are followed,
+/// the other side of the fold among them; of solutions that are as good as each other the one nearest to `last` is taken, or without a last
+/// one the better.
+fn solve<const N: usize>(inverse: &Inverse<N>, last: Option<[f32; 3]>, twins: bool) -> Option<(Found, Option<Found>)> {
     let [first, second] = starts(inverse);
     let mut left = MOST_STEPS_IN_ALL;
     let mut best = inverse.descend(first.or(last)?, &mut left);
-    if !degraded && fits(&best, inverse.variance) {
+    if !twins && fits(&best, inverse.variance) {
         return Some((best, None));
     }
     let mut other = None;
