@@ -127,7 +127,8 @@ impl<const N: usize> WindVector<N> {
     /// The wind from what was measured; parts that were not are `None`.
     pub fn step(&self, state: &mut WindState, gas: &Gas, measured: &[Option<Measured>; N]) -> Wind {
         let mut quality = Quality { undetermined: self.frame.determined() < 3, ..Quality::default() };
-        let nusselt = self.nusselt_numbers(gas, measured, &mut quality);
+        let per_nusselt = |i: usize| gas.conductance_per_nusselt_w_k(self.diameter_m, self.parts[i].area_m2());
+        let nusselt = nusselt_numbers(measured, per_nusselt, &mut quality);
         let seen = nusselt.iter().flatten().count();
         if seen < self.frame.unknowns() {
             return Wind::failed(quality);
@@ -174,27 +175,6 @@ impl<const N: usize> WindVector<N> {
         wind
     }
 
-    /// Nusselt numbers and their variances, where they are good.
-    fn nusselt_numbers(
-        &self,
-        gas: &Gas,
-        measured: &[Option<Measured>; N],
-        quality: &mut Quality,
-    ) -> [Option<(f32, f32)>; N] {
-        core::array::from_fn(|i| {
-            let good = measured[i].and_then(|measured| {
-                let per_nusselt = gas.conductance_per_nusselt_w_k(self.diameter_m, self.parts[i].area_m2());
-                let nusselt = measured.conductance_w_k / per_nusselt;
-                let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
-                let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
-                quality.refused |= !good;
-                good.then_some((nusselt, variance))
-            });
-            quality.degraded |= good.is_none();
-            good
-        })
-    }
-
     /// The matrix of the equations at the solution, and where the head leaves something open, at least a little off its axes: with nothing
     /// across them its size has no derivative.
     fn normal_off_the_axes(&self, inverse: &Inverse<N>, found: &Found) -> (Matrix, f32) {
@@ -207,6 +187,26 @@ impl<const N: usize> WindVector<N> {
         components[determined] = components[determined].max(-components[determined]).max(least);
         (inverse.look(self.frame.outward(components)).normal, least)
     }
+}
+
+/// Nusselt numbers and their variances, where they are good; `per_nusselt` is what one of them is worth at part i, W/K.
+pub(super) fn nusselt_numbers<const N: usize>(
+    measured: &[Option<Measured>; N],
+    per_nusselt_w_k: impl Fn(usize) -> f32,
+    quality: &mut Quality,
+) -> [Option<(f32, f32)>; N] {
+    core::array::from_fn(|i| {
+        let good = measured[i].and_then(|measured| {
+            let per_nusselt = per_nusselt_w_k(i);
+            let nusselt = measured.conductance_w_k / per_nusselt;
+            let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
+            let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
+            quality.refused |= !good;
+            good.then_some((nusselt, variance))
+        });
+        quality.degraded |= good.is_none();
+        good
+    })
 }
 
 /// Whether it is a minimum, or as good as one: on a fold, and about the tip that Nu has in still gas, the steps wander without end.
