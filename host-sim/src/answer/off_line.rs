@@ -12,6 +12,8 @@ pub struct OffLine<'a> {
     head: &'a Head,
     anemometer: Anemometer<MOST_ELEMENTS>,
     sample_period_s: f32,
+    /// Elements that stay at the steady bandwidth after a jump although more was asked for, and why.
+    not_quick: Vec<String>,
 }
 
 impl<'a> OffLine<'a> {
@@ -23,12 +25,18 @@ impl<'a> OffLine<'a> {
         answering: &Answering,
         sample_period_s: f64,
     ) -> Result<Self, String> {
-        let (commands, _) = calibration.commands(answering, sample_period_s)?;
-        let mut own = Self { head, anemometer: Anemometer::new(), sample_period_s: sample_period_s as f32 };
+        let (commands, observer) = calibration.commands(answering, sample_period_s)?;
+        let (anemometer, not_quick) = (Anemometer::new(), observer.not_quick);
+        let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, not_quick };
         for command in &commands {
             own.handle(command).map_err(|error| format!("the head's calibration is refused: {error}"))?;
         }
         Ok(own)
+    }
+
+    /// Elements that stay at the steady bandwidth after a jump, and why: a sentence for each reason.
+    pub fn not_quick(&self) -> &[String] {
+        &self.not_quick
     }
 
     /// Tells it the gas; its temperature only where the head has no reference.

@@ -132,7 +132,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let counts = moment.time_s >= arguments.from && moment.time_s - label.1 >= arguments.settle;
         told.take(&moment, &answer, truth, counts.then_some(&axes[..]));
     }
-    finish(arguments, &head, calibration, &answering, told)
+    finish(arguments, &head, calibration, &answering, told, anemometer.not_quick())
 }
 
 /// What the anemometer is told of the gas.
@@ -231,6 +231,7 @@ fn finish(
     calibration: &Calibration,
     answering: &Answering,
     mut told: Told,
+    not_quick: &[String],
 ) -> Result<(), Failure> {
     let has_truth = told.columns.last().is_some_and(|column| column.iter().any(|number| number.is_finite()));
     let kept = if has_truth { told.names.len() } else { told.names.len() - WIND.len() };
@@ -283,6 +284,9 @@ fn finish(
         answering.every_s,
         answering.bandwidth_hz
     );
+    for sentence in not_quick {
+        text += &format!("bandwidth fixed for {sentence}\n");
+    }
     if let Some(error) = rms(told.speed_error) {
         text += &format!("standard error by the noise of the readings: speed {:.2} %", 100.0 * error);
         if let Some(error_deg) = rms(told.direction_error_deg) {
