@@ -58,7 +58,12 @@ const KERNELS: [Kernel; 14] = [
         poles: None,
         budget: 38_500,
     },
-    Kernel { symbol: "wind_3_sectors", operation: "the same from three of them", poles: None, budget: 75_000 },
+    Kernel {
+        symbol: "wind_3_sectors",
+        operation: "the same from three of them, or from four of which one is hardly known",
+        poles: None,
+        budget: 75_000,
+    },
     Kernel {
         symbol: "anemometer_6_elements",
         operation: "anemometer tick: 6 elements, with the wind of 4 sectors",

@@ -12,6 +12,8 @@ pub struct OffLine<'a> {
     head: &'a Head,
     anemometer: Anemometer<MOST_ELEMENTS>,
     sample_period_s: f32,
+    /// Elements that stay at the steady bandwidth after a jump although more was asked for, and why.
+    not_quick: Vec<String>,
 }
 
 impl<'a> OffLine<'a> {
@@ -24,10 +26,16 @@ impl<'a> OffLine<'a> {
         sample_period_s: f64,
     ) -> Result<Self, String> {
         let made = calibration.commands(answering, sample_period_s);
-        let (commands, _) = made.map_err(|sentence| format!("{}: {sentence}", head.source.path.display()))?;
-        let mut own = Self { head, anemometer: Anemometer::new(), sample_period_s: sample_period_s as f32 };
+        let (commands, observer) = made.map_err(|sentence| format!("{}: {sentence}", head.source.path.display()))?;
+        let (anemometer, not_quick) = (Anemometer::new(), observer.not_quick);
+        let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, not_quick };
         head.set_up(&mut own.anemometer, &commands, sample_period_s).map_err(|error| error.to_string())?;
         Ok(own)
+    }
+
+    /// Elements that stay at the steady bandwidth after a jump, and why: a sentence for each reason.
+    pub fn not_quick(&self) -> &[String] {
+        &self.not_quick
     }
 
     /// Tells it the gas; its temperature only where the head has no reference.

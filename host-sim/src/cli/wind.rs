@@ -145,7 +145,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     told.gaps = replay.gaps();
     kept.finish()?;
-    let made = Made { arguments, head: &head, calibration, answering: &answering, gas: &gas };
+    let not_quick = anemometer.not_quick();
+    let made = Made { arguments, head: &head, calibration, answering: &answering, gas: &gas, not_quick };
     if arguments.json {
         return super::print_json(&told.json(&made));
     }

@@ -7,6 +7,7 @@
 //! | [`riccati`], [`kalman`] | gains that hold an element on its readings, for a bandwidth |
 //! | [`noise`] | of readings, in kelvins |
 //! | [`quickness`] | how they become quick after a jump of the wind |
+//! | [`trial`] | whether quick gains hold beside the network itself |
 //! | [`windless`] | all elements of a head, from a merged model |
 //! | [`gas_law`](mod@gas_law) | the gas as polynomials |
 
@@ -18,6 +19,7 @@ pub mod noise;
 pub mod quickness;
 pub mod recorded;
 pub mod riccati;
+pub mod trial;
 pub mod windless;
 
 pub use gas_law::gas_law;

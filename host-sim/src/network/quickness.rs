@@ -9,7 +9,8 @@
 //! ```
 //!
 //! The gains fall as the time since the alarm grows, and end in those of the steady filter. The board has them as sets, means over stretches
-//! of time that grow by a factor; P's element of q is the variance of the answer. J is 20 mW: more than any wind changes.
+//! of time that grow by a factor; P's element of q is the variance of the answer. J is 20 mW: more than any wind changes. Where ticks are so
+//! long that a stretch ends at the tick at which the one before it did, the two are one.
 //!
 //! ```text
 //! alarm:   innovations smoothed over 0.25/b_0,   threshold 5.5 standard deviations of what noise makes of it
@@ -36,10 +37,10 @@ const SMOOTHED: f64 = 0.25;
 /// Standard deviations to an alarm.
 const ALARM: f64 = 5.5;
 /// J, W.
-const JUMP_W: f64 = 0.02;
+pub(super) const JUMP_W: f64 = 0.02;
 /// The first set lasts so many ticks, the last one until so many periods of the steady bandwidth have passed.
 const FIRST_TICKS: f64 = 4.0;
-const LAST_PERIODS: f64 = 1.5;
+pub(super) const LAST_PERIODS: f64 = 1.5;
 
 /// A set of gains, means over its time.
 pub struct Set {
@@ -87,9 +88,10 @@ fn sets(plant: &Plant<'_>, steady: &Filter, delay_s: f64) -> Option<Vec<Set>> {
     let last_s = LAST_PERIODS / steady.bandwidth_hz;
     let mut sets = Vec::with_capacity(FASTER);
     let mut tick = 0_u32;
+    let mut last_ticks = 0;
+    let (mut sum, mut variance_w2, mut count) = (DVector::zeros(states + 1), 0.0, 0_u32);
     for set in 0..FASTER {
         let until_s = first_s * (last_s / first_s).powf(set as f64 / (FASTER - 1) as f64);
-        let (mut sum, mut variance_w2, mut count) = (DVector::zeros(states + 1), 0.0, 0_u32);
         while f64::from(tick) * plant.sample_period_s < until_s {
             let ph = &p * &h;
             let gain = &ph / (h.dot(&ph) + r);
@@ -99,16 +101,20 @@ fn sets(plant: &Plant<'_>, steady: &Filter, delay_s: f64) -> Option<Vec<Set>> {
             p = &transition * kept * transition.transpose() + &noise;
             (tick, count) = (tick + 1, count + 1);
         }
-        if count == 0 {
+        // As the board counts them.
+        let ticks = (until_s as f32 / plant.sample_period_s as f32) as u32;
+        if count == 0 || ticks <= last_ticks {
             continue;
         }
-        let mean = sum / f64::from(count);
+        last_ticks = ticks;
+        let mean = std::mem::replace(&mut sum, DVector::zeros(states + 1)) / f64::from(count);
         sets.push(Set {
             until_s,
             correction_w_per_k: (0..states).map(|k| mean[k] * (1.0 - gains[k]) / gains[k]).collect(),
             convection_w_per_k: -mean[states],
             variance_w2: variance_w2 / f64::from(count),
         });
+        (variance_w2, count) = (0.0, 0);
     }
     Some(sets)
 }

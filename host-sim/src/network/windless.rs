@@ -15,6 +15,7 @@ use dr_core::model::{CrossConfig, FasterConfig, GainsConfig, ORDER, OwnConfig};
 use super::kalman::{Filter, Plant, ReadingNoise, design};
 use super::ladder::{Section, contact_time_s, cross_share, sections, share};
 use super::quickness::quickness;
+use super::trial::on_trial;
 use crate::head::{Element, Head};
 use crate::model::{Model, Pair, Structure};
 use crate::recording::{POWER, TEMPERATURE};
@@ -60,6 +61,8 @@ pub struct Observer {
     pub cross: Vec<CrossConfig>,
     /// Quicker gains for the time after an alarm; none where the bandwidth is fixed.
     pub faster: Vec<FasterConfig>,
+    /// Elements that were to have them and have none, and why: a sentence for each reason.
+    pub not_quick: Vec<String>,
     /// By element as in `own`: the filter, with its bandwidth and its figures of noise.
     pub filters: Vec<Filter>,
     /// By element as in `own`: standard deviation of the convective power by the noise of readings, W; 0 without a surface.
@@ -119,8 +122,14 @@ impl Windless {
         sample_period_s: f64,
         noise: &[ReadingNoise],
     ) -> Result<Observer, String> {
-        let mut observer =
-            Observer { own: Vec::new(), cross: Vec::new(), faster: Vec::new(), filters: Vec::new(), sd_w: Vec::new() };
+        let mut observer = Observer {
+            own: Vec::new(),
+            cross: Vec::new(),
+            faster: Vec::new(),
+            not_quick: Vec::new(),
+            filters: Vec::new(),
+            sd_w: Vec::new(),
+        };
         for own in &self.own {
             let named = |sentence: String| format!("element `{}`: {sentence}", own.name);
             let noise = noise.get(own.element).ok_or_else(|| named("its readings' noise is not given".to_owned()))?;
@@ -133,7 +142,8 @@ impl Windless {
         Ok(observer)
     }
 
-    /// The same, but quicker for a while after the wind has jumped.
+    /// The same, but quicker for a while after the wind has jumped; not so an element whose quick gains do not hold beside the network itself
+    /// ([`trial`](super::trial)).
     ///
     /// # Errors
     /// As [`observer`](Self::observer).
@@ -144,13 +154,17 @@ impl Windless {
         noise: &[ReadingNoise],
     ) -> Result<Observer, String> {
         let mut observer = self.observer(bandwidth_hz, sample_period_s, noise)?;
+        let mut too_noisy = Vec::new();
         for own in self.own.iter().filter(|own| own.surface.is_some()) {
             let Some((_, config)) = observer.own.iter_mut().find(|(element, _)| *element == own.element) else {
                 continue;
             };
             let plant = own.plant(sample_period_s, noise[own.element]);
             let steady = design(&plant, bandwidth_hz)?;
-            let Some(quickness) = quickness(&plant, &steady) else { continue };
+            let Some(quickness) = quickness(&plant, &steady) else {
+                too_noisy.push(own.name.as_str());
+                continue;
+            };
             config.alarm = Some(quickness.alarm);
             for (set, of) in (0_u8..).zip(&quickness.sets) {
                 let gains = GainsConfig {
@@ -163,7 +177,29 @@ impl Windless {
                 observer.faster.push(FasterConfig { element, set, until_s, gains });
             }
         }
+        let lost = on_trial(self, &mut observer, bandwidth_hz, sample_period_s);
+        for (element, config) in &mut observer.own {
+            if lost.contains(element) {
+                config.alarm = None;
+            }
+        }
+        let lost = self.own.iter().filter(|own| lost.contains(&own.element)).map(|own| own.name.as_str()).collect();
+        for (names, why) in [
+            (too_noisy, "nothing quicker is quiet enough"),
+            (lost, "beside their own network quick gains do worse after a jump"),
+        ] {
+            if !names.is_empty() {
+                observer.not_quick.push(format!("{}: {why}", names.join(", ")));
+            }
+        }
         Ok(observer)
+    }
+}
+
+impl Observer {
+    /// Whether an element of the head becomes quicker after a jump.
+    pub fn is_quick(&self, place: usize) -> bool {
+        self.faster.iter().any(|of| usize::from(of.element) == place)
     }
 }
 

@@ -31,7 +31,7 @@ impl Doubts {
     pub const NOT_RUNNING: Self = Self(1 << 9);
     /// An element has been at one level for so long that its loop holds it no more.
     pub const SATURATED: Self = Self(1 << 10);
-    /// The observer has only just begun.
+    /// The observer has only just begun, or begun on a head that was warm already and that it does not know yet.
     pub const STARTING: Self = Self(1 << 11);
     /// A part is hardly warmer than the gas, and was left out.
     pub const COLD: Self = Self(1 << 12);

@@ -14,6 +14,9 @@
 //! therefore contains. A gas that moves away from T_ref heats each surface by G_0 times that; so it enters here, and the network does
 //! not have to follow it.
 //!
+//! The network begins as if the head had stood at its low levels for long. If it is warm already, sooner than that explains, G comes out below
+//! zero at first: how warm the structure is nobody knows, and the answer is `starting` until its slowest rate has forgotten it.
+//!
 //! `raw` is what the power says by itself, slow tail of the structure included; it is told beside G and used for nothing.
 //!
 //! Answers are only made; they decide nothing. The controller never looks here.
@@ -47,6 +50,8 @@ const REFERENCE_PATIENCE_S: f32 = 1.0;
 const SATURATED_S: f32 = 1.0;
 /// The observer is told to be starting for so many smoothing times of the raw power.
 const STARTING: f32 = 10.0;
+/// After a warm beginning, for so many time constants of the network's slowest rate: then a twentieth of what was not known is left.
+const STARTING_WARM: f32 = 3.0;
 
 /// What is said of the wind at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,10 +104,12 @@ struct State<const N: usize> {
     levels: u16,
     /// Ticks in a row without a reading.
     absent_ticks: [u32; N],
-    /// Ticks in a row at the same level.
+    /// Ticks in a row at the same level, of elements that have been heated since the run began.
     level_ticks: [u32; N],
-    /// Ticks since the network began.
+    heated: u16,
+    /// Ticks since the network began, and how many of them it is starting.
     ticks: u32,
+    starting_ticks: u32,
     gas_c: Option<f32>,
     /// Smoothed powers, W.
     power_w: [f32; N],
@@ -116,7 +123,9 @@ impl<const N: usize> Default for State<N> {
             levels: 0,
             absent_ticks: [0; N],
             level_ticks: [0; N],
+            heated: 0,
             ticks: 0,
+            starting_ticks: 0,
             gas_c: None,
             power_w: [0.0; N],
             wind: WindState::default(),
@@ -190,7 +199,8 @@ impl<const N: usize> Anemometer<N> {
     pub fn step(&mut self, tick: &Tick<N>, standing_w: impl Fn(usize, f32) -> f32) -> Option<WindTick> {
         let answer = self.answer?;
         let state = &mut self.state;
-        let standing_w = match self.network.has_begun(&state.network) {
+        let has_begun = self.network.has_begun(&state.network);
+        let standing_w = match has_begun {
             true => [0.0; N],
             false => core::array::from_fn(|i| standing_w(i, tick.temperature_c[i])),
         };
@@ -203,7 +213,13 @@ impl<const N: usize> Anemometer<N> {
         };
         let convection = self.network.step(&mut state.network, &look);
         state.count(tick);
+        if !has_begun {
+            state.ticks = 0;
+        }
         state.smooth(&answer, tick, convection.is_some());
+        if !has_begun && let Some(convection) = &convection {
+            self.state.starting_ticks = self.starting_ticks(&answer, convection);
+        }
         if !tick.tick.is_multiple_of(u32::from(answer.config.every_ticks)) {
             return None;
         }
@@ -217,7 +233,8 @@ impl<const N: usize> Anemometer<N> {
         let mut doubts = Doubts::default()
             .with(Doubts::NO_GAS, gas.is_none())
             .with(Doubts::NOT_RUNNING, tick.state != RunState::Running)
-            .with(Doubts::STARTING, convection.is_none() || self.state.ticks < answer.starting_ticks)
+            .with(Doubts::STARTING, convection.is_none() || self.state.ticks < self.state.starting_ticks)
+            .with(Doubts::SATURATED, self.is_saturated(answer))
             .with(Doubts::UNCALIBRATED, answer.head.is_none());
         let mut told = WindTick {
             parts: answer.config.parts,
@@ -235,19 +252,19 @@ impl<const N: usize> Anemometer<N> {
                 if i >= N {
                     continue;
                 }
-                doubts = doubts.with(Doubts::SATURATED, self.state.level_ticks[i] > answer.saturated_ticks);
                 let overheat_k = convection.surface_c[i] - gas_c;
                 if overheat_k < LEAST_OVERHEAT_K {
                     doubts = doubts.with(Doubts::COLD, true);
                     continue;
                 }
-                told.raw_w_k[p] = self.state.power_w[i] / (tick.temperature_c[i] - gas_c);
+                let raw_k = tick.temperature_c[i] - gas_c;
+                if raw_k >= LEAST_OVERHEAT_K {
+                    told.raw_w_k[p] = self.state.power_w[i] / raw_k;
+                }
                 if self.state.absent_ticks[i] > answer.patience_ticks {
                     continue;
                 }
-                let to_reference_k = convection.surface_c[i] - answer.config.reference_gas_c;
-                let flow_w = part.gain * (convection.power_w[i] + part.windless_w_k * to_reference_k);
-                let conductance_w_k = flow_w / overheat_k;
+                let conductance_w_k = part.gain * flow_w(part, answer, convection) / overheat_k;
                 told.conductance_w_k[p] = conductance_w_k;
                 let share = part.gain / overheat_k;
                 measured[p] =
@@ -259,6 +276,23 @@ impl<const N: usize> Anemometer<N> {
         }
         told.doubts = Doubts(doubts.0 | Doubts::of(&told.wind.quality).0);
         told
+    }
+
+    /// For how long the network that has just begun is starting: longer if a part gives heat to it that it cannot have.
+    fn starting_ticks(&self, answer: &Answer, convection: &Convection<N>) -> u32 {
+        let gas_c = self.gas_c(answer).unwrap_or(answer.config.reference_gas_c);
+        let is_warm = self.setup.parts().take(usize::from(answer.config.parts)).any(|part| {
+            let overheat_k = convection.surface_c[usize::from(part.element)] - gas_c;
+            overheat_k >= LEAST_OVERHEAT_K && flow_w(part, answer, convection) < -part.windless_w_k * LEAST_OVERHEAT_K
+        });
+        let settling_ticks = if is_warm { (STARTING_WARM * self.network.slowest_ticks()) as u32 } else { 0 };
+        answer.starting_ticks.max(settling_ticks)
+    }
+
+    /// Whether an element of the network has been at one level for too long.
+    fn is_saturated(&self, answer: &Answer) -> bool {
+        let mut level_ticks = self.state.level_ticks.iter().enumerate();
+        level_ticks.any(|(i, &ticks)| ticks > answer.saturated_ticks && self.network.knows(i))
     }
 
     /// Temperature of the gas as it is known, °C.
@@ -289,15 +323,24 @@ impl<const N: usize> Anemometer<N> {
     }
 }
 
+/// What a part gives to the gas before its gain, W.
+fn flow_w<const N: usize>(part: &PartOfHead, answer: &Answer, convection: &Convection<N>) -> f32 {
+    let i = usize::from(part.element);
+    let to_reference_k = convection.surface_c[i] - answer.config.reference_gas_c;
+    convection.power_w[i] + part.windless_w_k * to_reference_k
+}
+
 impl<const N: usize> State<N> {
     /// What is counted from tick to tick.
     fn count(&mut self, tick: &Tick<N>) {
+        // What is not held, or never heated, has no loop that could be at its end.
+        self.heated = if tick.state == RunState::Running { self.heated | tick.heaters.0 } else { 0 };
         for i in 0..usize::from(tick.elements).min(N) {
             let absent = &mut self.absent_ticks[i];
             *absent = if tick.valid >> i & 1 == 1 { 0 } else { absent.saturating_add(1) };
             let same = (tick.heaters.0 ^ self.levels) >> i & 1 == 0;
             let level = &mut self.level_ticks[i];
-            *level = if same { level.saturating_add(1) } else { 0 };
+            *level = if same && self.heated >> i & 1 == 1 { level.saturating_add(1) } else { 0 };
         }
         self.levels = tick.heaters.0;
     }
@@ -317,7 +360,9 @@ impl<const N: usize> State<N> {
             return;
         }
         for (smooth_w, power_w) in self.power_w.iter_mut().zip(tick.power_w) {
-            *smooth_w += answer.power_share * (power_w - *smooth_w);
+            if power_w.is_finite() {
+                *smooth_w += answer.power_share * (power_w - *smooth_w);
+            }
         }
         self.ticks = self.ticks.saturating_add(1);
     }

@@ -19,6 +19,8 @@ const GAS_C: f32 = -53.0;
 const PERIOD_S: f32 = 1e-3;
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 const CURRENT_A: [f32; 2] = [3e-3, 16e-3];
+/// Heat enough for 23 K, and for what is lost on the way in nearly still gas.
+const WARM_UP_TICKS: u32 = 130_000;
 
 fn nusselt() -> NusseltConfig {
     let amplitudes = core::array::from_fn(|j| {
@@ -71,7 +73,16 @@ struct Bench {
 }
 
 impl Bench {
+    /// Held at its set-points.
     fn new(answer: &AnswerConfig) -> Self {
+        let mut bench = Self::cold(answer);
+        let wind_m_s = std::mem::replace(&mut bench.wind_m_s, [0.1, 0.0, 0.0]);
+        bench.run(WARM_UP_TICKS);
+        Self { wind_m_s, ..bench }
+    }
+
+    /// Running for no time yet, after a long standby.
+    fn cold(answer: &AnswerConfig) -> Self {
         let mut station = Station::new();
         let mut tell = |command| station.handle(command).unwrap();
         tell(Command::SamplePeriod { sample_period_s: PERIOD_S });
@@ -124,7 +135,7 @@ impl Bench {
         tell(Command::Start);
         Self {
             station,
-            temperature_c: [-30.0; ELEMENTS],
+            temperature_c: [f64::from(GAS_C); ELEMENTS],
             heaters: 0,
             gas_c: f64::from(GAS_C),
             wind_m_s: [3.0, -4.0, 1.0],
@@ -248,8 +259,55 @@ fn what_is_wrong_is_said_in_every_answer() {
     );
     assert!(stuck.doubts.has(Doubts::SATURATED), "{}", stuck.doubts);
 
-    let begins = *Bench::new(&answer()).run(20).last().unwrap();
-    assert!(begins.doubts.has(Doubts::STARTING));
+    let mut begins = Bench::cold(&answer());
+    assert!(begins.run(20).last().unwrap().doubts.has(Doubts::STARTING));
+    assert!(!begins.run(500).last().unwrap().doubts.has(Doubts::STARTING));
+}
+
+#[test]
+fn on_a_warm_head_it_is_starting_until_the_slowest_rate_has_settled() {
+    let mut bench = Bench::new(&answer());
+    for command in [Command::Stop, Command::Arm { window_s: 1.0 }, Command::Start] {
+        bench.station.handle(command).unwrap();
+    }
+    // Three times C/G of a body, 360 s.
+    let told = bench.run(358_000);
+    assert!(told.iter().all(|told| told.doubts.has(Doubts::STARTING)));
+    assert!(!bench.run(4_000).last().unwrap().doubts.has(Doubts::STARTING));
+}
+
+#[test]
+fn numbers_that_are_none_make_it_begin_anew() {
+    let mut bench = Bench::new(&answer());
+    let mut tick = bench.station.tick(&[Reading::Missing; ELEMENTS]);
+    tick.valid = 0b11_1111;
+    tick.power_w[1] = f32::NAN;
+    bench.station.sense(&tick);
+    let told = bench.run(3000);
+    let is_finite = |told: &WindTick| {
+        told.conductance_w_k.iter().chain(&told.raw_w_k).chain(&told.wind.wind_m_s).all(|number| number.is_finite())
+    };
+    assert!(told.iter().all(is_finite));
+    assert!(told[0].doubts.has(Doubts::STARTING));
+    assert!(off(mean(&told), bench.wind_m_s) < 0.1, "{:?}", mean(&told));
+}
+
+#[test]
+fn saturated_is_a_loop_at_one_level_whatever_is_known_of_the_gas() {
+    let stuck = |element: u8, then: &dyn Fn(&mut Bench)| {
+        let mut bench = Bench::new(&answer());
+        bench.station.handle(Command::Arm { window_s: 1.0 }).unwrap();
+        bench.station.handle(Command::Drive { element, drive: Drive::Temperature { target_c: 20.0 } }).unwrap();
+        then(&mut bench);
+        bench.run(1500).last().unwrap().doubts
+    };
+    assert!(stuck(0, &|_| ()).has(Doubts::SATURATED));
+    assert!(stuck(5, &|_| ()).has(Doubts::SATURATED), "a core");
+    let gas = Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: None });
+    let gasless = stuck(0, &|bench| assert!(bench.station.handle(gas).is_ok()));
+    assert!(gasless.has(Doubts::SATURATED) && gasless.has(Doubts::NO_GAS), "{gasless}");
+    let tripped = stuck(0, &|bench| bench.absent = 0b10);
+    assert!(tripped.has(Doubts::NOT_RUNNING) && !tripped.has(Doubts::SATURATED), "{tripped}");
 }
 
 #[test]

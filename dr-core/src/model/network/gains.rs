@@ -28,9 +28,13 @@ impl Default for Watch {
 pub struct Sets([Option<(u32, GainsConfig)>; FASTER]);
 
 impl Sets {
-    /// Takes in the gains of a set; those before it have to be known.
+    /// Takes in the gains of a set; those before it have to be known, and those after it are forgotten.
     pub fn set(&mut self, config: &FasterConfig, sample_period_s: f32) -> Result<(), ConfigError> {
         let set = usize::from(config.set);
+        let problem = Problem::OutOfRange { least: 0.0, most: (FASTER - 1) as f32 };
+        if set >= FASTER {
+            return Err(ConfigError { parameter: Parameter::GainSet, problem });
+        }
         let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
         let before = match set.checked_sub(1) {
             None => Some(0),
@@ -39,9 +43,11 @@ impl Sets {
         if before.is_none_or(|before| before >= until_ticks) {
             return Err(ConfigError { parameter: Parameter::UntilS, problem: Problem::NotAscending });
         }
-        let problem = Problem::OutOfRange { least: 0.0, most: (FASTER - 1) as f32 };
-        let slot = self.0.get_mut(set).ok_or(ConfigError { parameter: Parameter::GainSet, problem })?;
-        *slot = Some((until_ticks, checked(&config.gains)?));
+        let gains = checked(&config.gains)?;
+        // Those after it were told for other times.
+        for (place, slot) in self.0.iter_mut().enumerate().skip(set) {
+            *slot = (place == set).then_some((until_ticks, gains));
+        }
         Ok(())
     }
 }
@@ -153,6 +159,11 @@ mod tests {
         sets.set(&config(0, 0.1), 0.001).unwrap();
         assert_eq!(sets.set(&config(1, 0.05), 0.001).unwrap_err().parameter, Parameter::UntilS);
         assert!(sets.set(&config(1, 0.2), 0.001).is_ok());
+        assert_eq!(sets.set(&config(16, 0.3), 0.001).unwrap_err().parameter, Parameter::GainSet);
+        // The first again, beyond what the second was told.
+        sets.set(&config(0, 0.5), 0.001).unwrap();
+        assert_eq!(sets.0.iter().flatten().count(), 1);
+        assert!(sets.set(&config(1, 0.6), 0.001).is_ok());
         assert!(Adaptive::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, 0.001).is_err());
     }
 }

@@ -49,6 +49,9 @@ use crate::error::{self, ConfigError, Parameter, Problem};
 /// round; what is left is the observer's to find.
 const ROUNDS: usize = 12;
 
+/// Powers in W and temperatures in °C whose sizes are more together belong to no head: the observer has run away.
+const RUN_AWAY: f32 = 1e6;
+
 /// Own heating, made ready.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Own {
@@ -166,7 +169,7 @@ impl<const N: usize> Network<N> {
         let place = own.gains.sets.unwrap_or(self.quick);
         let problem = Problem::OutOfRange { least: 0.0, most: QUICK as f32 };
         let sets = self.sets.get_mut(usize::from(place));
-        sets.ok_or(ConfigError { parameter: Parameter::GainSet, problem })?.set(config, sample_period_s)?;
+        sets.ok_or(ConfigError { parameter: Parameter::Parts, problem })?.set(config, sample_period_s)?;
         if own.gains.sets.replace(place).is_none() {
             self.quick += 1;
         }
@@ -196,13 +199,15 @@ impl<const N: usize> Network<N> {
         self.own.get(element).is_some_and(Option::is_some)
     }
 
-    /// One tick. Before all elements of the network have been read once, there is no answer.
+    /// One tick. Before all elements of the network have been read once, there is no answer; nor when its numbers have run away or are none:
+    /// then it begins anew.
     pub fn step(&self, state: &mut NetworkState<N>, look: &Look<'_, N>) -> Option<Convection<N>> {
         if !state.begun {
             self.begin(state, look)?;
         }
         let warmed_k = self.cross_heating_k(state);
         let mut convection = Convection { power_w: [0.0; N], surface_c: [0.0; N], variance_w2: [0.0; N] };
+        let mut size = 0.0;
         for (i, own) in self.own.iter().enumerate() {
             let Some(own) = own else { continue };
             let base_c = own.rest_c + warmed_k[i];
@@ -220,6 +225,7 @@ impl<const N: usize> Network<N> {
             state.convection_w[i] = q;
             convection.power_w[i] = q;
             convection.surface_c[i] = base_c + own.surface_k_per_w.output(x);
+            size += q.abs() + convection.surface_c[i].abs();
             let inputs = core::array::from_fn(|k| {
                 look.power_w[i] - own.surface[k] * q + gains.correction_w_per_k[k] * innovation_k
             });
@@ -230,6 +236,10 @@ impl<const N: usize> Network<N> {
             let Some(from) = cross.source::<N>() else { break };
             let (power_w, q) = (look.power_w[from], convection.power_w[from]);
             cross.relaxations.step_each(x, &core::array::from_fn(|k| power_w - cross.surface[k] * q));
+        }
+        if size.is_nan() || size > RUN_AWAY {
+            *state = NetworkState::default();
+            return None;
         }
         Some(convection)
     }
@@ -249,6 +259,13 @@ impl<const N: usize> Network<N> {
     /// Whether it has begun to follow its elements.
     pub const fn has_begun(&self, state: &NetworkState<N>) -> bool {
         state.begun
+    }
+
+    /// Ticks in which its slowest relaxation loses all but 1/e of what it was.
+    pub fn slowest_ticks(&self) -> f32 {
+        let own = self.own.iter().flatten().map(|own| own.relaxations.gain()[0]);
+        let cross = self.cross.iter().flatten().map(|cross| cross.relaxations.gain()[0]);
+        1.0 / own.chain(cross).fold(1.0, f32::min)
     }
 
     /// States of a head that has stood for long as it is now: q from T = rest + H(0) P − H(0) m q, after Gauss and Seidel.

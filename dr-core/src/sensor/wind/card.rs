@@ -35,7 +35,7 @@ use super::arithmetic::{cross, dot, length, plus, scaled, sqrt};
 use super::gas::Gas;
 use super::normal::{Factors, Matrix, plus_outer, quadratic};
 use super::surface::PartConfig;
-use super::vector::Measured;
+use super::vector::{Measured, nusselt_numbers};
 use crate::error::{self, ConfigError, Parameter, Problem};
 use core::f32::consts::PI;
 
@@ -211,34 +211,14 @@ impl Card {
     /// The wind from what was measured; dice that were not are `None`.
     pub fn step(&self, gas: &Gas, measured: &[Option<Measured>; DICE]) -> Wind {
         let mut quality = Quality { undetermined: true, ..Quality::default() };
-        let nusselt = self.nusselt_numbers(gas, measured, &mut quality);
+        let per_nusselt = self.per_nusselt_w_k(gas);
+        let nusselt = nusselt_numbers(measured, |_| per_nusselt, &mut quality);
         let answer = self.fit(&nusselt).map(|fitted| self.answer(gas, &fitted, quality));
         answer.filter(Wind::is_finite).unwrap_or(Wind::failed(quality))
     }
 
     fn per_nusselt_w_k(&self, gas: &Gas) -> f32 {
         gas.conductance_per_nusselt_w_k(self.side_m, self.side_m * self.side_m)
-    }
-
-    /// Nusselt numbers and their variances, where they are good.
-    fn nusselt_numbers(
-        &self,
-        gas: &Gas,
-        measured: &[Option<Measured>; DICE],
-        quality: &mut Quality,
-    ) -> [Option<(f32, f32)>; DICE] {
-        let per_nusselt = self.per_nusselt_w_k(gas);
-        measured.map(|measured| {
-            let good = measured.and_then(|measured| {
-                let nusselt = measured.conductance_w_k / per_nusselt;
-                let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
-                let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
-                quality.refused |= !good;
-                good.then_some((nusselt, variance))
-            });
-            quality.degraded |= good.is_none();
-            good
-        })
     }
 
     /// M, D_p and D_q by least squares.

@@ -11,7 +11,7 @@
 //! | head | unknowns | what it answers |
 //! |---|---|---|
 //! | four tetrahedral sectors | 3 | the vector, and one number to check it by |
-//! | three of them left | 3 | the vector, or two that cool the three alike: then `ambiguous`, and of the two that nearest to the last one |
+//! | three of them left, or four of which one is hardly known | 3 | the vector, or two that cool the three alike: then `ambiguous`, and of the two that nearest to the last one |
 //! | parts with axes in a plane | 3 | the vector in that plane, and the size of what is across it (`undetermined`) |
 //! | two hemispheres | 2 | the component along their axis, and the size of what is across it (`undetermined`) |
 //!
@@ -44,6 +44,8 @@ const SAME: f32 = 0.01;
 const AS_GOOD: f32 = 9.0;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to judge what is there.
 const LEAST_ACROSS: f32 = 0.02;
+/// A part whose weight is less than this share of the best one's does not decide between two winds that cool the others alike.
+const DECIDES: f32 = 0.01;
 
 /// A conductance to the gas as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,23 +127,23 @@ impl<const N: usize> WindVector<N> {
     /// The wind from what was measured; parts that were not are `None`.
     pub fn step(&self, state: &mut WindState, gas: &Gas, measured: &[Option<Measured>; N]) -> Wind {
         let mut quality = Quality { undetermined: self.frame.determined() < 3, ..Quality::default() };
-        let nusselt = self.nusselt_numbers(gas, measured, &mut quality);
+        let per_nusselt = |i: usize| gas.conductance_per_nusselt_w_k(self.diameter_m, self.parts[i].area_m2());
+        let nusselt = nusselt_numbers(measured, per_nusselt, &mut quality);
         let seen = nusselt.iter().flatten().count();
         if seen < self.frame.unknowns() {
             return Wind::failed(quality);
         }
         let variance = nusselt.iter().flatten().fold(f32::MAX, |least, &(_, variance)| least.min(variance));
-        let inverse = Inverse {
-            nusselt: &self.nusselt,
-            parts: &self.parts,
-            frame: &self.frame,
-            observed: nusselt.map(|n| n.map(|(nusselt, its)| Observed { nusselt, weight: variance / its })),
-            variance,
-        };
+        let observed = nusselt.map(|n| n.map(|(nusselt, its)| Observed { nusselt, weight: variance / its }));
+        // After an alarm of one part alone it is as if that were missing. With no more parts than unknowns weights change no solution.
+        let uneven = seen > self.frame.unknowns() && observed.iter().flatten().any(|part| part.weight < DECIDES);
+        let inverse = Inverse { nusselt: &self.nusselt, parts: &self.parts, frame: &self.frame, observed, variance };
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
         let speed_per_reynolds = 1.0 / per_speed;
         let last = state.last_m_s.map(|wind| scaled(wind, per_speed));
-        let Some((found, other)) = solve(&inverse, last, quality.degraded) else { return Wind::failed(quality) };
+        let Some((found, other)) = solve(&inverse, last, quality.degraded || uneven) else {
+            return Wind::failed(quality);
+        };
 
         quality.ambiguous = other.is_some();
         quality.extrapolated = self.nusselt.extrapolates(length(found.reynolds));
@@ -173,27 +175,6 @@ impl<const N: usize> WindVector<N> {
         wind
     }
 
-    /// Nusselt numbers and their variances, where they are good.
-    fn nusselt_numbers(
-        &self,
-        gas: &Gas,
-        measured: &[Option<Measured>; N],
-        quality: &mut Quality,
-    ) -> [Option<(f32, f32)>; N] {
-        core::array::from_fn(|i| {
-            let good = measured[i].and_then(|measured| {
-                let per_nusselt = gas.conductance_per_nusselt_w_k(self.diameter_m, self.parts[i].area_m2());
-                let nusselt = measured.conductance_w_k / per_nusselt;
-                let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
-                let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
-                quality.refused |= !good;
-                good.then_some((nusselt, variance))
-            });
-            quality.degraded |= good.is_none();
-            good
-        })
-    }
-
     /// The matrix of the equations at the solution, and where the head leaves something open, at least a little off its axes: with nothing
     /// across them its size has no derivative.
     fn normal_off_the_axes(&self, inverse: &Inverse<N>, found: &Found) -> (Matrix, f32) {
@@ -208,6 +189,26 @@ impl<const N: usize> WindVector<N> {
     }
 }
 
+/// Nusselt numbers and their variances, where they are good; `per_nusselt` is what one of them is worth at part i, W/K.
+pub(super) fn nusselt_numbers<const N: usize>(
+    measured: &[Option<Measured>; N],
+    per_nusselt_w_k: impl Fn(usize) -> f32,
+    quality: &mut Quality,
+) -> [Option<(f32, f32)>; N] {
+    core::array::from_fn(|i| {
+        let good = measured[i].and_then(|measured| {
+            let per_nusselt = per_nusselt_w_k(i);
+            let nusselt = measured.conductance_w_k / per_nusselt;
+            let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
+            let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
+            quality.refused |= !good;
+            good.then_some((nusselt, variance))
+        });
+        quality.degraded |= good.is_none();
+        good
+    })
+}
+
 /// Whether it is a minimum, or as good as one: on a fold, and about the tip that Nu has in still gas, the steps wander without end.
 fn fits(found: &Found, variance: f32) -> bool {
     found.converged || found.cost <= AS_GOOD * variance
@@ -215,17 +216,14 @@ fn fits(found: &Found, variance: f32) -> bool {
 
 /// The best solution, and another one if it is as good.
 ///
-/// A complete head has one minimum near the linear inverse. Where parts are missing, all starts are followed, the other side of the fold
-/// among them; of solutions that are as good as each other the one nearest to `last` is taken, or without a last one the better.
-fn solve<const N: usize>(
-    inverse: &Inverse<N>,
-    last: Option<[f32; 3]>,
-    degraded: bool,
-) -> Option<(Found, Option<Found>)> {
+/// A complete head has one minimum near the linear inverse. Where parts are missing or hardly known (`twins`), all starts are followed,
+/// the other side of the fold among them; of solutions that are as good as each other the one nearest to `last` is taken, or without a last
+/// one the better.
+fn solve<const N: usize>(inverse: &Inverse<N>, last: Option<[f32; 3]>, twins: bool) -> Option<(Found, Option<Found>)> {
     let [first, second] = starts(inverse);
     let mut left = MOST_STEPS_IN_ALL;
     let mut best = inverse.descend(first.or(last)?, &mut left);
-    if !degraded && fits(&best, inverse.variance) {
+    if !twins && fits(&best, inverse.variance) {
         return Some((best, None));
     }
     let mut other = None;

@@ -30,6 +30,8 @@ pub(super) struct Made<'a> {
     pub calibration: &'a Calibration,
     pub answering: &'a Answering,
     pub gas: &'a GasTold,
+    /// Elements that stay at the steady bandwidth after a jump, and why.
+    pub not_quick: &'a [String],
 }
 
 impl Told {
@@ -76,6 +78,9 @@ impl Told {
             made.answering.bandwidth_hz,
             if made.answering.fixed { ", fixed" } else { "" }
         );
+        for sentence in made.not_quick {
+            text += &format!("bandwidth fixed for {sentence}\n");
+        }
         for warning in &made.gas.warnings {
             text += &format!("warning: {warning}\n");
         }

@@ -14,6 +14,7 @@
 //! It holds for the gas's species, and for the temperature of the support of the identification; see [`dr_core::control::anemometer`]
 //! and [`dr_core::model::network`] for what the numbers do.
 
+mod checks;
 mod table;
 
 use dr_core::control::anemometer::MOST_PARTS;
@@ -34,6 +35,9 @@ use table::{CrossTable, NusseltTable, OwnTable, PartTable};
 
 /// The gas is known so far on either side of the reference, K: further than any place on Mars goes in a year.
 const GAS_RANGE_K: f64 = 70.0;
+/// Temperatures of a gas whose properties are known, °C.
+const GAS_C: std::ops::RangeInclusive<f64> =
+    *TEMPERATURE_RANGE_K.start() - ZERO_CELSIUS_K..=*TEMPERATURE_RANGE_K.end() - ZERO_CELSIUS_K;
 /// Smoothing time of the reference's readings, s.
 const REFERENCE_SMOOTHING_S: f64 = 1.0;
 
@@ -129,7 +133,6 @@ impl Calibration {
             "air" => Species::Air,
             other => return Err(source.refuse("calibration.species", format!("is `{other}`: known are co2 and air"))),
         };
-        source.positive("calibration.diameter_m", table.diameter_m, "m")?;
         source.within("calibration.direction_error_max_deg", table.direction_error_max_deg, 0.01..=90.0, "°")?;
         let reference =
             table.reference.as_ref().map(|name| place("calibration.reference".to_owned(), name)).transpose()?;
@@ -165,11 +168,6 @@ impl Calibration {
             }
             own.push(of.own(element));
         }
-        let known = |element: usize| own.iter().any(|own: &Own| own.element == element);
-        if let Some(i) = parts.iter().position(|&element| !known(element)) {
-            let sentence = format!("is `{}`, which has no [[calibration.own]]", table.parts[i].element);
-            return Err(source.refuse(&format!("calibration.parts[{i}].element"), sentence));
-        }
         let mut cross = Vec::with_capacity(table.cross.len());
         for (i, of) in table.cross.iter().enumerate() {
             let key = format!("calibration.cross[{i}]");
@@ -179,6 +177,7 @@ impl Calibration {
             let (mesh_rad_s, r_k_per_w) = (of.mesh_rad_s.clone(), of.r_k_per_w.clone());
             cross.push(Cross { from, to, mesh_rad_s, r_k_per_w, surface: of.surface.clone() });
         }
+        checks::Checked { source, table: &table, reference, parts: &parts, own: &own, cross: &cross }.check()?;
         Ok(Self { species, reference, parts, windless: Windless { own, cross }, noise, table })
     }
 
@@ -260,8 +259,7 @@ impl Calibration {
     }
 
     fn gas_range_c(&self) -> [f64; 2] {
-        let (least_c, most_c) =
-            (TEMPERATURE_RANGE_K.start() - ZERO_CELSIUS_K, TEMPERATURE_RANGE_K.end() - ZERO_CELSIUS_K);
+        let (least_c, most_c) = (*GAS_C.start(), *GAS_C.end());
         let reference_c = self.table.reference_gas_c;
         [(reference_c - GAS_RANGE_K).max(least_c), (reference_c + GAS_RANGE_K).min(most_c)]
     }
