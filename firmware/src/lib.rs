@@ -11,3 +11,4 @@ pub mod inbox;
 pub mod margins;
 pub mod outbox;
 pub mod past_life;
+pub mod settings;
