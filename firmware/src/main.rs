@@ -1,9 +1,10 @@
-//! The instrument's application: four tasks around one controller.
+//! The instrument's application: five tasks around one controller.
 //!
 //! ```text
 //! front end ──► control ──► outbox ──► transmit ──► host
 //!                  ▲                                 │
-//!                  └───── inbox ◄──── receive ◄──────┘        health: watchdog, status
+//!                  ├───── inbox ◄──── receive ◄──────┘        health: watchdog, status
+//!                clerk ◄────┘                                  clerk: settings in flash
 //! ```
 //!
 //! The front end drives everything: a reading raises the vector of `control`, on the sensor board by the ADC's data-ready
@@ -12,6 +13,7 @@
 #![no_main]
 
 mod board;
+mod desk;
 mod halt;
 mod vitals;
 
@@ -20,17 +22,22 @@ use defmt as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI3])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::desk::{Desk, Outcome};
     use super::halt;
     use super::vitals::{self, Health};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Cause, Command, Refusal, RunState, Station};
     use firmware::check_ins::{CheckIns, Member};
-    use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
+    use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
-    use heapless::spsc::{Consumer, Queue};
+    use firmware::settings::{Busy, Clerk};
+    use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-    use wire::{Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, ToBoard, encode};
+    use wire::{
+        Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest, ToBoard,
+        encode,
+    };
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
     const CONTROL: Interrupt = Interrupt::EXTI4;
@@ -57,6 +64,11 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// What a life before ended with has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
+    static BUSY: Busy = Busy::starting();
+    /// The clerk is to set the instrument up before anything else; so it begins.
+    static SET_UP: AtomicBool = AtomicBool::new(true);
+    /// It has done so.
+    static IS_SET_UP: AtomicBool = AtomicBool::new(false);
 
     #[shared]
     struct Shared {
@@ -70,6 +82,12 @@ mod app {
         station: Station<ELEMENTS>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
+        orders: Consumer<'static, Command>,
+        outcomes: Producer<'static, Outcome>,
+        desk: Desk,
+        errands: Consumer<'static, Errand>,
+        answers: Producer<'static, SettingsAnswer>,
+        answered: Consumer<'static, SettingsAnswer>,
         outbox: Outbox<'static>,
         last_state: RunState,
         messages: Consumer<'static, FromBoard>,
@@ -83,12 +101,20 @@ mod app {
     #[init(local = [
         request_queue: Queue<Request, 8> = Queue::new(),
         exchange_queue: Queue<Exchange, 4> = Queue::new(),
+        order_queue: Queue<Command, 2> = Queue::new(),
+        outcome_queue: Queue<Outcome, 2> = Queue::new(),
+        errand_queue: Queue<Errand, 3> = Queue::new(),
+        answer_queue: Queue<SettingsAnswer, 3> = Queue::new(),
         telemetry_queue: Queue<FromBoard, TELEMETRY_SLOTS> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (request_in, requests) = cx.local.request_queue.split();
         let (exchange_in, exchanges) = cx.local.exchange_queue.split();
         let (message_in, messages) = cx.local.telemetry_queue.split();
+        let (order_in, orders) = cx.local.order_queue.split();
+        let (outcome_in, outcomes) = cx.local.outcome_queue.split();
+        let (errand_in, errands) = cx.local.errand_queue.split();
+        let (answer_in, answered) = cx.local.answer_queue.split();
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
         vitals::start_ticking(&mut core.SYST);
@@ -97,13 +123,16 @@ mod app {
         let mut station = Station::new();
         if let Some(cause) = past.trip(reset) {
             station.trip(cause);
+            BUSY.standby(false);
         }
         let identity = vitals::identity(reset, past);
         // Says who it is before anything else: a host that was speaking to the life before must learn of it.
         transmit::spawn().ok();
+        // Before any command of the host is carried out: they wait until the instrument is set up.
+        clerk::spawn().ok();
         (
             Shared {
-                inbox: Inbox::new(request_in, exchange_in, &QUESTIONS, board::IS_VIRTUAL),
+                inbox: Inbox::new(request_in, exchange_in, errand_in, &QUESTIONS, board::IS_VIRTUAL),
                 host_counters: LinkCounters::default(),
                 status: None,
             },
@@ -111,6 +140,12 @@ mod app {
                 station,
                 front_end: parts.front_end,
                 requests,
+                orders,
+                outcomes: outcome_in,
+                desk: Desk::new(Clerk::new(parts.settings), order_in, outcomes),
+                errands,
+                answers: answer_in,
+                answered,
                 outbox: Outbox::new(message_in, &UNSENT),
                 last_state: RunState::Standby,
                 messages,
@@ -151,13 +186,21 @@ mod app {
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
     /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 4, local = [station, front_end, requests, outbox, last_state])]
+    #[task(binds = EXTI4, priority = 4, local = [station, front_end, requests, orders, outcomes, outbox, last_state])]
     fn control(cx: control::Context) {
-        let control::LocalResources { station, front_end, requests, outbox, last_state, .. } = cx.local;
+        let control::LocalResources { station, front_end, requests, orders, outcomes, outbox, last_state, .. } =
+            cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
 
-        while let Some((sequence, command)) = requests.dequeue() {
+        while let Some(command) = orders.dequeue() {
+            // It has room for one, and the clerk takes each before it gives the next order.
+            outcomes.enqueue(handle(station, front_end, command).map(drop)).ok();
+        }
+        // While settings are written or told, the host's commands wait: nothing starts then.
+        while !BUSY.is_taken()
+            && let Some((sequence, command)) = requests.dequeue()
+        {
             let result = handle(station, front_end, command);
             outbox.put(FromBoard::Reply { to: sequence, result });
         }
@@ -200,6 +243,7 @@ mod app {
         ARMED.store(station.controller().is_armed(), Relaxed);
 
         let state = station.controller().state();
+        BUSY.standby(state == RunState::Standby);
         if state != *last_state {
             *last_state = state;
             outbox.put(FromBoard::Event(Event { tick: station.controller().ticks(), state }));
@@ -229,6 +273,12 @@ mod app {
             Command::Acknowledge => {
                 halt::acknowledge();
                 ACKNOWLEDGED.store(true, Relaxed);
+                if !IS_SET_UP.load(Relaxed) || station.controller().sample_period_s().is_none() {
+                    // It has not been set up yet, or has forgotten everything since its memory was upset.
+                    BUSY.take();
+                    SET_UP.store(true, Relaxed);
+                    clerk::spawn().ok();
+                }
             }
             _ => {}
         }
@@ -260,9 +310,9 @@ mod app {
     }
 
     /// Sends what waits. Priority 1; 31 messages may wait meanwhile, and what finds it full is counted.
-    #[task(priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
+    #[task(priority = 1, local = [messages, answered, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
     async fn transmit(mut cx: transmit::Context) {
-        let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
+        let transmit::LocalResources { messages, answered, host_transmitter, identity, sequence, .. } = cx.local;
         CHECK_INS.check_in(Member::Transmit);
         while host_transmitter.is_free() {
             let mut number = || sequence.next(UNSENT.count());
@@ -275,6 +325,8 @@ mod app {
                 // Sent where it stands: messages have room for many elements, and are slow to move.
                 transmit_one(host_transmitter, number(), message);
                 messages.dequeue();
+            } else if let Some(answer) = answered.dequeue() {
+                transmit_one(host_transmitter, number(), &FromBoard::Setting(answer));
             } else if let Some(status) = cx.shared.status.lock(|status| status.take()) {
                 transmit_one(host_transmitter, number(), &FromBoard::Status(status));
             } else {
@@ -291,6 +343,51 @@ mod app {
         if let Ok(frame) = encode(number, message, &mut buffer) {
             transmitter.send(frame);
         }
+    }
+
+    /// Keeps the settings: sets the instrument up by them at a start, and does what the host asks of them. Priority 1, since it waits for the
+    /// flash; of requests two may wait meanwhile. What it does to the flash and what the control task does exclude each other ([`Busy`]).
+    #[task(priority = 1, local = [desk, errands, answers])]
+    async fn clerk(cx: clerk::Context) {
+        let clerk::LocalResources { desk, errands, answers, .. } = cx.local;
+        loop {
+            if SET_UP.load(Relaxed) {
+                SET_UP.store(false, Relaxed);
+                set_up(desk).await;
+            }
+            let Some((to, request)) = errands.dequeue() else { break };
+            let answer = if !Clerk::<board::SettingsFlash>::writes(&request) {
+                desk.clerk.answer(to, &request)
+            } else if BUSY.try_take() {
+                if request == SettingsRequest::Load {
+                    set_up(desk).await;
+                }
+                if request == SettingsRequest::ForgetAll {
+                    desk.clerk.start_anew(board::settings_flash);
+                }
+                let answer = desk.clerk.answer(to, &request);
+                resume();
+                let left_undone = request == SettingsRequest::Load && !IS_SET_UP.load(Relaxed);
+                if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
+            } else {
+                SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
+            };
+            // Who asks without waiting for answers does not get all of them.
+            answers.enqueue(answer).ok();
+            transmit::spawn().ok();
+        }
+    }
+
+    async fn set_up(desk: &mut Desk) {
+        let done = desk.set_up(&BUSY, &QUESTIONS, || rtic::pend(CONTROL)).await;
+        IS_SET_UP.store(done, Relaxed);
+        resume();
+    }
+
+    /// The host's commands go on.
+    fn resume() {
+        BUSY.give_back();
+        rtic::pend(CONTROL);
     }
 
     /// Twenty times a second: feeds the watchdog if every task has checked in, and asks them to do so again.
@@ -318,6 +415,7 @@ mod app {
         rtic::pend(CONTROL);
         rtic::pend(RECEIVE);
         transmit::spawn().ok();
+        clerk::spawn().ok();
     }
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority 2, as `receive`.
@@ -341,6 +439,9 @@ mod app {
             Wake::Control => rtic::pend(CONTROL),
             Wake::Transmit => {
                 transmit::spawn().ok();
+            }
+            Wake::Clerk => {
+                clerk::spawn().ok();
             }
             Wake::Finish(code) => board::finish(code),
             Wake::Silence(sequence) => {

@@ -330,6 +330,19 @@ pub enum SettingsRefusal {
     NotWhole,
 }
 
+impl Unusable {
+    /// For a log.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Format { .. } => "of another format",
+            Self::UnknownKey => "of an unknown key",
+            Self::Damaged => "damaged",
+            Self::Misplaced => "of another key",
+            Self::Refused(_) => "refused by the instrument",
+        }
+    }
+}
+
 impl fmt::Display for Unusable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
