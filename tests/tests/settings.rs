@@ -14,11 +14,11 @@ use wire::{Provocation, ResetCause, Setting, SettingsRefusal, SettingsReply, Set
 
 type Settings = BTreeMap<KeyNumber, Setting>;
 
-/// All of a calibrated sphere.
-fn sphere_b() -> Settings {
-    let head = Head::read(&file("tests/fixtures/sphere-b-calibrated.toml")).unwrap();
+/// All of a sphere.
+fn sphere_b(head: &str) -> Settings {
+    let head = Head::read(&file(head)).unwrap();
     let mut settings = Settings::new();
-    settings::of_head(&head, 0.01, &mut settings).unwrap();
+    settings::of_head(&head, 0.001, &mut settings).unwrap();
     settings::names::set(&mut settings, "name", "north mast").unwrap();
     settings
 }
@@ -47,7 +47,7 @@ fn guard(missing_limit_ticks: u32) -> Setting {
 fn a_board_knows_its_head_at_the_next_start_and_after_an_upset() {
     let folder = tempfile::tempdir().unwrap();
     let flash = folder.path().join("board.flash");
-    let settings = sphere_b();
+    let settings = sphere_b("heads/sphere-b.toml");
     let mut first = board(&flash);
     let began = Instant::now();
     assert_eq!(settings::change(&mut first, &[], &settings).unwrap(), (settings.len(), 0));
@@ -146,17 +146,19 @@ fn a_power_cut_leaves_each_value_old_or_new() {
     let folder = tempfile::tempdir().unwrap();
     let flash = folder.path().join("board.flash");
     let mut board = board(&flash);
-    let settings = sphere_b();
+    let mut settings = sphere_b("tests/fixtures/sphere-b-calibrated.toml");
+    // Without the many quick gains, which only take time here.
+    settings.retain(|&key, _| key >> 8 != 0x21);
     settings::change(&mut board, &[], &settings).unwrap();
     let mut known = kept(&mut board);
     let (mut cuts, mut old, mut new) = (0, 0, 0);
     let began = Instant::now();
     for turn in 0..48_u32 {
-        // So many writes that a sector is full, and what is in force is copied and the oldest one erased.
-        for filling in 0..24 {
-            let period = Setting::Command(Command::SamplePeriod { sample_period_s: 0.01 + 0.001 * filling as f32 });
-            store(&mut board, &period).unwrap();
-            known.insert(0x0300, period);
+        // So many writes that now and then a sector is full, and what is in force is copied and the oldest one erased.
+        for filling in 0..8 {
+            let setting = called(turn, filling);
+            store(&mut board, &setting).unwrap();
+            known.insert(0x0100, setting);
         }
         let value = guard(turn);
         let request = SettingsRequest::Store { key: 0x0400, value: value.value().unwrap() };
@@ -174,40 +176,36 @@ fn a_power_cut_leaves_each_value_old_or_new() {
         *(if now == known { &mut old } else { &mut new }) += 1;
         known = now;
     }
-    // And in the copying itself, wherever it is.
+    // And in the copying itself, and in the erase at its end.
     let mut in_turn = 0;
-    for turn in 0..24_u32 {
-        let mut failed = false;
-        for filling in 0.. {
-            let number = turn as f32 + filling as f32 * 1e-3;
-            let point = Setting::Command(Command::SamplePeriod { sample_period_s: 0.01 + number * 1e-3 });
-            let request = SettingsRequest::Store { key: 0x0300, value: point.value().unwrap() };
+    for turn in 0..16_u32 {
+        for filling in 0..300 {
+            let setting = called(turn, filling);
+            let request = SettingsRequest::Store { key: 0x0100, value: setting.value().unwrap() };
             // Only a write that copies a head takes so long.
-            failed = board.ask_with_a_cut(100 + turn * 330, &request).unwrap();
-            let now = kept_one(&mut board, 0x0300);
-            assert!(failed && now == known.get(&0x0300).cloned() || now == Some(point.clone()));
-            known.insert(0x0300, now.unwrap());
-            if failed || filling == 400 {
-                break;
+            if !board.ask_with_a_cut(100 + turn * 430, &request).unwrap() {
+                known.insert(0x0100, setting);
+                continue;
             }
-        }
-        if failed {
+            let now = kept(&mut board);
+            let mut after = known.clone();
+            after.insert(0x0100, setting);
+            assert!(now == known || now == after, "turn {turn}");
+            known = now;
             in_turn += 1;
-            assert_eq!(kept(&mut board), known, "turn {turn}");
+            break;
         }
     }
     println!(
         "{cuts} cuts in writes ({old} old, {new} new), {in_turn} in copies and erases, {:?}: 0 lost, 0 mixed",
         began.elapsed()
     );
-    assert!(cuts > 20 && old > 5 && new > 5 && in_turn > 12);
+    assert!(cuts > 20 && old > 5 && new > 5 && in_turn > 10);
 }
 
-fn kept_one(board: &mut Emulated, key: KeyNumber) -> Option<Setting> {
-    match board.ask_settings(&SettingsRequest::Read { key }).unwrap() {
-        SettingsReply::Value { key, value, unusable: None } => Setting::read(key, &value).ok(),
-        _ => None,
-    }
+/// A name of full length.
+fn called(turn: u32, filling: u32) -> Setting {
+    Setting::Name(format!("{turn:016}{filling:016}").as_str().try_into().unwrap())
 }
 
 #[test]
@@ -234,7 +232,7 @@ fn the_command_shows_sets_puts_aside_and_brings_back() {
     let head = file("tests/fixtures/sphere-b-calibrated.toml").canonicalize().unwrap();
     let (code, told) = run(&["set", "--head", head.to_str().unwrap()]);
     assert!(code == 2 && told.contains("give one, as in --sample-period 0.01"), "{told}");
-    done(&["set", "--head", head.to_str().unwrap(), "--sample-period", "0.01"]);
+    done(&["set", "--head", head.to_str().unwrap(), "--sample-period", "0.001"]);
     done(&["set", "guard.missing_limit_ticks", "9"]);
     let shown = done(&["show", "--json"]);
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
@@ -250,7 +248,7 @@ fn the_command_shows_sets_puts_aside_and_brings_back() {
     let before = std::fs::read(desk.path().join("board.flash")).unwrap();
     for (from, to, sentence) in [
         ("version = 1", "version = 9", "this program reads version 1"),
-        ("sample_period_s = 0.01", "sample_period_s = -0.01", "sample_period_s"),
+        ("sample_period_s = 0.001", "sample_period_s = -0.001", "sample_period_s"),
         ("key = \"element.1\"", "key = \"element.7\"", "but its value is one of `element.1`"),
     ] {
         assert!(aside.contains(from), "{from}");
