@@ -28,7 +28,7 @@ const MOST_SHOWN: usize = 60;
 Examples:
   anemo settings show --on serial:/dev/ttyACM0
   anemo settings set name \"north mast\" --on serial:/dev/ttyACM0
-  anemo settings set --head sphere-b.toml --sample-period 0.01 --on serial:/dev/ttyACM0
+  anemo settings set --head sphere-b.toml --sample-period 0.001 --on serial:/dev/ttyACM0
   anemo settings backup -o north-mast.toml --on serial:/dev/ttyACM0
   anemo settings restore north-mast.toml --on serial:/dev/ttyACM0
   anemo settings forget gas --on serial:/dev/ttyACM0

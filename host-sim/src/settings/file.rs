@@ -94,7 +94,7 @@ mod tests {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
         let head = Head::from_source(Source::read(&path).unwrap()).unwrap();
         let mut settings = BTreeMap::new();
-        super::super::of_head(&head, 0.01, &mut settings).unwrap();
+        super::super::of_head(&head, 0.001, &mut settings).unwrap();
         names::set(&mut settings, "name", "north \"mast\" ° 1").unwrap();
         settings
     }
@@ -134,7 +134,7 @@ mod tests {
         names::set(&mut wrong, "sample_period_s", "100").unwrap();
         assert!(super::super::rehearse(&wrong).unwrap_err().starts_with("sample_period_s: "));
         wrong.retain(|&key, _| key != 0x1000);
-        names::set(&mut wrong, "sample_period_s", "0.01").unwrap();
+        names::set(&mut wrong, "sample_period_s", "0.001").unwrap();
         assert!(super::super::rehearse(&wrong).unwrap_err().starts_with("element.1: element 0 has no configuration"));
     }
 }
