@@ -46,7 +46,7 @@ impl Desk {
             return false;
         }
         loop {
-            match self.clerk.next() {
+            match self.clerk.next_piece() {
                 Next::Tell(key, Setting::Command(command)) => match self.tell(command, &wake_control).await {
                     Ok(()) => {}
                     Err(Refusal::Tripped(_)) => return false,

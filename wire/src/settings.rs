@@ -247,6 +247,7 @@ impl Setting {
 
 /// What a host may ask of the settings. Each is answered by one `Setting`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
 pub enum SettingsRequest {
     /// Keep this value. In standby. It is in force after the next `Load`, or the next start.
     Store {
@@ -289,6 +290,7 @@ pub struct SettingsAnswer {
 
 /// What is answered to a request that was carried out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
 pub enum SettingsReply {
     /// Done.
     Done,

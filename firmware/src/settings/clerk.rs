@@ -110,7 +110,7 @@ impl<F: NorFlash> Clerk<F> {
     }
 
     /// What the instrument is to be told next.
-    pub fn next(&mut self) -> Next {
+    pub fn next_piece(&mut self) -> Next {
         let done = Next::Done { taken: self.taken, left: self.left };
         let Some(store) = &mut self.store else { return done };
         let Some(key) = store.next(self.told) else { return done };

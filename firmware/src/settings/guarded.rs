@@ -43,7 +43,7 @@ pub struct Guarded<F> {
 
 impl<F: NorFlash> Guarded<F> {
     const FITS: () = assert!(
-        F::ERASE_SIZE > 2 * NOTES && F::WRITE_SIZE == WORD && WORD % F::READ_SIZE == 0,
+        F::ERASE_SIZE > 2 * NOTES && F::WRITE_SIZE == WORD && WORD.is_multiple_of(F::READ_SIZE),
         "notes are words, at the end of sectors that are longer"
     );
 

@@ -24,7 +24,7 @@ fn set_up(clerk: &mut Books, station: &mut Station<6>) -> Vec<(KeyNumber, Unusab
     let mut left = Vec::new();
     clerk.begin();
     loop {
-        match clerk.next() {
+        match clerk.next_piece() {
             Next::Tell(key, Setting::Command(command)) => {
                 if let Err(refusal) = station.handle(command) {
                     clerk.was_refused(key, Unusable::Refused(refusal));
