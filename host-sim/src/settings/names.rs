@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn what_cannot_be_set_is_said_with_what_can() {
         let mut settings = BTreeMap::new();
-        let mut refused = |key, value| set(&mut settings, key, value).unwrap_err();
+        let mut refused = |key: &str, value: &str| set(&mut settings, key, value).unwrap_err();
         assert_eq!(refused("nmae", "x"), "unknown key `nmae`; did you mean `name`?");
         assert!(refused("element.0", "x").contains("set --head FILE"));
         assert!(refused("name", &"x".repeat(33)).contains("has 33 bytes, and a name has 32"));
