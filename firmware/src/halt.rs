@@ -36,6 +36,13 @@ pub fn acknowledge() {
     }
 }
 
+/// Nothing is known of any life before, as after the supply was gone.
+#[cfg(feature = "virtual-board")]
+pub fn forget() {
+    // SAFETY: as for reading; the board restarts at once.
+    unsafe { (&raw mut RECORD).cast::<[u32; WORDS]>().write_volatile([0; WORDS]) }
+}
+
 /// Remembers a crash over the reset that follows. One that nobody has acknowledged stays: the first is the one to look into.
 fn remember(kind: CrashKind, file: Name, at: u32) {
     let life = PastLife::read(&read()).unwrap_or(PastLife::FIRST);

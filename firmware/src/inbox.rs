@@ -6,13 +6,16 @@ use crate::queue;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use dr_core::control::Command;
 use heapless::spsc::Producer;
-use wire::{Provocation, Readings, Received, ToBoard};
+use wire::{Provocation, Readings, Received, SettingsRequest, ToBoard};
 
 /// A command and the sequence number by which its reply refers to it.
 pub type Request = (u16, Command);
 
 /// Readings and the sequence number by which their answer refers to them.
 pub type Exchange = (u16, Readings);
+
+/// A request that concerns the settings, and the sequence number by which its answer refers to it.
+pub type Errand = (u16, SettingsRequest);
 
 /// Questions that the transmitter answers by itself.
 pub struct Questions {
@@ -34,6 +37,11 @@ impl Questions {
             self.identity.store(false, Relaxed);
         }
         asked
+    }
+
+    /// A sample every so many ticks.
+    pub fn thin(&self, every: u16) {
+        self.telemetry_every.store(every, Relaxed);
     }
 
     /// Whether this tick's sample is wanted.
@@ -62,6 +70,8 @@ pub enum Wake {
     Finish(u8),
     /// The simulated front end has said nothing for a tick; the sequence number by which that is answered.
     Silence(u16),
+    /// The clerk of the settings has an errand.
+    Clerk,
     /// Something is to go wrong.
     Provoke(Provocation),
     /// Nobody.
@@ -72,6 +82,7 @@ pub enum Wake {
 pub struct Inbox<'a> {
     requests: Producer<'a, Request>,
     exchanges: Producer<'a, Exchange>,
+    errands: Producer<'a, Errand>,
     questions: &'a Questions,
     is_virtual: bool,
     /// Messages that came when their queue was full, or that this board does not obey.
@@ -83,10 +94,11 @@ impl<'a> Inbox<'a> {
     pub const fn new(
         requests: Producer<'a, Request>,
         exchanges: Producer<'a, Exchange>,
+        errands: Producer<'a, Errand>,
         questions: &'a Questions,
         is_virtual: bool,
     ) -> Self {
-        Self { requests, exchanges, questions, is_virtual, refused: 0 }
+        Self { requests, exchanges, errands, questions, is_virtual, refused: 0 }
     }
 
     /// Puts a message where it belongs.
@@ -103,12 +115,16 @@ impl<'a> Inbox<'a> {
                 self.wake_control_if(queued)
             }
             ToBoard::Telemetry { every } => {
-                self.questions.telemetry_every.store(*every, Relaxed);
+                self.questions.thin(*every);
                 Wake::Nobody
             }
             ToBoard::Readings(readings) if self.is_virtual => {
                 let queued = queue::put(&mut self.exchanges, (received.sequence, readings.clone())).is_ok();
                 self.wake_control_if(queued)
+            }
+            ToBoard::Settings(request) => {
+                let queued = queue::put(&mut self.errands, (received.sequence, request.clone())).is_ok();
+                if queued { Wake::Clerk } else { self.wake_control_if(false) }
             }
             ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),
             ToBoard::Silence if self.is_virtual => Wake::Silence(received.sequence),
@@ -135,8 +151,11 @@ mod tests {
     use heapless::spsc::Queue;
 
     fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &Questions) -> R) -> R {
-        let (mut requests, mut exchanges, questions) = (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Questions::new());
-        test(&mut Inbox::new(requests.split().0, exchanges.split().0, &questions, is_virtual), &questions)
+        let (mut requests, mut exchanges, mut errands) =
+            (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Queue::<_, 3>::new());
+        let questions = Questions::new();
+        let (requests, exchanges, errands) = (requests.split().0, exchanges.split().0, errands.split().0);
+        test(&mut Inbox::new(requests, exchanges, errands, &questions, is_virtual), &questions)
     }
 
     fn received(message: ToBoard) -> Received<ToBoard> {
@@ -180,6 +199,15 @@ mod tests {
             assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
             assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
             assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Nobody);
+            assert_eq!(inbox.refused, 1);
+        });
+    }
+
+    #[test]
+    fn errands_are_the_clerks_and_no_more_than_wait_for_him() {
+        with_inbox(false, |inbox, _| {
+            let errand = || received(ToBoard::Settings(SettingsRequest::Load));
+            assert_eq!([(); 3].map(|()| inbox.accept(&errand())), [Wake::Clerk, Wake::Clerk, Wake::Nobody]);
             assert_eq!(inbox.refused, 1);
         });
     }

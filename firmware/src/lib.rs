@@ -13,4 +13,5 @@ pub mod inbox;
 pub mod margins;
 pub mod outbox;
 pub mod past_life;
-mod queue;
+pub mod queue;
+pub mod settings;

@@ -1,9 +1,10 @@
-//! The instrument's application: four tasks around one controller.
+//! The instrument's application: five tasks around one controller.
 //!
 //! ```text
 //! front end ──► control ──► outbox ──► transmit ──► host
 //!                  ▲                                 │
-//!                  └───── inbox ◄──── receive ◄──────┘        health: watchdog, status
+//!                  ├───── inbox ◄──── receive ◄──────┘        health: watchdog, status
+//!                clerk ◄────┘                                  clerk: settings in flash
 //! ```
 //!
 //! The front end drives everything: a reading raises the vector of `control`, on the sensor board by the ADC's data-ready
@@ -14,6 +15,7 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
 
 mod board;
+mod desk;
 mod fault_entry;
 mod halt;
 #[cfg(feature = "virtual-board")]
@@ -25,17 +27,23 @@ use defmt as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::desk::{Desk, Outcome};
     use super::halt;
     use super::vitals::{self, Health};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Cause, Command, Refusal, RunState, Station};
     use firmware::check_ins::{CheckIns, Member};
-    use firmware::inbox::{Exchange, Inbox, Questions, Request, Wake};
+    use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
-    use heapless::spsc::{Consumer, Queue};
+    use firmware::queue;
+    use firmware::settings::{Busy, Clerk};
+    use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-    use wire::{Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, ToBoard, encode};
+    use wire::{
+        Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest, ToBoard,
+        encode,
+    };
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
     const CONTROL: Interrupt = Interrupt::EXTI4;
@@ -46,6 +54,8 @@ mod app {
     /// An asynchronous task would be spawned by name. But it is compiled into a machine that panics when it is polled behind its end,
     /// which RTIC's executor does not do and the compiler cannot see.
     const TRANSMIT: Interrupt = Interrupt::SPI3;
+    /// The vector of `clerk`, likewise.
+    const CLERK: Interrupt = Interrupt::SPI2;
 
     /// The vector of the dead man's handle. On the sensor board its timer raises it.
     const DEAD_MAN: Interrupt = Interrupt::TIM5;
@@ -67,6 +77,11 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// What a life before ended with has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
+    static BUSY: Busy = Busy::starting();
+    /// The clerk is to set the instrument up before anything else; so it begins.
+    static SET_UP: AtomicBool = AtomicBool::new(true);
+    /// It has done so.
+    static IS_SET_UP: AtomicBool = AtomicBool::new(false);
 
     #[shared]
     struct Shared {
@@ -82,6 +97,12 @@ mod app {
         past_trip: Option<Cause>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
+        orders: Consumer<'static, Command>,
+        outcomes: Producer<'static, Outcome>,
+        desk: Desk,
+        errands: Consumer<'static, Errand>,
+        answers: Producer<'static, SettingsAnswer>,
+        answered: Consumer<'static, SettingsAnswer>,
         outbox: Outbox<'static>,
         last_state: RunState,
         messages: Consumer<'static, FromBoard>,
@@ -95,24 +116,37 @@ mod app {
     #[init(local = [
         request_queue: Queue<Request, 8> = Queue::new(),
         exchange_queue: Queue<Exchange, 4> = Queue::new(),
+        order_queue: Queue<Command, 2> = Queue::new(),
+        outcome_queue: Queue<Outcome, 2> = Queue::new(),
+        errand_queue: Queue<Errand, 3> = Queue::new(),
+        answer_queue: Queue<SettingsAnswer, 3> = Queue::new(),
         telemetry_queue: Queue<FromBoard, TELEMETRY_SLOTS> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (request_in, requests) = cx.local.request_queue.split();
         let (exchange_in, exchanges) = cx.local.exchange_queue.split();
         let (message_in, messages) = cx.local.telemetry_queue.split();
+        let (order_in, orders) = cx.local.order_queue.split();
+        let (outcome_in, outcomes) = cx.local.outcome_queue.split();
+        let (errand_in, errands) = cx.local.errand_queue.split();
+        let (answer_in, answered) = cx.local.answer_queue.split();
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
         let past_trip = past.trip(reset);
+        if past_trip.is_some() {
+            BUSY.standby(false);
+        }
         let identity = vitals::identity(reset, past);
         // Says who it is before anything else: a host that was speaking to the life before must learn of it.
         rtic::pend(TRANSMIT);
+        // Before any command of the host is carried out: they wait until the instrument is set up.
+        rtic::pend(CLERK);
         (
             Shared {
-                inbox: Inbox::new(request_in, exchange_in, &QUESTIONS, board::IS_VIRTUAL),
+                inbox: Inbox::new(request_in, exchange_in, errand_in, &QUESTIONS, board::IS_VIRTUAL),
                 host_counters: LinkCounters::default(),
                 status: None,
             },
@@ -121,6 +155,12 @@ mod app {
                 past_trip,
                 front_end: parts.front_end,
                 requests,
+                orders,
+                outcomes: outcome_in,
+                desk: Desk::new(Clerk::new(parts.settings), order_in, outcomes),
+                errands,
+                answers: answer_in,
+                answered,
                 outbox: Outbox::new(message_in, &UNSENT),
                 last_state: RunState::Standby,
                 messages,
@@ -147,9 +187,9 @@ mod app {
         }
     }
 
-    /// The dead man's handle bites: levels have not been decided anew for two ticks. Priority 5, above all others: whatever holds the
+    /// The dead man's handle bites: levels have not been decided anew for two ticks. Priority 6, above all others: whatever holds the
     /// control task up, a silent front end or itself, cannot hold this up. Touches nothing that others own.
-    #[task(binds = TIM5, priority = 5)]
+    #[task(binds = TIM5, priority = 6)]
     fn dead_man(_: dead_man::Context) {
         board::heaters_low();
         board::acknowledge_dead_man();
@@ -157,15 +197,25 @@ mod app {
         DEADLINES.store(DEADLINES.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// Owns the station: controller and anemometer. Priority 4: nothing but the dead man's handle comes before a decision.
+    /// Owns the station: controller and anemometer. Priority 5: nothing but the dead man's handle comes before a decision.
     ///
     /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise still see the old levels.
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
     /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 4, local = [station, past_trip, front_end, requests, outbox, last_state])]
+    #[task(binds = EXTI4, priority = 5, local = [station, past_trip, front_end, requests, orders, outcomes, outbox, last_state])]
     fn control(cx: control::Context) {
-        let control::LocalResources { station, past_trip, front_end, requests, outbox, last_state, .. } = cx.local;
+        let control::LocalResources {
+            station,
+            past_trip,
+            front_end,
+            requests,
+            orders,
+            outcomes,
+            outbox,
+            last_state,
+            ..
+        } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
         // Before any command.
@@ -173,7 +223,14 @@ mod app {
             station.trip(cause);
         }
 
-        while let Some((sequence, command)) = requests.dequeue() {
+        while let Some(command) = orders.dequeue() {
+            // It has room for one, and the clerk takes each before it gives the next order.
+            queue::put(outcomes, handle(station, front_end, command).map(drop)).ok();
+        }
+        // While settings are written or told, the host's commands wait: nothing starts then.
+        while !BUSY.is_taken()
+            && let Some((sequence, command)) = requests.dequeue()
+        {
             let result = handle(station, front_end, command);
             outbox.put(FromBoard::Reply { to: sequence, result });
         }
@@ -216,6 +273,7 @@ mod app {
         ARMED.store(station.controller().is_armed(), Relaxed);
 
         let state = station.controller().state();
+        BUSY.standby(state == RunState::Standby);
         if state != *last_state {
             *last_state = state;
             outbox.put(FromBoard::Event(Event { tick: station.controller().ticks(), state }));
@@ -244,15 +302,21 @@ mod app {
             Command::Acknowledge => {
                 halt::acknowledge();
                 ACKNOWLEDGED.store(true, Relaxed);
+                if !IS_SET_UP.load(Relaxed) || station.controller().sample_period_s().is_none() {
+                    // It has not been set up yet, or has forgotten everything since its memory was upset.
+                    BUSY.take();
+                    SET_UP.store(true, Relaxed);
+                    rtic::pend(CLERK);
+                }
             }
             _ => {}
         }
         Ok(reply)
     }
 
-    /// Takes the host's bytes. Priority 2; bytes wait in the receiver's buffer meanwhile (5.5 ms of them on the sensor
+    /// Takes the host's bytes. Priority 3; bytes wait in the receiver's buffer meanwhile (5.5 ms of them on the sensor
     /// board), and those that come later still are lost, which their frame's checksum shows.
-    #[task(binds = USART2, priority = 2, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
+    #[task(binds = USART2, priority = 3, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
     fn receive(mut cx: receive::Context) {
         CHECK_INS.check_in(Member::Receive);
         while let Some(byte) = cx.local.host_receiver.read() {
@@ -263,9 +327,9 @@ mod app {
         cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
     }
 
-    /// Takes the simulated front end's bytes. Priority 3: a reading comes before a command.
+    /// Takes the simulated front end's bytes. Priority 4: a reading comes before a command.
     #[cfg(feature = "virtual-board")]
-    #[task(binds = USART1, priority = 3, local = [bench: Receiver = Receiver::new()], shared = [inbox])]
+    #[task(binds = USART1, priority = 4, local = [bench: Receiver = Receiver::new()], shared = [inbox])]
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
@@ -274,10 +338,10 @@ mod app {
         }
     }
 
-    /// Sends what waits. Priority 1; 31 messages may wait meanwhile, and what finds it full is counted.
-    #[task(binds = SPI3, priority = 1, local = [messages, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
+    /// Sends what waits. Priority 2; 31 messages may wait meanwhile, and what finds it full is counted.
+    #[task(binds = SPI3, priority = 2, local = [messages, answered, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
     fn transmit(mut cx: transmit::Context) {
-        let transmit::LocalResources { messages, host_transmitter, identity, sequence, .. } = cx.local;
+        let transmit::LocalResources { messages, answered, host_transmitter, identity, sequence, .. } = cx.local;
         CHECK_INS.check_in(Member::Transmit);
         while host_transmitter.is_free() {
             let mut number = || sequence.next(UNSENT.count());
@@ -290,6 +354,8 @@ mod app {
                 // Sent where it stands: messages have room for many elements, and are slow to move.
                 transmit_one(host_transmitter, number(), message);
                 messages.dequeue();
+            } else if let Some(answer) = answered.dequeue() {
+                transmit_one(host_transmitter, number(), &FromBoard::Setting(answer));
             } else if let Some(status) = cx.shared.status.lock(|status| status.take()) {
                 transmit_one(host_transmitter, number(), &FromBoard::Status(status));
             } else {
@@ -308,9 +374,53 @@ mod app {
         }
     }
 
+    /// Keeps the settings: sets the instrument up by them at a start, and does what the host asks of them. Priority 1, below all others, since it waits for the
+    /// flash; of requests two may wait meanwhile. What it does to the flash and what the control task does exclude each other ([`Busy`]).
+    #[task(binds = SPI2, priority = 1, local = [desk, errands, answers])]
+    fn clerk(cx: clerk::Context) {
+        let clerk::LocalResources { desk, errands, answers, .. } = cx.local;
+        loop {
+            if SET_UP.load(Relaxed) {
+                SET_UP.store(false, Relaxed);
+                set_up(desk);
+            }
+            let Some((to, request)) = errands.dequeue() else { break };
+            // To read, too: what keeps the settings may panic, and nothing does while a heater may be high.
+            let answer = if BUSY.try_take() {
+                if request == SettingsRequest::Load {
+                    set_up(desk);
+                }
+                if request == SettingsRequest::ForgetAll {
+                    desk.clerk.start_anew(board::settings_flash);
+                }
+                let answer = desk.clerk.answer(to, &request);
+                resume();
+                let left_undone = request == SettingsRequest::Load && !IS_SET_UP.load(Relaxed);
+                if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
+            } else {
+                SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
+            };
+            // Who asks without waiting for answers does not get all of them.
+            queue::put(answers, answer).ok();
+            rtic::pend(TRANSMIT);
+        }
+    }
+
+    fn set_up(desk: &mut Desk) {
+        let done = desk.set_up(&BUSY, &QUESTIONS, || rtic::pend(CONTROL));
+        IS_SET_UP.store(done, Relaxed);
+        resume();
+    }
+
+    /// The host's commands go on.
+    fn resume() {
+        BUSY.give_back();
+        rtic::pend(CONTROL);
+    }
+
     /// Twenty times a second: feeds the watchdog if every task has checked in, and asks them to do so again.
-    /// Once a second: status. Priority 1; late by more than the watchdog's half second resets the board.
-    #[task(binds = SysTick, priority = 1, local = [health], shared = [status, host_counters, inbox])]
+    /// Once a second: status. Priority 2; late by more than the watchdog's half second resets the board.
+    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox])]
     fn health(mut cx: health::Context) {
         if cx.local.health.beat(&CHECK_INS) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
@@ -333,19 +443,20 @@ mod app {
         rtic::pend(CONTROL);
         rtic::pend(RECEIVE);
         rtic::pend(TRANSMIT);
+        rtic::pend(CLERK);
     }
 
-    /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority 2, as `receive`.
+    /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority 3, as `receive`.
     #[cfg(feature = "sensor-board")]
-    #[task(binds = DMA1_STREAM5, priority = 2)]
+    #[task(binds = DMA1_STREAM5, priority = 3)]
     fn filled(_: filled::Context) {
         board::acknowledge_received();
         rtic::pend(RECEIVE);
     }
 
-    /// The sensor board's transmitter has sent its frame: there may be more. Priority 1, as `transmit`.
+    /// The sensor board's transmitter has sent its frame: there may be more. Priority 2, as `transmit`.
     #[cfg(feature = "sensor-board")]
-    #[task(binds = DMA1_STREAM6, priority = 1)]
+    #[task(binds = DMA1_STREAM6, priority = 2)]
     fn sent(_: sent::Context) {
         board::acknowledge_sent();
         rtic::pend(TRANSMIT);
@@ -355,6 +466,7 @@ mod app {
         match who {
             Wake::Control => rtic::pend(CONTROL),
             Wake::Transmit => rtic::pend(TRANSMIT),
+            Wake::Clerk => rtic::pend(CLERK),
             Wake::Finish(code) => board::finish(code),
             Wake::Silence(sequence) => {
                 if board::silence(sequence) {

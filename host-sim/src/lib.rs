@@ -34,6 +34,7 @@ pub mod predict;
 pub mod recording;
 pub mod run;
 pub mod sensor;
+pub mod settings;
 pub mod study;
 pub mod summary;
 pub mod thesis;

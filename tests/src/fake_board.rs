@@ -5,7 +5,7 @@ use crate::{foreign_frame, readings, sensor};
 use dr_core::control::{Cause, Command, Controller, Reply, RunState};
 use dr_core::sensor::Reading;
 use firmware::drivers::ads131e06::CHANNELS;
-use firmware::inbox::{Exchange, Inbox, Questions, Request};
+use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
 use firmware::outbox::{Outbox, Sequence, Unsent};
 use heapless::spsc::Queue;
 use host_sim::experiment::Experiment;
@@ -170,12 +170,14 @@ impl Life {
         if self.quirks.mute || self.quirks.foreign {
             return self.stay_away();
         }
+        // It keeps no settings: nobody takes these.
+        let mut errands = Queue::<Errand, 2>::new();
         let (mut requests, mut exchanges, mut messages) =
             (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Queue::<FromBoard, 32>::new());
         let ((request_in, mut requests), (exchange_in, _), (message_in, mut messages)) =
             (requests.split(), exchanges.split(), messages.split());
         let (questions, unsent) = (Questions::new(), Unsent::new());
-        let mut inbox = Inbox::new(request_in, exchange_in, &questions, false);
+        let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
         let mut controller = Controller::<CHANNELS>::new();

@@ -1,6 +1,7 @@
 //! Every message, on one screen.
 
 use crate::receiver::LinkCounters;
+use crate::settings::{SettingsAnswer, SettingsRequest};
 use dr_core::control::anemometer::MOST_PARTS;
 use dr_core::control::{Command, Doubts, Heaters, Margins, Refusal, Reply, RunState, Tick, WindTick};
 use dr_core::sensor::Reading;
@@ -51,6 +52,8 @@ pub enum ToBoard {
     Silence,
     /// Something goes wrong. Obeyed by the virtual board only.
     Provoke(Provocation),
+    /// What is kept in flash. Answered by `Setting`.
+    Settings(SettingsRequest),
 }
 
 /// What can be made to go wrong on the virtual board, to see what becomes of it.
@@ -68,6 +71,11 @@ pub enum Provocation {
         offset: u32,
         /// Which bit, 0 … 7.
         bit: u8,
+    },
+    /// The supply fails in the middle of writing to the flash.
+    CutPower {
+        /// After so many more bytes; erasing a sector counts as 16.
+        after_bytes: u32,
     },
 }
 
@@ -94,6 +102,8 @@ pub enum FromBoard {
     Heaters(HeaterFrame),
     /// One tick, in place of `Sample` while the observers run, and where there is an answer to the wind.
     Observed(ObservedSample),
+    /// Answer to `Settings`.
+    Setting(SettingsAnswer),
 }
 
 impl FromBoard {

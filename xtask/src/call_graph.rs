@@ -7,6 +7,9 @@
 //!
 //! A function's frame is the sum of all that it takes off the stack pointer, whichever way is gone through it: never less than it takes.
 //!
+//! Formatting (`core::fmt`) is not among them: words of panics refer to it, and the panic handler does not look at those. That nothing else
+//! formats is made sure of here.
+//!
 //! What it cannot see: an address that is computed in another way (no compiler does that with a function), code that is written as the
 //! program runs, and exception entries, which are the caller's business. An instruction that changes the stack pointer in an unknown way,
 //! a branch to nowhere and bytes that are no instruction are errors, not guesses.
@@ -48,6 +51,11 @@ impl Function {
     /// One of its names.
     pub fn name(&self) -> &str {
         self.names.first().map_or("?", String::as_str)
+    }
+
+    /// Whether it writes text, by its name.
+    fn formats(&self) -> bool {
+        self.names.iter().any(|name| name.contains("core::fmt::") || name.contains("core::panicking::panic_display"))
     }
 }
 
@@ -127,6 +135,12 @@ impl CallGraph {
                 pointed.extend(words(section.data()?).filter_map(pointer));
             }
         }
+        if let Some(writer) =
+            functions.iter().find(|f| !f.formats() && f.calls.iter().any(|&to| functions[to].formats()))
+        {
+            bail!("{} formats: then calls by pointer may lead to formatting, which is not followed", writer.name());
+        }
+        pointed.retain(|&function: &usize| !functions[function].formats());
         let table = file.section_by_name(".vector_table").context("the image has no .vector_table")?;
         let vectors = words(table.data()?).skip(2).filter_map(pointer).collect();
         Ok(CallGraph { functions, pointed, vectors, addresses })

@@ -8,6 +8,7 @@
 //! | `FrontEnd` | `poll` gives the readings of a tick that is complete, `apply` sets the heaters |
 //! | `HostReceiver`, `HostTransmitter` | bytes from the host, frames to it |
 //! | `Watchdog` | `feed` |
+//! | `SettingsFlash`, `settings_flash` | where settings are kept |
 //! | `Idler` | `wait` sleeps |
 //! | `heaters_low` | from any context, owning nothing |
 //! | `restart` | a new start after a panic or a fault |
@@ -43,6 +44,8 @@ pub struct Parts {
     pub watchdog: Watchdog,
     /// What to do when there is nothing to do.
     pub idler: Idler,
+    /// Where settings are kept.
+    pub settings: SettingsFlash,
     /// Why the processor started.
     pub reset: ResetCause,
 }

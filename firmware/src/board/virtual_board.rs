@@ -10,6 +10,10 @@
 //! polled, which costs nothing there), no watchdog, no cycle counter, no timer: how long the front end is silent the host says.
 //! A reset is a real one: RAM stays, as on the sensor board.
 
+mod settings_flash;
+
+pub use settings_flash::SettingsFlash;
+
 use super::Parts;
 use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
@@ -75,6 +79,7 @@ pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: 
             .map_or(HostTransmitter::Usart(host_tx), |fifos| HostTransmitter::Fifo(fifos.from_board)),
         watchdog: Watchdog,
         idler: Idler { fifos, buffer: [0; 256] },
+        settings: settings_flash(),
         // The emulated RCC does not keep the flags; what outlasts a reset in RAM will tell whether there was one.
         reset: ResetCause::Software,
     }
@@ -114,6 +119,17 @@ pub fn restart() -> ! {
     SCB::sys_reset()
 }
 
+/// The supply is gone, and comes back: nothing is known of the life before.
+fn lose_power() -> ! {
+    crate::halt::forget();
+    restart()
+}
+
+/// Where the settings are kept.
+pub fn settings_flash() -> SettingsFlash {
+    SettingsFlash::open()
+}
+
 /// Does itself harm, as it is told.
 #[inline(never)]
 pub fn provoke(what: Provocation) {
@@ -131,6 +147,7 @@ pub fn provoke(what: Provocation) {
             unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << bit) };
         }
         Provocation::Upset { .. } => {}
+        Provocation::CutPower { after_bytes } => settings_flash::cut_after(after_bytes),
     }
 }
 

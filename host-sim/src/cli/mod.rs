@@ -27,6 +27,7 @@ mod predict_against;
 mod predict_summary;
 mod reduce;
 mod run;
+mod settings;
 mod study;
 mod thesis;
 mod validate;
@@ -54,6 +55,7 @@ Examples:
   anemo check experiments/gusts.toml
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
   anemo run experiments/gusts.toml --on serial:/dev/ttyUSB0 -o gusts.csv
+  anemo settings show --on serial:/dev/ttyUSB0
   anemo plot gusts.parquet -o gusts.svg
   anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
   anemo validate model.json another-day.parquet
@@ -70,6 +72,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Settings(settings::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
     Identify(identify::Arguments),
@@ -142,6 +145,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Command::Run(arguments) => run::execute(&arguments),
+        Command::Settings(arguments) => settings::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Design(arguments) => design::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),

@@ -1,7 +1,7 @@
 //! `anemo run`: an experiment on an instrument.
 
 use std::io::IsTerminal as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,13 +57,16 @@ pub struct Arguments {
     /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
     #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
     link: LinkName,
+    /// The file that is the flash of the emulated board, as `anemo settings` uses it; without it the board keeps nothing.
+    #[arg(long, value_name = "FILE")]
+    flash: Option<PathBuf>,
     /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
     #[arg(long)]
     acknowledge: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum On {
+pub(super) enum On {
     Sim,
     Qemu,
     Serial(String),
@@ -84,9 +87,18 @@ impl FromStr for On {
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum LinkName {
+pub(super) enum LinkName {
     Fifo,
     Usart,
+}
+
+impl LinkName {
+    pub(super) const fn path(self) -> emulated::Path {
+        match self {
+            Self::Fifo => emulated::Path::Fifo,
+            Self::Usart => emulated::Path::Usart,
+        }
+    }
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -153,22 +165,20 @@ fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instru
     Ok(match &arguments.on {
         On::Sim => Box::new(LockStep::new(InProcess::new(), experiment.sensor()?)),
         On::Qemu => {
-            let path = match arguments.link {
-                LinkName::Fifo => emulated::Path::Fifo,
-                LinkName::Usart => emulated::Path::Usart,
-            };
             let sensor = experiment.sensor()?;
-            Box::new(LockStep::new(Emulated::start(&firmware(arguments), path).map_err(Failure::work)?, sensor))
+            let firmware = firmware_of(arguments.firmware.as_deref());
+            let board = Emulated::start_with(&firmware, arguments.link.path(), arguments.flash.as_deref());
+            Box::new(LockStep::new(board.map_err(Failure::work)?, sensor))
         }
         On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
     })
 }
 
 /// The firmware that was asked for, or the one that `cargo xtask` has built beside this command, wherever that is.
-fn firmware(arguments: &Arguments) -> PathBuf {
+pub(super) fn firmware_of(asked: Option<&Path>) -> PathBuf {
     let beside = || Some(std::env::current_exe().ok()?.parent()?.parent()?.join(FIRMWARE));
     let built = || beside().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from("target").join(FIRMWARE));
-    arguments.firmware.clone().unwrap_or_else(built)
+    asked.map_or_else(built, Path::to_owned)
 }
 
 /// What a recording says of itself, as far as it is known before the run.

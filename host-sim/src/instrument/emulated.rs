@@ -9,14 +9,14 @@ mod stream;
 
 use super::link::{Link, PATIENCE, Persistence, Stream};
 use super::lock_step::packed;
-use super::{Account, Body, InstrumentError, TickReport, why_it_started};
+use super::{Account, Body, InstrumentError, Keeper, TickReport, why_it_started};
 use dr_core::control::{Command, Heaters, Reply};
 use dr_core::sensor::Reading;
 use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
 pub use stream::Pipe;
-use wire::{FromBoard, HeaterFrame, Identity, Provocation, Status, ToBoard};
+use wire::{FromBoard, HeaterFrame, Identity, Provocation, SettingsReply, SettingsRequest, Status, ToBoard};
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
@@ -66,7 +66,18 @@ impl Emulated {
     /// # Errors
     /// If there is no emulator or no firmware, or if it does not answer.
     pub fn start(firmware: &FilePath, path: Path) -> Result<Self, InstrumentError> {
+        Self::start_with(firmware, path, None)
+    }
+
+    /// The same with settings that last from run to run: in this file, which is made if there is none.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start), and if the file is no flash.
+    pub fn start_with(firmware: &FilePath, path: Path, flash: Option<&FilePath>) -> Result<Self, InstrumentError> {
         let mut process = Process::prepare(firmware)?;
+        if let Some(flash) = flash {
+            process.keep_settings_in(flash)?;
+        }
         let mut links = match path {
             Path::Fifo => Links { host: Link::new(process.start_with_fifos()?), bench: None },
             Path::Usart => {
@@ -78,6 +89,8 @@ impl Emulated {
             InstrumentError::Silent(patience) => InstrumentError::Mute { firmware: firmware.to_owned(), patience },
             other => other,
         })?;
+        // What is kept may ask for fewer, and here each tick's sample is waited for.
+        links.host.send(&ToBoard::Telemetry { every: 1 })?;
         Ok(Self {
             process,
             links,
@@ -132,6 +145,33 @@ impl Emulated {
         (self.answer, self.sample, self.status) = (None, None, None);
         self.identity = self.reborn.take().unwrap_or_else(|| self.identity.clone());
         Ok(self.identity.clone())
+    }
+
+    /// Asks something of the settings while the supply fails after so many more bytes of writing (an erase counts as 16). Says whether it has failed: the
+    /// board has started anew then, as if it had just been switched on.
+    ///
+    /// # Errors
+    /// If the board is gone, or refuses.
+    pub fn ask_with_a_cut(&mut self, after_bytes: u32, request: &SettingsRequest) -> Result<bool, InstrumentError> {
+        // What it has said before is taken by then: whoever says who he is after that has started anew.
+        self.ask_settings(&SettingsRequest::Read { key: 0 })?;
+        self.provoke(Provocation::CutPower { after_bytes })?;
+        let asked = self.links.host.send(&ToBoard::Settings(request.clone()))?;
+        loop {
+            match self.process.patiently(|patience| self.links.host.receive(patience))? {
+                FromBoard::Setting(answer) if answer.to == asked => {
+                    answer.result.map_err(InstrumentError::Settings)?;
+                    self.provoke(Provocation::CutPower { after_bytes: u32::MAX })?;
+                    return Ok(false);
+                }
+                FromBoard::Identity(identity) => {
+                    (self.answer, self.sample, self.status) = (None, None, None);
+                    self.identity = identity;
+                    return Ok(true);
+                }
+                other => self.hear(other),
+            }
+        }
     }
 
     /// Asks for no samples: what is left of an exchange is readings, levels and digest. For runs of millions of ticks of
@@ -221,7 +261,7 @@ impl Emulated {
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
-            FromBoard::Event(_) | FromBoard::Reply { .. } => {}
+            FromBoard::Event(_) | FromBoard::Reply { .. } | FromBoard::Setting(_) => {}
             // A board says who it is when it starts, and whenever it is asked.
             FromBoard::Identity(identity) => {
                 if identity.starts != self.identity.starts {
@@ -229,6 +269,20 @@ impl Emulated {
                 }
             }
         }
+    }
+}
+
+impl Keeper for Emulated {
+    fn firmware(&self) -> &str {
+        &self.identity.firmware
+    }
+
+    fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
+        let mut aside = Vec::new();
+        let once = Persistence { tries: 1, each: PATIENCE };
+        let reply = self.links.host.ask(request, once, &mut |message| aside.push(message));
+        aside.into_iter().for_each(|message| self.hear(message));
+        reply.map_err(|error| self.process.explain(error))
     }
 }
 

@@ -4,7 +4,10 @@ use super::InstrumentError;
 use dr_core::control::{Command, Refusal, Reply};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
-use wire::{FromBoard, Identity, LinkCounters, MAX_FRAME, Receiver, ToBoard, VERSION};
+use wire::{
+    FromBoard, Identity, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsReply, SettingsRequest, ToBoard,
+    VERSION,
+};
 
 /// How long a board may take to answer. Half a minute of emulation on a busy machine is still not an error.
 pub const PATIENCE: Duration = Duration::from_secs(20);
@@ -145,21 +148,57 @@ impl<S: Stream> Link<S> {
         persistence: Persistence,
         aside: &mut dyn FnMut(FromBoard),
     ) -> Result<Reply, InstrumentError> {
+        self.converse(&ToBoard::Command(command), persistence, aside, |message, again| match message {
+            FromBoard::Reply { to, result } => Ok((
+                to,
+                match result {
+                    Err(refusal) if again && shows_it_done(command, &refusal) => Ok(Reply::Done),
+                    result => result.map_err(InstrumentError::Refused),
+                },
+            )),
+            other => Err(other),
+        })
+    }
+
+    /// Asks something of the settings and waits for the answer, as [`command`](Self::command) does: whatever is asked twice does no harm.
+    ///
+    /// # Errors
+    /// If it is refused, or the board does not answer.
+    pub fn ask(
+        &mut self,
+        request: &SettingsRequest,
+        persistence: Persistence,
+        aside: &mut dyn FnMut(FromBoard),
+    ) -> Result<SettingsReply, InstrumentError> {
+        self.converse(&ToBoard::Settings(request.clone()), persistence, aside, |message, _| match message {
+            FromBoard::Setting(SettingsAnswer { to, result }) => Ok((to, result.map_err(InstrumentError::Settings))),
+            other => Err(other),
+        })
+    }
+
+    /// Sends a message until it is answered. `answer` gives the number that a message answers and what it says, or the message back if it is no
+    /// answer of this kind; it is told whether the message was sent more than once.
+    fn converse<T>(
+        &mut self,
+        message: &ToBoard,
+        persistence: Persistence,
+        aside: &mut dyn FnMut(FromBoard),
+        answer: impl Fn(FromBoard, bool) -> Result<(u16, Result<T, InstrumentError>), FromBoard>,
+    ) -> Result<T, InstrumentError> {
         let mut first = None;
         for _ in 0..persistence.tries {
-            let last = self.send(&ToBoard::Command(command))?;
+            let last = self.send(message)?;
             let first = *first.get_or_insert(last);
             let deadline = Instant::now() + persistence.each;
             loop {
                 match self.receive(deadline.saturating_duration_since(Instant::now())) {
-                    // The answer to any of the tries: one may only have been late.
-                    Ok(FromBoard::Reply { to, result }) if to.wrapping_sub(first) <= last.wrapping_sub(first) => {
-                        return match result {
-                            Err(refusal) if last != first && shows_it_done(command, &refusal) => Ok(Reply::Done),
-                            result => result.map_err(InstrumentError::Refused),
-                        };
-                    }
-                    Ok(other) => aside(other),
+                    Ok(message) => match answer(message, last != first) {
+                        // The answer to any of the tries: one may only have been late.
+                        Ok((to, result)) if to.wrapping_sub(first) <= last.wrapping_sub(first) => return result,
+                        // An answer to something else, which nobody waits for any more.
+                        Ok(_) => {}
+                        Err(other) => aside(other),
+                    },
                     Err(InstrumentError::Silent(_)) => break,
                     Err(error) => return Err(error),
                 }

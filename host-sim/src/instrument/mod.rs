@@ -23,7 +23,8 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 use wire::{
-    CrashKind, FromBoard, Identity, LinkCounters, List, ObservedSample, ResetCause, Sample, Status, WindSample,
+    CrashKind, FromBoard, Identity, LinkCounters, List, ObservedSample, ResetCause, Sample, SettingsRefusal,
+    SettingsReply, SettingsRequest, Status, WindSample,
 };
 
 /// What a controller says of one tick.
@@ -116,6 +117,18 @@ pub trait Instrument {
     fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
 }
 
+/// A board that keeps settings in its flash.
+pub trait Keeper {
+    /// Name and version of its firmware.
+    fn firmware(&self) -> &str;
+
+    /// Asks something of its settings.
+    ///
+    /// # Errors
+    /// [`InstrumentError::Settings`] if the board says no, others if it cannot be reached.
+    fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError>;
+}
+
 /// Why a board has started, as a clause.
 pub fn why_it_started(identity: &Identity) -> String {
     let crash = identity.crash.as_ref().map(|crash| match crash.kind {
@@ -139,6 +152,9 @@ pub enum InstrumentError {
     /// The instrument said no.
     #[error("the instrument refuses: {0}")]
     Refused(Refusal),
+    /// The board does not keep it, or has not kept it.
+    #[error("the board refuses: {0}")]
+    Settings(SettingsRefusal),
     /// The emulator is not installed.
     #[error(
         "`{0}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may"
@@ -152,6 +168,14 @@ pub enum InstrumentError {
     EmulatorUnusable {
         /// Which.
         emulator: String,
+        /// Why.
+        reason: io::Error,
+    },
+    /// The settings of an emulated board cannot be kept there.
+    #[error("{file}: cannot be the flash of an emulated board: {reason}", file = file.display())]
+    Flash {
+        /// The file.
+        file: PathBuf,
         /// Why.
         reason: io::Error,
     },

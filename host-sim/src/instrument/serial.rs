@@ -5,13 +5,13 @@
 //! run with an error.
 
 use super::link::{Link, Persistence, Stream};
-use super::{Account, Instrument, InstrumentError, Observation, TickReport, why_it_started};
+use super::{Account, Instrument, InstrumentError, Keeper, Observation, TickReport, why_it_started};
 use dr_core::control::{Command, Reply, RunState};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
-use wire::{FromBoard, Identity, Status, ToBoard};
+use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -21,6 +21,9 @@ const HELLO_PATIENCE: Duration = Duration::from_secs(3);
 
 /// A command is answered within milliseconds: whoever waits for a second has lost something.
 const PERSISTENCE: Persistence = Persistence { tries: 3, each: Duration::from_secs(1) };
+
+/// What is asked of the settings may have to wait for a sector to be erased, or for a head to be told.
+const SETTINGS_PERSISTENCE: Persistence = Persistence { tries: 3, each: Duration::from_secs(3) };
 
 /// A board that says nothing for so long, and for a few ticks, is gone: it sends its status each second.
 const SILENCE: Duration = Duration::from_secs(3);
@@ -82,7 +85,7 @@ impl Heard {
             FromBoard::Identity(identity) => {
                 self.restarted |= self.starts.is_some_and(|starts| starts != identity.starts)
             }
-            FromBoard::Reply { .. } | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
+            FromBoard::Reply { .. } | FromBoard::Setting(_) | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
         }
     }
 
@@ -199,6 +202,17 @@ impl Instrument for Serial {
             }
         }
         Ok(Account { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
+    }
+}
+
+impl Keeper for Serial {
+    fn firmware(&self) -> &str {
+        &self.identity.firmware
+    }
+
+    fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
+        let Self { link, heard, .. } = self;
+        link.ask(request, SETTINGS_PERSISTENCE, &mut |message| heard.take(message))
     }
 }
 

@@ -249,7 +249,7 @@ impl<const N: usize> Anemometer<N> {
             for (p, part) in self.setup.parts().enumerate().take(usize::from(answer.config.parts)) {
                 let i = usize::from(part.element);
                 // The network does not know such an element, so no part has it; said for the compiler, which else leaves a panic here.
-                if i >= N {
+                if i >= N || p >= MOST_PARTS {
                     continue;
                 }
                 let overheat_k = convection.surface_c[i] - gas_c;
@@ -281,7 +281,10 @@ impl<const N: usize> Anemometer<N> {
     /// For how long the network that has just begun is starting: longer if a part gives heat to it that it cannot have.
     fn starting_ticks(&self, answer: &Answer, convection: &Convection<N>) -> u32 {
         let gas_c = self.gas_c(answer).unwrap_or(answer.config.reference_gas_c);
-        let is_warm = self.setup.parts().take(usize::from(answer.config.parts)).any(|part| {
+        // Parts are of elements that there are; said for the compiler, which else leaves a panic here.
+        let mut parts =
+            self.setup.parts().take(usize::from(answer.config.parts)).filter(|p| usize::from(p.element) < N);
+        let is_warm = parts.any(|part| {
             let overheat_k = convection.surface_c[usize::from(part.element)] - gas_c;
             overheat_k >= LEAST_OVERHEAT_K && flow_w(part, answer, convection) < -part.windless_w_k * LEAST_OVERHEAT_K
         });

@@ -210,6 +210,10 @@ impl<const N: usize> Network<N> {
         let mut size = 0.0;
         for (i, own) in self.own.iter().enumerate() {
             let Some(own) = own else { continue };
+            // There are no more; said for the compiler, which else leaves a panic here.
+            if i >= N {
+                break;
+            }
             let base_c = own.rest_c + warmed_k[i];
             let x = &mut state.own[i];
             let level = usize::from(look.read_high >> i & 1);

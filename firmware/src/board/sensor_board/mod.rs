@@ -7,6 +7,7 @@
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
 //! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
+//! | `settings_flash.rs` | three sectors of the processor's flash |
 //! | `watchdog.rs` | reset unless everybody is well |
 //!
 //! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog) is argued beside the
@@ -17,12 +18,14 @@ mod dead_man;
 mod front_end;
 mod heater_pin;
 mod host_link;
+mod settings_flash;
 mod watchdog;
 
 pub use clocks::{CLOCK_HZ, cycles};
 pub use dead_man::acknowledge_dead_man;
 pub use front_end::FrontEnd;
 pub use host_link::{HostReceiver, HostTransmitter, acknowledge_received, acknowledge_sent};
+pub use settings_flash::SettingsFlash;
 pub use watchdog::Watchdog;
 
 use super::Parts;
@@ -93,7 +96,15 @@ pub fn init(
     let dead_man = DeadMan::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
     let front_end = FrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
     watchdog.expect_check_ins();
-    Parts { front_end, host_receiver, host_transmitter, watchdog, idler: Idler, reset }
+    Parts {
+        front_end,
+        host_receiver,
+        host_transmitter,
+        watchdog,
+        idler: Idler,
+        settings: SettingsFlash::new(device.FLASH),
+        reset,
+    }
 }
 
 /// Puts all heaters at the low level at once, whatever state the rest is in.
@@ -101,6 +112,12 @@ pub fn heaters_low() {
     // SAFETY: BSRR is written only, and one store changes these six pins and nothing else: no other context can be
     // disturbed half-way. Before the port has its clock the store does nothing, and the pins float, pulled down.
     unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(HEATER_MASK << 16)) };
+}
+
+/// Where the settings are kept, once more: for a flash that held something else, and whose first handle is gone with it.
+pub fn settings_flash() -> SettingsFlash {
+    // SAFETY: only the clerk of the settings has the flash's registers, and this is called by it, when it has none.
+    SettingsFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
 }
 
 /// Why it started, by its flags.

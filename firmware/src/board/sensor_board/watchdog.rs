@@ -6,6 +6,7 @@
 //!
 //! The LED changes with every feeding, 20 times a second while all is well: a dark or steady one means trouble.
 
+use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 use stm32f4xx_hal::gpio::{Output, PB1};
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 use stm32f4xx_hal::prelude::*;
@@ -44,4 +45,44 @@ impl Watchdog {
         self.watchdog.feed();
         self.led.toggle();
     }
+}
+
+/// Longest erase of a sector is 0.5 s; twice that by the slow oscillator at its fastest, in its counts of 8 ms.
+const LONG: u16 = 2_000 / 8;
+const UNLOCK: u16 = 0x5555;
+const RELOAD: u16 = 0xAAAA;
+static SHORT: AtomicU16 = AtomicU16::new(0);
+
+/// For an erase of the flash, during which nobody can check in. Of the priority of the health task, or below: the two do not meet.
+pub fn give_time() {
+    SHORT.store(period(), Relaxed);
+    set_period(LONG);
+}
+
+/// Everybody can check in again.
+pub fn take_time_back() {
+    set_period(SHORT.load(Relaxed));
+}
+
+/// Both registers are taken over by the slow clock, in five of its periods at the most, 0.3 ms; meanwhile they are neither read nor written
+/// (RM0090, IWDG_SR).
+fn settled() -> &'static stm32f4xx_hal::pac::iwdg::RegisterBlock {
+    // SAFETY: the health task, which has the watchdog, does not run meanwhile.
+    let watchdog = unsafe { &*IWDG::ptr() };
+    while watchdog.sr().read().bits() != 0 {}
+    watchdog
+}
+
+fn period() -> u16 {
+    settled().rlr().read().rl().bits()
+}
+
+fn set_period(counts: u16) {
+    let watchdog = settled();
+    // SAFETY: keys as the reference manual has them.
+    watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
+    watchdog.rlr().write(|w| w.rl().set(counts));
+    // Taken over before the counter is loaded from it.
+    // SAFETY: as above.
+    settled().kr().write(|w| unsafe { w.key().bits(RELOAD) });
 }

@@ -24,6 +24,9 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// How often to look whether the emulator still runs while it says nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
+/// Three sectors of 16 KiB.
+const SETTINGS_BYTES: u64 = 48 * 1024;
+
 /// Lines of log that an error quotes.
 const LAST_WORDS: usize = 3;
 
@@ -45,6 +48,22 @@ impl Process {
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
         Ok(Self { firmware: path, folder, child: None })
+    }
+
+    /// Lets the board keep its settings in this file, erased flash if there is none.
+    pub fn keep_settings_in(&self, flash: &Path) -> Result<(), InstrumentError> {
+        let failed = |reason| InstrumentError::Flash { file: flash.to_owned(), reason };
+        let wrong = || io::Error::other(format!("it has another length than {SETTINGS_BYTES} bytes"));
+        match std::fs::metadata(flash) {
+            Ok(known) if known.len() == SETTINGS_BYTES => {}
+            Ok(_) => return Err(failed(wrong())),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                std::fs::write(flash, vec![0xff; SETTINGS_BYTES as usize]).map_err(failed)?;
+            }
+            Err(error) => return Err(failed(error)),
+        }
+        let whole = flash.canonicalize().map_err(failed)?;
+        std::os::unix::fs::symlink(whole, self.folder.path().join("settings.flash")).map_err(failed)
     }
 
     /// Starts it with a pair of named pipes for the fast link.

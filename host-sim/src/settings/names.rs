@@ -1,0 +1,151 @@
+//! Names of settings, as people write them: `guard`, `element.3`, `cross.0-2`, and of the plain ones among them how a value is written.
+
+use std::collections::BTreeMap;
+
+use dr_core::control::{Command, GuardConfig, WindCommand};
+use wire::settings::{Key, KeyNumber, Kind};
+use wire::{Name, Setting};
+
+use crate::toml_file::suggest;
+
+/// Keys that `set` takes with a value.
+pub const PLAIN: [&str; 8] = [
+    "name",
+    "telemetry_every",
+    "sample_period_s",
+    "guard.missing_limit_ticks",
+    "guard.unreachable_limit_ticks",
+    "observe",
+    "gas.pressure_pa",
+    "gas.temperature_c",
+];
+
+/// The name of a key, or its number if this program does not know it.
+pub fn of(number: KeyNumber) -> String {
+    let Some(Key { kind, which }) = Key::of_number(number) else { return format!("{number:#06x}") };
+    let name = kind.name();
+    match kind {
+        Kind::Element | Kind::Model | Kind::Drive | Kind::Own | Kind::Point | Kind::Part => format!("{name}.{which}"),
+        Kind::Faster | Kind::Cross => format!("{name}.{}-{}", which >> 4, which & 15),
+        _ if which == 0 => name.to_owned(),
+        _ => format!("{name}.{which}"),
+    }
+}
+
+/// The number of a name, if it is one.
+pub fn number(name: &str) -> Option<KeyNumber> {
+    let (kind, which) = name.split_once('.').unwrap_or((name, "0"));
+    let which = match which.split_once('-') {
+        Some((high, low)) => {
+            let (high, low): (u8, u8) = (high.parse().ok()?, low.parse().ok()?);
+            (high < 16 && low < 16).then_some(high << 4 | low)?
+        }
+        None => which.parse().ok()?,
+    };
+    let kind = Kind::ALL.into_iter().find(|known| known.name() == kind)?;
+    let number = Key { kind, which }.number();
+    (of(number) == name).then_some(number)
+}
+
+/// Whether a key belongs to a head, and goes with it.
+pub fn is_of_head(number: KeyNumber) -> bool {
+    Key::of_number(number).is_some_and(|key| (Kind::Element..Kind::Gas).contains(&key.kind))
+}
+
+/// Changes a plain setting.
+///
+/// # Errors
+/// A sentence: what is wrong with key or value, and what would be right.
+pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) -> Result<(), String> {
+    let setting = match key {
+        "name" => Setting::Name(Name::try_from(value).map_err(|_| {
+            format!("name: {value:?} has {} bytes, and a name has {} at the most", value.len(), Name::new().capacity())
+        })?),
+        "telemetry_every" => Setting::TelemetryEvery(parse(key, value, "a whole number of ticks from 0 to 65535")?),
+        "sample_period_s" => {
+            Setting::Command(Command::SamplePeriod { sample_period_s: parse(key, value, "a number of seconds")? })
+        }
+        "observe" => Setting::Command(Command::Observe { on: parse(key, value, "true or false")? }),
+        "guard.missing_limit_ticks" | "guard.unreachable_limit_ticks" => {
+            let mut guard = guard(settings);
+            let ticks = parse(key, value, "a whole number of ticks that is not negative")?;
+            match key {
+                "guard.missing_limit_ticks" => guard.missing_limit_ticks = ticks,
+                _ => guard.unreachable_limit_ticks = ticks,
+            }
+            Setting::Command(Command::Guard(guard))
+        }
+        "gas.pressure_pa" => gas(settings, Some(parse(key, value, "a number of Pa")?), None)?,
+        "gas.temperature_c" => gas(settings, None, Some(parse(key, value, "a number of °C")?))?,
+        _ => return Err(unknown(key)),
+    };
+    if let Some(key) = setting.key() {
+        settings.insert(key.number(), setting);
+    }
+    Ok(())
+}
+
+fn unknown(key: &str) -> String {
+    if number(key).is_some_and(is_of_head) {
+        return format!("`{key}` is not set by itself: `anemo settings set --head FILE` sets a whole head");
+    }
+    format!("unknown key `{key}`; {}", suggest(key, PLAIN))
+}
+
+fn parse<T: std::str::FromStr>(key: &str, value: &str, right: &str) -> Result<T, String> {
+    value.parse().map_err(|_| format!("{key}: {value:?} is not {right}"))
+}
+
+fn guard(settings: &BTreeMap<KeyNumber, Setting>) -> GuardConfig {
+    let kept = settings.values().find_map(|setting| match setting {
+        Setting::Command(Command::Guard(guard)) => Some(*guard),
+        _ => None,
+    });
+    kept.unwrap_or_default()
+}
+
+fn gas(settings: &BTreeMap<KeyNumber, Setting>, new_pa: Option<f32>, new_c: Option<f32>) -> Result<Setting, String> {
+    let kept = settings.values().find_map(|setting| match setting {
+        Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })) => {
+            Some((*pressure_pa, *temperature_c))
+        }
+        _ => None,
+    });
+    let pressure_pa = new_pa.or(kept.map(|(pressure_pa, _)| pressure_pa));
+    let pressure_pa = pressure_pa.ok_or("gas.temperature_c: set gas.pressure_pa first")?;
+    let temperature_c = new_c.or(kept.and_then(|(_, temperature_c)| temperature_c));
+    Ok(Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_has_a_name_that_leads_back_to_it() {
+        for kind in Kind::ALL {
+            for which in [0, 1, 15, 0x2f] {
+                let number = Key { kind, which }.number();
+                assert_eq!(super::number(&of(number)), Some(number), "{}", of(number));
+            }
+        }
+        assert_eq!(of(0x2212), "cross.1-2");
+        assert_eq!(of(0x7712), "0x7712");
+        assert_eq!([number("cross.16-0"), number("elements.0"), number("guard.x")], [None; 3]);
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_said_with_what_can() {
+        let mut settings = BTreeMap::new();
+        let mut refused = |key: &str, value: &str| set(&mut settings, key, value).unwrap_err();
+        assert_eq!(refused("nmae", "x"), "unknown key `nmae`; did you mean `name`?");
+        assert!(refused("element.0", "x").contains("set --head FILE"));
+        assert!(refused("name", &"x".repeat(33)).contains("has 33 bytes, and a name has 32"));
+        assert_eq!(refused("observe", "yes"), "observe: \"yes\" is not true or false");
+        assert!(refused("guard.missing_limit_ticks", "-1").contains("is not a whole number of ticks"));
+        assert!(refused("gas.temperature_c", "-53").contains("gas.pressure_pa first"));
+        set(&mut settings, "guard.missing_limit_ticks", "7").unwrap();
+        set(&mut settings, "guard.unreachable_limit_ticks", "70").unwrap();
+        assert_eq!(guard(&settings), GuardConfig { missing_limit_ticks: 7, unreachable_limit_ticks: 70 });
+    }
+}

@@ -1,0 +1,379 @@
+//! Settings: what an instrument keeps in its flash, each under a key of its own.
+//!
+//! | number | key | what |
+//! |---|---|---|
+//! | 0x0100 | `name` | what the instrument is called |
+//! | 0x0200 | `telemetry_every` | ticks a sample after a start |
+//! | 0x0300 | `sample_period_s` | command `SamplePeriod` |
+//! | 0x0400 | `guard` | command `Guard` |
+//! | 0x0500 | `observe` | command `Observe` |
+//! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
+//! | 0x20ee | `own` | request `Own` of element ee |
+//! | 0x21es | `faster` | request `Faster`: set s of element e |
+//! | 0x22ft | `cross` | request `Cross` from element f to element t |
+//! | 0x23pp | `point` | request `Point` |
+//! | 0x24pp | `part` | request `Part` |
+//! | 0x2500 … 0x2800 | `card`, `gas_law`, `answer`, `gas` | the others |
+//!
+//! The upper byte is the kind, the lower one says which. Numbers never change their meaning. In ascending order they are the order in which
+//! an instrument has to be told.
+//!
+//! A value is its format, one byte ([`FORMAT`]), and the postcard encoding of a [`Setting`]. It says itself what it is of: a value that is found
+//! under another key than its own is refused, as is one of another format.
+
+use core::fmt;
+use dr_core::control::{Command, Refusal, WindCommand};
+use serde::{Deserialize, Serialize};
+
+use crate::message::Name;
+
+/// Format of the values. Any change of what a [`Setting`] looks like in bytes raises it.
+pub const FORMAT: u8 = 1;
+
+/// Longest value: a card, of 50 numbers.
+pub const MOST_VALUE: usize = 224;
+
+/// A value as it is kept: format, then bytes.
+pub type Value = heapless::Vec<u8, MOST_VALUE>;
+
+/// Number of a key.
+pub type KeyNumber = u16;
+
+/// What kind of thing a key is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum Kind {
+    /// What the instrument is called.
+    Name = 0x01,
+    /// Ticks a sample.
+    TelemetryEvery = 0x02,
+    /// Length of a tick.
+    SamplePeriod = 0x03,
+    /// The guard's patience.
+    Guard = 0x04,
+    /// Whether observers run.
+    Observe = 0x05,
+    /// Wiring and limits of an element.
+    Element = 0x10,
+    /// Its model.
+    Model = 0x11,
+    /// What it does.
+    Drive = 0x12,
+    /// How an element heats itself.
+    Own = 0x20,
+    /// Quicker gains.
+    Faster = 0x21,
+    /// How an element heats another.
+    Cross = 0x22,
+    /// Amplitudes at a Reynolds number.
+    Point = 0x23,
+    /// A part of the head.
+    Part = 0x24,
+    /// Four dice on a card.
+    Card = 0x25,
+    /// The gas.
+    GasLaw = 0x26,
+    /// How the wind is answered.
+    Answer = 0x27,
+    /// What the gas is like.
+    Gas = 0x28,
+}
+
+impl Kind {
+    /// All of them, in the order in which they are told.
+    pub const ALL: [Self; 17] = [
+        Self::Name,
+        Self::TelemetryEvery,
+        Self::SamplePeriod,
+        Self::Guard,
+        Self::Observe,
+        Self::Element,
+        Self::Model,
+        Self::Drive,
+        Self::Own,
+        Self::Faster,
+        Self::Cross,
+        Self::Point,
+        Self::Part,
+        Self::Card,
+        Self::GasLaw,
+        Self::Answer,
+        Self::Gas,
+    ];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Name => "name",
+            Self::TelemetryEvery => "telemetry_every",
+            Self::SamplePeriod => "sample_period_s",
+            Self::Guard => "guard",
+            Self::Observe => "observe",
+            Self::Element => "element",
+            Self::Model => "model",
+            Self::Drive => "drive",
+            Self::Own => "own",
+            Self::Faster => "faster",
+            Self::Cross => "cross",
+            Self::Point => "point",
+            Self::Part => "part",
+            Self::Card => "card",
+            Self::GasLaw => "gas_law",
+            Self::Answer => "answer",
+            Self::Gas => "gas",
+        }
+    }
+}
+
+/// A key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Key {
+    /// What kind of thing it is of.
+    pub kind: Kind,
+    /// Which of them; 0 where there is only one.
+    pub which: u8,
+}
+
+impl Key {
+    /// Its number, for ever.
+    pub const fn number(self) -> KeyNumber {
+        (self.kind as u16) << 8 | self.which as u16
+    }
+
+    /// The key of a number, if it is one.
+    pub fn of_number(number: KeyNumber) -> Option<Self> {
+        let [kind, which] = number.to_be_bytes();
+        let kind = Kind::ALL.into_iter().find(|known| *known as u8 == kind)?;
+        Some(Self { kind, which })
+    }
+}
+
+/// What is kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Setting {
+    /// What the instrument is called.
+    Name(Name),
+    /// Ticks a sample after a start, as in `Telemetry`.
+    TelemetryEvery(u16),
+    /// A command that sets the instrument up.
+    Command(Command),
+}
+
+/// Why a stored value is not used.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Unusable {
+    /// It is of another format, by an older or a newer firmware.
+    Format {
+        /// Its.
+        found: u8,
+    },
+    /// This firmware does not know its key.
+    UnknownKey,
+    /// It is no value.
+    Damaged,
+    /// It is a value, but of another key.
+    Misplaced,
+    /// The instrument does not take it.
+    Refused(Refusal),
+}
+
+impl Setting {
+    /// Where it belongs; none for a command that sets nothing up.
+    pub fn key(&self) -> Option<Key> {
+        let pair = |a: u8, b: u8| (a < 16 && b < 16).then_some(a << 4 | b);
+        let (kind, which) = match self {
+            Self::Name(_) => (Kind::Name, 0),
+            Self::TelemetryEvery(_) => (Kind::TelemetryEvery, 0),
+            Self::Command(command) => match command {
+                Command::SamplePeriod { .. } => (Kind::SamplePeriod, 0),
+                Command::Guard(_) => (Kind::Guard, 0),
+                Command::Observe { .. } => (Kind::Observe, 0),
+                Command::Element { element, .. } => (Kind::Element, *element),
+                Command::Model { element, .. } => (Kind::Model, *element),
+                Command::Drive { element, .. } => (Kind::Drive, *element),
+                Command::Wind(wind) => match wind {
+                    WindCommand::Own { element, .. } => (Kind::Own, *element),
+                    WindCommand::Faster(faster) => (Kind::Faster, pair(faster.element, faster.set)?),
+                    WindCommand::Cross(cross) => (Kind::Cross, pair(cross.from, cross.to)?),
+                    WindCommand::Point { point, .. } => (Kind::Point, *point),
+                    WindCommand::Part { part, .. } => (Kind::Part, *part),
+                    WindCommand::Card(_) => (Kind::Card, 0),
+                    WindCommand::GasLaw(_) => (Kind::GasLaw, 0),
+                    WindCommand::Answer(_) => (Kind::Answer, 0),
+                    WindCommand::Gas { .. } => (Kind::Gas, 0),
+                },
+                Command::Clear
+                | Command::Start
+                | Command::Stop
+                | Command::Acknowledge
+                | Command::Arm { .. }
+                | Command::Disarm => return None,
+            },
+        };
+        Some(Key { kind, which })
+    }
+
+    /// The value of it, as it is kept.
+    ///
+    /// # Errors
+    /// If it is longer than any value may be, which none is.
+    pub fn value(&self) -> Result<Value, postcard::Error> {
+        let mut buffer = [0; MOST_VALUE];
+        let [format, rest @ ..] = &mut buffer;
+        *format = FORMAT;
+        let length = 1 + postcard::to_slice(self, rest)?.len();
+        let used = buffer.get(..length).unwrap_or_default();
+        Value::from_slice(used).map_err(|_| postcard::Error::SerializeBufferFull)
+    }
+
+    /// Reads a value that stands under a key.
+    ///
+    /// # Errors
+    /// Why it is not used.
+    pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
+        let key = Key::of_number(number).ok_or(Unusable::UnknownKey)?;
+        let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
+        // Formats that are older than this one are converted here, once there are any.
+        if found != FORMAT {
+            return Err(Unusable::Format { found });
+        }
+        let (setting, rest) = postcard::take_from_bytes::<Self>(bytes).map_err(|_| Unusable::Damaged)?;
+        if !rest.is_empty() {
+            return Err(Unusable::Damaged);
+        }
+        if setting.key() == Some(key) { Ok(setting) } else { Err(Unusable::Misplaced) }
+    }
+}
+
+/// What a host may ask of the settings. Each is answered by one `Setting`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
+pub enum SettingsRequest {
+    /// Keep this value. In standby. It is in force after the next `Load`, or the next start.
+    Store {
+        /// Under this key.
+        key: KeyNumber,
+        /// Format, and bytes.
+        value: Value,
+    },
+    /// The value of a key.
+    Read {
+        /// Which.
+        key: KeyNumber,
+    },
+    /// The first value whose key is greater than this one.
+    Next {
+        /// None: the first of all.
+        after: Option<KeyNumber>,
+    },
+    /// Keep nothing under this key. In standby.
+    Forget {
+        /// Which.
+        key: KeyNumber,
+    },
+    /// Keep nothing at all. In standby.
+    ForgetAll,
+    /// Forget what the instrument has been told, and set it up by what is kept. In standby.
+    Load,
+    /// Is what is kept what was written? Answered `Done`, or refused `NotWhole`.
+    Check,
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SettingsAnswer {
+    /// Sequence number of the frame that brought the request.
+    pub to: u16,
+    /// What came of it.
+    pub result: Result<SettingsReply, SettingsRefusal>,
+}
+
+/// What is answered to a request that was carried out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
+pub enum SettingsReply {
+    /// Done.
+    Done,
+    /// A value.
+    Value {
+        /// Its key.
+        key: KeyNumber,
+        /// Format and bytes, as they stand.
+        value: Value,
+        /// Why it is not used, if it is not.
+        unusable: Option<Unusable>,
+    },
+    /// There is nothing under this key, or none after it.
+    Nothing,
+    /// The instrument has been set up.
+    Loaded {
+        /// By so many values.
+        taken: u16,
+        /// So many are not used; `Read` says why.
+        left: u16,
+    },
+}
+
+/// Why a request was not carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum SettingsRefusal {
+    /// Only possible in standby.
+    NotInStandby,
+    /// This firmware would not use such a value.
+    Unusable(Unusable),
+    /// There is no room for it: so many bytes are free.
+    Full {
+        /// Bytes.
+        free: u16,
+    },
+    /// The flash does not take it, does not give it back, or holds something else.
+    Flash,
+    /// Something has rotted: values may be missing, or older than they should be.
+    NotWhole,
+}
+
+impl Unusable {
+    /// For a log.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Format { .. } => "of another format",
+            Self::UnknownKey => "of an unknown key",
+            Self::Damaged => "damaged",
+            Self::Misplaced => "of another key",
+            Self::Refused(_) => "refused by the instrument",
+        }
+    }
+}
+
+impl fmt::Display for Unusable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Format { found } => write!(f, "it is of format {found}, and this firmware reads format {FORMAT}"),
+            Self::UnknownKey => write!(f, "this firmware does not know its key"),
+            Self::Damaged => write!(f, "it is damaged"),
+            Self::Misplaced => write!(f, "it is the value of another key"),
+            Self::Refused(refusal) => write!(f, "the instrument does not take it: {refusal}"),
+        }
+    }
+}
+
+impl fmt::Display for SettingsRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotInStandby => {
+                write!(f, "settings can only be changed in standby: stop the run, or acknowledge the trip")
+            }
+            Self::Unusable(why) => write!(f, "this value would not be used: {why}"),
+            Self::Full { free } => write!(f, "there is no room for it: {free} bytes are free"),
+            Self::Flash => write!(f, "the flash of the settings does not answer as it should, or holds something else"),
+            Self::NotWhole => {
+                write!(f, "something in the flash has rotted: values may be missing, or older than they should be")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingsRefusal {}
+
+#[cfg(test)]
+mod tests;

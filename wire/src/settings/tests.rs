@@ -1,0 +1,119 @@
+use super::*;
+use dr_core::control::{AnswerConfig, Drive, ElementConfig, GuardConfig, Limits, PartOfHead};
+use dr_core::model::{AlarmConfig, CrossConfig, FasterConfig, GainsConfig, OwnConfig, SelfHeatingConfig};
+use dr_core::sensor::wind::{CardConfig, GasLawConfig, PartConfig};
+use dr_core::sensor::{Channel, Platinum};
+
+extern crate std;
+use std::vec::Vec;
+
+const GAINS: GainsConfig =
+    GainsConfig { correction_w_per_k: [1.0; 8], convection_w_per_k: 2.0, weights: [3.0; 2], variance_w2: 4.0 };
+
+/// One of each kind, all numbers plain.
+fn one_of_each() -> Vec<Setting> {
+    let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 5e-7, 0.003, 0.016).unwrap();
+    let limits =
+        Limits { resistance_min_ohm: 100.0, resistance_max_ohm: 300.0, temperature_max_c: 70.0, code_max: 8_388_607 };
+    let surface = PartConfig { axis: [1.0; 3], corner: [2.0; 3], area_m2: 3.0, means: [4.0; 5], threefold: [5.0; 3] };
+    let own = OwnConfig {
+        mesh_rad_s: [1.0; 8],
+        r_k_per_w: [2.0; 8],
+        surface: [3.0; 8],
+        rest_c: 4.0,
+        gains: GAINS,
+        alarm: Some(AlarmConfig { smoothing_s: 5.0, threshold_k: 6.0 }),
+    };
+    let cross = CrossConfig { from: 1, to: 2, mesh_rad_s: [1.0; 4], r_k_per_w: [2.0; 4], surface: [3.0; 4] };
+    let card = CardConfig {
+        mean: [1.0; 12],
+        difference: [2.0; 12],
+        along: [3.0; 8],
+        around: [4.0; 8],
+        seen: [5.0; 8],
+        mean_share: 6.0,
+        difference_share: 7.0,
+    };
+    let gas_law = GasLawConfig {
+        gas_constant_j_kg_k: 1.0,
+        least_c: 2.0,
+        most_c: 3.0,
+        viscosity_pa_s: [4.0; 7],
+        conductivity_w_m_k: [5.0; 7],
+    };
+    let answer = AnswerConfig {
+        parts: 4,
+        diameter_m: 1.0,
+        reynolds: Some([2.0; 2]),
+        direction_error_max_rad: 3.0,
+        every_ticks: 4,
+        reference: Some(5),
+        smoothing_s: [6.0; 2],
+        reference_gas_c: 7.0,
+    };
+    let part = PartOfHead { element: 3, surface, gain: 1.0, windless_w_k: 2.0 };
+    let model = SelfHeatingConfig { mesh_rad_s: [1.0; 8], r_k_per_w: [2.0; 8], reference_c: 3.0 };
+    let commands = [
+        Command::SamplePeriod { sample_period_s: 0.01 },
+        Command::Guard(GuardConfig { missing_limit_ticks: 5, unreachable_limit_ticks: 3000 }),
+        Command::Observe { on: true },
+        Command::Element { element: 1, config: ElementConfig { channel, limits } },
+        Command::Model { element: 2, model },
+        Command::Drive { element: 3, drive: Drive::Passive },
+        Command::Wind(WindCommand::Own { element: 4, config: own }),
+        Command::Wind(WindCommand::Faster(FasterConfig { element: 1, set: 2, until_s: 3.0, gains: GAINS })),
+        Command::Wind(WindCommand::Cross(cross)),
+        Command::Wind(WindCommand::Point { point: 31, amplitudes: [1.0; 6] }),
+        Command::Wind(WindCommand::Part { part: 3, config: part }),
+        Command::Wind(WindCommand::Card(card)),
+        Command::Wind(WindCommand::GasLaw(gas_law)),
+        Command::Wind(WindCommand::Answer(answer)),
+        Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }),
+    ];
+    let name = Name::try_from("a name that has all 32 characters").unwrap_or_default();
+    let own = [Setting::Name(name), Setting::TelemetryEvery(10)];
+    own.into_iter().chain(commands.map(Setting::Command)).collect()
+}
+
+#[test]
+fn each_comes_out_as_it_went_in_and_nowhere_else() {
+    let settings = one_of_each();
+    assert_eq!(settings.len(), Kind::ALL.len());
+    let mut before = 0;
+    for (setting, kind) in settings.iter().zip(Kind::ALL) {
+        let key = setting.key().unwrap();
+        assert_eq!((key.kind, Key::of_number(key.number())), (kind, Some(key)));
+        assert!(key.number() > before, "in the order in which they are told");
+        before = key.number();
+        let value = setting.value().unwrap();
+        assert_eq!(Setting::read(key.number(), &value).as_ref(), Ok(setting));
+        for other in settings.iter().filter(|other| *other != setting) {
+            let other = other.key().unwrap().number();
+            assert_eq!(Setting::read(other, &value), Err(Unusable::Misplaced));
+        }
+        for length in 1..value.len() {
+            assert_eq!(Setting::read(key.number(), &value[..length]), Err(Unusable::Damaged), "{kind:?} cut");
+        }
+        for format in (0..=255).filter(|format| *format != FORMAT) {
+            let mut value = value.clone();
+            value[0] = format;
+            assert_eq!(Setting::read(key.number(), &value), Err(Unusable::Format { found: format }));
+        }
+    }
+    assert_eq!(Setting::read(0x0600, &[FORMAT, 1, 1]), Err(Unusable::UnknownKey));
+    assert_eq!(Setting::Command(Command::Start).key(), None);
+}
+
+/// FNV-1a, 32 bit, of all values of format 1, as they were when it was made.
+const BYTES_OF_FORMAT_1: u32 = 2_876_713_592;
+
+#[test]
+fn what_a_value_looks_like_in_bytes_has_not_changed_without_a_new_format() {
+    let mut hash = 0x811c_9dc5_u32;
+    for setting in one_of_each() {
+        for byte in setting.value().unwrap() {
+            hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+    }
+    assert_eq!(hash, BYTES_OF_FORMAT_1, "values look otherwise: raise FORMAT, and read or refuse the old ones");
+}
