@@ -40,7 +40,11 @@ fn store(board: &mut Emulated, setting: &Setting) -> Result<SettingsReply, Instr
 }
 
 fn guard(missing_limit_ticks: u32) -> Setting {
-    Setting::Command(Command::Guard(GuardConfig { missing_limit_ticks, unreachable_limit_ticks: 100 }))
+    Setting::Command(Command::Guard(GuardConfig {
+        missing_limit_ticks,
+        unreachable_limit_ticks: 100,
+        stuck_limit_ticks: 0,
+    }))
 }
 
 #[test]

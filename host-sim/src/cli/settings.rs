@@ -50,7 +50,7 @@ enum Task {
     },
     /// Change one value, or the whole head.
     ///
-    /// Keys: name, telemetry_every, sample_period_s, guard.missing_limit_ticks, guard.unreachable_limit_ticks, observe, gas.pressure_pa,
+    /// Keys: name, telemetry_every, sample_period_s, guard.missing_limit_ticks, guard.unreachable_limit_ticks, guard.stuck_limit_ticks, observe, gas.pressure_pa,
     /// gas.temperature_c.
     Set {
         /// What to change.

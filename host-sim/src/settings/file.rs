@@ -10,7 +10,7 @@
 //!
 //! [[setting]]
 //! key = "guard"
-//! value.Command.Guard = { missing_limit_ticks = 5, unreachable_limit_ticks = 3000 }
+//! value.Command.Guard = { missing_limit_ticks = 5, unreachable_limit_ticks = 3000, stuck_limit_ticks = 200 }
 //! ```
 //!
 //! Values are those of the wire protocol by their names there. Numbers are the shortest decimals that lead back to the same bits.

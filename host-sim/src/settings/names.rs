@@ -15,6 +15,7 @@ pub const PLAIN: [&str; 8] = [
     "sample_period_s",
     "guard.missing_limit_ticks",
     "guard.unreachable_limit_ticks",
+    "guard.stuck_limit_ticks",
     "observe",
     "gas.pressure_pa",
     "gas.temperature_c",
@@ -66,11 +67,12 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
             Setting::Command(Command::SamplePeriod { sample_period_s: parse(key, value, "a number of seconds")? })
         }
         "observe" => Setting::Command(Command::Observe { on: parse(key, value, "true or false")? }),
-        "guard.missing_limit_ticks" | "guard.unreachable_limit_ticks" => {
+        "guard.missing_limit_ticks" | "guard.unreachable_limit_ticks" | "guard.stuck_limit_ticks" => {
             let mut guard = guard(settings);
             let ticks = parse(key, value, "a whole number of ticks that is not negative")?;
             match key {
                 "guard.missing_limit_ticks" => guard.missing_limit_ticks = ticks,
+                "guard.stuck_limit_ticks" => guard.stuck_limit_ticks = ticks,
                 _ => guard.unreachable_limit_ticks = ticks,
             }
             Setting::Command(Command::Guard(guard))
@@ -146,6 +148,8 @@ mod tests {
         assert!(refused("gas.temperature_c", "-53").contains("gas.pressure_pa first"));
         set(&mut settings, "guard.missing_limit_ticks", "7").unwrap();
         set(&mut settings, "guard.unreachable_limit_ticks", "70").unwrap();
-        assert_eq!(guard(&settings), GuardConfig { missing_limit_ticks: 7, unreachable_limit_ticks: 70 });
+        set(&mut settings, "guard.stuck_limit_ticks", "9").unwrap();
+        let expected = GuardConfig { missing_limit_ticks: 7, unreachable_limit_ticks: 70, stuck_limit_ticks: 9 };
+        assert_eq!(guard(&settings), expected);
     }
 }

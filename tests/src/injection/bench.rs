@@ -4,7 +4,7 @@ use super::Subject;
 use dr_core::control::{Cause, Command, Digest, Heaters, Reply, Station};
 use dr_core::sensor::Reading;
 use firmware::dead_man::DeadMan;
-use firmware::inbox::{Exchange, Inbox, Questions, Request};
+use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
 use firmware::past_life::{PastLife, end_of};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
@@ -33,6 +33,8 @@ pub struct Bench<'a> {
 pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
     let (mut requests, mut exchanges, questions) =
         (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Questions::new());
+    // It keeps no settings: what is asked of them waits for ever.
+    let mut errands = Queue::<Errand, 2>::new();
     let ((request_in, requests), (exchange_in, _)) = (requests.split(), exchanges.split());
     take(Bench {
         identity: Identity {
@@ -47,7 +49,7 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
         station: Station::new(),
         digest: Digest::default(),
         receiver: Receiver::new(),
-        inbox: Inbox::new(request_in, exchange_in, &questions, false),
+        inbox: Inbox::new(request_in, exchange_in, errands.split().0, &questions, false),
         requests,
         dead_man: DeadMan::new(),
         bitten: false,
@@ -147,7 +149,8 @@ impl Subject for Bench<'_> {
             Provocation::Panic => self.crash(CrashKind::Panic),
             Provocation::Fault => self.crash(CrashKind::Fault),
             Provocation::Reset => self.start_anew(ResetCause::Pin),
-            Provocation::Upset { .. } => {}
+            // Memory and flash have ways of their own.
+            Provocation::Upset { .. } | Provocation::CutPower { .. } => {}
         }
         Ok(())
     }

@@ -178,6 +178,7 @@ fn a_set_point_that_is_never_met_trips_in_the_end() {
 #[test]
 fn unreachable_set_points_are_refused_by_the_model() {
     let mut controller = running([Drive::Passive, Drive::Passive]);
+    controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
     for target_c in [-49.9, 20.0] {
         let refusal =
             controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c } }).unwrap_err();
@@ -352,6 +353,7 @@ fn a_new_drive_starts_afresh_and_with_full_patience() {
             .collect()
     };
     let first = bits(&mut controller, &mut heaters);
+    controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: prbs }).unwrap();
     // 60 mW is more than the high level gives: 15 ticks of it are borne, and after a new drive 15 more.
     controller.handle(Command::Drive { element: 1, drive: Drive::Power { power_w: 0.06 } }).unwrap();

@@ -6,7 +6,11 @@ use wire::settings::{FORMAT, Value};
 type Books = Clerk<Mock<1024>>;
 
 fn guard(missing_limit_ticks: u32) -> Setting {
-    Setting::Command(Command::Guard(GuardConfig { missing_limit_ticks, unreachable_limit_ticks: 9 }))
+    Setting::Command(Command::Guard(GuardConfig {
+        missing_limit_ticks,
+        unreachable_limit_ticks: 9,
+        stuck_limit_ticks: 0,
+    }))
 }
 
 fn store(clerk: &mut Books, key: KeyNumber, value: &[u8]) -> Result<SettingsReply, SettingsRefusal> {
@@ -52,7 +56,12 @@ fn what_is_kept_is_told_in_order_at_the_next_start() {
     assert_eq!(set_up(&mut clerk, &mut station), []);
     let mut told = Station::<6>::new();
     told.handle(Command::SamplePeriod { sample_period_s: 0.02 }).unwrap();
-    told.handle(Command::Guard(GuardConfig { missing_limit_ticks: 4, unreachable_limit_ticks: 9 })).unwrap();
+    told.handle(Command::Guard(GuardConfig {
+        missing_limit_ticks: 4,
+        unreachable_limit_ticks: 9,
+        stuck_limit_ticks: 0,
+    }))
+    .unwrap();
     assert_eq!(station, told);
     let load = clerk.answer(1, &SettingsRequest::Load);
     assert_eq!(load, SettingsAnswer { to: 1, result: Ok(SettingsReply::Loaded { taken: 2, left: 0 }) });
