@@ -75,7 +75,11 @@ impl Desk {
             return Ok(());
         }
         wake_control();
-        // It has been preempted by it meanwhile, and goes on when it is through.
-        self.outcomes.dequeue().unwrap_or(Ok(()))
+        // This task is preempted by it within a few instructions. Should the control task be dead, the watchdog ends this loop.
+        loop {
+            if let Some(outcome) = self.outcomes.dequeue() {
+                return outcome;
+            }
+        }
     }
 }

@@ -95,7 +95,7 @@ fn a_board_knows_its_head_at_the_next_start_and_after_a_crash() {
 }
 
 #[test]
-fn nothing_is_written_while_it_runs() {
+fn nothing_is_read_or_written_while_it_runs() {
     let folder = tempfile::tempdir().unwrap();
     let experiment = experiment("gusts.toml");
     let mut instrument = LockStep::new(board(&folder.path().join("board.flash")), sensor(&experiment));
@@ -107,12 +107,13 @@ fn nothing_is_written_while_it_runs() {
         SettingsRequest::Forget { key: 0x0400 },
         SettingsRequest::ForgetAll,
         SettingsRequest::Load,
+        SettingsRequest::Read { key: 0x0400 },
     ] {
         let refusal = board.ask_settings(&request).unwrap_err();
         assert!(matches!(refusal, InstrumentError::Settings(SettingsRefusal::NotInStandby)), "{refusal}");
     }
-    assert_eq!(kept(board).values().collect::<Vec<_>>(), [&guard(7)], "it can be read at any time");
     Body::command(board, Command::Stop).unwrap();
+    assert_eq!(kept(board).values().collect::<Vec<_>>(), [&guard(7)]);
     store(board, &guard(8)).unwrap();
     assert_eq!(kept(board).values().collect::<Vec<_>>(), [&guard(8)]);
 }

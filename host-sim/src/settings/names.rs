@@ -9,7 +9,7 @@ use wire::{Name, Setting};
 use crate::toml_file::suggest;
 
 /// Keys that `set` takes with a value.
-pub const PLAIN: [&str; 8] = [
+pub const PLAIN: [&str; 9] = [
     "name",
     "telemetry_every",
     "sample_period_s",
