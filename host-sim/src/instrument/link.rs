@@ -149,14 +149,14 @@ impl<S: Stream> Link<S> {
         aside: &mut dyn FnMut(FromBoard),
     ) -> Result<Reply, InstrumentError> {
         self.converse(&ToBoard::Command(command), persistence, aside, |message, again| match message {
-            FromBoard::Reply { to, result } => Ok((
-                to,
-                match result {
+            FromBoard::Reply { to, result } => Some((
+                *to,
+                match *result {
                     Err(refusal) if again && shows_it_done(command, &refusal) => Ok(Reply::Done),
                     result => result.map_err(InstrumentError::Refused),
                 },
             )),
-            other => Err(other),
+            _ => None,
         })
     }
 
@@ -171,19 +171,21 @@ impl<S: Stream> Link<S> {
         aside: &mut dyn FnMut(FromBoard),
     ) -> Result<SettingsReply, InstrumentError> {
         self.converse(&ToBoard::Settings(request.clone()), persistence, aside, |message, _| match message {
-            FromBoard::Setting(SettingsAnswer { to, result }) => Ok((to, result.map_err(InstrumentError::Settings))),
-            other => Err(other),
+            FromBoard::Setting(SettingsAnswer { to, result }) => {
+                Some((*to, result.clone().map_err(InstrumentError::Settings)))
+            }
+            _ => None,
         })
     }
 
-    /// Sends a message until it is answered. `answer` gives the number that a message answers and what it says, or the message back if it is no
+    /// Sends a message until it is answered. `answer` gives the number that a message answers and what it says, if it is an
     /// answer of this kind; it is told whether the message was sent more than once.
     fn converse<T>(
         &mut self,
         message: &ToBoard,
         persistence: Persistence,
         aside: &mut dyn FnMut(FromBoard),
-        answer: impl Fn(FromBoard, bool) -> Result<(u16, Result<T, InstrumentError>), FromBoard>,
+        answer: impl Fn(&FromBoard, bool) -> Option<(u16, Result<T, InstrumentError>)>,
     ) -> Result<T, InstrumentError> {
         let mut first = None;
         for _ in 0..persistence.tries {
@@ -192,12 +194,12 @@ impl<S: Stream> Link<S> {
             let deadline = Instant::now() + persistence.each;
             loop {
                 match self.receive(deadline.saturating_duration_since(Instant::now())) {
-                    Ok(message) => match answer(message, last != first) {
+                    Ok(message) => match answer(&message, last != first) {
                         // The answer to any of the tries: one may only have been late.
-                        Ok((to, result)) if to.wrapping_sub(first) <= last.wrapping_sub(first) => return result,
+                        Some((to, result)) if to.wrapping_sub(first) <= last.wrapping_sub(first) => return result,
                         // An answer to something else, which nobody waits for any more.
-                        Ok(_) => {}
-                        Err(other) => aside(other),
+                        Some(_) => {}
+                        None => aside(message),
                     },
                     Err(InstrumentError::Silent(_)) => break,
                     Err(error) => return Err(error),
