@@ -39,6 +39,11 @@ impl InProcess {
         }
     }
 
+    /// The station itself, for what happens to it beside commands and readings.
+    pub fn station_mut(&mut self) -> &mut Station<MOST_ELEMENTS> {
+        &mut self.station
+    }
+
     /// What an element's model says its temperature is, °C.
     pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
         self.station.controller().model_temperature_c(element)

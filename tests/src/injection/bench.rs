@@ -1,23 +1,23 @@
 //! The firmware's parts in this process: receiver, inbox, station, dead man's handle and memory of past lives, put together as its tasks are.
 
 use super::Subject;
-use dr_core::control::{Cause, Command, Digest, Heaters, Reply, Station};
+use dr_core::control::{Cause, Command, Heaters, Reply};
 use dr_core::sensor::Reading;
 use firmware::dead_man::DeadMan;
 use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
 use firmware::past_life::{PastLife, end_of};
 use heapless::spsc::{Consumer, Queue};
+use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
 use wire::{
-    BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Readings,
-    Receiver, ResetCause, ToBoard,
+    BoardKind, Crash, CrashKind, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Receiver, ResetCause,
+    ToBoard,
 };
 
 /// The parts of a board that knows its host by bytes alone.
 pub struct Bench<'a> {
     identity: Identity,
-    station: Station<MOST_ELEMENTS>,
-    digest: Digest,
+    body: InProcess,
     receiver: Receiver,
     inbox: Inbox<'a>,
     requests: Consumer<'a, Request>,
@@ -46,8 +46,7 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
             starts: 1,
             crash: None,
         },
-        station: Station::new(),
-        digest: Digest::default(),
+        body: InProcess::new(),
         receiver: Receiver::new(),
         inbox: Inbox::new(request_in, exchange_in, errands.split().0, &questions, false),
         requests,
@@ -63,11 +62,11 @@ impl Bench<'_> {
     /// As the start of the firmware does it.
     fn start_anew(&mut self, reset: ResetCause) {
         self.past = PastLife::after(&self.past.record(), reset);
-        (self.station, self.receiver, self.digest) = (Station::new(), Receiver::new(), Digest::default());
+        (self.body, self.receiver) = (InProcess::new(), Receiver::new());
         (self.dead_man, self.bitten, self.pins) = (DeadMan::new(), false, Heaters::default());
         while self.requests.dequeue().is_some() {}
         if let Some(cause) = self.past.trip(reset) {
-            self.station.trip(cause);
+            self.body.station_mut().trip(cause);
         }
         (self.identity.reset, self.identity.starts) = (reset, self.past.starts);
         self.identity.crash.clone_from(&self.past.crash);
@@ -86,31 +85,25 @@ impl Body for Bench<'_> {
     }
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
-        let reply = self.station.handle(command).map_err(InstrumentError::Refused)?;
-        match command {
-            Command::Start => self.digest = Digest::default(),
-            Command::Acknowledge => self.past.crash = None,
-            _ => {}
+        let reply = self.body.command(command)?;
+        if command == Command::Acknowledge {
+            self.past.crash = None;
         }
         Ok(reply)
     }
 
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
-        let readings = Readings::new(readings).ok_or_else(|| InstrumentError::Protocol("too many".to_owned()))?;
         if core::mem::take(&mut self.bitten) {
-            self.station.trip(Cause::Deadline);
+            self.body.station_mut().trip(Cause::Deadline);
         }
-        let tick = self.station.tick(&readings.readings());
-        self.pins = tick.heaters;
-        self.dead_man.decided(tick.heaters.0 != 0);
-        let wind = self.station.sense(&tick);
-        self.station.fold(&tick, wind.as_ref(), &mut self.digest);
-        let told = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
-        told.ok_or_else(|| InstrumentError::Protocol("a tick is told by another message".to_owned()))
+        let told = self.body.exchange(readings)?;
+        self.pins = told.sample.heaters;
+        self.dead_man.decided(self.pins.0 != 0);
+        Ok(told)
     }
 
     fn digest(&self) -> u64 {
-        self.digest.value()
+        self.body.digest()
     }
 
     fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
@@ -156,6 +149,6 @@ impl Subject for Bench<'_> {
     }
 
     fn upset(&mut self, which: usize, element: usize, bit: u32) -> Result<bool, InstrumentError> {
-        Ok(self.station.upset(which, element, bit).is_some())
+        Ok(self.body.station_mut().upset(which, element, bit).is_some())
     }
 }
