@@ -22,7 +22,7 @@ const MOST_SHOWN: usize = 60;
 /// What a board keeps in its flash: its name, the head it has and how it is set up.
 ///
 /// A board sets itself up by this at each start, so that it knows its head without a host; it never starts a run by itself. Settings are
-/// changed in standby only. A power cut at any moment leaves each value as it was or as it was to be.
+/// read and changed in standby only. A power cut at any moment leaves each value as it was or as it was to be.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
