@@ -1,6 +1,6 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! The thumb target comes by rustup, QEMU by the system's packages, flip-link by cargo. Whatever cannot be installed is named together with the line to type.
+//! The thumb target and LLVM's tools come by rustup, QEMU by the system's packages, flip-link and cargo-mutants by cargo. Whatever cannot be installed is named together with the line to type.
 
 use crate::artefacts::TARGET;
 use crate::shell;
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const FLIP_LINK_VERSION: &str = "0.1.12";
+const CARGO_MUTANTS_VERSION: &str = "27.1.0";
 pub const QEMU: &str = "qemu-system-arm";
 
 /// A system's package manager and how it brings QEMU for Arm.
@@ -75,19 +76,46 @@ pub fn flip_link() -> Result<PathBuf> {
     if shell::answers("flip-link", &["--help"]) {
         return Ok(PathBuf::from("flip-link"));
     }
+    tool("flip-link", FLIP_LINK_VERSION)
+}
+
+/// What changes code to see whether a test finds it. Always this version: what it changes differs from one to the next.
+pub fn cargo_mutants() -> Result<PathBuf> {
+    tool("cargo-mutants", CARGO_MUTANTS_VERSION)
+}
+
+/// A program that cargo installs among the build's products, if it is not there yet. Gives where it is.
+fn tool(name: &str, version: &str) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
-    let installed = tools.join("bin").join(format!("flip-link{}", std::env::consts::EXE_SUFFIX));
+    let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     if !installed.is_file() {
-        shell::announce(&format!("installing flip-link {FLIP_LINK_VERSION} into {}", tools.display()));
+        shell::announce(&format!("installing {name} {version} into {}", tools.display()));
         let mut cargo = shell::cargo();
-        cargo
-            .args(["install", "--quiet", "flip-link", "--locked", "--version", FLIP_LINK_VERSION, "--root"])
-            .arg(&tools);
-        shell::run(&mut cargo).with_context(|| {
-            format!("flip-link is missing; type: cargo install flip-link --locked --version {FLIP_LINK_VERSION}")
-        })?;
+        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--root"]).arg(&tools);
+        shell::run(&mut cargo)
+            .with_context(|| format!("{name} is missing; type: cargo install {name} --locked --version {version}"))?;
     }
     Ok(installed)
+}
+
+/// LLVM's tools for what the compiler has counted. Gives the folder where they are.
+pub fn llvm_tools() -> Result<PathBuf> {
+    let libraries = shell::output_of("rustc", &["--print", "target-libdir"])
+        .context("rustc does not run; install Rust by https://rustup.rs and start again")?;
+    let found = Path::new(&libraries).with_file_name("bin");
+    let is_there = || {
+        let mut programs = ["llvm-cov", "llvm-profdata"].iter().map(|name| found.join(name));
+        programs.all(|program| shell::answers(&program.to_string_lossy(), &["--version"]))
+    };
+    if !is_there() {
+        shell::announce("installing llvm-tools");
+        shell::run(shell::program("rustup").args(["component", "add", "llvm-tools"]))
+            .context("LLVM's tools are missing; type: rustup component add llvm-tools")?;
+        if !is_there() {
+            bail!("LLVM's tools are still not in {}", found.display());
+        }
+    }
+    Ok(found)
 }
 
 /// The tools that `lint` needs beside the compiler.

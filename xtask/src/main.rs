@@ -5,11 +5,13 @@ mod call_graph;
 mod ci;
 mod cortex_m4;
 mod cost;
+mod coverage;
 mod demo;
 mod flash;
 mod install;
 mod links;
 mod lint;
+mod mutants;
 mod overflow;
 mod panics;
 mod safety;
@@ -52,6 +54,10 @@ enum Job {
     Safety,
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::Options),
+    /// Count the lines of dr-core that its unit tests run, and refuse too few
+    Coverage,
+    /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the changes that no test finds
+    Mutants(mutants::Options),
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::Options),
 }
@@ -65,6 +71,8 @@ fn main() -> ExitCode {
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),
+        Job::Coverage => coverage::run(),
+        Job::Mutants(options) => mutants::run(&options),
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {

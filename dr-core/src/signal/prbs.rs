@@ -140,6 +140,7 @@ mod tests {
             loop {
                 ones += u32::from(prbs.step());
                 period += 1;
+                assert!(period >> order == 0, "order {order}: it never comes back");
                 if prbs.register() == 0 {
                     break;
                 }
