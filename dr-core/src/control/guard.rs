@@ -324,4 +324,26 @@ mod tests {
         let verdict = judge(&LIMITS, &channel, code(175.0, Level::Low), Level::Low);
         assert_eq!(verdict, Judgement::Bad(Cause::NonFinite));
     }
+
+    #[test]
+    fn a_number_on_its_limit_is_still_good() {
+        // All powers of two, so that resistance and temperature are exact: 2⁻¹² Ω a code, T = 2 (R − 128).
+        let platinum = Platinum::linear(128.0, 1.0 / 256.0).unwrap();
+        let channel = Channel::new(platinum, 1.0 / 1_048_576.0, 1.0 / 256.0, 1.0 / 64.0).unwrap();
+        let limits = Limits {
+            resistance_min_ohm: 50.0,
+            resistance_max_ohm: 260.0,
+            temperature_max_c: 264.0,
+            code_max: 8_000_000,
+        };
+        let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
+        let good = |ohm: f32| Judgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
+        assert_eq!(at(&limits, 260 * 4096), good(260.0));
+        assert_eq!(at(&limits, 260 * 4096 + 1), Judgement::Bad(Cause::Open));
+        assert_eq!(at(&limits, 50 * 4096), good(50.0));
+        assert_eq!(at(&limits, 50 * 4096 - 1), Judgement::Bad(Cause::Short));
+        let cool = Limits { temperature_max_c: 70.0, ..limits };
+        assert_eq!(at(&cool, 163 * 4096), good(163.0));
+        assert_eq!(at(&cool, 163 * 4096 + 1), Judgement::Bad(Cause::OverTemperature));
+    }
 }
