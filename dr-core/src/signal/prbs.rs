@@ -199,6 +199,14 @@ mod tests {
     }
 
     #[test]
+    fn stages_are_counted_from_one() {
+        assert_eq!(stages([0; 4]), 0);
+        assert_eq!(stages([1, 0, 0, 0]), 1);
+        assert_eq!(stages([32, 22, 2, 1]), 1 << 31 | 1 << 21 | 0b11);
+        assert_eq!(stages([5, 3, 0, 0]), 0b10100);
+    }
+
+    #[test]
     fn follows_the_recurrence_by_hand() {
         // n = 3, taps 3 and 2, from 000: the bit is XNOR of the two high stages.
         let mut prbs = Prbs::new(3, 0).unwrap();

@@ -11,6 +11,7 @@
 use super::*;
 use crate::control::{Cause, Heaters, RunState, Tick, Trip};
 use crate::sensor::wind::PartConfig;
+use std::sync::OnceLock;
 
 /// Four parts, and a thermometer that the network does not know.
 pub const ELEMENTS: usize = 5;

@@ -99,3 +99,14 @@ fn a_model_is_pulled_by_readings_of_its_own_element_and_by_no_others() {
         assert!((0.5..1.1).contains(&rise_k[1 - absent]), "{rise_k:?}");
     }
 }
+
+#[test]
+fn a_set_point_out_of_reach_has_no_margins() {
+    let drive = Drive::Setpoints { low_c: -40.0, high_c: -30.0, dwell_ticks: 10, seed: 1 };
+    let mut controller = running([drive, drive]);
+    // Into 200 K/W the high level, 41 mW, warms by 8 K: −40 °C, 10 K above the reference, is out of reach, and so is −30 °C.
+    let config = SelfHeatingConfig { r_k_per_w: [200.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..model() };
+    controller.elements[1].as_mut().unwrap().model = Some(crate::model::SelfHeating::new(&config, 0.01).unwrap());
+    let margins: Vec<_> = controller.margins().collect();
+    assert!(margins[0].is_some() && margins[1].is_none(), "{margins:?}");
+}

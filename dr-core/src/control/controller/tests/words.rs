@@ -47,3 +47,43 @@ fn standing_power_is_that_of_the_low_level() {
     assert_eq!(controller.standing_power_w(2, 0.0), 0.0);
     assert_eq!(Controller::<2>::new().standing_power_w(0, 0.0), 0.0);
 }
+
+#[test]
+fn a_start_keeps_what_was_read_last() {
+    let mut controller = running([Drive::Level(Level::High), Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    controller.tick(&[code(-41.0, false), code(-52.0, false)]);
+    start(&mut controller).unwrap();
+    // Not read in the first tick: low, at the resistance of the last one.
+    let tick = controller.tick(&[Reading::Missing; 2]);
+    for (i, celsius) in [-41.0_f32, -52.0].into_iter().enumerate() {
+        // A code is 0.3 mK at the low level.
+        assert!((tick.temperature_c[i] - celsius).abs() < 1e-3, "{tick:?}");
+        let power_w = 9e-6 * 175.0 * (1.0 + 0.0031 * celsius);
+        assert!((tick.power_w[i] / power_w - 1.0).abs() < 1e-5, "{tick:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_done_in_a_state_is_refused_and_says_so() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    assert_eq!(controller.handle(Command::Acknowledge), Err(Refusal::NotTripped));
+    controller.trip(Cause::Heater);
+    let trip = Trip::whole(Cause::Heater);
+    let drive = Command::Drive { element: 0, drive: Drive::Passive };
+    for command in [Command::Stop, Command::Arm { window_s: 1.0 }, drive, Command::Start, Command::Clear] {
+        assert_eq!(controller.handle(command), Err(Refusal::Tripped(trip)), "{command:?}");
+    }
+    controller.handle(Command::Acknowledge).unwrap();
+    assert_eq!(controller.handle(Command::Acknowledge), Err(Refusal::NotTripped));
+    let gas = crate::control::WindCommand::Gas { pressure_pa: 700.0, temperature_c: None };
+    assert_eq!(controller.handle(Command::Wind(gas)), Err(Refusal::NoAnemometer));
+}
+
+#[test]
+fn a_second_trip_does_not_hide_the_first() {
+    let mut controller = running([Drive::Passive, Drive::Passive]);
+    controller.trip(Cause::Heater);
+    controller.trip(Cause::Deadline);
+    assert_eq!(controller.state(), RunState::Tripped(Trip::whole(Cause::Heater)));
+}
