@@ -20,7 +20,16 @@ pub fn run() -> Result<()> {
     let folder = shell::target_directory()?.join("coverage");
     // Built apart: counting changes all code.
     let mut cargo = shell::cargo();
-    cargo.args(["test", "--no-run", "-p", CRATE, "--lib", "--config", "build.rustflags=['-Cinstrument-coverage']"]);
+    cargo.args([
+        "test",
+        "--release",
+        "--no-run",
+        "-p",
+        CRATE,
+        "--lib",
+        "--config",
+        "build.rustflags=['-Cinstrument-coverage']",
+    ]);
     let tests = artefacts::executable(cargo.arg("--target-dir").arg(&folder), &CRATE.replace('-', "_"))?;
 
     let (counts, merged) = (folder.join("counts.profraw"), folder.join("counts.profdata"));

@@ -46,7 +46,7 @@ enum Job {
     Test,
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
-    /// Do what continuous integration does: install what is missing, lint, test
+    /// Do what continuous integration does: install what is missing, lint, count lines that tests run, test
     Ci,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,

@@ -263,6 +263,23 @@ fn on_a_head_too_warm_for_its_power_it_is_starting_for_three_of_its_slowest_time
 }
 
 #[test]
+fn no_flow_at_all_is_no_heat_that_it_cannot_have() {
+    // A part that no wind cools has q = 0, exactly; and here nothing of still gas.
+    let mut anemometer = sectors(&config());
+    let mut sheltered = own(0);
+    sheltered.gains.convection_w_per_k = 0.0;
+    let surface = sphere::tetrahedral_sectors(DIAMETER_M)[0];
+    for command in [
+        WindCommand::Own { element: 0, config: sheltered },
+        WindCommand::Part { part: 0, config: PartOfHead { element: 0, surface, gain: 1.0, windless_w_k: 0.0 } },
+    ] {
+        anemometer.handle(&command, PERIOD_S).unwrap();
+    }
+    let starting = (0..400).map(|n| follow(&mut anemometer, &tick(n)).unwrap().doubts.has(Doubts::STARTING));
+    assert_eq!(starting.filter(|&is_starting| is_starting).count(), 319);
+}
+
+#[test]
 fn a_loop_is_saturated_after_a_second_at_one_level() {
     let saturated = |element: usize, levels: &dyn Fn(u32) -> bool, state: RunState| {
         // Without calibration there is no wind to be worked out, which takes its time.
@@ -323,6 +340,39 @@ fn a_part_less_than_a_kelvin_above_the_gas_is_left_out() {
     assert!(just.raw_w_k[3] > 0.0 && just.conductance_w_k[3] > 0.0);
     // 1 K less than its power says, although its surface is warm enough.
     assert!(beyond.raw_w_k[3] == 0.0 && beyond.conductance_w_k[3] > 0.0);
+}
+
+#[test]
+fn a_whole_kelvin_is_enough() {
+    // To the bit: the surface is where the network says, the gas 1 K below it, and there the step of an f32 is the same.
+    let mut anemometer = sectors(&config());
+    let (still, power_w) = (tick(0), power_w());
+    let look = Look {
+        temperature_c: &still.temperature_c,
+        valid: still.valid,
+        read_high: 0,
+        power_w: &power_w,
+        standing_w: &power_w,
+    };
+    let surface_c = anemometer.network.step(&mut NetworkState::default(), &look).unwrap().surface_c[0];
+    for (gas_c, is_enough) in [(surface_c - 1.0, true), (f32::from_bits((surface_c - 1.0).to_bits() - 1), false)] {
+        anemometer.handle(&gas(Some(gas_c)), PERIOD_S).unwrap();
+        anemometer.restart();
+        let told = follow(&mut anemometer, &still).unwrap();
+        assert_eq!(told.conductance_w_k[0] > 0.0, is_enough, "{surface_c} {gas_c}");
+    }
+    // What is read, likewise.
+    let read_c = TEMPERATURE_C[0];
+    for (gas_c, is_enough) in [(read_c - 1.0, true), (f32::from_bits((read_c - 1.0).to_bits() - 1), false)] {
+        let mut warmer = anemometer.clone();
+        warmer.handle(&gas(Some(gas_c)), PERIOD_S).unwrap();
+        warmer.restart();
+        // Its surface may be colder by roundings of the model: it is made 1 K warmer.
+        let mut config = own(0);
+        config.surface = [1.05; 8];
+        warmer.handle(&WindCommand::Own { element: 0, config }, PERIOD_S).unwrap();
+        assert_eq!(follow(&mut warmer, &still).unwrap().raw_w_k[0] > 0.0, is_enough, "{gas_c}");
+    }
 }
 
 #[test]
