@@ -68,7 +68,8 @@ fn a_state_hands_out_every_number_once_and_in_order() {
     // Of each element its states, what is compensated for, q and what the watch has smoothed; of each pair its states and the same.
     assert_eq!(before.len(), 2 * (2 * ORDER + 2) + 2 * 2 * CROSS_ORDER);
     let own = 2 * ORDER + 2;
-    let changes: [(usize, fn(&mut NetworkState<2>)); 6] = [
+    type Change = fn(&mut NetworkState<2>);
+    let changes: [(usize, Change); 6] = [
         (0, |state| state.own[0].x[0] += 1.0),
         (2 * ORDER - 1, |state| state.own[0].excess[ORDER - 1] += 1.0),
         (own + 2 * ORDER, |state| state.convection_w[1] += 1.0),
@@ -162,7 +163,7 @@ fn a_pair_is_of_two_elements_that_are_there() {
     }
     assert_eq!(network.set_own(2, &own(400.0), PERIOD_S).unwrap_err().parameter, Parameter::PartElement);
     // Told again, a pair takes its own place.
-    let before = network.clone();
+    let before = network;
     network.set_cross(&cross(0, 1, 50.0), PERIOD_S).unwrap();
     assert_eq!(network, before);
 }

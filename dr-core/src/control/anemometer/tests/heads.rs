@@ -74,13 +74,9 @@ fn four_dice_tell_the_wind_in_their_plane() {
     // As above a rounding of 0.4 µW, here of some 0.1 mW/K.
     let of = told.conductance_w_k.iter().zip(given);
     assert!(of.clone().all(|(found, given)| (found - given).abs() < 5e-8), "{told:?} {given:?}");
-    let measured = core::array::from_fn(|die| {
-        Some(Measured { conductance_w_k: told.conductance_w_k[die], variance_w2_k2: 1e-12 })
-    });
-    let alone = head.step(&gas_there(), &measured);
     assert!(!told.doubts.has(Doubts::FAILED) && told.doubts.has(Doubts::UNDETERMINED), "{}", told.doubts);
-    assert!(off(told.wind.wind_m_s, alone.wind_m_s) < 0.2 * alone.speed_m_s, "{:?} {alone:?}", told.wind);
-    assert!(off(alone.wind_m_s, wind_m_s) < 0.05 * 50.0, "{alone:?}");
+    // The differences of the dice are a tenth of what they lose, and the rounding weighs the more.
+    assert!(off(told.wind.wind_m_s, wind_m_s) < 0.1, "{:?}", told.wind);
 }
 
 /// Which parameter of a set-up is refused, and why.
