@@ -10,8 +10,8 @@ mod stream;
 use super::link::{Link, PATIENCE, Persistence, Stream};
 use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, Keeper, TickReport, why_it_started};
-use dr_core::control::{Command, Heaters, Reply};
-use dr_core::sensor::Reading;
+use dr_core::control::{Command, Finding, Heaters, Reply};
+use dr_core::sensor::{Input, Reading};
 use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
@@ -54,6 +54,8 @@ pub struct Emulated {
     answer: Option<HeaterFrame>,
     sample: Option<TickReport>,
     status: Option<Status>,
+    input: Input,
+    findings: Vec<Finding>,
     /// Who it has become by a start that nobody here asked for.
     reborn: Option<Identity>,
     /// Exchanges since the host link was last read.
@@ -99,6 +101,8 @@ impl Emulated {
             answer: None,
             sample: None,
             status: None,
+            input: Input::Element,
+            findings: Vec::new(),
             reborn: None,
             unattended: 0,
         })
@@ -142,7 +146,7 @@ impl Emulated {
             let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
             self.hear(message);
         }
-        (self.answer, self.sample, self.status) = (None, None, None);
+        self.forget();
         self.identity = self.reborn.take().unwrap_or_else(|| self.identity.clone());
         Ok(self.identity.clone())
     }
@@ -165,7 +169,7 @@ impl Emulated {
                     return Ok(false);
                 }
                 FromBoard::Identity(identity) => {
-                    (self.answer, self.sample, self.status) = (None, None, None);
+                    self.forget();
                     self.identity = identity;
                     return Ok(true);
                 }
@@ -226,7 +230,7 @@ impl Emulated {
         if answer.to != asked {
             return Err(InstrumentError::Protocol(format!("exchange {asked} was answered as {}", answer.to)));
         }
-        self.digest = answer.digest;
+        (self.digest, self.input) = (answer.digest, answer.input);
         Ok(answer)
     }
 
@@ -255,11 +259,18 @@ impl Emulated {
         self.reborn.as_ref().map_or(Ok(()), |reborn| Err(InstrumentError::Restarted(why_it_started(reborn))))
     }
 
+    /// What was of the life before.
+    fn forget(&mut self) {
+        (self.answer, self.sample, self.status, self.input) = (None, None, None, Input::Element);
+        self.findings.clear();
+    }
+
     fn hear(&mut self, message: FromBoard) {
         match message {
             FromBoard::Heaters(answer) => self.answer = Some(answer),
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
+            FromBoard::Tested(finding) => self.findings.push(finding),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
             FromBoard::Event(_) | FromBoard::Reply { .. } | FromBoard::Setting(_) => {}
             // A board says who it is when it starts, and whenever it is asked.
@@ -303,6 +314,14 @@ impl Body for Emulated {
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
         let answer = self.exchange_levels(readings)?;
         self.sample(answer.heaters).map_err(|error| self.process.explain(error))
+    }
+
+    fn input(&self) -> Input {
+        self.input
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.findings)
     }
 
     fn digest(&self) -> u64 {

@@ -164,6 +164,7 @@ pub fn content(setting: &Setting) -> serde_json::Value {
             other => of(serde_json::to_value(other)
                 .map(|value| value.as_object().and_then(|tagged| tagged.values().next()).cloned().unwrap_or(value))),
         },
+        Setting::Tested(record) => of(serde_json::to_value(record)),
         Setting::Command(other) => of(serde_json::to_value(other)),
     }
 }
