@@ -329,6 +329,10 @@ impl Body for Emulated {
     }
 
     fn finish(mut self: Box<Self>) -> Result<Account, InstrumentError> {
+        if self.links.bench.is_some() {
+            // What the board has still to write is written when it answers; by one link for all it comes before the end in any case.
+            let _ = self.ask_settings(&SettingsRequest::Check);
+        }
         // The front end's link: the board looks there whatever it is doing.
         let sent = self.links.bench().send(&ToBoard::Finish { code: 0 });
         sent.map_err(|error| self.process.explain(error))?;

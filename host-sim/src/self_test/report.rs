@@ -133,7 +133,8 @@ fn of_finding(name: String, finding: &Finding) -> Value {
     })
 }
 
-fn verdict(finding: &Finding) -> String {
+/// What is wrong with an element, or that it is well.
+pub fn verdict(finding: &Finding) -> String {
     match (finding.faults.is_none(), finding.cause) {
         (true, _) => "well".to_owned(),
         (false, Some(cause)) => format!("{} ({})", finding.faults, cause.name()),
@@ -145,7 +146,8 @@ fn name(names: &[String], finding: &Finding) -> String {
     names.get(usize::from(finding.element)).cloned().unwrap_or_else(|| format!("element {}", finding.element))
 }
 
-fn date(unix_s: u32) -> String {
+/// A date in words of RFC 3339.
+pub fn date(unix_s: u32) -> String {
     let time = OffsetDateTime::from_unix_timestamp(unix_s.into()).unwrap_or(OffsetDateTime::UNIX_EPOCH);
     time.format(&Rfc3339).unwrap_or_else(|_| unix_s.to_string())
 }
