@@ -3,7 +3,8 @@
 //!
 //! The table of what came of them is a reviewed snapshot: `UPDATE_SNAPSHOTS=1 cargo test … --test injection` writes it anew.
 
-use anemo_tests::injection::{Kind, Row, campaign, table, with_bench};
+use anemo_tests::calibrated::blown;
+use anemo_tests::injection::{Kind, Region, Row, campaign, table, upsets, warm, with_bench};
 use anemo_tests::{experiment, file, firmware};
 use host_sim::instrument::emulated::{Emulated, Path as Way};
 
@@ -46,4 +47,20 @@ fn on_the_emulated_board_every_fault_ends_well() {
         .collect();
     assert!(rows.iter().map(|row| row.faults).sum::<u32>() >= 300);
     compare("faults_on_the_board.md", &rows);
+}
+
+#[test]
+fn a_bit_that_flips_anywhere_in_its_ram_heats_nothing() {
+    let (firmware, experiment) = (firmware(), blown(60.0, &[]).experiment());
+    let began = std::time::Instant::now();
+    let warm = warm(&experiment, 20_000);
+    println!("warm {:?}", began.elapsed());
+    let flips = std::env::var("FLIPS").ok().and_then(|n| n.parse().ok()).unwrap_or(150);
+    for region in Region::ALL {
+        let all = upsets(&firmware, &experiment, &warm, region, flips, 20_261_123);
+        println!("{region:?}: {:?} {} {:?}", all.ends, all.ticks_to_safe, began.elapsed());
+        for (what, end) in &all.notable {
+            println!("    {end:?}: {what}");
+        }
+    }
 }

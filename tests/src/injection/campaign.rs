@@ -10,7 +10,7 @@ use super::{Kind, Subject};
 use crate::{readings, sensor};
 use dr_core::control::{Cause, Command, Reply, RunState};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::{Account, Instrument, InstrumentError, Observation};
+use host_sim::instrument::{Account, Body, Instrument, InstrumentError, Observation};
 use host_sim::sensor::Sensor;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -187,9 +187,9 @@ fn is_wrong(fault: &Fault, t: u32) -> bool {
 }
 
 /// A subject as that to which commands are given.
-struct AsInstrument<'a, S>(&'a mut S);
+pub(super) struct AsInstrument<'a, S: ?Sized>(pub &'a mut S);
 
-impl<S: Subject> Instrument for AsInstrument<'_, S> {
+impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
     fn identity(&self) -> &Identity {
         self.0.identity()
     }

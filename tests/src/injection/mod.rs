@@ -20,9 +20,13 @@ mod bench;
 mod campaign;
 mod fault;
 mod judge;
+mod memory;
 mod subject;
+mod upsets;
 
 pub use bench::with_bench;
 pub use campaign::{Row, campaign, table};
 pub use fault::Kind;
+pub use memory::Region;
 pub use subject::Subject;
+pub use upsets::{End, Upsets, upsets, warm};

@@ -1,0 +1,250 @@
+//! Bits that flip anywhere in the emulated board's RAM, one a board, and what came of each.
+//!
+//! Every flip hits a board of its own that runs, between two ticks: while it waits for its host. From then on a twin in this process is given the same
+//! readings; the two say the same to the bit, so that whatever the board says else is the flip's doing. The judge of the heaters knows nothing of the twin.
+
+use super::judge::Judge;
+use super::memory::{Flip, Memory, Region};
+use crate::readings;
+use dr_core::control::{Command, RunState};
+use host_sim::experiment::Experiment;
+use host_sim::instrument::emulated::{Emulated, Path as Way};
+use host_sim::instrument::in_process::InProcess;
+use host_sim::instrument::{Body, InstrumentError, TickReport};
+use host_sim::sensor::Sensor;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+/// How long a board is watched after a flip, before it is told to stop.
+const WATCHED_TICKS: u32 = 120;
+
+/// A board that has not answered for so long does not answer any more. One that does takes less than a millisecond.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// What came of a flip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum End {
+    /// It ran on, said what its twin said, and stopped when it was told to.
+    AsBefore,
+    /// The same, but for messages that did not come, or not as they should: whoever waits for them knows.
+    Dropped,
+    /// It heated as its twin, and told wrong numbers.
+    ToldWrong,
+    /// It heated by valid readings otherwise than its twin.
+    HeatedOtherwise,
+    /// It tripped, for this cause.
+    Tripped(&'static str),
+    /// It started anew, heaters low, and was in this state then.
+    Restarted(&'static str),
+    /// It says nothing any more when it is given readings; of ticks without readings it still hears, and the dead man's handle had its heaters low.
+    DeadMan,
+    /// It says nothing any more at all. The emulator has neither watchdog nor the timer of the dead man's handle.
+    NoAnswer,
+}
+
+/// All flips of a region.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Upsets {
+    pub region: Region,
+    pub ends: BTreeMap<End, u32>,
+    /// Ticks from the flip until all heaters were low for good, at most; of those that tripped.
+    pub ticks_to_safe: u32,
+    /// What was hit and how it ended, where that is not as before and no trip.
+    pub notable: Vec<(String, End)>,
+}
+
+impl Upsets {
+    /// How many ended so.
+    pub fn count(&self, which: impl Fn(End) -> bool) -> u32 {
+        self.ends.iter().filter(|(end, _)| which(**end)).map(|(_, count)| count).sum()
+    }
+}
+
+/// A sensor that is as warm as the experiment wants it, after so many ticks.
+pub fn warm(experiment: &Experiment, ticks: u32) -> Sensor {
+    let mut sensor = crate::sensor(experiment);
+    let mut body = InProcess::new();
+    start(experiment, &mut body);
+    for _ in 0..ticks {
+        let told = body.exchange(&readings(&sensor)).expect("a healthy instrument runs");
+        sensor.advance(told.sample.heaters.0);
+    }
+    sensor
+}
+
+fn start(experiment: &Experiment, body: &mut dyn Body) {
+    host_sim::run::start(experiment, &mut super::campaign::AsInstrument(body)).expect("the experiment is not refused");
+}
+
+/// Flips so many bits of a region, each on a board of its own around such a sensor.
+///
+/// # Panics
+/// If the invariant is broken.
+pub fn upsets(
+    firmware: &Path,
+    experiment: &Experiment,
+    warm: &Sensor,
+    region: Region,
+    flips: u32,
+    seed: u64,
+) -> Upsets {
+    let memory = Memory::of(firmware);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(region as u64);
+    let mut all = Upsets { region, ends: BTreeMap::new(), ticks_to_safe: 0, notable: Vec::new() };
+    for _ in 0..flips {
+        let flip = memory.draw(region, &mut random);
+        // Where the stack holds more than the loop that waits: an interrupt's frame.
+        let way = if region == Region::Stack && random.next_u32() & 1 == 0 { Way::Usart } else { Way::Fifo };
+        let board = Emulated::start(firmware, way).expect("the emulated board starts");
+        let mut trial = Trial::new(experiment, board, warm.clone());
+        trial.run_well(5 + random.next_u32() % 30);
+        let (end, ticks_to_safe) = trial.suffer(&flip);
+        *all.ends.entry(end).or_default() += 1;
+        match end {
+            End::Tripped(_) => all.ticks_to_safe = all.ticks_to_safe.max(ticks_to_safe),
+            End::AsBefore => {}
+            end => all.notable.push((flip.what, end)),
+        }
+    }
+    all
+}
+
+/// A board, its twin, and the sensor around both.
+struct Trial {
+    board: Emulated,
+    twin: InProcess,
+    sensor: Sensor,
+    judge: Judge,
+}
+
+/// What a tick brought.
+enum Told {
+    Report(Box<TickReport>),
+    /// Nothing that can be understood.
+    Nothing,
+    StartedAnew,
+}
+
+impl Trial {
+    fn new(experiment: &Experiment, mut board: Emulated, sensor: Sensor) -> Self {
+        let mut twin = InProcess::new();
+        start(experiment, &mut board);
+        start(experiment, &mut twin);
+        board.be_patient_for(PATIENCE);
+        Self { board, twin, sensor, judge: Judge::new(experiment) }
+    }
+
+    fn run_well(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            let given = readings(&self.sensor);
+            let [told, twins] = [&mut self.board as &mut dyn Body, &mut self.twin]
+                .map(|body| body.exchange(&given).expect("a healthy instrument runs"));
+            assert_eq!(told, twins, "board and twin say the same");
+            self.judge.tick(&given, &told, "before the flip");
+            self.sensor.advance(told.sample.heaters.0);
+        }
+    }
+
+    fn tell(&mut self) -> Told {
+        match self.board.exchange(&readings(&self.sensor)) {
+            Ok(report) => Told::Report(Box::new(report)),
+            Err(InstrumentError::Restarted(_)) => Told::StartedAnew,
+            Err(_) => Told::Nothing,
+        }
+    }
+
+    /// What comes of a flip, and after how many ticks all heaters were low.
+    fn suffer(&mut self, flip: &Flip) -> (End, u32) {
+        let what = &flip.what;
+        let mut end = End::AsBefore;
+        let mut worse = |than: End| end = end.max(than);
+        if self.board.provoke(flip.harm).is_err() {
+            return (self.without_readings(what), 1);
+        }
+        let (mut safe_after, mut unheard) = (1, 0);
+        let mut t = 0;
+        while t < WATCHED_TICKS {
+            let given = readings(&self.sensor);
+            let told = match self.tell() {
+                Told::Report(told) => told,
+                Told::StartedAnew => return (self.started_anew(what), 1),
+                // No time passes on a board that waits for readings: it is given them again, once.
+                Told::Nothing if unheard == 0 => {
+                    unheard += 1;
+                    worse(End::Dropped);
+                    continue;
+                }
+                Told::Nothing => return (self.without_readings(what), 1),
+            };
+            let all_told = self.judge.tick(&given, &told, what);
+            if let RunState::Tripped(trip) = told.sample.state {
+                return (End::Tripped(trip.cause.name()), safe_after);
+            }
+            if unheard == 0 {
+                let twins = self.twin.exchange(&given).expect("the twin is well");
+                if told.sample.heaters != twins.sample.heaters {
+                    worse(End::HeatedOtherwise);
+                } else if told.sample.state != twins.sample.state || *told != twins {
+                    worse(End::ToldWrong);
+                }
+            } else if !all_told {
+                // They are a tick apart, perhaps; temperatures can still be judged.
+                worse(End::ToldWrong);
+            }
+            let levels = self.judge.levels();
+            self.sensor.advance(levels.0);
+            if levels.0 != 0 {
+                safe_after = t + 2;
+            }
+            t += 1;
+        }
+        match self.board.command(Command::Stop) {
+            Ok(_) => {}
+            Err(InstrumentError::Restarted(_)) => return (self.started_anew(what), 1),
+            Err(_) => return (self.without_readings(what), 1),
+        }
+        match self.tell() {
+            Told::Report(told) => {
+                assert_eq!(told.sample.heaters.0, 0, "{what}: stopped, and heats");
+                if let RunState::Tripped(trip) = told.sample.state {
+                    return (End::Tripped(trip.cause.name()), safe_after);
+                }
+            }
+            Told::StartedAnew => return (self.started_anew(what), 1),
+            Told::Nothing => worse(End::Dropped),
+        }
+        (end, safe_after)
+    }
+
+    /// A board that has started anew says so, with its heaters low.
+    fn started_anew(&mut self, what: &str) -> End {
+        if self.board.reborn().is_err() {
+            return End::NoAnswer;
+        }
+        self.judge.started_anew();
+        let given = readings(&self.sensor);
+        let Told::Report(told) = self.tell() else { return End::NoAnswer };
+        self.judge.tick(&given, &told, what);
+        End::Restarted(match told.sample.state {
+            RunState::Standby => "standby",
+            RunState::Running => "running",
+            RunState::Tripped(trip) => trip.cause.name(),
+        })
+    }
+
+    /// A board that has nothing to say to readings any more: ticks pass without them.
+    fn without_readings(&mut self, what: &str) -> End {
+        for _ in 0..2 {
+            match self.board.silence() {
+                Ok(told) => self.judge.silence(told.heaters, what),
+                Err(InstrumentError::Restarted(_)) => return self.started_anew(what),
+                Err(_) => return End::NoAnswer,
+            }
+        }
+        End::DeadMan
+    }
+}
