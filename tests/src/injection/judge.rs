@@ -47,8 +47,7 @@ impl Element {
         for _ in 0..60 {
             let c: f64 = 0.5 * (low_c + high_c);
             let cold = if c < 0.0 { -4.183e-12 * (c - 100.0) * c.powi(3) } else { 0.0 };
-            let bound =
-                if 1.0 + 3.9083e-3 * c - 5.775e-7 * c * c + cold < ratio { &mut low_c } else { &mut high_c };
+            let bound = if 1.0 + 3.9083e-3 * c - 5.775e-7 * c * c + cold < ratio { &mut low_c } else { &mut high_c };
             *bound = c;
         }
         low_c

@@ -52,8 +52,8 @@ pub struct Upsets {
     pub ends: BTreeMap<End, u32>,
     /// Ticks from the flip until all heaters were low for good, at most; of those that tripped.
     pub ticks_to_safe: u32,
-    /// What was hit and how it ended, where that is not as before and no trip.
-    pub notable: Vec<(String, End)>,
+    /// Where it did not end as before and was no trip: how it ended, what was hit, what was seen.
+    pub notable: Vec<(End, String, String)>,
 }
 
 impl Upsets {
@@ -72,6 +72,8 @@ pub fn warm(experiment: &Experiment, ticks: u32) -> Sensor {
         let told = body.exchange(&readings(&sensor)).expect("a healthy instrument runs");
         sensor.advance(told.sample.heaters.0);
     }
+    // As a board that has just been started expects it.
+    sensor.advance(0);
     sensor
 }
 
@@ -107,7 +109,7 @@ pub fn upsets(
         match end {
             End::Tripped(_) => all.ticks_to_safe = all.ticks_to_safe.max(ticks_to_safe),
             End::AsBefore => {}
-            end => all.notable.push((flip.what, end)),
+            end => all.notable.push((end, flip.what, trial.seen())),
         }
     }
     all
@@ -119,6 +121,8 @@ struct Trial {
     twin: InProcess,
     sensor: Sensor,
     judge: Judge,
+    /// Ticks in which something else was told than the twin told, and the last of them.
+    wrong: (u32, u32),
 }
 
 /// What a tick brought.
@@ -135,7 +139,13 @@ impl Trial {
         start(experiment, &mut board);
         start(experiment, &mut twin);
         board.be_patient_for(PATIENCE);
-        Self { board, twin, sensor, judge: Judge::new(experiment) }
+        Self { board, twin, sensor, judge: Judge::new(experiment), wrong: (0, 0) }
+    }
+
+    /// In words.
+    fn seen(&self) -> String {
+        let (ticks, last) = self.wrong;
+        format!("{ticks} ticks differ, the last is {last}; levels {:#b}", self.judge.levels().0)
     }
 
     fn run_well(&mut self, ticks: u32) {
@@ -144,6 +154,7 @@ impl Trial {
             let [told, twins] = [&mut self.board as &mut dyn Body, &mut self.twin]
                 .map(|body| body.exchange(&given).expect("a healthy instrument runs"));
             assert_eq!(told, twins, "board and twin say the same");
+            assert_eq!(told.sample.state, RunState::Running);
             self.judge.tick(&given, &told, "before the flip");
             self.sensor.advance(told.sample.heaters.0);
         }
@@ -186,9 +197,12 @@ impl Trial {
             }
             if unheard == 0 {
                 let twins = self.twin.exchange(&given).expect("the twin is well");
+                if *told != twins {
+                    self.wrong = (self.wrong.0 + 1, t);
+                }
                 if told.sample.heaters != twins.sample.heaters {
                     worse(End::HeatedOtherwise);
-                } else if told.sample.state != twins.sample.state || *told != twins {
+                } else if *told != twins {
                     worse(End::ToldWrong);
                 }
             } else if !all_told {
