@@ -122,6 +122,18 @@ impl Judge {
         all_told
     }
 
+    /// A tick with readings of which only the levels are told.
+    ///
+    /// # Panics
+    /// If the invariant is broken.
+    pub fn levels_told(&mut self, readings: &[Reading], levels: Heaters, what: &str) {
+        for i in 0..self.elements.len() {
+            let is_valid = readings.get(i).is_some_and(|&reading| self.valid_c(i, reading).is_some());
+            self.age_ticks[i] = if is_valid { 0 } else { self.age_ticks[i].saturating_add(1) };
+        }
+        self.levels_are(levels, what);
+    }
+
     /// A tick without any.
     ///
     /// # Panics

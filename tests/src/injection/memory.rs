@@ -19,6 +19,11 @@ const RAM: u64 = 0x2000_0000;
 /// on the slow one that of the interrupt that brings the flip.
 const LIVE_STACK_BYTES: u64 = 1024;
 
+/// What in its statics' names says that only the virtual board has them: its ways to the host, which simulate, and pins and dead man's handle, which
+/// are no memory on a board.
+const SIMULATION: [&str; 6] =
+    ["virtual_board", "virtual_log", "_idler", "idle_bench", "bench_bench", "host_transmitter"];
+
 /// Where bits flip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Region {
@@ -63,7 +68,10 @@ struct Static {
 #[derive(Debug)]
 pub struct Memory {
     sections: Vec<Range<u64>>,
+    /// Those that any board has.
     statics: Vec<Static>,
+    /// Those that no other has; they are left alone.
+    simulation: Vec<Static>,
     stack_top: u64,
 }
 
@@ -90,31 +98,41 @@ impl Memory {
             })
             .collect();
         statics.sort_by_key(|of| (of.at.start, of.at.end));
+        let (simulation, statics): (Vec<Static>, Vec<Static>) =
+            statics.into_iter().partition(|of| SIMULATION.iter().any(|own| of.name.contains(own)));
+        assert!(simulation.len() > 5 && statics.len() > 20, "names as they were when this was written");
         let stack_top = file.symbols().find(|symbol| symbol.name() == Ok("_stack_start")).expect("it has a stack");
-        Self { sections, statics, stack_top: stack_top.address() }
+        Self { sections, statics, simulation, stack_top: stack_top.address() }
     }
 
     /// A bit of a region.
     pub fn draw(&self, region: Region, random: &mut ChaCha8Rng) -> Flip {
+        let bit = (random.next_u32() % 8) as u8;
+        let mut at = self.byte(region, random);
+        while self.simulation.iter().any(|of| of.at.contains(&at)) {
+            at = self.byte(region, random);
+        }
+        let what = self.statics.iter().rfind(|of| of.at.contains(&at)).map_or_else(
+            || format!("{:+}", at as i64 - self.stack_top as i64),
+            |of| format!("{}+{}", of.name, at - of.at.start),
+        );
+        Flip { harm: Provocation::Upset { offset: (at - RAM) as u32, bit }, what: format!("{what}.{bit}") }
+    }
+
+    /// The address of a byte of a region.
+    fn byte(&self, region: Region, random: &mut ChaCha8Rng) -> u64 {
         let mut below = |bound: u64| u64::from(random.next_u32()) % bound;
-        let bit = below(8) as u8;
-        let at = match region {
+        match region {
             Region::Statics => {
                 let all: u64 = self.sections.iter().map(|section| section.end - section.start).sum();
-                let nth = below(all);
-                // Of the sections one after the other the nth byte.
-                self.sections.iter().flat_map(Clone::clone).nth(nth as usize).unwrap_or(RAM)
+                // Of the sections one after the other.
+                self.sections.iter().flat_map(Clone::clone).nth(below(all) as usize).unwrap_or(RAM)
             }
             Region::EachStatic => {
                 let of = &self.statics[below(self.statics.len() as u64) as usize].at;
                 of.start + below(of.end - of.start)
             }
             Region::Stack => self.stack_top - 1 - below(LIVE_STACK_BYTES),
-        };
-        let what = self.statics.iter().rfind(|of| of.at.contains(&at)).map_or_else(
-            || format!("{:+}", at as i64 - self.stack_top as i64),
-            |of| format!("{}+{}", of.name, at - of.at.start),
-        );
-        Flip { harm: Provocation::Upset { offset: (at - RAM) as u32, bit }, what: format!("{what}.{bit}") }
+        }
     }
 }

@@ -24,22 +24,24 @@ const WATCHED_TICKS: u32 = 120;
 /// A board that has not answered for so long does not answer any more. One that does takes less than a millisecond.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
-/// What came of a flip.
+/// What came of a flip. Of two the later one counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum End {
     /// It ran on, said what its twin said, and stopped when it was told to.
     AsBefore,
-    /// The same, but for messages that did not come, or not as they should: whoever waits for them knows.
+    /// It ran on, but some messages did not come: they are numbered, so that whoever waits for them knows.
     Dropped,
-    /// It heated as its twin, and told wrong numbers.
-    ToldWrong,
-    /// It heated by valid readings otherwise than its twin.
+    /// It heated as its twin did, and told another wind.
+    WrongWind,
+    /// It heated as its twin did, and told another number that is no wind.
+    WrongNumber,
+    /// It heated otherwise than its twin, by valid readings.
     HeatedOtherwise,
     /// It tripped, for this cause.
     Tripped(&'static str),
     /// It started anew, heaters low, and was in this state then.
     Restarted(&'static str),
-    /// It says nothing any more when it is given readings; of ticks without readings it still hears, and the dead man's handle had its heaters low.
+    /// It says nothing any more to readings; of ticks without readings it still hears, and the dead man's handle lowers its heaters.
     DeadMan,
     /// It says nothing any more at all. The emulator has neither watchdog nor the timer of the dead man's handle.
     NoAnswer,
@@ -121,8 +123,10 @@ struct Trial {
     twin: InProcess,
     sensor: Sensor,
     judge: Judge,
-    /// Ticks in which something else was told than the twin told, and the last of them.
-    wrong: (u32, u32),
+    /// Ticks in which something else was told than the twin told, how many of these had a mark of it, and the last of them.
+    wrong: (u32, u32, u32),
+    /// Why there was no answer.
+    error: String,
 }
 
 /// What a tick brought.
@@ -139,13 +143,13 @@ impl Trial {
         start(experiment, &mut board);
         start(experiment, &mut twin);
         board.be_patient_for(PATIENCE);
-        Self { board, twin, sensor, judge: Judge::new(experiment), wrong: (0, 0) }
+        Self { board, twin, sensor, judge: Judge::new(experiment), wrong: (0, 0, 0), error: String::new() }
     }
 
     /// In words.
     fn seen(&self) -> String {
-        let (ticks, last) = self.wrong;
-        format!("{ticks} ticks differ, the last is {last}; levels {:#b}", self.judge.levels().0)
+        let ((ticks, marked, last), levels) = (self.wrong, self.judge.levels().0);
+        format!("{ticks} ticks differ, {marked} of them marked, the last is {last}; levels {levels:#b} {}", self.error)
     }
 
     fn run_well(&mut self, ticks: u32) {
@@ -164,74 +168,95 @@ impl Trial {
         match self.board.exchange(&readings(&self.sensor)) {
             Ok(report) => Told::Report(Box::new(report)),
             Err(InstrumentError::Restarted(_)) => Told::StartedAnew,
-            Err(_) => Told::Nothing,
+            Err(error) => self.nothing(&error),
+        }
+    }
+
+    fn nothing(&mut self, error: &InstrumentError) -> Told {
+        self.error = error.to_string();
+        Told::Nothing
+    }
+
+    /// A tick of which only the levels are wanted; whether they are told.
+    fn tells_levels(&mut self, what: &str) -> bool {
+        let given = readings(&self.sensor);
+        match self.board.exchange_levels(&given) {
+            Ok(told) => {
+                self.judge.levels_told(&given, told.heaters, what);
+                self.sensor.advance(told.heaters.0);
+                true
+            }
+            Err(error) => {
+                self.nothing(&error);
+                false
+            }
         }
     }
 
     /// What comes of a flip, and after how many ticks all heaters were low.
     fn suffer(&mut self, flip: &Flip) -> (End, u32) {
         let what = &flip.what;
-        let mut end = End::AsBefore;
-        let mut worse = |than: End| end = end.max(than);
         if self.board.provoke(flip.harm).is_err() {
             return (self.without_readings(what), 1);
         }
-        let (mut safe_after, mut unheard) = (1, 0);
-        let mut t = 0;
-        while t < WATCHED_TICKS {
-            let given = readings(&self.sensor);
-            let told = match self.tell() {
-                Told::Report(told) => told,
-                Told::StartedAnew => return (self.started_anew(what), 1),
-                // No time passes on a board that waits for readings: it is given them again, once.
-                Told::Nothing if unheard == 0 => {
-                    unheard += 1;
-                    worse(End::Dropped);
-                    continue;
+        let (mut end, mut safe_after, mut are_told) = (End::AsBefore, 1, true);
+        for t in 0..WATCHED_TICKS {
+            if are_told {
+                let given = readings(&self.sensor);
+                match self.tell() {
+                    Told::Report(told) => {
+                        self.judge.tick(&given, &told, what);
+                        if let RunState::Tripped(trip) = told.sample.state {
+                            return (End::Tripped(trip.cause.name()), safe_after);
+                        }
+                        let twins = self.twin.exchange(&given).expect("the twin is well");
+                        end = end.max(self.compare(t, &told, &twins));
+                        self.sensor.advance(self.judge.levels().0);
+                    }
+                    Told::StartedAnew => return (self.started_anew(what), 1),
+                    Told::Nothing => (are_told, end) = (false, end.max(End::Dropped)),
                 }
-                Told::Nothing => return (self.without_readings(what), 1),
-            };
-            let all_told = self.judge.tick(&given, &told, what);
-            if let RunState::Tripped(trip) = told.sample.state {
-                return (End::Tripped(trip.cause.name()), safe_after);
             }
-            if unheard == 0 {
-                let twins = self.twin.exchange(&given).expect("the twin is well");
-                if *told != twins {
-                    self.wrong = (self.wrong.0 + 1, t);
-                }
-                if told.sample.heaters != twins.sample.heaters {
-                    worse(End::HeatedOtherwise);
-                } else if *told != twins {
-                    worse(End::ToldWrong);
-                }
-            } else if !all_told {
-                // They are a tick apart, perhaps; temperatures can still be judged.
-                worse(End::ToldWrong);
+            // No time passes on a board that waits for readings: it is given them again.
+            if !are_told && !self.tells_levels(what) {
+                return (self.without_readings(what), 1);
             }
-            let levels = self.judge.levels();
-            self.sensor.advance(levels.0);
-            if levels.0 != 0 {
+            if self.judge.levels().0 != 0 {
                 safe_after = t + 2;
             }
-            t += 1;
         }
         match self.board.command(Command::Stop) {
             Ok(_) => {}
             Err(InstrumentError::Restarted(_)) => return (self.started_anew(what), 1),
-            Err(_) => return (self.without_readings(what), 1),
-        }
-        match self.tell() {
-            Told::Report(told) => {
-                assert_eq!(told.sample.heaters.0, 0, "{what}: stopped, and heats");
-                if let RunState::Tripped(trip) = told.sample.state {
-                    return (End::Tripped(trip.cause.name()), safe_after);
-                }
+            Err(error) => {
+                self.nothing(&error);
+                return (self.without_readings(what), 1);
             }
-            Told::StartedAnew => return (self.started_anew(what), 1),
-            Told::Nothing => worse(End::Dropped),
         }
+        if !self.tells_levels(what) {
+            return (self.without_readings(what), 1);
+        }
+        assert_eq!(self.judge.levels().0, 0, "{what}: stopped, and heats");
         (end, safe_after)
+    }
+
+    /// What differs.
+    fn compare(&mut self, t: u32, told: &TickReport, twins: &TickReport) -> End {
+        if told == twins {
+            return End::AsBefore;
+        }
+        // Another doubt than the twin's, or errors that are beyond belief at so few degrees of freedom.
+        let is_marked = told.wind.as_ref().zip(twins.wind.as_ref()).is_some_and(|(told, twins)| {
+            told.doubts != twins.doubts || (told.chi_square > 30.0 && twins.chi_square < 30.0)
+        });
+        self.wrong = (self.wrong.0 + 1, self.wrong.1 + u32::from(is_marked), t);
+        if told.sample.heaters != twins.sample.heaters {
+            End::HeatedOtherwise
+        } else if (&told.sample, &told.equivalent_power_w) != (&twins.sample, &twins.equivalent_power_w) {
+            End::WrongNumber
+        } else {
+            End::WrongWind
+        }
     }
 
     /// A board that has started anew says so, with its heaters low.
