@@ -37,13 +37,15 @@ pub enum End {
     WrongNumber,
     /// It heated otherwise than its twin, by valid readings.
     HeatedOtherwise,
+    /// It ran on by valid readings, and did not hear that it was told to stop.
+    Deaf,
     /// It tripped, for this cause.
     Tripped(&'static str),
     /// It started anew, heaters low, and was in this state then.
     Restarted(&'static str),
     /// It says nothing any more to readings; of ticks without readings it still hears, and the dead man's handle lowers its heaters.
     DeadMan,
-    /// It says nothing any more at all. The emulator has neither watchdog nor the timer of the dead man's handle.
+    /// It says nothing any more, or nothing that answers. The emulator has neither watchdog nor the timer of the dead man's handle.
     NoAnswer,
 }
 
@@ -159,7 +161,7 @@ impl Trial {
                 .map(|body| body.exchange(&given).expect("a healthy instrument runs"));
             assert_eq!(told, twins, "board and twin say the same");
             assert_eq!(told.sample.state, RunState::Running);
-            self.judge.tick(&given, &told, "before the flip");
+            assert!(self.judge.tick(&given, &told, "before the flip"), "all temperatures are told as they are");
             self.sensor.advance(told.sample.heaters.0);
         }
     }
@@ -230,7 +232,7 @@ impl Trial {
             Err(InstrumentError::Restarted(_)) => return (self.started_anew(what), 1),
             Err(error) => {
                 self.nothing(&error);
-                return (self.without_readings(what), 1);
+                return (if self.tells_levels(what) { End::Deaf } else { self.without_readings(what) }, 1);
             }
         }
         if !self.tells_levels(what) {
