@@ -79,8 +79,8 @@ const HELD: [Held; 3] = [
     Held {
         region: Region::Statics,
         flips: 150,
-        well_at_least: 80,
-        wrong_wind_at_most: 15,
+        well_at_least: 75,
+        wrong_wind_at_most: 20,
         wrong_number_at_most: 5,
         deaf_at_most: 5,
         no_answer_at_most: 5,
