@@ -7,7 +7,7 @@
 mod process;
 mod stream;
 
-use super::link::{Link, PATIENCE, Persistence, Stream};
+use super::link::{Link, Persistence, Stream};
 use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, Keeper, TickReport, why_it_started};
 use dr_core::control::{Command, Finding, Heaters, Reply};
@@ -114,6 +114,11 @@ impl Emulated {
     /// If the board is gone.
     pub fn inject(&mut self, bytes: &[u8]) -> Result<(), InstrumentError> {
         Ok(self.links.host.stream_mut().write_all(bytes)?)
+    }
+
+    /// Waits no longer than so for any answer: where boards are expected that never answer again.
+    pub const fn be_patient_for(&mut self, patience: Duration) {
+        self.process.set_patience(patience);
     }
 
     /// The board's last word on its health.
@@ -290,7 +295,7 @@ impl Keeper for Emulated {
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
         let mut aside = Vec::new();
-        let once = Persistence { tries: 1, each: PATIENCE };
+        let once = Persistence { tries: 1, each: self.process.patience() };
         let reply = self.links.host.ask(request, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
@@ -305,7 +310,7 @@ impl Body for Emulated {
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.
-        let once = Persistence { tries: 1, each: PATIENCE };
+        let once = Persistence { tries: 1, each: self.process.patience() };
         let reply = self.links.host.command(command, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
