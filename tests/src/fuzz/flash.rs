@@ -60,11 +60,12 @@ impl NorFlash for Ram {
 pub fn run(bytes: &[u8]) -> bool {
     let mut bytes = Bytes(bytes);
     let mut flash = Ram(vec![0xff; SECTORS * SECTOR]);
-    while step(&mut bytes, &mut flash).is_some() {}
+    let mut is_damaged = false;
+    while step(&mut bytes, &mut flash, &mut is_damaged).is_some() {}
     looked_through(flash)
 }
 
-fn step(bytes: &mut Bytes<'_>, flash: &mut Ram) -> Option<()> {
+fn step(bytes: &mut Bytes<'_>, flash: &mut Ram, is_damaged: &mut bool) -> Option<()> {
     match bytes.byte()? % 4 {
         kind @ 0..=2 => {
             let key = bytes.u16()?;
@@ -76,17 +77,22 @@ fn step(bytes: &mut Bytes<'_>, flash: &mut Ram) -> Option<()> {
             }
             // Each time as if the supply had been off meanwhile.
             if let Ok(mut store) = Store::open(flash.clone()) {
-                if key != 0 && store.write(key, value).is_ok() {
+                if key != 0 && store.write(key, value).is_ok() && !*is_damaged {
                     assert_eq!(store.read(key).map(|value| value.unwrap_or_default().to_vec()), Ok(value.to_vec()));
                 }
                 *flash = store.flash_mut().clone();
             }
+            assert!(
+                *is_damaged || Store::open(flash.clone()).is_ok_and(|store| store.is_whole()),
+                "not whole by itself"
+            );
         }
         _ => {
             let (place, length, byte) = (bytes.u16()?, bytes.byte()?, bytes.byte()?);
             let from = usize::from(place) % flash.0.len();
             let to = (from + 1 + usize::from(length) / 8).min(flash.0.len());
             flash.0.get_mut(from..to)?.fill(byte);
+            *is_damaged = true;
         }
     }
     Some(())
