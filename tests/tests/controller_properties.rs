@@ -231,7 +231,7 @@ fn live(steps: &[Step], is_set_up: bool) -> Account {
                     let tick = watched.tick(&readings);
                     account.heated_ticks += u32::from(tick.heaters.0 != 0);
                     account.trips += u32::from(tick.trip.is_some());
-                    assert_eq!(tick.trip.is_some() && tick.state == RunState::Running, false);
+                    assert!(tick.trip.is_none() || tick.state != RunState::Running);
                 }
             }
         }

@@ -22,7 +22,7 @@ pub fn run(bytes: &[u8]) -> bool {
         }
         Ok(model) => {
             assert_eq!(Model::from_json(&model.to_json()).as_ref(), Ok(&model));
-            let delay = model.pairs.iter().map(|pair| pair.dead_time_samples as usize).max().unwrap_or(0);
+            let delay = model.pairs.iter().map(|pair| pair.dead_time_samples).max().unwrap_or(0);
             if text.len() < LONGEST_TEXT && delay < LONGEST_DELAY {
                 make_use_of(&model);
             }
