@@ -127,7 +127,16 @@ impl Fuzzer {
     fn libfuzzer(&self, name: &str, folders: &[&PathBuf]) -> Command {
         let mut command = install::on_nightly();
         // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often. Overflows and assertions are checked.
-        command.arg(&self.program).args(["fuzz", "run", "--sanitizer", "none", "--target-dir"]);
+        // In units, since in one host-sim alone takes many minutes to compile.
+        command.arg(&self.program).args([
+            "fuzz",
+            "run",
+            "--sanitizer",
+            "none",
+            "--codegen-units",
+            "16",
+            "--target-dir",
+        ]);
         command.arg(&self.target_directory).arg(name).args(folders).arg("--");
         command
     }
