@@ -8,7 +8,6 @@ use anyhow::Result;
 pub fn run() -> Result<()> {
     install::nightly(&["miri", "rust-src"])?;
     let mut miri = install::on_nightly();
-    // Functions of libm go through the host's only where a test compares with it.
     miri.args(["cargo", "miri", "test", "-p", "dr-core", "-p", "wire", "--lib"]);
     miri.arg("--target-dir").arg(shell::target_directory()?.join("miri"));
     shell::run(&mut miri)
