@@ -7,9 +7,11 @@ mod cortex_m4;
 mod cost;
 mod demo;
 mod flash;
+mod fuzz;
 mod install;
 mod links;
 mod lint;
+mod miri;
 mod overflow;
 mod panics;
 mod safety;
@@ -52,6 +54,10 @@ enum Job {
     Safety,
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::Options),
+    /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep what was found on the way
+    Fuzz(fuzz::Options),
+    /// Run the unit tests of dr-core and wire in an interpreter that finds undefined behaviour
+    Miri,
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::Options),
 }
@@ -65,6 +71,8 @@ fn main() -> ExitCode {
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),
+        Job::Fuzz(options) => fuzz::run(&options),
+        Job::Miri => miri::run(),
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {
