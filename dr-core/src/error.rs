@@ -234,3 +234,6 @@ pub(crate) fn ascending(first: (Parameter, f32), second: (Parameter, f32)) -> Re
     let (low, high) = (finite(first.0, first.1)?, finite(second.0, second.1)?);
     if low < high { Ok((low, high)) } else { Err(ConfigError { parameter: second.0, problem: Problem::NotAscending }) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -95,8 +95,6 @@ mod app {
     #[local]
     struct Local {
         station: Station<ELEMENTS>,
-        /// What the life before ended with.
-        past_trip: Option<Cause>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
         orders: Consumer<'static, Command>,
@@ -137,8 +135,10 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let past_trip = past.trip(reset);
-        if past_trip.is_some() {
+        let mut station = Station::new();
+        if let Some(cause) = past.trip(reset) {
+            // Before any command.
+            station.trip(cause);
             BUSY.standby(false);
         }
         let identity = vitals::identity(reset, past);
@@ -154,8 +154,7 @@ mod app {
                 findings: Findings::of(&identity),
             },
             Local {
-                station: Station::new(),
-                past_trip,
+                station,
                 front_end: parts.front_end,
                 requests,
                 orders,
@@ -206,11 +205,10 @@ mod app {
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
     /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [station, past_trip, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
+    #[task(binds = EXTI4, priority = 5, local = [station, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
     fn control(mut cx: control::Context) {
         let control::LocalResources {
             station,
-            past_trip,
             front_end,
             requests,
             orders,
@@ -221,11 +219,10 @@ mod app {
         } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
-        // Before any command.
-        if let Some(cause) = past_trip.take() {
-            station.trip(cause);
+        if matches!(station.controller().state(), RunState::Running | RunState::Testing) {
+            // It is in nobody's hands then, whatever its memory says: `Stop` must not wait for ever.
+            BUSY.give_back();
         }
-
         while let Some(command) = orders.dequeue() {
             // It has room for one, and the clerk takes each before it gives the next order.
             queue::put(outcomes, handle(station, front_end, command).map(drop)).ok();

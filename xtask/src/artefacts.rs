@@ -66,8 +66,8 @@ fn image(bin: &str, board: Board) -> Result<PathBuf> {
     Ok(kept)
 }
 
-/// Runs a `cargo build` and returns the executable that it reports for `bin`.
-fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
+/// Runs a `cargo build` or a `cargo test --no-run` and returns the executable that it reports for `bin`.
+pub fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
     let output = cargo
         .arg("--message-format=json-render-diagnostics")
         .stderr(Stdio::inherit())

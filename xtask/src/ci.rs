@@ -1,17 +1,19 @@
 //! What continuous integration does, with the time of every stage.
 
-use crate::{install, lint, shell, test};
+use crate::{coverage, install, lint, shell, test};
 use anyhow::Result;
 
 pub fn run() -> Result<()> {
     let prepare = || {
         install::thumb_target()?;
         install::lint_tools()?;
+        install::llvm_tools()?;
         install::qemu()
     };
     // The tests come last and the times before them, so that the output ends with the test runner's own summary.
     let mut times = Vec::new();
-    for (name, stage) in [("prepare", &prepare as &dyn Fn() -> Result<()>), ("lint", &lint::run)] {
+    let stages = [("prepare", &prepare as &dyn Fn() -> Result<()>), ("lint", &lint::run), ("coverage", &coverage::run)];
+    for (name, stage) in stages {
         times.push(format!("{name} {:.0} s", shell::timed(name, stage)?.as_secs_f64()));
     }
     shell::announce(&times.join(", "));

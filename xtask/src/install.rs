@@ -1,6 +1,6 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets and toolchains come by rustup, QEMU by the system's packages, flip-link and cargo-fuzz by cargo. Whatever cannot be installed is named together with the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU by the system's packages, the rest by cargo. Whatever cannot be installed is named together with the line to type.
 
 use crate::artefacts::TARGET;
 use crate::shell;
@@ -12,6 +12,7 @@ const FLIP_LINK_VERSION: &str = "0.1.12";
 const CARGO_FUZZ_VERSION: &str = "0.13.2";
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
+const CARGO_MUTANTS_VERSION: &str = "27.1.0";
 pub const QEMU: &str = "qemu-system-arm";
 
 /// A system's package manager and how it brings QEMU for Arm.
@@ -86,7 +87,12 @@ pub fn cargo_fuzz() -> Result<PathBuf> {
     tool("cargo-fuzz", CARGO_FUZZ_VERSION)
 }
 
-/// A program of a crate of its name, installed among the build's products.
+/// What changes code to see whether a test finds it. Always this version: what it changes differs from one to the next.
+pub fn cargo_mutants() -> Result<PathBuf> {
+    tool("cargo-mutants", CARGO_MUTANTS_VERSION)
+}
+
+/// A program that cargo installs among the build's products, if it is not there yet. Gives where it is.
 fn tool(name: &str, version: &str) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
     let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
@@ -129,6 +135,26 @@ pub fn on_nightly() -> Command {
     }
     rustup.args(["run", NIGHTLY]);
     rustup
+}
+
+/// LLVM's tools for what the compiler has counted. Gives the folder where they are.
+pub fn llvm_tools() -> Result<PathBuf> {
+    let libraries = shell::output_of("rustc", &["--print", "target-libdir"])
+        .context("rustc does not run; install Rust by https://rustup.rs and start again")?;
+    let found = Path::new(&libraries).with_file_name("bin");
+    let is_there = || {
+        let mut programs = ["llvm-cov", "llvm-profdata"].iter().map(|name| found.join(name));
+        programs.all(|program| shell::answers(&program.to_string_lossy(), &["--version"]))
+    };
+    if !is_there() {
+        shell::announce("installing llvm-tools");
+        shell::run(shell::program("rustup").args(["component", "add", "llvm-tools"]))
+            .context("LLVM's tools are missing; type: rustup component add llvm-tools")?;
+        if !is_there() {
+            bail!("LLVM's tools are still not in {}", found.display());
+        }
+    }
+    Ok(found)
 }
 
 /// The tools that `lint` needs beside the compiler.

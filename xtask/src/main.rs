@@ -5,6 +5,7 @@ mod call_graph;
 mod ci;
 mod cortex_m4;
 mod cost;
+mod coverage;
 mod demo;
 mod flash;
 mod fuzz;
@@ -12,6 +13,7 @@ mod install;
 mod links;
 mod lint;
 mod miri;
+mod mutants;
 mod overflow;
 mod panics;
 mod safety;
@@ -46,7 +48,7 @@ enum Job {
     Test,
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
-    /// Do what continuous integration does: install what is missing, lint, test
+    /// Do what continuous integration does: install what is missing, lint, count lines that tests run, test
     Ci,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,
@@ -58,6 +60,10 @@ enum Job {
     Fuzz(fuzz::Options),
     /// Run the unit tests of dr-core and wire in an interpreter that finds undefined behaviour
     Miri,
+    /// Count the lines of dr-core that its unit tests run, and refuse too few
+    Coverage,
+    /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the changes that no test finds
+    Mutants(mutants::Options),
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::Options),
 }
@@ -73,6 +79,8 @@ fn main() -> ExitCode {
         Job::Cost(options) => cost::run(&options),
         Job::Fuzz(options) => fuzz::run(&options),
         Job::Miri => miri::run(),
+        Job::Coverage => coverage::run(),
+        Job::Mutants(options) => mutants::run(&options),
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {

@@ -376,4 +376,97 @@ mod tests {
             Parameter::DwellTicks
         );
     }
+
+    #[test]
+    fn set_points_are_drawn_of_sixteen_bits_after_a_warm_up() {
+        let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 2, seed: 99 };
+        let mut state = drive.start(&platinum()).unwrap();
+        assert_eq!(state.target_c, 10.0, "the lowest before the first is drawn");
+        let mut register = Prbs::new(31, 99).unwrap();
+        (0..8 * 31).for_each(|_| _ = register.step());
+        for n in 0..1000 {
+            let word = (0..16).fold(0.0, |word, _| 2.0 * word + f64::from(u8::from(register.step())));
+            drive.step(&mut state, &at(0.0));
+            drive.step(&mut state, &at(0.0));
+            // Two roundings of a number under 32 °C.
+            assert!((f64::from(state.target_c) - (10.0 + 20.0 * word / 65535.0)).abs() < 4e-6, "draw {n}");
+        }
+    }
+
+    #[test]
+    fn on_its_drawn_target_it_is_warm_enough() {
+        let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 10, seed: 7 };
+        let mut state = drive.start(&platinum()).unwrap();
+        assert_eq!(drive.step(&mut state, &at(0.0)), Level::High);
+        let target_c = state.target_c;
+        assert_eq!(drive.step(&mut state, &at(target_c)), Level::Low);
+        assert_eq!(drive.step(&mut state, &at(f32::from_bits(target_c.to_bits() - 1))), Level::High);
+    }
+
+    #[test]
+    fn a_state_that_was_never_started_stays_as_it_is() {
+        let drives = [
+            Drive::Prbs { order: 5, seed: 3, ticks_per_bit: 4 },
+            Drive::Setpoints { low_c: 1.0, high_c: 2.0, dwell_ticks: 3, seed: 1 },
+        ];
+        for drive in drives {
+            let mut state = DriveState::default();
+            for _ in 0..3 {
+                // Its target is 0 °C as long as none was drawn.
+                assert_eq!(drive.step(&mut state, &at(10.0)), Level::Low);
+                assert_eq!((state.ticks_left, state.target_c), (0, 0.0), "{drive:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_seal_sees_every_number_of_a_drive_and_of_its_state() {
+        let of = |take: &dyn Fn(&mut Seal)| {
+            let mut seal = Seal::default();
+            take(&mut seal);
+            seal
+        };
+        let prbs = |order, seed, ticks_per_bit| Drive::Prbs { order, seed, ticks_per_bit };
+        let setpoints = |low_c, high_c, dwell_ticks, seed| Drive::Setpoints { low_c, high_c, dwell_ticks, seed };
+        let drives = [
+            Drive::Passive,
+            Drive::Level(Level::Low),
+            Drive::Level(Level::High),
+            Drive::Power { power_w: 0.02 },
+            Drive::Power { power_w: 0.03 },
+            Drive::Temperature { target_c: 0.02 },
+            Drive::Temperature { target_c: 1.0 },
+            prbs(9, 5, 3),
+            prbs(8, 5, 3),
+            prbs(9, 4, 3),
+            prbs(9, 5, 2),
+            setpoints(1.0, 2.0, 3, 4),
+            setpoints(0.5, 2.0, 3, 4),
+            setpoints(1.0, 2.5, 3, 4),
+            setpoints(1.0, 2.0, 2, 4),
+            setpoints(1.0, 2.0, 3, 5),
+        ];
+        for (place, drive) in drives.iter().enumerate() {
+            for other in &drives[..place] {
+                assert_ne!(of(&|seal| drive.seal(seal)), of(&|seal| other.seal(seal)), "{drive:?} {other:?}");
+            }
+        }
+        let state = prbs(9, 5, 3).start(&platinum()).unwrap();
+        let states = [
+            state,
+            DriveState { modulator: SigmaDelta { accumulator: 0.5 }, ..state },
+            DriveState { register: None, ..state },
+            DriveState { register: Some(Prbs::new(9, 6).unwrap()), ..state },
+            DriveState { ticks_left: 1, ..state },
+            DriveState { level: Level::High, ..state },
+            DriveState { saturated: true, ..state },
+            DriveState { level: Level::High, saturated: true, ..state },
+            DriveState { target_c: 1.0, ..state },
+        ];
+        for (place, state) in states.iter().enumerate() {
+            for other in &states[..place] {
+                assert_ne!(of(&|seal| state.seal(seal)), of(&|seal| other.seal(seal)), "{state:?} {other:?}");
+            }
+        }
+    }
 }

@@ -209,7 +209,9 @@ pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level)
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+    use std::string::ToString;
 
     const LIMITS: Limits =
         Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
@@ -281,5 +283,67 @@ mod tests {
         assert_eq!(refused(Limits { temperature_max_c: 301.0, ..LIMITS }), Parameter::TemperatureMaxC);
         assert_eq!(refused(Limits { resistance_max_ohm: 338.0, ..LIMITS }), Parameter::ResistanceMaxOhm);
         assert_eq!(refused(Limits { code_max: 0, ..LIMITS }), Parameter::CodeMax);
+    }
+
+    #[test]
+    fn every_cause_has_a_name_of_its_own() {
+        // In the order of their declaration, which is the one on the wire.
+        const ALL: [Cause; 16] = [
+            Cause::Open,
+            Cause::Short,
+            Cause::OutOfRange,
+            Cause::OverTemperature,
+            Cause::NonFinite,
+            Cause::Missing,
+            Cause::Stale,
+            Cause::Unreachable,
+            Cause::Stuck,
+            Cause::Upset,
+            Cause::Deadline,
+            Cause::Heater,
+            Cause::Panic,
+            Cause::Fault,
+            Cause::Watchdog,
+            Cause::BrownOut,
+        ];
+        let names = ALL.map(Cause::name);
+        for (place, name) in names.iter().enumerate() {
+            assert_eq!(ALL[place] as usize, place);
+            assert!(!name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{name}");
+            assert!(!names[..place].contains(name), "{name} is there twice");
+        }
+        assert_eq!(Trip::of(2, Cause::OverTemperature).to_string(), "over-temperature, element 2");
+        assert_eq!(Trip::whole(Cause::BrownOut).to_string(), "brown-out");
+    }
+
+    #[test]
+    fn a_temperature_that_is_none_is_not_acted_upon() {
+        // A resistor whose coefficient is so small that what is divided by it overflows, which no sound channel has.
+        let tiny = Platinum::linear(1e-3, 1e-38).unwrap();
+        let channel = Channel::new(tiny, 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
+        let verdict = judge(&LIMITS, &channel, code(175.0, Level::Low), Level::Low);
+        assert_eq!(verdict, Judgement::Bad(Cause::NonFinite));
+    }
+
+    #[test]
+    fn a_number_on_its_limit_is_still_good() {
+        // All powers of two, so that resistance and temperature are exact: 2⁻¹² Ω a code, T = 2 (R − 128).
+        let platinum = Platinum::linear(128.0, 1.0 / 256.0).unwrap();
+        let channel = Channel::new(platinum, 1.0 / 1_048_576.0, 1.0 / 256.0, 1.0 / 64.0).unwrap();
+        let limits = Limits {
+            resistance_min_ohm: 50.0,
+            resistance_max_ohm: 260.0,
+            temperature_max_c: 264.0,
+            code_max: 8_000_000,
+        };
+        let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
+        let good = |ohm: f32| Judgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
+        assert_eq!(at(&limits, 260 * 4096), good(260.0));
+        assert_eq!(at(&limits, 260 * 4096 + 1), Judgement::Bad(Cause::Open));
+        assert_eq!(at(&limits, 50 * 4096), good(50.0));
+        assert_eq!(at(&limits, 50 * 4096 - 1), Judgement::Bad(Cause::Short));
+        let cool = Limits { temperature_max_c: 70.0, ..limits };
+        assert_eq!(at(&cool, 163 * 4096), good(163.0));
+        assert_eq!(at(&cool, 163 * 4096 + 1), Judgement::Bad(Cause::OverTemperature));
     }
 }

@@ -145,3 +145,6 @@ impl<const N: usize> Station<N> {
         self.anemometer.fold(told, digest);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -181,4 +181,35 @@ mod tests {
         }
         assert_eq!(Platinum::iec60751(f32::NAN).unwrap_err().parameter, Parameter::Resistance0cOhm);
     }
+
+    #[test]
+    fn what_came_over_a_link_is_checked_as_if_it_were_made_here() {
+        for sound in [Platinum::iec60751(100.0).unwrap(), Platinum::linear(175.0, 0.0031).unwrap()] {
+            assert_eq!(sound.checked(), Ok(sound));
+            for resistance_0c_ohm in [0.0, f32::NAN, 2e6] {
+                let broken = Platinum { resistance_0c_ohm, ..sound };
+                assert_eq!(broken.checked().unwrap_err().parameter, Parameter::Resistance0cOhm, "{broken:?}");
+            }
+        }
+        let steep = Platinum { resistance_0c_ohm: 100.0, law: Law::Linear { coefficient_per_c: 0.5 } };
+        assert_eq!(steep.checked().unwrap_err().parameter, Parameter::CoefficientPerC);
+    }
+
+    #[test]
+    fn a_seal_tells_resistors_apart() {
+        let of = |platinum: Platinum| {
+            let mut seal = Seal::default();
+            platinum.seal(&mut seal);
+            seal
+        };
+        let all = [
+            Platinum::iec60751(100.0).unwrap(),
+            Platinum::iec60751(1000.0).unwrap(),
+            Platinum::linear(100.0, 0.0031).unwrap(),
+            Platinum::linear(100.0, 0.0038).unwrap(),
+        ];
+        for (place, one) in all.iter().enumerate() {
+            assert!(all[..place].iter().all(|other| of(*one) != of(*other)), "{one:?}");
+        }
+    }
 }

@@ -140,6 +140,7 @@ mod tests {
             loop {
                 ones += u32::from(prbs.step());
                 period += 1;
+                assert!(period >> order == 0, "order {order}: it never comes back");
                 if prbs.register() == 0 {
                     break;
                 }
@@ -195,6 +196,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn stages_are_counted_from_one() {
+        assert_eq!(stages([0; 4]), 0);
+        assert_eq!(stages([1, 0, 0, 0]), 1);
+        assert_eq!(stages([32, 22, 2, 1]), 1 << 31 | 1 << 21 | 0b11);
+        assert_eq!(stages([5, 3, 0, 0]), 0b10100);
     }
 
     #[test]

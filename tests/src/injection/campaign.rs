@@ -8,7 +8,7 @@ use super::fault::Fault;
 use super::judge::Judge;
 use super::{Kind, Subject};
 use crate::{readings, sensor};
-use dr_core::control::{Cause, Command, Heaters, Reply, RunState};
+use dr_core::control::{Cause, Command, Finding, Heaters, Reply, RunState};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{Account, Body, Instrument, InstrumentError, Observation};
 use host_sim::sensor::Sensor;
@@ -218,6 +218,10 @@ impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         Err(InstrumentError::Protocol("it is only set up this way".to_owned()))
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        Vec::new()
     }
 
     fn digest(&self) -> Option<u64> {

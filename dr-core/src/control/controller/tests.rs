@@ -11,7 +11,9 @@ use std::vec::Vec;
 mod arming;
 mod elements;
 mod observing;
+mod powers;
 mod upsets;
+mod words;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 

@@ -375,3 +375,6 @@ impl Cross {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -76,3 +76,37 @@ fn margins_are_those_of_the_power_that_holds_the_set_point() {
     assert!((margins.above_low_w - above_low_w).abs() < 2e-8 && (margins.below_high_w - below_high_w).abs() < 2e-8);
     assert_eq!(none, None);
 }
+
+#[test]
+fn a_model_is_pulled_by_readings_of_its_own_element_and_by_no_others() {
+    // All stands at −45 °C for a tick; then it is read 1 K warmer, or not read.
+    for absent in 0..2 {
+        let mut controller = observing([Drive::Passive, Drive::Passive]);
+        controller.handle(Command::Stop).unwrap();
+        let patient = GuardConfig { missing_limit_ticks: 1000, ..GuardConfig::default() };
+        controller.handle(Command::Guard(patient)).unwrap();
+        start(&mut controller).unwrap();
+        controller.tick(&[code(-45.0, false); 2]);
+        let before = [0, 1].map(|element| controller.model_temperature_c(element).unwrap());
+        let mut readings = [code(-44.0, false); 2];
+        readings[absent] = Reading::Missing;
+        for _ in 0..100 {
+            controller.tick(&readings);
+        }
+        let rise_k = [0, 1].map(|element| controller.model_temperature_c(element).unwrap() - before[element]);
+        // One that is not read cools towards what the low level holds, 1 K above −50 °C; its slow rate, 0.003 rad/s, leaves most for 1 s.
+        assert!((-1.0..0.0).contains(&rise_k[absent]), "{rise_k:?}");
+        assert!((0.5..1.1).contains(&rise_k[1 - absent]), "{rise_k:?}");
+    }
+}
+
+#[test]
+fn a_set_point_out_of_reach_has_no_margins() {
+    let drive = Drive::Setpoints { low_c: -40.0, high_c: -30.0, dwell_ticks: 10, seed: 1 };
+    let mut controller = running([drive, drive]);
+    // Into 200 K/W the high level, 41 mW, warms by 8 K: −40 °C, 10 K above the reference, is out of reach, and so is −30 °C.
+    let config = SelfHeatingConfig { r_k_per_w: [200.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..model() };
+    controller.elements[1].as_mut().unwrap().model = Some(crate::model::SelfHeating::new(&config, 0.01).unwrap());
+    let margins: Vec<_> = controller.margins().collect();
+    assert!(margins[0].is_some() && margins[1].is_none(), "{margins:?}");
+}

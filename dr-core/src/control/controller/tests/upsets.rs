@@ -91,3 +91,34 @@ fn an_untouched_controller_is_sound_whatever_it_is_told() {
         body.live(&tick);
     }
 }
+
+#[test]
+fn models_are_looked_at_one_a_tick_in_turn() {
+    let (mut before, body) = warm();
+    if before.ticks() % 2 == 1 {
+        before.tick(&body.readings());
+    }
+    for element in 0..2 {
+        let mut controller = before;
+        controller.upset(21, element, 7);
+        let trips = [0, 1].map(|_| controller.tick(&body.readings()).trip.is_some());
+        assert_eq!(trips, [element == 0, element == 1]);
+    }
+}
+
+#[test]
+fn a_seed_is_found_whatever_is_drawn_from_it_and_what_is_not_there_is_not_upset() {
+    let setpoints = Drive::Setpoints { low_c: -40.0, high_c: -35.0, dwell_ticks: 7, seed: 11 };
+    let before = running([Drive::Prbs { order: 9, seed: 5, ticks_per_bit: 3 }, setpoints]);
+    for (element, bit) in (0..2).flat_map(|element| (0..32).map(move |bit| (element, bit))) {
+        let mut controller = before;
+        assert_eq!(controller.upset(9, element, bit), Some("seed"));
+        assert_eq!(controller.tick(&[code(-40.0, false); 2]).trip, Some(Trip::whole(Cause::Upset)));
+    }
+    let before = running([Drive::Passive, Drive::Level(Level::High)]);
+    let mut controller = before;
+    for (which, element) in [(9, 0), (9, 1), (10, 1), (UPSETS, 0), (0, 2)] {
+        assert_eq!(controller.upset(which, element, 3), None, "{which} of {element}");
+    }
+    assert_eq!(controller, before);
+}

@@ -1,0 +1,151 @@
+//! How many lines of `dr-core` its own unit tests run, file by file, and which they do not.
+//!
+//! The compiler counts (`-C instrument-coverage`), LLVM's own two tools make a report of it. Lines of tests are not counted: they would run
+//! whatever they test. Tests of other crates and examples in the documentation are not asked: what decides must be tested where it stands.
+
+use crate::{artefacts, install, shell};
+use anyhow::{Context, Result, bail};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const CRATE: &str = "dr-core";
+/// Of all lines, so many per cent at the least.
+const LEAST_PERCENT: f64 = 95.0;
+
+/// Lines of one file that hold code, and whether a test has run them.
+type Lines = BTreeMap<usize, bool>;
+
+pub fn run() -> Result<()> {
+    let tools = install::llvm_tools()?;
+    let folder = shell::target_directory()?.join("coverage");
+    // Built apart: counting changes all code.
+    let mut cargo = shell::cargo();
+    cargo.args([
+        "test",
+        "--release",
+        "--no-run",
+        "-p",
+        CRATE,
+        "--lib",
+        "--config",
+        "build.rustflags=['-Cinstrument-coverage']",
+    ]);
+    let tests = artefacts::executable(cargo.arg("--target-dir").arg(&folder), &CRATE.replace('-', "_"))?;
+
+    let (counts, merged) = (folder.join("counts.profraw"), folder.join("counts.profdata"));
+    shell::run(shell::program(&tests).arg("--quiet").env("LLVM_PROFILE_FILE", &counts))?;
+    shell::run(shell::program(tools.join("llvm-profdata")).args(["merge", "-sparse", "-o"]).arg(&merged).arg(&counts))?;
+    let mut export = shell::program(tools.join("llvm-cov"));
+    export.args(["export", "--format=lcov", "--instr-profile"]).arg(&merged).arg(&tests);
+    let report = export.output().context("llvm-cov cannot be started")?;
+    if !report.status.success() {
+        bail!("llvm-cov failed: {}", String::from_utf8_lossy(&report.stderr));
+    }
+
+    let mut files = BTreeMap::new();
+    for (path, mut lines) in read(&String::from_utf8_lossy(&report.stdout)) {
+        let Ok(name) = Path::new(&path).strip_prefix(shell::root().join(CRATE).join("src")) else { continue };
+        let name = name.to_string_lossy().replace('\\', "/");
+        if name.split('/').any(|part| part == "tests" || part == "tests.rs") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).with_context(|| format!("{path} cannot be read"))?;
+        lines.retain(|&line, _| line < first_line_of_tests(&text));
+        files.insert(name, lines);
+    }
+    judge(&files)
+}
+
+/// Prints the table and refuses too small a share.
+fn judge(files: &BTreeMap<String, Lines>) -> Result<()> {
+    let count = |lines: &Lines| (lines.len(), lines.values().filter(|&&is_run| is_run).count());
+    let share = |(all, run): (usize, usize)| if all == 0 { 100.0 } else { 100.0 * run as f64 / all as f64 };
+    println!("{:<36} {:>6} {:>7} {:>7}  lines that no test runs", CRATE, "lines", "run", "%");
+    let mut total = (0, 0);
+    for (name, lines) in files {
+        let (all, run) = count(lines);
+        println!("{name:<36} {all:>6} {run:>7} {:>7.1}  {}", share((all, run)), missed(lines));
+        total = (total.0 + all, total.1 + run);
+    }
+    println!("{:<36} {:>6} {:>7} {:>7.1}", "all", total.0, total.1, share(total));
+    if total.0 == 0 {
+        bail!("no line of {CRATE} is in the report: has its folder moved?");
+    }
+    if share(total) < LEAST_PERCENT {
+        bail!(
+            "unit tests run {:.1} % of the lines of {CRATE}, {LEAST_PERCENT} % are wanted; what they miss stands above",
+            share(total)
+        );
+    }
+    Ok(())
+}
+
+/// Lines that are not run, as `3, 7-9`.
+fn missed(lines: &Lines) -> String {
+    let mut ranges: Vec<(usize, usize)> = Vec::new();
+    let mut before_is_missed = false;
+    for (&line, &is_run) in lines {
+        match ranges.last_mut() {
+            // Lines without code between two missed ones do not part them.
+            Some(range) if before_is_missed && !is_run => range.1 = line,
+            _ if !is_run => ranges.push((line, line)),
+            _ => {}
+        }
+        before_is_missed = !is_run;
+    }
+    let word = |&(from, to): &(usize, usize)| if from == to { from.to_string() } else { format!("{from}-{to}") };
+    ranges.iter().map(word).collect::<Vec<_>>().join(", ")
+}
+
+/// A report in lcov's format: of each file `SF:path`, for each line `DA:number,times`, `end_of_record`.
+fn read(report: &str) -> BTreeMap<String, Lines> {
+    let mut files: BTreeMap<String, Lines> = BTreeMap::new();
+    let mut path = "";
+    for line in report.lines() {
+        if let Some(rest) = line.strip_prefix("SF:") {
+            path = rest;
+        } else if let Some((number, times)) = line.strip_prefix("DA:").and_then(|rest| rest.split_once(','))
+            && let Ok(number) = number.parse()
+        {
+            *files.entry(path.to_owned()).or_default().entry(number).or_default() |= times != "0";
+        }
+    }
+    files
+}
+
+/// Where the tests begin, which stand below the code; beyond the end for a file without.
+fn first_line_of_tests(text: &str) -> usize {
+    let lines: Vec<&str> = text.lines().collect();
+    let begins = |pair: &[&str]| pair[0] == "#[cfg(test)]" && pair[1].starts_with("mod ") && pair[1].ends_with('{');
+    lines.windows(2).position(begins).map_or(usize::MAX, |index| index + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REPORT: &str = "SF:/a.rs\nFN:1,f\nDA:1,3\nDA:2,0\nDA:5,0\nDA:6,12\nDA:8,0\nLF:5\nLH:2\nend_of_record\nSF:/b.rs\nDA:4,1\nend_of_record\n";
+
+    #[test]
+    fn a_line_is_run_if_it_was_counted_once() {
+        let files = read(REPORT);
+        assert_eq!(files["/a.rs"], [(1, true), (2, false), (5, false), (6, true), (8, false)].into());
+        assert_eq!(files["/b.rs"], [(4, true)].into());
+        assert_eq!(missed(&files["/a.rs"]), "2-5, 8");
+        assert_eq!(missed(&files["/b.rs"]), "");
+    }
+
+    #[test]
+    fn too_small_a_share_is_refused() {
+        let of = |run: usize| BTreeMap::from([("a.rs".to_owned(), (0..200).map(|line| (line, line < run)).collect())]);
+        assert!(judge(&of(190)).is_ok());
+        assert!(judge(&of(189)).is_err());
+        assert!(judge(&BTreeMap::new()).is_err(), "nothing is not everything");
+    }
+
+    #[test]
+    fn tests_begin_where_their_module_has_its_body() {
+        assert_eq!(first_line_of_tests("fn f() {}\n#[cfg(test)]\nmod tests {\n}\n"), 2);
+        assert_eq!(first_line_of_tests("fn f() {}\n#[cfg(test)]\nmod tests;\n"), usize::MAX);
+    }
+}
