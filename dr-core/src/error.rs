@@ -74,6 +74,7 @@ pub enum Parameter {
     CardAnisotropy,
     CardShare,
     WindowS,
+    PulseS,
 }
 
 impl Parameter {
@@ -145,6 +146,7 @@ impl Parameter {
             Self::CardAnisotropy => "card_anisotropy",
             Self::CardShare => "card_share",
             Self::WindowS => "window_s",
+            Self::PulseS => "pulse_s",
         }
     }
 }

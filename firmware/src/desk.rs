@@ -1,7 +1,7 @@
 //! The clerk's desk: what the settings' clerk needs to set the instrument up, one piece after the other.
 
 use crate::board::SettingsFlash;
-use dr_core::control::{Command, Refusal};
+use dr_core::control::{Command, Refusal, SelfTestPlan};
 use firmware::inbox::Questions;
 use firmware::queue;
 use firmware::settings::{Busy, Clerk, clerk::Next};
@@ -56,11 +56,14 @@ impl Desk {
                     }
                 },
                 Next::Tell(_, Setting::TelemetryEvery(every)) => questions.thin(every),
-                Next::Tell(_, Setting::Name(_)) => {}
+                Next::Tell(_, Setting::Name(_) | Setting::Tested(_)) => {}
                 Next::Leave(key, why) => defmt::warn!("setting {=u16:#x} is not used: {=str}", key, why.name()),
                 Next::Done { taken, left } => {
                     if taken > 0 || left > 0 {
                         defmt::info!("set up by {=u16} settings, {=u16} are not used", taken, left);
+                        // Nothing heats in it, and nothing is tested where no element is known.
+                        let plan = SelfTestPlan { pulse_s: None, unix_s: None };
+                        self.tell(Command::SelfTest(plan), &wake_control).ok();
                     }
                     return true;
                 }

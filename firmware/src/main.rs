@@ -37,7 +37,7 @@ mod app {
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use firmware::queue;
-    use firmware::settings::{Busy, Clerk};
+    use firmware::settings::{Busy, Clerk, Findings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
     use wire::{
@@ -88,13 +88,13 @@ mod app {
         inbox: Inbox<'static>,
         host_counters: LinkCounters,
         status: Option<wire::Status>,
+        /// Of the last self-test, until they are kept.
+        findings: Findings,
     }
 
     #[local]
     struct Local {
         station: Station<ELEMENTS>,
-        /// What the life before ended with.
-        past_trip: Option<Cause>,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
         orders: Consumer<'static, Command>,
@@ -135,8 +135,10 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let past_trip = past.trip(reset);
-        if past_trip.is_some() {
+        let mut station = Station::new();
+        if let Some(cause) = past.trip(reset) {
+            // Before any command.
+            station.trip(cause);
             BUSY.standby(false);
         }
         let identity = vitals::identity(reset, past);
@@ -149,10 +151,10 @@ mod app {
                 inbox: Inbox::new(request_in, exchange_in, errand_in, &QUESTIONS, board::IS_VIRTUAL),
                 host_counters: LinkCounters::default(),
                 status: None,
+                findings: Findings::of(&identity),
             },
             Local {
-                station: Station::new(),
-                past_trip,
+                station,
                 front_end: parts.front_end,
                 requests,
                 orders,
@@ -203,11 +205,10 @@ mod app {
     /// Missing it is counted as a late tick; the heaters stay as the tick before left them until this one is through, or until they have
     /// stood for two ticks: then the dead man's handle lowers them, and this task trips.
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [station, past_trip, front_end, requests, orders, outcomes, outbox, last_state])]
-    fn control(cx: control::Context) {
+    #[task(binds = EXTI4, priority = 5, local = [station, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
+    fn control(mut cx: control::Context) {
         let control::LocalResources {
             station,
-            past_trip,
             front_end,
             requests,
             orders,
@@ -218,11 +219,10 @@ mod app {
         } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
-        // Before any command.
-        if let Some(cause) = past_trip.take() {
-            station.trip(cause);
+        if matches!(station.controller().state(), RunState::Running | RunState::Testing) {
+            // It is in nobody's hands then, whatever its memory says: `Stop` must not wait for ever.
+            BUSY.give_back();
         }
-
         while let Some(command) = orders.dequeue() {
             // It has room for one, and the clerk takes each before it gives the next order.
             queue::put(outcomes, handle(station, front_end, command).map(drop)).ok();
@@ -250,12 +250,18 @@ mod app {
             if BITTEN.load(Relaxed) {
                 board::heaters_low();
             }
+            front_end.select(station.input());
             let wind = station.sense(&tick);
             if let Some(answer) = front_end.answer(station, &tick, wind.as_ref()) {
                 outbox.put(answer);
             }
             if QUESTIONS.wants_sample(tick.tick) {
                 outbox.put(FromBoard::of_tick(&tick, wind.as_ref()));
+            }
+            if let Some(test) = station.take_self_test() {
+                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
+                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
+                rtic::pend(CLERK);
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
@@ -376,13 +382,23 @@ mod app {
 
     /// Keeps the settings: sets the instrument up by them at a start, and does what the host asks of them. Priority 1, below all others, since it waits for the
     /// flash; of requests two may wait meanwhile. What it does to the flash and what the control task does exclude each other ([`Busy`]).
-    #[task(binds = SPI2, priority = 1, local = [desk, errands, answers])]
-    fn clerk(cx: clerk::Context) {
+    #[task(binds = SPI2, priority = 1, local = [desk, errands, answers], shared = [findings])]
+    fn clerk(mut cx: clerk::Context) {
         let clerk::LocalResources { desk, errands, answers, .. } = cx.local;
         loop {
             if SET_UP.load(Relaxed) {
                 SET_UP.store(false, Relaxed);
                 set_up(desk);
+            }
+            while BUSY.try_take() {
+                let record = cx.shared.findings.lock(Findings::next);
+                if let Some(record) = &record {
+                    desk.clerk.keep(record);
+                }
+                resume();
+                if record.is_none() {
+                    break;
+                }
             }
             let Some((to, request)) = errands.dequeue() else { break };
             // To read, too: what keeps the settings may panic, and nothing does while a heater may be high.

@@ -69,6 +69,7 @@ pub fn log_event(event: &wire::Event) {
     match event.state {
         RunState::Standby => defmt::info!("standby at tick {=u32}", event.tick),
         RunState::Running => defmt::info!("running from tick {=u32}", event.tick),
+        RunState::Testing => defmt::info!("testing itself from tick {=u32}", event.tick),
         RunState::Tripped(trip) => {
             // 255 is the whole instrument.
             let element = trip.element.unwrap_or(u8::MAX);

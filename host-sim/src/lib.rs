@@ -33,6 +33,7 @@ pub mod plot;
 pub mod predict;
 pub mod recording;
 pub mod run;
+pub mod self_test;
 pub mod sensor;
 pub mod settings;
 pub mod study;

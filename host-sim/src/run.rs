@@ -186,20 +186,7 @@ pub fn rehearse(experiment: &Experiment) -> Result<Judgement, RunError> {
 ///
 /// A refusal is said of the place in the file where the user can do something about it.
 pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result<Judgement, RunError> {
-    let setup = Setup {
-        sample_period_s: experiment.sample_period_s as f32,
-        guard: experiment.head.guard_config(experiment.sample_period_s),
-        observe: experiment.observe,
-        wind: experiment.wind_commands()?,
-        elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
-            .map(|(i, (element, &drive))| ElementSetup {
-                name: element.name.clone(),
-                config: element.config,
-                model: experiment.model(i),
-                drive,
-            })
-            .collect(),
-    };
+    let setup = setup_of(experiment)?;
     let reply = setup::start(instrument, &setup).map_err(|error| match &error {
         InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
         InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
@@ -225,6 +212,27 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) -> Result
         }
     }
     Ok(judgement)
+}
+
+/// What an instrument has to know of an experiment.
+///
+/// # Errors
+/// If the head's calibration cannot answer as the experiment asks.
+pub fn setup_of(experiment: &Experiment) -> Result<Setup, RunError> {
+    Ok(Setup {
+        sample_period_s: experiment.sample_period_s as f32,
+        guard: experiment.head.guard_config(experiment.sample_period_s),
+        observe: experiment.observe,
+        wind: experiment.wind_commands()?,
+        elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
+            .map(|(i, (element, &drive))| ElementSetup {
+                name: element.name.clone(),
+                config: element.config,
+                model: experiment.model(i),
+                drive,
+            })
+            .collect(),
+    })
 }
 
 /// A refused drive in words, for the key that asks for it.
@@ -337,6 +345,7 @@ impl Totals {
         self.last = Some(sample.state);
         let trip = match sample.state {
             RunState::Standby => return "standby".clone_into(&mut self.state),
+            RunState::Testing => return "testing".clone_into(&mut self.state),
             RunState::Running => return "running".clone_into(&mut self.state),
             RunState::Tripped(trip) => trip,
         };

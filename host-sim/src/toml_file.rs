@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
+use crate::recording::one_line;
+
 /// A file that cannot be used, and why: `gusts.toml, line 12: unknown key …`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}{}: {sentence}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
@@ -45,7 +47,7 @@ impl Source {
         toml::from_str(&self.text).map_err(|error| FileError {
             path: self.path.clone(),
             line: error.span().map(|span| self.line_at(span.start)),
-            sentence: reword(error.message(), error.span().and_then(|span| self.key_before(span.start))),
+            sentence: one_line(reword(error.message(), error.span().and_then(|span| self.key_before(span.start)))),
         })
     }
 
@@ -54,7 +56,7 @@ impl Source {
         FileError {
             path: self.path.clone(),
             line: self.line_of(key),
-            sentence: format!("`{key}` {}", sentence.as_ref()),
+            sentence: one_line(format!("`{key}` {}", sentence.as_ref())),
         }
     }
 
@@ -204,6 +206,22 @@ mod tests {
 
     fn source(text: &str) -> Source {
         Source { path: "example.toml".into(), text: text.into() }
+    }
+
+    #[test]
+    fn a_control_character_in_the_file_does_not_reach_the_terminal() {
+        for text in [
+            "\"ti\u{7f}tle = 1",
+            "title = \"\u{1b}[2J\"\n",
+            "ti\u{1b}tle = 1",
+            "\"ti\\u001btle\" = 1",
+            "\"a\u{7f}b = {",
+        ] {
+            let sentence = sentence(text);
+            assert!(!sentence.contains(char::is_control), "{sentence:?}");
+        }
+        let refused = source("").refuse("kinds.\u{1b}[2J", "is `\r\n`").to_string();
+        assert_eq!(refused, "example.toml: `kinds. [2J` is `  `");
     }
 
     fn sentence(text: &str) -> String {

@@ -1,8 +1,8 @@
 //! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sensor, at the end of a
 //! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
 
-use crate::{foreign_frame, readings, sensor};
-use dr_core::control::{Cause, Command, Controller, Reply, RunState};
+use crate::{foreign_frame, sensor};
+use dr_core::control::{Cause, Command, Reply, RunState, Station};
 use dr_core::sensor::Reading;
 use firmware::drivers::ads131e06::CHANNELS;
 use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
@@ -180,14 +180,14 @@ impl Life {
         let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
-        let mut controller = Controller::<CHANNELS>::new();
+        let mut station = Station::<CHANNELS>::new();
         let mut sensor = self.new_sensor();
         let (mut obeyed, mut unheard) = (Vec::new(), None);
         let (mut reset, mut starts, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 1, 0, Instant::now());
         let mut buffer = [0; 256];
         let mut between_frames = receiver.clone();
         while self.cable.is_alive() {
-            let is_running = controller.state() == RunState::Running;
+            let is_running = station.controller().state() == RunState::Running;
             self.running.store(is_running, Relaxed);
             let read = self.cable.read(&mut buffer, if is_running { RUNNING_TICK } else { STANDBY_TICK });
             for &byte in &buffer[..read] {
@@ -205,7 +205,7 @@ impl Life {
                 }
             }
             while let Some((to, command)) = requests.dequeue() {
-                let result = controller.handle(command);
+                let result = station.handle(command);
                 if is_first(&mut self.quirks.lost_reply, &command) {
                     unheard = Some(to);
                 }
@@ -219,7 +219,7 @@ impl Life {
                 outbox.put(FromBoard::Reply { to, result });
             }
 
-            let (tick, is_running) = (controller.ticks(), controller.state() == RunState::Running);
+            let (tick, is_running) = (station.controller().ticks(), station.controller().state() == RunState::Running);
             let due = |at: Option<u32>| is_running && at == Some(tick);
             if due(self.quirks.unplugged_at) {
                 self.cable.port = None;
@@ -229,22 +229,25 @@ impl Life {
                 return self.stay_away();
             }
             if due(self.quirks.restarts_at) {
-                (controller, receiver, sequence) = (Controller::new(), Receiver::new(), Sequence::new());
+                (station, receiver, sequence) = (Station::new(), Receiver::new(), Sequence::new());
                 (reset, starts, uptime_s) = (ResetCause::Watchdog, starts + 1, 0);
-                controller.trip(Cause::Watchdog);
+                station.trip(Cause::Watchdog);
             }
             if self.mended.swap(false, Relaxed) {
                 self.experiment.faults.clear();
                 sensor = self.new_sensor();
             }
             // Without a sample period there are no ticks.
-            if controller.sample_period_s().is_some() {
+            if station.controller().sample_period_s().is_some() {
                 let mut read = [Reading::Missing; CHANNELS];
-                for (read, reading) in read.iter_mut().zip(readings(&sensor)) {
-                    *read = reading;
+                for (read, code) in read.iter_mut().zip(sensor.codes_of(station.input())) {
+                    *read = Reading::Code(code);
                 }
-                let tick = controller.tick(&read);
+                let tick = station.tick(&read);
                 sensor.advance(tick.heaters.0);
+                if let Some(test) = station.take_self_test() {
+                    test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
+                }
                 if questions.wants_sample(tick.tick) {
                     outbox.put(FromBoard::of_tick(&tick, None));
                 }
@@ -274,15 +277,15 @@ impl Life {
                     unsent,
                     late_ticks,
                     deadlines: 0,
-                    upsets: controller.upsets(),
-                    armed: controller.is_armed(),
+                    upsets: station.controller().upsets(),
+                    armed: station.controller().is_armed(),
                     control_cycles_max,
                     tick_cycles,
-                    margins: controller.margins().collect(),
+                    margins: station.controller().margins().collect(),
                 }));
             }
         }
-        Report { obeyed, link: receiver.counters(), state: controller.state() }
+        Report { obeyed, link: receiver.counters(), state: station.controller().state() }
     }
 
     fn new_sensor(&self) -> Sensor {

@@ -2,6 +2,7 @@
 
 pub mod calibrated;
 pub mod fake_board;
+pub mod fuzz;
 pub mod injection;
 pub mod loops;
 pub mod records;
@@ -152,11 +153,17 @@ fn crc_of(bytes: &[u8]) -> u16 {
     })
 }
 
-/// COBS of a short message, terminator included.
+/// COBS, terminator included.
 fn cobs_of(bytes: &[u8]) -> Vec<u8> {
-    let blocks = bytes.split(|&byte| byte == 0);
-    let mut frame: Vec<u8> =
-        blocks.flat_map(|block| std::iter::once(block.len() as u8 + 1).chain(block.iter().copied())).collect();
+    let mut frame = Vec::new();
+    for block in bytes.split(|&byte| byte == 0) {
+        // Behind a full run there is no zero; what follows it says whether there is one.
+        let runs = block.chunks_exact(254);
+        let last = runs.remainder();
+        runs.for_each(|run| frame.extend([255].iter().chain(run)));
+        frame.push(last.len() as u8 + 1);
+        frame.extend(last);
+    }
     frame.push(0);
     frame
 }

@@ -3,8 +3,8 @@
 use crate::receiver::LinkCounters;
 use crate::settings::{SettingsAnswer, SettingsRequest};
 use dr_core::control::anemometer::MOST_PARTS;
-use dr_core::control::{Command, Doubts, Heaters, Margins, Refusal, Reply, RunState, Tick, WindTick};
-use dr_core::sensor::Reading;
+use dr_core::control::{Command, Doubts, Finding, Heaters, Margins, Refusal, Reply, RunState, Tick, WindTick};
+use dr_core::sensor::{Input, Reading};
 use serde::{Deserialize, Serialize};
 
 /// The most elements that any instrument has; `Identity` says how many a board has.
@@ -104,6 +104,8 @@ pub enum FromBoard {
     Observed(ObservedSample),
     /// Answer to `Settings`.
     Setting(SettingsAnswer),
+    /// What a self-test has found of one element; one message an element, when the test is over.
+    Tested(Finding),
 }
 
 impl FromBoard {
@@ -379,6 +381,8 @@ pub struct HeaterFrame {
     pub to: u16,
     /// Levels to hold until the next one.
     pub heaters: Heaters,
+    /// What the next readings shall be of.
+    pub input: Input,
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     #[serde(with = "postcard::fixint::le")]
     pub digest: u64,

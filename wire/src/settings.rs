@@ -14,6 +14,7 @@
 //! | 0x23pp | `point` | request `Point` |
 //! | 0x24pp | `part` | request `Part` |
 //! | 0x2500 … 0x2800 | `card`, `gas_law`, `answer`, `gas` | the others |
+//! | 0x30ee | `tested` | what the last self-test has found of element ee; written by the instrument itself, and told to nobody but hosts |
 //!
 //! The upper byte is the kind, the lower one says which. Numbers never change their meaning. In ascending order they are the order in which
 //! an instrument has to be told.
@@ -22,7 +23,7 @@
 //! under another key than its own is refused, as is one of another format.
 
 use core::fmt;
-use dr_core::control::{Command, Refusal, WindCommand};
+use dr_core::control::{Command, Finding, Refusal, WindCommand};
 use serde::{Deserialize, Serialize};
 
 use crate::message::Name;
@@ -77,11 +78,13 @@ pub enum Kind {
     Answer = 0x27,
     /// What the gas is like.
     Gas = 0x28,
+    /// What a self-test has found of an element.
+    Tested = 0x30,
 }
 
 impl Kind {
     /// All of them, in the order in which they are told.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Name,
         Self::TelemetryEvery,
         Self::SamplePeriod,
@@ -99,6 +102,7 @@ impl Kind {
         Self::GasLaw,
         Self::Answer,
         Self::Gas,
+        Self::Tested,
     ];
 
     /// Its name.
@@ -121,6 +125,7 @@ impl Kind {
             Self::GasLaw => "gas_law",
             Self::Answer => "answer",
             Self::Gas => "gas",
+            Self::Tested => "tested",
         }
     }
 }
@@ -157,6 +162,21 @@ pub enum Setting {
     TelemetryEvery(u16),
     /// A command that sets the instrument up.
     Command(Command),
+    /// What a self-test has found of an element.
+    Tested(TestRecord),
+}
+
+/// What a self-test has found of an element, when, and by whom.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TestRecord {
+    /// When a host says that it was begun, s since 1970; none if the instrument has begun it by itself, which knows no date.
+    pub unix_s: Option<u32>,
+    /// The firmware that tested.
+    pub firmware: Name,
+    /// How often it had started since its supply came up.
+    pub starts: u32,
+    /// What it found.
+    pub finding: Finding,
 }
 
 /// Why a stored value is not used.
@@ -207,8 +227,10 @@ impl Setting {
                 | Command::Stop
                 | Command::Acknowledge
                 | Command::Arm { .. }
-                | Command::Disarm => return None,
+                | Command::Disarm
+                | Command::SelfTest(_) => return None,
             },
+            Self::Tested(record) => (Kind::Tested, record.finding.element),
         };
         Some(Key { kind, which })
     }

@@ -1,6 +1,6 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! The thumb target and LLVM's tools come by rustup, QEMU by the system's packages, flip-link and cargo-mutants by cargo. Whatever cannot be installed is named together with the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU by the system's packages, the rest by cargo. Whatever cannot be installed is named together with the line to type.
 
 use crate::artefacts::TARGET;
 use crate::shell;
@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const FLIP_LINK_VERSION: &str = "0.1.12";
+const CARGO_FUZZ_VERSION: &str = "0.13.2";
+/// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the same tomorrow.
+const NIGHTLY: &str = "nightly-2026-10-30";
 const CARGO_MUTANTS_VERSION: &str = "27.1.0";
 pub const QEMU: &str = "qemu-system-arm";
 
@@ -79,6 +82,11 @@ pub fn flip_link() -> Result<PathBuf> {
     tool("flip-link", FLIP_LINK_VERSION)
 }
 
+/// The program that builds fuzz targets and runs them.
+pub fn cargo_fuzz() -> Result<PathBuf> {
+    tool("cargo-fuzz", CARGO_FUZZ_VERSION)
+}
+
 /// What changes code to see whether a test finds it. Always this version: what it changes differs from one to the next.
 pub fn cargo_mutants() -> Result<PathBuf> {
     tool("cargo-mutants", CARGO_MUTANTS_VERSION)
@@ -96,6 +104,37 @@ fn tool(name: &str, version: &str) -> Result<PathBuf> {
             .with_context(|| format!("{name} is missing; type: cargo install {name} --locked --version {version}"))?;
     }
     Ok(installed)
+}
+
+/// The nightly compiler, with components beside the usual ones.
+pub fn nightly(components: &[&str]) -> Result<()> {
+    let installed = shell::output_of("rustup", &["component", "list", "--installed", "--toolchain", NIGHTLY]);
+    let has =
+        |component: &&str| installed.as_ref().is_some_and(|list| list.lines().any(|line| line.starts_with(*component)));
+    if has(&"rustc") && components.iter().all(has) {
+        return Ok(());
+    }
+    if !shell::answers("rustup", &["--version"]) {
+        bail!("{NIGHTLY} is missing and there is no rustup to install it; install Rust by https://rustup.rs");
+    }
+    shell::announce(&format!("installing {NIGHTLY} {}", components.join(" ")));
+    let mut rustup = shell::program("rustup");
+    rustup.args(["toolchain", "install", NIGHTLY, "--no-self-update", "--profile", "minimal"]);
+    for component in components {
+        rustup.args(["--component", component]);
+    }
+    shell::run(&mut rustup)
+}
+
+/// Begins a command line that is run with that compiler: the program and its arguments follow.
+pub fn on_nightly() -> Command {
+    let mut rustup = shell::program("rustup");
+    // The cargo that runs this crate has said of these what it is itself.
+    for of_this_cargo in ["CARGO", "RUSTC", "RUSTDOC", "RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "RUSTUP_TOOLCHAIN"] {
+        rustup.env_remove(of_this_cargo);
+    }
+    rustup.args(["run", NIGHTLY]);
+    rustup
 }
 
 /// LLVM's tools for what the compiler has counted. Gives the folder where they are.

@@ -8,9 +8,11 @@ mod cost;
 mod coverage;
 mod demo;
 mod flash;
+mod fuzz;
 mod install;
 mod links;
 mod lint;
+mod miri;
 mod mutants;
 mod overflow;
 mod panics;
@@ -54,6 +56,10 @@ enum Job {
     Safety,
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::Options),
+    /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep what was found on the way
+    Fuzz(fuzz::Options),
+    /// Run the unit tests of dr-core and wire in an interpreter that finds undefined behaviour
+    Miri,
     /// Count the lines of dr-core that its unit tests run, and refuse too few
     Coverage,
     /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the changes that no test finds
@@ -71,6 +77,8 @@ fn main() -> ExitCode {
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),
+        Job::Fuzz(options) => fuzz::run(&options),
+        Job::Miri => miri::run(),
         Job::Coverage => coverage::run(),
         Job::Mutants(options) => mutants::run(&options),
         Job::Flash(options) => flash::run(&options),

@@ -7,6 +7,7 @@ use super::anemometer::WindCommand;
 use super::controller::ElementConfig;
 use super::drive::Drive;
 use super::guard::{GuardConfig, Trip};
+use super::self_test::SelfTestPlan;
 use crate::error::ConfigError;
 use crate::model::{Reachability, SelfHeatingConfig};
 use core::fmt;
@@ -67,6 +68,10 @@ pub enum Command {
     },
     /// Ends what `Arm` began. What runs goes on.
     Disarm,
+    /// Look whether everything is as it should be ([`self_test`](super::self_test)). With a pulse: in standby, armed, in place of
+    /// which the length of the test is counted from now on. Without: in standby or tripped, and the state stays what it is. Any other
+    /// command that changes something ends it.
+    SelfTest(SelfTestPlan),
 }
 
 /// Longest time for which an instrument can be armed, s.

@@ -8,7 +8,7 @@
 //! At t_n it is given what the front end read at the end of [t_{n−1}, t_n), and decides the levels that are held over
 //! [t_n, t_{n+1}). Power n is I²R of the level decided, at the resistance just read.
 //!
-//! States: `Standby` → `Running` → `Standby`, and `Tripped` from anywhere. Heaters are low in `Standby` and `Tripped`.
+//! States: `Standby` → `Running` → `Standby`, likewise `Testing`, and `Tripped` from anywhere. Heaters are low in `Standby` and `Tripped`.
 
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, Judgement, Limits, Trip};
@@ -28,6 +28,8 @@ pub enum RunState {
     Running,
     /// All heaters low until acknowledged.
     Tripped(Trip),
+    /// In a self-test that heats, for so long as it was planned for.
+    Testing,
 }
 
 impl RunState {
@@ -39,8 +41,20 @@ impl RunState {
             Self::Tripped(Trip { cause, element }) => {
                 2 | (cause as u32) << 8 | u32::from(element.unwrap_or(0xff)) << 16
             }
+            Self::Testing => 3,
         }
     }
+}
+
+/// What a self-test wishes of a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Probe {
+    /// Nothing beside the usual.
+    None,
+    /// What is read may be of something else, or be missing: no reason to trip. Not granted while running.
+    Blind,
+    /// This element at the high level. Granted while testing, if its reading is valid.
+    Pulse(u8),
 }
 
 /// Levels of all elements: bit i is set while element i is at its high level.
@@ -204,6 +218,23 @@ impl<const N: usize> Controller<N> {
         self.sample_period_s
     }
 
+    /// What is known of an element's wiring.
+    pub(super) fn channel(&self, element: usize) -> Option<&Channel> {
+        Some(&self.elements.get(element)?.as_ref()?.config.channel)
+    }
+
+    /// An element's model, if it has one.
+    pub(super) fn model(&self, element: usize) -> Option<&SelfHeating> {
+        self.elements.get(element)?.as_ref()?.model.as_ref()
+    }
+
+    /// What the guard makes of a reading of an element; none if it is not configured.
+    #[inline(never)] // beside the one in the tick, which is where time counts
+    pub(super) fn judge(&self, element: usize, reading: Reading, level: Level) -> Option<Judgement> {
+        let config = &self.elements.get(element)?.as_ref()?.config;
+        Some(guard::judge(&config.limits, &config.channel, reading, level))
+    }
+
     /// What an element's model says its temperature is, °C, if it has one. While observing it is held on the measured one.
     pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
         let model = self.elements.get(element)?.as_ref()?.model.as_ref()?;
@@ -226,16 +257,28 @@ impl<const N: usize> Controller<N> {
 
     /// One tick. Readings of elements that are not configured are not looked at.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
+        self.tick_with(readings, Probe::None)
+    }
+
+    /// One tick with what a self-test wishes.
+    pub(super) fn tick_with(&mut self, readings: &[Reading; N], probe: Probe) -> Tick<N> {
         let upset = self.look_for_upsets();
         let (valid, fault) = self.take_in(readings);
-        let mut trip = upset.or(fault.filter(|_| !matches!(self.state, RunState::Tripped(_))));
-        if trip.is_none() && self.state == RunState::Running {
-            trip = self.decide(valid);
+        let guarded = match self.state {
+            RunState::Tripped(_) => false,
+            RunState::Running => true,
+            RunState::Standby | RunState::Testing => probe != Probe::Blind,
+        };
+        let mut trip = upset.or(fault.filter(|_| guarded));
+        match self.state {
+            RunState::Running if trip.is_none() => trip = self.decide(valid),
+            RunState::Testing if trip.is_none() => self.pulse(valid, probe),
+            _ => {}
         }
         if let Some(trip) = trip {
             self.fall(trip);
         }
-        if self.state != RunState::Running {
+        if !matches!(self.state, RunState::Running | RunState::Testing) {
             self.states.iter_mut().for_each(|state| state.level = Level::Low);
         }
         self.armed_ticks = self.armed_ticks.saturating_sub(1);
@@ -325,6 +368,18 @@ impl<const N: usize> Controller<N> {
             }
         }
         trip
+    }
+
+    /// Lets the one element that a self-test asks for have the high level, if it has a good reading; ends a test that is beyond its time.
+    fn pulse(&mut self, valid: u16, probe: Probe) {
+        if !self.is_armed() {
+            self.state = RunState::Standby;
+            return;
+        }
+        for (i, state) in self.states.iter_mut().enumerate().take(self.configured) {
+            let is_high = probe == Probe::Pulse(i as u8) && valid >> i & 1 == 1;
+            state.level = if is_high { Level::High } else { Level::Low };
+        }
     }
 
     /// Works out the power of every element and lets the models live through the tick; beside it what the observers see.

@@ -177,7 +177,7 @@ pub enum Judgement {
 }
 
 /// Judges one reading that was taken while `level` was on.
-#[inline(always)] // there is one caller; where several controllers are built, that is not seen by itself
+#[inline(always)] // into the tick, where time counts
 pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level) -> Judgement {
     let code = match reading {
         Reading::Code(code) => code,

@@ -1,4 +1,4 @@
-//! Decisions: what one element does, what trips it, the controller that ticks them all, and the anemometer that reads the wind off its ticks.
+//! Decisions: what one element does, what trips it, how it is tested, the controller that ticks them all, and the anemometer that reads the wind off its ticks.
 
 pub mod anemometer;
 pub mod command;
@@ -6,6 +6,7 @@ pub mod controller;
 pub mod digest;
 pub mod drive;
 pub mod guard;
+pub mod self_test;
 pub mod station;
 pub mod targets;
 
@@ -15,5 +16,6 @@ pub use controller::{Controller, ElementConfig, Heaters, RunState, Tick};
 pub use digest::Digest;
 pub use drive::Drive;
 pub use guard::{Cause, GuardConfig, Limits, Trip};
+pub use self_test::{Fault, Faults, Finding, Response, SelfTest, SelfTestPlan};
 pub use station::Station;
 pub use targets::Margins;

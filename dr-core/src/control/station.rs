@@ -2,10 +2,11 @@
 
 use super::anemometer::{Anemometer, WindCommand, WindTick};
 use super::command::{Command, Refusal, Reply};
-use super::controller::{Controller, RunState, Tick};
+use super::controller::{Controller, Probe, RunState, Tick};
 use super::digest::Digest;
 use super::guard::Cause;
-use crate::sensor::Reading;
+use super::self_test::SelfTest;
+use crate::sensor::{Input, Reading};
 
 /// The two, which are told and ticked together.
 ///
@@ -15,6 +16,12 @@ use crate::sensor::Reading;
 pub struct Station<const N: usize> {
     controller: Controller<N>,
     anemometer: Anemometer<N>,
+    /// The one that goes on, or the last one that came to its end.
+    self_test: Option<SelfTest<N>>,
+    /// Nobody has asked yet what it has found.
+    is_news: bool,
+    /// What the front end has been asked for with the last tick.
+    input: Input,
 }
 
 impl<const N: usize> Station<N> {
@@ -43,13 +50,21 @@ impl<const N: usize> Station<N> {
             Command::Start => self.anemometer.restart(),
             _ => {}
         }
+        match command {
+            Command::SelfTest(plan) => {
+                let pulse_ticks = self.controller.pulse_ticks(&plan)?;
+                self.self_test = Some(SelfTest::new(plan, pulse_ticks, self.controller.elements()));
+            }
+            Command::Arm { .. } | Command::Disarm | Command::Acknowledge => {}
+            _ => (self.self_test, self.is_news) = (None, false),
+        }
         Ok(reply)
     }
 
     fn handle_wind(&mut self, command: &WindCommand) -> Result<Reply, Refusal> {
         match (command, self.controller.state()) {
             (WindCommand::Gas { .. }, _) | (_, RunState::Standby) => {}
-            (_, RunState::Running) => return Err(Refusal::NotInStandby),
+            (_, RunState::Running | RunState::Testing) => return Err(Refusal::NotInStandby),
             (_, RunState::Tripped(trip)) => return Err(Refusal::Tripped(trip)),
         }
         let sample_period_s = self.controller.sample_period_s().ok_or(Refusal::NoSamplePeriod)?;
@@ -76,9 +91,47 @@ impl<const N: usize> Station<N> {
         self.controller.upset(which, element, bit)
     }
 
+    /// What the front end is to read from now on, asked for after each tick.
+    pub const fn input(&self) -> Input {
+        self.input
+    }
+
+    /// A self-test that is over: once.
+    pub fn take_self_test(&mut self) -> Option<&SelfTest<N>> {
+        self.self_test.as_ref().filter(|_| core::mem::take(&mut self.is_news))
+    }
+
+    const fn is_in_test(&self) -> bool {
+        match &self.self_test {
+            Some(test) => !test.is_over(),
+            None => false,
+        }
+    }
+
     /// The first half of a tick: readings in, levels out.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
-        self.controller.tick(readings)
+        let probe = self.self_test.as_ref().map_or(Probe::None, SelfTest::probe);
+        // What is not of the elements is none of the controller's business.
+        let nothing = [Reading::Missing; N];
+        let of_elements = if matches!(self.input, Input::Element) { readings } else { &nothing };
+        let mut tick = self.controller.tick_with(of_elements, probe);
+        if self.is_in_test() || !matches!(self.input, Input::Element) {
+            self.step_test(readings, &mut tick);
+        }
+        tick
+    }
+
+    /// What a tick means to the self-test, and to the front end after one that was ended early.
+    #[inline(never)]
+    fn step_test(&mut self, readings: &[Reading; N], tick: &mut Tick<N>) {
+        self.input = Input::Element;
+        let Some(test) = self.self_test.as_mut().filter(|test| !test.is_over()) else { return };
+        test.step(readings, tick, &self.controller);
+        self.input = test.input();
+        self.is_news = test.is_over();
+        if self.is_news && tick.state == RunState::Testing && self.controller.handle(Command::Stop).is_ok() {
+            tick.state = self.controller.state();
+        }
     }
 
     /// The second half: the wind, where an answer is due.

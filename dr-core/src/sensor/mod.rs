@@ -5,4 +5,4 @@ pub mod reading;
 pub mod wind;
 
 pub use platinum::Platinum;
-pub use reading::{Channel, Level, Reading};
+pub use reading::{Channel, Input, Level, Reading};

@@ -24,6 +24,22 @@ pub enum Reading {
     Missing,
 }
 
+/// What the front end's converters are connected to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Input {
+    /// The elements.
+    #[default]
+    Element,
+    /// Nothing: both inputs of each converter are one.
+    Shorted,
+    /// A voltage that the front end knows, scaled so that it reads [`REFERENCE_CODE`] if all is well.
+    Reference,
+}
+
+/// What [`Input::Reference`] reads if voltage and converter are right: half the scale of a converter of 24 bit.
+pub const REFERENCE_CODE: i32 = 1 << 22;
+
 /// One of the two currents of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -92,7 +108,17 @@ impl Channel {
     /// Resistance in Ω from a code that was taken while `level` was on.
     pub fn resistance_ohm(&self, code: i32, level: Level) -> f32 {
         // A 24-bit code is exact in f32.
-        code as f32 * self.volt_per_code / self.current_a(level)
+        self.volt(code as f32) / self.current_a(level)
+    }
+
+    /// Voltage in V of a code, or of a mean of codes.
+    pub fn volt(&self, code: f32) -> f32 {
+        code * self.volt_per_code
+    }
+
+    /// Voltage in V over a resistance in Ω at a level.
+    pub fn volt_of_resistance(&self, resistance_ohm: f32, level: Level) -> f32 {
+        resistance_ohm * self.current_a(level)
     }
 
     /// Heating power in W of a resistance in Ω at a level: I²R.

@@ -20,7 +20,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
 use dr_core::control::{Digest, Heaters, Station, Tick, WindTick};
-use dr_core::sensor::Reading;
+use dr_core::sensor::{Input, Reading};
 use firmware::dead_man::DeadMan;
 use firmware::inbox::Exchange;
 use firmware::outbox::Sequence;
@@ -72,6 +72,7 @@ pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: 
             exchanges,
             answering: 0,
             digest: Digest::default(),
+            input: Input::Element,
             usart: fifos.is_none().then_some((bench_tx, Sequence::new())),
         },
         host_receiver: HostReceiver(host_rx),
@@ -199,6 +200,7 @@ pub struct FrontEnd {
     exchanges: Consumer<'static, Exchange>,
     answering: u16,
     digest: Digest,
+    input: Input,
     /// Its own way out. Without it the answers go out with all other messages.
     usart: Option<(Tx<USART1>, Sequence)>,
 }
@@ -218,6 +220,11 @@ impl FrontEnd {
         DEAD_MAN.decided(tick.heaters.0 != 0);
         PINS.store(tick.heaters.0, Relaxed);
         true
+    }
+
+    /// What the next readings shall be of goes with the answer, too.
+    pub const fn select(&mut self, input: Input) {
+        self.input = input;
     }
 
     /// Answers the exchange with the levels and a digest of all that led to them and followed from them. Gives the answer back if it
@@ -241,7 +248,7 @@ impl FrontEnd {
 
     fn tell_levels(&mut self, to: u16) -> Option<FromBoard> {
         let heaters = Heaters(PINS.load(Relaxed));
-        let answer = FromBoard::Heaters(HeaterFrame { to, heaters, digest: self.digest.value() });
+        let answer = FromBoard::Heaters(HeaterFrame { to, heaters, input: self.input, digest: self.digest.value() });
         let Some((usart, sequence)) = &mut self.usart else { return Some(answer) };
         let mut buffer = [0; MAX_FRAME];
         if let Ok(frame) = encode(sequence.next(0), &answer, &mut buffer) {

@@ -126,11 +126,24 @@ impl fmt::Display for Register {
 }
 
 /// What a channel's converter is connected to, as its register wants it: powered, gain 1.
-#[derive(Clone, Copy)]
-enum Input {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Input {
+    /// Its pins: the element.
     Pins = 0x10,
+    /// Both on one potential inside the chip.
     Shorted = 0x11,
+    /// The chip's supply, in parts: see [`SUPPLY_CODES`].
+    Supply = 0x13,
 }
+
+/// Codes that [`Input::Supply`] gives at the board's nominal supplies: half of AVDD (5.0 V) less AVSS on channels 1, 2, 5 and 6, a quarter of DVDD
+/// (3.3 V) on 3 and 4 (data sheet SBAS561, "supply measurement").
+pub const SUPPLY_CODES: [i32; CHANNELS] = {
+    const ANALOG: i32 = (2.5 / VOLT_PER_CODE) as i32;
+    const DIGITAL: i32 = (0.825 / VOLT_PER_CODE) as i32;
+    [ANALOG, ANALOG, DIGITAL, DIGITAL, ANALOG, ANALOG]
+};
 
 /// One conversion of all channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -207,6 +220,19 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::STOP, delay)?;
         self.write_register(Register::Config1, config1(rate), delay)?;
         self.verify_register(Register::Config1, config1(rate), delay)?;
+        self.command(command::START, delay)?;
+        self.command(command::RDATAC, delay)
+    }
+
+    /// Connects all converters of a chip that converts already to something else. Takes 0.2 ms, after which conversions begin anew.
+    ///
+    /// # Errors
+    /// A register that does not hold what was written, or a bus that failed. The chip is then not converting; another call may find it better.
+    pub fn select(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+        self.command(command::SDATAC, delay)?;
+        self.command(command::STOP, delay)?;
+        self.connect(input, delay)?;
+        self.verify_connected(input, delay)?;
         self.command(command::START, delay)?;
         self.command(command::RDATAC, delay)
     }

@@ -5,7 +5,9 @@
 
 use super::store::{Store, StoreError};
 use embedded_storage::nor_flash::NorFlash;
-use wire::settings::{KeyNumber, Setting, SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, Unusable};
+use wire::settings::{
+    KeyNumber, Setting, SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, TestRecord, Unusable,
+};
 
 /// Values that the instrument has not taken and whose reasons are remembered; of more only the number is.
 const MOST_REFUSED: usize = 8;
@@ -91,6 +93,14 @@ impl<F: NorFlash> Clerk<F> {
             SettingsRequest::Check if store.is_whole() => Ok(SettingsReply::Done),
             SettingsRequest::Check => Err(SettingsRefusal::NotWhole),
             SettingsRequest::Load => Ok(SettingsReply::Loaded { taken: self.taken, left: self.left }),
+        }
+    }
+
+    /// Keeps what a self-test has found. A flash that does not take it has said so to whoever asks (`Check`), and the finding has been told.
+    pub fn keep(&mut self, record: &TestRecord) {
+        let setting = Setting::Tested(record.clone());
+        if let (Some(store), Some(key), Ok(value)) = (&mut self.store, setting.key(), setting.value()) {
+            store.write(key.number(), &value).ok();
         }
     }
 

@@ -27,6 +27,7 @@ mod predict_against;
 mod predict_summary;
 mod reduce;
 mod run;
+mod self_test;
 mod settings;
 mod study;
 mod thesis;
@@ -55,6 +56,7 @@ Examples:
   anemo check experiments/gusts.toml
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
   anemo run experiments/gusts.toml --on serial:/dev/ttyUSB0 -o gusts.csv
+  anemo self-test experiments/gusts.toml --on serial:/dev/ttyUSB0
   anemo settings show --on serial:/dev/ttyUSB0
   anemo plot gusts.parquet -o gusts.svg
   anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
@@ -72,6 +74,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Arguments),
+    SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
@@ -145,6 +148,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Command::Run(arguments) => run::execute(&arguments),
+        Command::SelfTest(arguments) => self_test::execute(&arguments),
         Command::Settings(arguments) => settings::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Design(arguments) => design::execute(&arguments),

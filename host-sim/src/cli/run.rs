@@ -222,19 +222,24 @@ fn outcome(summary: &RunSummary) -> Metadata {
 
 /// A bar on a terminal, nothing anywhere else.
 fn progress_bar(experiment: &Experiment) -> ProgressBar {
+    progress_of(&experiment.title, Some(experiment.ticks.into()))
+}
+
+/// A bar of so many ticks, where somebody looks.
+pub(super) fn progress_of(title: &str, ticks: Option<u64>) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::with_draw_target(Some(u64::from(experiment.ticks)), ProgressDrawTarget::stderr_with_hz(10));
+    let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(10));
     let style = ProgressStyle::with_template("{msg}  {bar:40}  {percent:>3} %  {eta} left");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.set_message(experiment.title.clone());
+    bar.set_message(title.to_owned());
     bar
 }
 
 /// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run ends tidily and no
 /// heater stays on; the second one ends the process at once.
-fn on_interrupt() -> Arc<AtomicBool> {
+pub(super) fn on_interrupt() -> Arc<AtomicBool> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     // Without a handler Ctrl-C still works, only less tidily.

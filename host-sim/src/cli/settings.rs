@@ -97,29 +97,29 @@ enum Task {
 }
 
 #[derive(clap::Args)]
-struct BoardArguments {
+pub(super) struct BoardArguments {
     /// Whose settings.
     #[arg(long, value_name = "qemu|serial:DEVICE")]
-    on: On,
+    pub(super) on: On,
     /// The file that is the flash of the emulated board; it is made if there is none.
     #[arg(long, value_name = "FILE", default_value = "settings.flash")]
-    flash: PathBuf,
+    pub(super) flash: PathBuf,
     /// The firmware that the emulated board runs.
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
-    firmware: Option<PathBuf>,
+    pub(super) firmware: Option<PathBuf>,
     /// How to talk to the emulated board.
     #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
-    link: LinkName,
+    pub(super) link: LinkName,
 }
 
 /// A board that is open.
-enum Board {
+pub(super) enum Board {
     Emulated(Box<Emulated>),
     Serial(Box<Serial>),
 }
 
 impl Board {
-    fn open(arguments: &BoardArguments) -> Result<Self, Failure> {
+    pub(super) fn open(arguments: &BoardArguments) -> Result<Self, Failure> {
         Ok(match &arguments.on {
             On::Sim => {
                 return Err(Failure::usage(
@@ -135,14 +135,14 @@ impl Board {
         })
     }
 
-    fn keeper(&mut self) -> &mut dyn Keeper {
+    pub(super) fn keeper(&mut self) -> &mut dyn Keeper {
         match self {
             Self::Emulated(board) => board.as_mut(),
             Self::Serial(board) => board.as_mut(),
         }
     }
 
-    fn close(self) -> Result<(), Failure> {
+    pub(super) fn close(self) -> Result<(), Failure> {
         match self {
             Self::Emulated(board) => board.finish().map(|_: Account| ()).map_err(Failure::work),
             // It goes on with whatever it does.

@@ -7,11 +7,11 @@
 mod process;
 mod stream;
 
-use super::link::{Link, PATIENCE, Persistence, Stream};
+use super::link::{Link, Persistence, Stream};
 use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, Keeper, TickReport, why_it_started};
-use dr_core::control::{Command, Heaters, Reply};
-use dr_core::sensor::Reading;
+use dr_core::control::{Command, Finding, Heaters, Reply};
+use dr_core::sensor::{Input, Reading};
 use process::Process;
 use std::path::Path as FilePath;
 use std::time::Duration;
@@ -54,6 +54,8 @@ pub struct Emulated {
     answer: Option<HeaterFrame>,
     sample: Option<TickReport>,
     status: Option<Status>,
+    input: Input,
+    findings: Vec<Finding>,
     /// Who it has become by a start that nobody here asked for.
     reborn: Option<Identity>,
     /// Exchanges since the host link was last read.
@@ -99,6 +101,8 @@ impl Emulated {
             answer: None,
             sample: None,
             status: None,
+            input: Input::Element,
+            findings: Vec::new(),
             reborn: None,
             unattended: 0,
         })
@@ -110,6 +114,11 @@ impl Emulated {
     /// If the board is gone.
     pub fn inject(&mut self, bytes: &[u8]) -> Result<(), InstrumentError> {
         Ok(self.links.host.stream_mut().write_all(bytes)?)
+    }
+
+    /// Waits no longer than so for any answer: where boards are expected that never answer again.
+    pub const fn be_patient_for(&mut self, patience: Duration) {
+        self.process.set_patience(patience);
     }
 
     /// The board's last word on its health.
@@ -142,7 +151,7 @@ impl Emulated {
             let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
             self.hear(message);
         }
-        (self.answer, self.sample, self.status) = (None, None, None);
+        self.forget();
         self.identity = self.reborn.take().unwrap_or_else(|| self.identity.clone());
         Ok(self.identity.clone())
     }
@@ -165,7 +174,7 @@ impl Emulated {
                     return Ok(false);
                 }
                 FromBoard::Identity(identity) => {
-                    (self.answer, self.sample, self.status) = (None, None, None);
+                    self.forget();
                     self.identity = identity;
                     return Ok(true);
                 }
@@ -226,7 +235,7 @@ impl Emulated {
         if answer.to != asked {
             return Err(InstrumentError::Protocol(format!("exchange {asked} was answered as {}", answer.to)));
         }
-        self.digest = answer.digest;
+        (self.digest, self.input) = (answer.digest, answer.input);
         Ok(answer)
     }
 
@@ -255,11 +264,18 @@ impl Emulated {
         self.reborn.as_ref().map_or(Ok(()), |reborn| Err(InstrumentError::Restarted(why_it_started(reborn))))
     }
 
+    /// What was of the life before.
+    fn forget(&mut self) {
+        (self.answer, self.sample, self.status, self.input) = (None, None, None, Input::Element);
+        self.findings.clear();
+    }
+
     fn hear(&mut self, message: FromBoard) {
         match message {
             FromBoard::Heaters(answer) => self.answer = Some(answer),
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
+            FromBoard::Tested(finding) => self.findings.push(finding),
             // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
             FromBoard::Event(_) | FromBoard::Reply { .. } | FromBoard::Setting(_) => {}
             // A board says who it is when it starts, and whenever it is asked.
@@ -279,7 +295,7 @@ impl Keeper for Emulated {
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
         let mut aside = Vec::new();
-        let once = Persistence { tries: 1, each: PATIENCE };
+        let once = Persistence { tries: 1, each: self.process.patience() };
         let reply = self.links.host.ask(request, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
@@ -294,7 +310,7 @@ impl Body for Emulated {
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.
-        let once = Persistence { tries: 1, each: PATIENCE };
+        let once = Persistence { tries: 1, each: self.process.patience() };
         let reply = self.links.host.command(command, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
@@ -305,11 +321,23 @@ impl Body for Emulated {
         self.sample(answer.heaters).map_err(|error| self.process.explain(error))
     }
 
+    fn input(&self) -> Input {
+        self.input
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.findings)
+    }
+
     fn digest(&self) -> u64 {
         self.digest
     }
 
     fn finish(mut self: Box<Self>) -> Result<Account, InstrumentError> {
+        if self.links.bench.is_some() {
+            // What the board has still to write is written when it answers; by one link for all it comes before the end in any case.
+            let _ = self.ask_settings(&SettingsRequest::Check);
+        }
         // The front end's link: the board looks there whatever it is doing.
         let sent = self.links.bench().send(&ToBoard::Finish { code: 0 });
         sent.map_err(|error| self.process.explain(error))?;

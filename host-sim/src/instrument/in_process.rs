@@ -2,8 +2,8 @@
 
 use super::lock_step::packed;
 use super::{Account, Body, InstrumentError, TickReport};
-use dr_core::control::{Command, Digest, Reply, Station};
-use dr_core::sensor::Reading;
+use dr_core::control::{Command, Digest, Finding, Reply, Station};
+use dr_core::sensor::{Input, Reading};
 use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
 
 /// dr-core's controller and anemometer, called directly.
@@ -11,6 +11,7 @@ pub struct InProcess {
     identity: Identity,
     station: Station<MOST_ELEMENTS>,
     digest: Digest,
+    findings: Vec<Finding>,
 }
 
 impl Default for InProcess {
@@ -36,6 +37,7 @@ impl InProcess {
             },
             station: Station::new(),
             digest: Digest::default(),
+            findings: Vec::new(),
         }
     }
 
@@ -68,8 +70,19 @@ impl Body for InProcess {
         let tick = self.station.tick(&packed(readings)?.readings());
         let wind = self.station.sense(&tick);
         self.station.fold(&tick, wind.as_ref(), &mut self.digest);
+        if let Some(test) = self.station.take_self_test() {
+            self.findings.extend_from_slice(test.findings());
+        }
         let told = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
         told.ok_or_else(|| InstrumentError::Protocol("a tick is told by another message".to_owned()))
+    }
+
+    fn input(&self) -> Input {
+        self.station.input()
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.findings)
     }
 
     fn digest(&self) -> u64 {

@@ -6,8 +6,8 @@
 
 use super::{Account, Instrument, InstrumentError, Observation, TickReport};
 use crate::sensor::{Sensor, Truth};
-use dr_core::control::{Command, Reply};
-use dr_core::sensor::Reading;
+use dr_core::control::{Command, Finding, Reply};
+use dr_core::sensor::{Input, Reading};
 use wire::{Identity, MOST_ELEMENTS, Readings};
 
 /// A controller that is given readings and answers with levels.
@@ -26,6 +26,16 @@ pub trait Body {
     /// # Errors
     /// If the body cannot be reached, or if there are more readings than any instrument has elements.
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError>;
+
+    /// What the next readings shall be of.
+    fn input(&self) -> Input {
+        Input::Element
+    }
+
+    /// What self-tests have found since this was last asked, one entry an element.
+    fn findings(&mut self) -> Vec<Finding> {
+        Vec::new()
+    }
 
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     fn digest(&self) -> u64;
@@ -80,7 +90,8 @@ impl<B: Body> Instrument for LockStep<B> {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let readings: Vec<Reading> = self.sensor.codes().iter().map(|&code| Reading::Code(code)).collect();
+        let codes = self.sensor.codes_of(self.body.input());
+        let readings: Vec<Reading> = codes.into_iter().map(Reading::Code).collect();
         let TickReport { sample, equivalent_power_w, wind } = self.body.exchange(&readings)?;
         self.sensor.advance(sample.heaters.0);
         Ok(Observation {
@@ -91,6 +102,10 @@ impl<B: Body> Instrument for LockStep<B> {
             gas_temperature_c: self.sensor.gas_swings().then(|| self.sensor.gas_temperature_c()),
             extrapolated: self.sensor.wind_extrapolated(),
         })
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        self.body.findings()
     }
 
     fn digest(&self) -> Option<u64> {

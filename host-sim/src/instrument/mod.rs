@@ -18,7 +18,7 @@ pub mod setup;
 pub use lock_step::{Body, LockStep};
 pub use setup::{ElementSetup, Setup};
 
-use dr_core::control::{Command, Refusal, Reply};
+use dr_core::control::{Command, Finding, Refusal, Reply};
 use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -106,6 +106,9 @@ pub trait Instrument {
     /// # Errors
     /// If the instrument cannot be reached.
     fn observe(&mut self) -> Result<Observation, InstrumentError>;
+
+    /// What self-tests have found since this was last asked, one entry an element.
+    fn findings(&mut self) -> Vec<Finding>;
 
     /// Digest of all states, temperatures and bits since the start of the run, where the whole state can be seen.
     fn digest(&self) -> Option<u64>;

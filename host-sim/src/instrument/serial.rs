@@ -6,7 +6,7 @@
 
 use super::link::{Link, Persistence, Stream};
 use super::{Account, Instrument, InstrumentError, Keeper, Observation, TickReport, why_it_started};
-use dr_core::control::{Command, Reply, RunState};
+use dr_core::control::{Command, Finding, Reply, RunState};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -67,6 +67,7 @@ impl Stream for Port {
 struct Heard {
     samples: VecDeque<TickReport>,
     status: Option<Status>,
+    findings: Vec<Finding>,
     /// Of the life in which the conversation began.
     starts: Option<u32>,
     restarted: bool,
@@ -80,6 +81,7 @@ impl Heard {
                 self.restarted |= self.status.as_ref().is_some_and(|before| status.uptime_s <= before.uptime_s);
                 self.status = Some(status);
             }
+            FromBoard::Tested(finding) => self.findings.push(finding),
             // Changes of state are in every sample; a reply that comes now is the second to a repeated command.
             // A board says who it is when it starts, and whenever it is asked.
             FromBoard::Identity(identity) => {
@@ -179,6 +181,10 @@ impl Instrument for Serial {
             let message = self.link.receive(self.silence)?;
             self.heard.take(message);
         }
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.heard.findings)
     }
 
     fn digest(&self) -> Option<u64> {

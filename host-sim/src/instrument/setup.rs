@@ -40,6 +40,20 @@ pub struct ElementSetup {
 /// # Errors
 /// The first command that is refused; the instrument is in standby then, or tripped as it was before.
 pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, InstrumentError> {
+    tell(instrument, setup)?;
+    instrument.command(ARM)?;
+    Ok(match instrument.command(Command::Start)? {
+        // It runs, but what it said got lost: that much is known here as well.
+        Reply::Done => judged(setup),
+        started @ Reply::Started { .. } => started,
+    })
+}
+
+/// Brings an instrument from whatever it does to standby, knowing this set-up.
+///
+/// # Errors
+/// As [`start`].
+pub fn tell(instrument: &mut dyn Instrument, setup: &Setup) -> Result<(), InstrumentError> {
     let board = usize::from(instrument.identity().elements);
     if setup.elements.len() > board {
         return Err(InstrumentError::TooManyElements { head: setup.elements.len(), board });
@@ -61,12 +75,7 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
     for wind in &setup.wind {
         instrument.command(Command::Wind(*wind))?;
     }
-    instrument.command(ARM)?;
-    Ok(match instrument.command(Command::Start)? {
-        // It runs, but what it said got lost: that much is known here as well.
-        Reply::Done => judged(setup),
-        started @ Reply::Started { .. } => started,
-    })
+    Ok(())
 }
 
 /// Brings a tripped instrument back to standby; one that is not tripped stays as it is.

@@ -14,6 +14,7 @@
 //! Limits: no settling of the currents, no reference drift, no correlation between channels; ideal 24-bit steps.
 
 use dr_core::sensor::platinum::Platinum;
+
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -69,6 +70,8 @@ pub struct FrontEnd {
     code_per_volt: f64,
     noise_v_rms: f64,
     noise: ChaCha8Rng,
+    /// Of the last sample.
+    noise_v: Vec<f64>,
 }
 
 impl FrontEnd {
@@ -91,6 +94,7 @@ impl FrontEnd {
             made.push(Element::new(element, imperfections, errors, i)?);
         }
         Ok(FrontEnd {
+            noise_v: vec![0.0; made.len()],
             elements: made,
             code_per_volt: 1.0 / volt_per_code,
             noise_v_rms: imperfections.noise_v_rms,
@@ -110,21 +114,34 @@ impl FrontEnd {
 
     /// Converts the voltage of every element into `codes`; bit i of `heaters` is element i at its high level. Draws fresh noise.
     pub fn sample(&mut self, temperature_c: &[f64], heaters: u16, codes: &mut [i32]) {
-        for (i, ((element, &temperature_c), code)) in self.elements.iter().zip(temperature_c).zip(codes).enumerate() {
+        let all = self.elements.iter().zip(temperature_c).zip(codes).zip(&mut self.noise_v);
+        for (i, (((element, &temperature_c), code), noise_v)) in all.enumerate() {
             let volt = match element.fault {
                 None => element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c),
                 Some(Fault::Open) => f64::INFINITY,
                 Some(Fault::Shorted) => 0.0,
             };
             let noise: f64 = StandardNormal.sample(&mut self.noise);
-            let exact = ((volt + self.noise_v_rms * noise) * self.code_per_volt).round();
-            *code = exact.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i32;
+            *noise_v = self.noise_v_rms * noise;
+            *code = code_of((volt + *noise_v) * self.code_per_volt);
         }
+    }
+
+    /// What the converters would have made of a voltage that amounts to `code`, at the last sample, with that sample's noise: neither has an offset, nor is its scale
+    /// in error.
+    pub fn codes_without_elements(&self, code: i32) -> Vec<i32> {
+        let code = f64::from(code);
+        self.noise_v.iter().map(|noise_v| code_of(code + noise_v * self.code_per_volt)).collect()
     }
 
     pub fn set_fault(&mut self, element: usize, fault: Option<Fault>) {
         self.elements[element].fault = fault;
     }
+}
+
+/// The nearest code there is.
+fn code_of(exact: f64) -> i32 {
+    exact.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i32
 }
 
 impl Imperfections {

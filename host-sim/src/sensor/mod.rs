@@ -45,6 +45,8 @@ pub mod sphere_a;
 pub mod sphere_b;
 pub mod wind;
 
+use dr_core::sensor::Input;
+use dr_core::sensor::reading::REFERENCE_CODE;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -252,6 +254,15 @@ impl Sensor {
     /// The converter's codes at the end of the last period, at the currents of that period; at first at the low level.
     pub fn codes(&self) -> &[i32] {
         &self.codes
+    }
+
+    /// The codes that another input of the converter would have given then.
+    pub fn codes_of(&self, input: Input) -> Vec<i32> {
+        match input {
+            Input::Element => self.codes.clone(),
+            Input::Shorted => self.front_end.codes_without_elements(0),
+            Input::Reference => self.front_end.codes_without_elements(REFERENCE_CODE),
+        }
     }
 
     pub fn truth(&self) -> Truth {

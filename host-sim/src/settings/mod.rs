@@ -15,6 +15,7 @@ use wire::{MOST_ELEMENTS, Setting, SettingsRefusal, SettingsReply, SettingsReque
 use crate::head::Head;
 use crate::head::calibration::Answering;
 use crate::instrument::{InstrumentError, Keeper};
+use crate::self_test::report;
 
 /// A value as a board keeps it.
 #[derive(Debug, Clone, PartialEq)]
@@ -164,6 +165,13 @@ pub fn content(setting: &Setting) -> serde_json::Value {
             other => of(serde_json::to_value(other)
                 .map(|value| value.as_object().and_then(|tagged| tagged.values().next()).cloned().unwrap_or(value))),
         },
+        // In brief: `anemo self-test --stored` tells all of it.
+        Setting::Tested(record) => serde_json::json!({
+            "date": record.unix_s.map(report::date),
+            "firmware": record.firmware.as_str(),
+            "starts": record.starts,
+            "verdict": report::verdict(&record.finding),
+        }),
         Setting::Command(other) => of(serde_json::to_value(other)),
     }
 }

@@ -26,7 +26,9 @@ pub fn of(number: KeyNumber) -> String {
     let Some(Key { kind, which }) = Key::of_number(number) else { return format!("{number:#06x}") };
     let name = kind.name();
     match kind {
-        Kind::Element | Kind::Model | Kind::Drive | Kind::Own | Kind::Point | Kind::Part => format!("{name}.{which}"),
+        Kind::Element | Kind::Model | Kind::Drive | Kind::Own | Kind::Point | Kind::Part | Kind::Tested => {
+            format!("{name}.{which}")
+        }
         Kind::Faster | Kind::Cross => format!("{name}.{}-{}", which >> 4, which & 15),
         _ if which == 0 => name.to_owned(),
         _ => format!("{name}.{which}"),

@@ -9,9 +9,11 @@ use firmware::past_life::{PastLife, end_of};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
+use std::collections::BTreeMap;
+use wire::settings::{KeyNumber, Value};
 use wire::{
     BoardKind, Crash, CrashKind, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Receiver, ResetCause,
-    ToBoard,
+    SettingsRefusal, ToBoard,
 };
 
 /// The parts of a board that knows its host by bytes alone.
@@ -151,4 +153,16 @@ impl Subject for Bench<'_> {
     fn upset(&mut self, which: usize, element: usize, bit: u32) -> Result<bool, InstrumentError> {
         Ok(self.body.station_mut().upset(which, element, bit).is_some())
     }
+
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError> {
+        Err(keeps_none())
+    }
+
+    fn store_with_a_cut(&mut self, _: KeyNumber, _: Value, _: u32) -> Result<bool, InstrumentError> {
+        Err(keeps_none())
+    }
+}
+
+fn keeps_none() -> InstrumentError {
+    InstrumentError::Settings(SettingsRefusal::Flash)
 }

@@ -8,9 +8,9 @@ use super::fault::Fault;
 use super::judge::Judge;
 use super::{Kind, Subject};
 use crate::{readings, sensor};
-use dr_core::control::{Cause, Command, Reply, RunState};
+use dr_core::control::{Cause, Command, Finding, Heaters, Reply, RunState};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::{Account, Instrument, InstrumentError, Observation};
+use host_sim::instrument::{Account, Body, Instrument, InstrumentError, Observation};
 use host_sim::sensor::Sensor;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -117,9 +117,27 @@ impl<S: Subject> Lab<'_, S> {
         }
     }
 
+    /// The supply fails while a setting is written: it is the old one or the new one then, and no heater is on before or after.
+    fn lose_power(&mut self, fault: &Fault, what: &str) -> Ended {
+        self.subject.command(Command::Stop).expect("it can always be stopped");
+        assert_eq!((self.tick(|_| ()), self.judge.levels()), (Ok(false), Heaters(0)), "{what}: stopped");
+        let (setting, after_bytes) = fault.interrupted();
+        let (key, value) = (setting.key().expect("it is one that is kept").number(), setting.value().expect("it fits"));
+        let old = self.subject.kept().expect("it keeps settings");
+        let new: BTreeMap<_, _> = old.clone().into_iter().chain([(key, value.clone())]).collect();
+        let failed = self.subject.store_with_a_cut(key, value, after_bytes).expect("it comes back");
+        assert_eq!((self.tick(|_| ()), self.judge.levels()), (Ok(false), Heaters(0)), "{what}: before it is started");
+        let now = self.subject.kept().expect("they are whole");
+        assert!(now == new || failed && now == old, "{what}: neither old nor new, cut after {after_bytes} bytes");
+        Ended::Reset
+    }
+
     /// A fault from its beginning to its end.
     fn suffer(&mut self, mut fault: Fault, what: &str) -> Ended {
         let kind = fault.kind;
+        if kind == Kind::PowerCut {
+            return self.lose_power(&fault, what);
+        }
         if let Some(bytes) = fault.bytes() {
             self.subject.hear(&bytes).expect("the link takes anything");
         }
@@ -187,9 +205,9 @@ fn is_wrong(fault: &Fault, t: u32) -> bool {
 }
 
 /// A subject as that to which commands are given.
-struct AsInstrument<'a, S>(&'a mut S);
+pub(super) struct AsInstrument<'a, S: ?Sized>(pub &'a mut S);
 
-impl<S: Subject> Instrument for AsInstrument<'_, S> {
+impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
     fn identity(&self) -> &Identity {
         self.0.identity()
     }
@@ -200,6 +218,10 @@ impl<S: Subject> Instrument for AsInstrument<'_, S> {
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         Err(InstrumentError::Protocol("it is only set up this way".to_owned()))
+    }
+
+    fn findings(&mut self) -> Vec<Finding> {
+        Vec::new()
     }
 
     fn digest(&self) -> Option<u64> {

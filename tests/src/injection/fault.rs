@@ -1,11 +1,11 @@
 //! What can go wrong: kinds, and faults of a kind as a seed draws them.
 
-use dr_core::control::{Command, Drive};
+use dr_core::control::{Command, Drive, GuardConfig};
 use dr_core::sensor::{Level, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use wire::{MAX_FRAME, Provocation, ToBoard, encode};
+use wire::{MAX_FRAME, Provocation, Setting, ToBoard, encode};
 
 /// Kinds of faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,11 +34,12 @@ pub enum Kind {
     Reset,
     Panic,
     ProcessorFault,
+    PowerCut,
 }
 
 impl Kind {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Open,
         Self::Short,
         Self::TooHot,
@@ -63,6 +64,7 @@ impl Kind {
         Self::Reset,
         Self::Panic,
         Self::ProcessorFault,
+        Self::PowerCut,
     ];
 
     /// For the table.
@@ -92,6 +94,7 @@ impl Kind {
             Self::Reset => "reset",
             Self::Panic => "panic",
             Self::ProcessorFault => "processor fault",
+            Self::PowerCut => "supply gone while a setting is written",
         }
     }
 
@@ -170,7 +173,8 @@ impl Fault {
 
     /// Whether it changes readings, in the ticks in which it is on.
     pub const fn changes_readings(&self) -> bool {
-        !self.kind.is_counted() && !matches!(self.kind, Kind::Replayed | Kind::Upset) && self.kind.harm().is_none()
+        let is_elsewhere = matches!(self.kind, Kind::Replayed | Kind::Upset | Kind::PowerCut);
+        !self.kind.is_counted() && !is_elsewhere && self.kind.harm().is_none()
     }
 
     /// Whether the front end says anything at all then.
@@ -203,6 +207,19 @@ impl Fault {
             Kind::StaleOnce | Kind::StaleLong => Reading::Stale,
             _ => return,
         };
+    }
+
+    /// The setting that is being written when the supply fails, and after how many bytes of it.
+    pub fn interrupted(&self) -> (Setting, u32) {
+        let ticks = self.bits / 64;
+        let command = if self.bits & 1 == 0 {
+            let guard = GuardConfig { missing_limit_ticks: ticks, unreachable_limit_ticks: 100, stuck_limit_ticks: 0 };
+            Command::Guard(guard)
+        } else {
+            let drive = Drive::Temperature { target_c: -20.0 - self.size as f32 };
+            Command::Drive { element: self.element as u8, drive }
+        };
+        (Setting::Command(command), ticks % 60)
     }
 
     /// Bytes that come over the link by it; none if it is not one of those.

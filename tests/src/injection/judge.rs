@@ -13,7 +13,8 @@ use host_sim::instrument::TickReport;
 #[derive(Debug, Clone, Copy)]
 struct Element {
     resistance_0c_ohm: f64,
-    coefficient_per_c: f64,
+    /// Of a linear resistor; none for one by IEC 60751.
+    coefficient_per_c: Option<f64>,
     current_low_a: f64,
     current_high_a: f64,
     least_ohm: f64,
@@ -34,11 +35,30 @@ pub struct Judge {
 /// How near a temperature has to be told, K: f32 at the resistances and codes of these heads.
 const TOLD_WITHIN_K: f64 = 1e-3;
 
+impl Element {
+    /// The temperature at which it has a resistance, °C.
+    fn temperature_c(&self, ohm: f64) -> f64 {
+        let ratio = ohm / self.resistance_0c_ohm;
+        if let Some(coefficient_per_c) = self.coefficient_per_c {
+            return (ratio - 1.0) / coefficient_per_c;
+        }
+        // IEC 60751: R(t)/R(0) = 1 + A t + B t² + C (t − 100) t³, the last term below 0 °C only. Rises over the whole range, hence by halves.
+        let (mut low_c, mut high_c) = (-300.0, 1000.0);
+        for _ in 0..60 {
+            let c: f64 = 0.5 * (low_c + high_c);
+            let cold = if c < 0.0 { -4.183e-12 * (c - 100.0) * c.powi(3) } else { 0.0 };
+            let bound = if 1.0 + 3.9083e-3 * c - 5.775e-7 * c * c + cold < ratio { &mut low_c } else { &mut high_c };
+            *bound = c;
+        }
+        low_c
+    }
+}
+
 impl Judge {
-    /// For the head of an experiment whose resistors are linear.
+    /// For the head of an experiment whose resistors are linear, or by IEC 60751.
     ///
     /// # Panics
-    /// If they are not, or the file says less than all.
+    /// If the file says less than all.
     pub fn new(experiment: &Experiment) -> Self {
         let head: toml::Table = experiment.head.source.text.parse().expect("a head is TOML");
         let adc = head["adc"].as_table().expect("a head has an ADC");
@@ -51,7 +71,7 @@ impl Judge {
             let platinum = kind["platinum"].as_table().expect("a resistor");
             Element {
                 resistance_0c_ohm: number(platinum, "resistance_0c_ohm"),
-                coefficient_per_c: number(platinum, "coefficient_per_c"),
+                coefficient_per_c: platinum.get("coefficient_per_c").map(|_| number(platinum, "coefficient_per_c")),
                 current_low_a: number(kind, "current_low_a"),
                 current_high_a: number(kind, "current_high_a"),
                 least_ohm: number(kind, "resistance_min_ohm"),
@@ -75,7 +95,7 @@ impl Judge {
         let of = &self.elements[i];
         let current_a = if self.levels.is_high(i) { of.current_high_a } else { of.current_low_a };
         let ohm = f64::from(code) * self.volt_per_code / current_a;
-        let c = (ohm / of.resistance_0c_ohm - 1.0) / of.coefficient_per_c;
+        let c = of.temperature_c(ohm);
         // On the very limit f32 may decide otherwise.
         let (some_ohm, some_k) = (1e-4 * ohm.abs(), 0.05);
         let is_valid = ohm > of.least_ohm - some_ohm && ohm < of.most_ohm + some_ohm && c < of.most_c + some_k;
@@ -100,6 +120,18 @@ impl Judge {
         }
         self.levels_are(sample.heaters, what);
         all_told
+    }
+
+    /// A tick with readings of which only the levels are told.
+    ///
+    /// # Panics
+    /// If the invariant is broken.
+    pub fn levels_told(&mut self, readings: &[Reading], levels: Heaters, what: &str) {
+        for i in 0..self.elements.len() {
+            let is_valid = readings.get(i).is_some_and(|&reading| self.valid_c(i, reading).is_some());
+            self.age_ticks[i] = if is_valid { 0 } else { self.age_ticks[i].saturating_add(1) };
+        }
+        self.levels_are(levels, what);
     }
 
     /// A tick without any.

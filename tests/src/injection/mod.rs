@@ -15,14 +15,20 @@
 //! | `bench.rs` | the former |
 //! | `judge.rs` | the invariant, and whether readings are told as they are |
 //! | `campaign.rs` | one fault after the other, and the table of what came of them |
+//! | `memory.rs` | where a bit of the emulated board's RAM can flip |
+//! | `upsets.rs` | one such bit a board, against a twin in this process |
 
 mod bench;
 mod campaign;
 mod fault;
 mod judge;
+mod memory;
 mod subject;
+mod upsets;
 
 pub use bench::with_bench;
 pub use campaign::{Row, campaign, table};
 pub use fault::Kind;
+pub use memory::Region;
 pub use subject::Subject;
+pub use upsets::{End, Upsets, upsets, warm};

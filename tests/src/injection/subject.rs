@@ -3,7 +3,10 @@
 use dr_core::control::Heaters;
 use host_sim::instrument::emulated::Emulated;
 use host_sim::instrument::{Body, InstrumentError};
-use wire::{LinkCounters, Provocation};
+use host_sim::settings::read_all;
+use std::collections::BTreeMap;
+use wire::settings::{KeyNumber, Value};
+use wire::{LinkCounters, Provocation, SettingsRequest};
 
 /// A running instrument to which things can happen.
 pub trait Subject: Body {
@@ -36,6 +39,18 @@ pub trait Subject: Body {
     /// # Errors
     /// If it cannot be reached.
     fn upset(&mut self, which: usize, element: usize, bit: u32) -> Result<bool, InstrumentError>;
+
+    /// All settings that it keeps.
+    ///
+    /// # Errors
+    /// If it cannot be reached, or keeps none.
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError>;
+
+    /// Stores a setting while the supply fails after so many bytes. Whether it has failed: all may have been written by then.
+    ///
+    /// # Errors
+    /// If it cannot be reached, or keeps none.
+    fn store_with_a_cut(&mut self, key: KeyNumber, value: Value, after_bytes: u32) -> Result<bool, InstrumentError>;
 }
 
 impl Subject for Emulated {
@@ -62,5 +77,15 @@ impl Subject for Emulated {
     /// Its memory is hit anywhere, by [`harm`](Self::harm).
     fn upset(&mut self, _: usize, _: usize, _: u32) -> Result<bool, InstrumentError> {
         Ok(false)
+    }
+
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError> {
+        let (kept, is_whole) = read_all(self)?;
+        let all = kept.into_iter().map(|kept| (kept.number, kept.value)).collect();
+        is_whole.then_some(all).ok_or_else(|| InstrumentError::Protocol("it has lost some of what it kept".to_owned()))
+    }
+
+    fn store_with_a_cut(&mut self, key: KeyNumber, value: Value, after_bytes: u32) -> Result<bool, InstrumentError> {
+        self.ask_with_a_cut(after_bytes, &SettingsRequest::Store { key, value })
     }
 }

@@ -3,6 +3,7 @@
 use super::{Cause, Controller, Element, ElementConfig, ElementState, RunState, Trip};
 use crate::control::command::{Command, LONGEST_ARMED_S, Refusal, Reply};
 use crate::control::drive::Drive;
+use crate::control::self_test::{SelfTestPlan, plan};
 use crate::control::targets;
 use crate::error::{self, Parameter};
 use crate::model::SelfHeating;
@@ -82,10 +83,11 @@ impl<const N: usize> Controller<N> {
             Command::Acknowledge => match self.state {
                 RunState::Tripped(Trip { cause: Cause::Upset, .. }) => self.forget(),
                 RunState::Tripped(_) => self.state = RunState::Standby,
-                RunState::Standby | RunState::Running => return Err(Refusal::NotTripped),
+                RunState::Standby | RunState::Running | RunState::Testing => return Err(Refusal::NotTripped),
             },
             Command::Arm { window_s } => self.arm(window_s)?,
             Command::Disarm => self.armed_ticks = 0,
+            Command::SelfTest(plan) => self.begin_test(&plan)?,
         }
         Ok(Reply::Done)
     }
@@ -96,9 +98,7 @@ impl<const N: usize> Controller<N> {
     }
 
     fn arm(&mut self, window_s: f32) -> Result<(), Refusal> {
-        if let RunState::Tripped(trip) = self.state {
-            return Err(Refusal::Tripped(trip));
-        }
+        self.not_testing()?;
         let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
         let window_s = error::positive(Parameter::WindowS, window_s)
             .and_then(|window_s| error::within(Parameter::WindowS, window_s, 0.0, LONGEST_ARMED_S))
@@ -108,14 +108,50 @@ impl<const N: usize> Controller<N> {
         Ok(())
     }
 
+    /// Without a pulse nothing changes but what is read.
+    fn begin_test(&mut self, plan: &SelfTestPlan) -> Result<(), Refusal> {
+        match self.state {
+            RunState::Standby => {}
+            RunState::Tripped(_) if plan.pulse_s.is_none() => {}
+            RunState::Tripped(trip) => return Err(Refusal::Tripped(trip)),
+            RunState::Running | RunState::Testing => return Err(Refusal::NotInStandby),
+        }
+        if self.configured == 0 {
+            return Err(Refusal::NotConfigured { element: 0 });
+        }
+        let pulse_ticks = self.pulse_ticks(plan)?;
+        if pulse_ticks > 0 {
+            self.armed()?;
+            // Its last tick is the one that is not armed any more.
+            self.armed_ticks = plan::test_ticks(pulse_ticks, self.configured);
+            self.state = RunState::Testing;
+        }
+        Ok(())
+    }
+
+    /// Length of a self-test's pulse; 0 without one.
+    pub(in crate::control) fn pulse_ticks(&self, plan: &SelfTestPlan) -> Result<u32, Refusal> {
+        let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
+        plan.pulse_ticks(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })
+    }
+
     const fn armed(&self) -> Result<(), Refusal> {
         if self.is_armed() { Ok(()) } else { Err(Refusal::NotArmed) }
+    }
+
+    /// In standby or running.
+    const fn not_testing(&self) -> Result<(), Refusal> {
+        match self.state {
+            RunState::Standby | RunState::Running => Ok(()),
+            RunState::Testing => Err(Refusal::NotInStandby),
+            RunState::Tripped(trip) => Err(Refusal::Tripped(trip)),
+        }
     }
 
     fn in_standby(&self) -> Result<(), Refusal> {
         match self.state {
             RunState::Standby => Ok(()),
-            RunState::Running => Err(Refusal::NotInStandby),
+            RunState::Running | RunState::Testing => Err(Refusal::NotInStandby),
             RunState::Tripped(trip) => Err(Refusal::Tripped(trip)),
         }
     }
@@ -140,9 +176,7 @@ impl<const N: usize> Controller<N> {
     }
 
     fn set_drive(&mut self, element: u8, drive: Drive) -> Result<(), Refusal> {
-        if let RunState::Tripped(trip) = self.state {
-            return Err(Refusal::Tripped(trip));
-        }
+        self.not_testing()?;
         if self.state == RunState::Running && drive.can_heat() {
             self.armed()?;
         }

@@ -39,7 +39,7 @@
 //! ```
 
 mod answer;
-mod arithmetic;
+pub(crate) mod arithmetic;
 pub mod card;
 mod descent;
 mod fold;

@@ -242,6 +242,36 @@ fn changes_its_rate_byte_by_byte_and_keeps_the_offsets() {
 }
 
 #[test]
+fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() {
+    for (input, register) in [(Input::Shorted, 0x11), (Input::Supply, 0x13), (Input::Pins, 0x10)] {
+        let change = [
+            command(0x11),
+            command(0x0A),
+            channels(write, register),
+            channels(read, register),
+            command(0x08),
+            command(0x10),
+            frame([0xC0, 0, 0], [10; CHANNELS]),
+        ];
+        let mut adc = running(&change.concat(), [3; CHANNELS]);
+        adc.select(input, &mut NoopDelay::new()).unwrap();
+        assert_eq!(adc.read_frame().unwrap().codes, [7; CHANNELS]);
+        done(adc);
+    }
+    // 2.5 V and 0.825 V of 4 V.
+    assert_eq!(SUPPLY_CODES, [5_242_880, 5_242_880, 1_730_150, 1_730_150, 5_242_880, 5_242_880]);
+}
+
+#[test]
+fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
+    let change = [command(0x11), command(0x0A), channels(write, 0x11), read(0x05, 0x11), read(0x06, 0x10)];
+    let mut adc = running(&change.concat(), [0; CHANNELS]);
+    let error = adc.select(Input::Shorted, &mut NoopDelay::new()).unwrap_err();
+    assert_eq!(error, Error::NotKept { register: Register::Channel(1), written: 0x11, read: 0x10 });
+    done(adc);
+}
+
+#[test]
 fn a_rate_that_is_not_kept_is_refused_and_nothing_converts() {
     let change = [command(0x11), command(0x0A), write(0x01, 0x94), read(0x01, 0x96)];
     let mut adc = running(&change.concat(), [0; CHANNELS]);

@@ -221,3 +221,40 @@ fn something_else_in_the_flash_is_refused_until_it_is_erased() {
     store.write(1, &[2]).unwrap();
     assert_eq!(found(store.flash_mut()), (Known::from([(1, vec![2])]), true));
 }
+
+/// The marks of sectors rot, too, and with them the order of sectors.
+#[test]
+fn what_is_listed_can_be_read_whatever_word_has_rotted() {
+    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), Known::new());
+    let mut opened = 0;
+    for turn in 0..60 {
+        write(&mut store, &mut known, turn);
+        if turn % 4 > 0 {
+            continue;
+        }
+        let flash = store.flash_mut().clone();
+        // A note that says in 28 bits that a sector is to be erased is not rot.
+        let is_of_the_map = |word: &usize| 4 * word % SMALL < usable::<Small>();
+        for word in (0..flash.bytes.len() / 4).filter(is_of_the_map) {
+            for rotten in [0, 0xff] {
+                let mut flash = flash.clone();
+                flash.bytes[4 * word..4 * word + 4].fill(rotten);
+                if let Ok(mut store) = Store::open(flash) {
+                    opened += 1;
+                    let mut after = None;
+                    while let Some(key) = store.next(after) {
+                        assert!(
+                            store.read(key).unwrap().is_some(),
+                            "turn {turn}, word {word} is {rotten:#x}: {key:#x}"
+                        );
+                        after = Some(key);
+                    }
+                    // That nothing at all is left is said, but of an only value.
+                    let nothing_is_said = known.len() > 1 && after.is_none() && store.is_whole();
+                    assert!(!nothing_is_said, "turn {turn}, word {word} is {rotten:#x}");
+                }
+            }
+        }
+    }
+    assert!(opened > 5_000, "{opened}");
+}

@@ -35,6 +35,8 @@ pub struct Process {
     firmware: PathBuf,
     folder: TempDir,
     child: Option<Child>,
+    /// How long the board may take to answer.
+    patience: Duration,
 }
 
 impl Process {
@@ -47,7 +49,17 @@ impl Process {
             return Err(InstrumentError::NotFirmware(firmware.to_owned()));
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
-        Ok(Self { firmware: path, folder, child: None })
+        Ok(Self { firmware: path, folder, child: None, patience: link::PATIENCE })
+    }
+
+    /// How long the board may take to answer.
+    pub const fn patience(&self) -> Duration {
+        self.patience
+    }
+
+    /// Changes that.
+    pub const fn set_patience(&mut self, patience: Duration) {
+        self.patience = patience;
     }
 
     /// Lets the board keep its settings in this file, erased flash if there is none.
@@ -139,9 +151,9 @@ impl Process {
             match wait(LOOK_EVERY) {
                 Err(InstrumentError::Silent(_)) => {
                     self.has_stopped()?;
-                    let deadline = *deadline.get_or_insert_with(|| Instant::now() + link::PATIENCE);
+                    let deadline = *deadline.get_or_insert_with(|| Instant::now() + self.patience);
                     if Instant::now() >= deadline {
-                        return Err(InstrumentError::Silent(link::PATIENCE));
+                        return Err(InstrumentError::Silent(self.patience));
                     }
                 }
                 other => return other.map_err(|error| self.explain(error)),

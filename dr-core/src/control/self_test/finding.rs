@@ -1,0 +1,157 @@
+//! What a self-test finds of one element, and what it makes of it.
+
+use crate::control::guard::Cause;
+use core::fmt;
+
+/// Largest offset of a converter, as a part of what the low current gives on the element at 0 °C: 0.1 K.
+pub const OFFSET_MOST: f32 = 4e-4;
+/// Largest error of the converter's scale, told by a voltage that the front end knows.
+pub const REFERENCE_ERROR_MOST: f32 = 0.03;
+/// Largest noise of a reading at the low level, K rms: some twenty times that of the sensor board at its quickest.
+pub const NOISE_MOST_K: f32 = 0.1;
+/// The measured response to a pulse over the expected one. Wind changes a short pulse by little; a half-open lead or another element by much.
+pub const RESPONSE: [f32; 2] = [0.7, 1.4];
+/// Largest difference of the temperatures by the two levels, K: three times that of resistors of 0.1 %, as bought.
+pub const GAP_MOST_K: f32 = 1.0;
+/// A rise is none if it is under so many standard errors.
+pub const SIGNIFICANT: f32 = 5.0;
+/// Another element must not rise by more than this part of the heated one's rise.
+pub const CROSSED_FROM: f32 = 0.5;
+
+/// Of one element.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Finding {
+    /// Which, from 0.
+    pub element: u8,
+    /// How many elements were looked at.
+    pub of: u8,
+    /// What is wrong.
+    pub faults: Faults,
+    /// Voltage that is read with the inputs shorted, V, beyond what is taken off already; none if nothing was read.
+    pub offset_v: Option<f32>,
+    /// The front end's reference voltage, as read over what it should be; none if nothing was read.
+    pub reference: Option<f32>,
+    /// Why the element cannot be read.
+    pub cause: Option<Cause>,
+    /// Mean temperature at the low level, °C; none if it cannot be read.
+    pub temperature_c: Option<f32>,
+    /// Noise of a reading at the low level, K rms.
+    pub noise_k: Option<f32>,
+    /// What a pulse of heat did; none if there was none.
+    pub response: Option<Response>,
+}
+
+/// What a pulse of heat did to an element.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Response {
+    /// Rise between the first and the last reading at the high level, K.
+    pub rise_k: f32,
+    /// The same by the element's model, if it has one.
+    pub expected_k: Option<f32>,
+    /// Measured response over expected one, by least squares over the whole pulse; none without a model.
+    pub ratio: Option<f32>,
+    /// What the high level reads beyond the low one, less what the model expects of the first tick, K; none without a model.
+    pub gap_k: Option<f32>,
+}
+
+/// What is wrong with an element: a set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Faults(pub u16);
+
+/// One thing that can be wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fault {
+    /// The converter does not answer with its inputs shorted, or its offset is too large.
+    Offset,
+    /// It does not answer with its reference voltage, or that is off.
+    Reference,
+    /// The element cannot be read: `cause` says why.
+    Continuity,
+    /// Its readings are too noisy.
+    Noise,
+    /// They do not change at all.
+    Frozen,
+    /// A pulse did not warm it.
+    NoResponse,
+    /// It warmed it by another amount than expected.
+    Response,
+    /// The two levels read different temperatures.
+    Levels,
+    /// The pulse warmed another element.
+    Crossed,
+    /// The test ended before it was through with this element.
+    Interrupted,
+}
+
+impl Fault {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Offset,
+        Self::Reference,
+        Self::Continuity,
+        Self::Noise,
+        Self::Frozen,
+        Self::NoResponse,
+        Self::Response,
+        Self::Levels,
+        Self::Crossed,
+        Self::Interrupted,
+    ];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Offset => "offset",
+            Self::Reference => "reference",
+            Self::Continuity => "continuity",
+            Self::Noise => "noise",
+            Self::Frozen => "frozen",
+            Self::NoResponse => "no-response",
+            Self::Response => "response",
+            Self::Levels => "levels",
+            Self::Crossed => "crossed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+impl Faults {
+    /// Adds one where something is so.
+    pub(super) const fn add_if(&mut self, is_so: bool, fault: Fault) {
+        if is_so {
+            self.0 |= 1 << fault as u8;
+        }
+    }
+
+    /// Whether one is among them.
+    pub const fn has(self, fault: Fault) -> bool {
+        self.0 >> fault as u8 & 1 == 1
+    }
+
+    /// Whether there are none.
+    pub const fn is_none(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Those there are.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.into_iter().filter(move |&fault| self.has(fault))
+    }
+}
+
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_none() {
+            return f.write_str("none");
+        }
+        for (i, fault) in self.iter().enumerate() {
+            f.write_str(if i > 0 { ", " } else { "" })?;
+            f.write_str(fault.name())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,228 @@
+//! The self-test: is everything as it should be, before anyone relies on it?
+//!
+//! ```text
+//! inputs shorted ──► offsets      a known voltage ──► references      elements, low level ──► continuity, noise
+//!                                                     each element in turn, a pulse of the high level ──► heater, leads, levels
+//! ```
+//!
+//! It looks at what the front end reads and says what the front end shall read next, and which element the controller shall heat. What
+//! heats is the controller's own: it takes the wish only in [`RunState::Testing`], for which it has to be armed, only as long as the plan
+//! says, and only for an element with a valid reading.
+//!
+//! What is right is in [`finding`]; how it goes, tick by tick, in [`plan`].
+
+pub mod finding;
+pub mod plan;
+mod sums;
+
+pub use finding::{Fault, Faults, Finding, Response};
+pub use plan::SelfTestPlan;
+
+use super::controller::{Controller, Probe, RunState, Tick};
+use super::guard::{Cause, Judgement};
+use crate::model::{ORDER, RelaxationState};
+use crate::sensor::reading::REFERENCE_CODE;
+use crate::sensor::{Input, Level, Reading};
+use finding::{
+    CROSSED_FROM, GAP_MOST_K, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT,
+};
+use plan::{Phase, SETTLING_TICKS};
+use sums::{Pulse, Quiet};
+
+/// A self-test, while it goes on and when it is over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SelfTest<const N: usize> {
+    plan: SelfTestPlan,
+    pulse_ticks: u32,
+    elements: u8,
+    phase: Phase,
+    /// Ticks of the phase that are over.
+    at: u32,
+    findings: [Finding; N],
+    quiet: [Quiet; N],
+    pulses: [Pulse; N],
+    model: RelaxationState<ORDER>,
+    /// Power of the element that is heated before it is, W.
+    quiet_power_w: f32,
+}
+
+impl<const N: usize> SelfTest<N> {
+    /// One for so many elements, with pulses of so many ticks, or none.
+    pub(super) fn new(plan: SelfTestPlan, pulse_ticks: u32, elements: usize) -> Self {
+        let elements = elements as u8;
+        let mut findings = [Finding::default(); N];
+        for (element, finding) in (0..).zip(&mut findings) {
+            *finding = Finding { element, of: elements, ..Finding::default() };
+        }
+        Self {
+            plan,
+            pulse_ticks,
+            elements,
+            phase: Phase::Offsets,
+            at: 0,
+            findings,
+            quiet: [Quiet::default(); N],
+            pulses: [Pulse::default(); N],
+            model: RelaxationState::default(),
+            quiet_power_w: 0.0,
+        }
+    }
+
+    /// What the front end is to read next.
+    pub(super) const fn input(&self) -> Input {
+        self.phase.input()
+    }
+
+    /// What the controller is to do in the coming tick beside its guard's work.
+    pub(super) const fn probe(&self) -> Probe {
+        match self.phase {
+            Phase::Heating(element) if self.at < self.pulse_ticks => Probe::Pulse(element),
+            // The last reading of a pulse is guarded as the others.
+            Phase::Heating(_) | Phase::Cooling(_) | Phase::Done => Probe::None,
+            Phase::Offsets | Phase::References | Phase::Quiet => Probe::Blind,
+        }
+    }
+
+    /// Whether there is nothing left to do.
+    pub(super) const fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Done)
+    }
+
+    /// When somebody says that it was begun, s since 1970.
+    pub const fn unix_s(&self) -> Option<u32> {
+        self.plan.unix_s
+    }
+
+    /// What it has found, one entry an element.
+    pub fn findings(&self) -> &[Finding] {
+        self.findings.get(..usize::from(self.elements)).unwrap_or_default()
+    }
+
+    /// Takes in a tick that is over, and what was read at its beginning.
+    pub(super) fn step(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
+        if self.pulse_ticks > 0 && tick.state != RunState::Testing {
+            // The instrument has tripped.
+            self.findings.iter_mut().for_each(|finding| finding.faults.add_if(true, Fault::Interrupted));
+            self.phase = Phase::Done;
+            return;
+        }
+        match self.phase {
+            Phase::Offsets | Phase::References if self.at >= SETTLING_TICKS => self.take_codes(readings),
+            Phase::Quiet if self.at >= SETTLING_TICKS => self.take_temperatures(readings, tick, controller),
+            Phase::Heating(element) => self.take_pulse(usize::from(element), tick, controller),
+            _ => {}
+        }
+        self.at += 1;
+        if self.at < self.phase.ticks(self.pulse_ticks) {
+            return;
+        }
+        self.judge_phase(controller);
+        let readable = self.findings.iter().take(usize::from(self.elements)).all(|finding| finding.cause.is_none());
+        // An element that cannot be read would end it by a trip.
+        self.phase = self.phase.next(self.pulse_ticks > 0 && readable, self.elements);
+        self.at = 0;
+    }
+
+    fn take_codes(&mut self, readings: &[Reading; N]) {
+        for (quiet, reading) in self.quiet.iter_mut().zip(readings) {
+            if let Reading::Code(code) = *reading {
+                quiet.take(code as f32);
+            }
+        }
+    }
+
+    fn take_temperatures(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
+        let all = self.findings.iter_mut().zip(&mut self.quiet).zip(readings).zip(&tick.temperature_c).enumerate();
+        for (i, (((finding, quiet), reading), &temperature_c)) in all {
+            match controller.judge(i, *reading, Level::Low) {
+                Some(Judgement::Good { .. }) => quiet.take(temperature_c),
+                Some(Judgement::Absent(cause) | Judgement::Bad(cause)) => {
+                    finding.cause = finding.cause.or(Some(cause));
+                }
+                None => break,
+            }
+        }
+    }
+
+    fn take_pulse(&mut self, element: usize, tick: &Tick<N>, controller: &Controller<N>) {
+        let model = controller.model(element);
+        if self.at == 0 {
+            // Read before the heat; the power is that of the first tick of it.
+            for (pulse, &temperature_c) in self.pulses.iter_mut().zip(&tick.temperature_c) {
+                *pulse = Pulse::starting(temperature_c);
+            }
+            self.model = RelaxationState::default();
+            let before_c = tick.temperature_c.get(element).copied().unwrap_or_default();
+            self.quiet_power_w = controller.standing_power_w(element, before_c);
+        } else {
+            let rise_k =
+                model.map_or(0.0, |model| model.temperature_c(&self.model) - model.temperature_c(&RelaxationState::default()));
+            for (pulse, &temperature_c) in self.pulses.iter_mut().zip(&tick.temperature_c) {
+                pulse.take(temperature_c, rise_k);
+            }
+        }
+        if let (Some(model), Some(power_w)) = (model, tick.power_w.get(element)) {
+            model.step(&mut self.model, power_w - self.quiet_power_w);
+        }
+    }
+
+    /// Makes something of what a phase has brought, and empties the sums for the next.
+    fn judge_phase(&mut self, controller: &Controller<N>) {
+        if let Phase::Heating(element) = self.phase {
+            self.judge_pulse(usize::from(element), controller);
+            return;
+        }
+        for (i, (finding, quiet)) in self.findings.iter_mut().zip(&mut self.quiet).enumerate() {
+            let Some(channel) = controller.channel(i) else { break };
+            match self.phase {
+                Phase::Offsets => {
+                    let full_v = channel.volt_of_resistance(channel.platinum().resistance_ohm(0.0), Level::Low);
+                    finding.offset_v = quiet.mean().map(|code| channel.volt(code));
+                    let is_small = |offset_v: f32| (-OFFSET_MOST..=OFFSET_MOST).contains(&(offset_v / full_v));
+                    finding.faults.add_if(!finding.offset_v.is_some_and(is_small), Fault::Offset);
+                }
+                Phase::References => {
+                    finding.reference = quiet.mean().map(|code| code / REFERENCE_CODE as f32);
+                    let right = 1.0 - REFERENCE_ERROR_MOST..=1.0 + REFERENCE_ERROR_MOST;
+                    let is_right = |ratio: f32| right.contains(&ratio);
+                    finding.faults.add_if(!finding.reference.is_some_and(is_right), Fault::Reference);
+                }
+                Phase::Quiet => {
+                    if quiet.count() == 0 && finding.cause.is_none() {
+                        finding.cause = Some(Cause::Missing);
+                    }
+                    (finding.temperature_c, finding.noise_k) = (quiet.mean(), quiet.noise());
+                    finding.faults.add_if(finding.cause.is_some(), Fault::Continuity);
+                    finding.faults.add_if(finding.noise_k.is_some_and(|noise_k| noise_k > NOISE_MOST_K), Fault::Noise);
+                    finding.faults.add_if(finding.noise_k.is_some_and(|noise_k| noise_k <= 0.0), Fault::Frozen);
+                }
+                Phase::Heating(_) | Phase::Cooling(_) | Phase::Done => {}
+            }
+            *quiet = Quiet::default();
+        }
+    }
+
+    fn judge_pulse(&mut self, element: usize, controller: &Controller<N>) {
+        let Some(pulse) = self.pulses.get(element) else { return };
+        let rise_k = pulse.rise_k();
+        let others = self.pulses.iter().take(usize::from(self.elements)).enumerate();
+        let most_other_k =
+            others.filter(|(i, _)| *i != element).fold(0.0, |most: f32, (_, other)| most.max(other.rise_k()));
+        let has_model = controller.model(element).is_some();
+        let against = pulse.against_model().filter(|_| has_model);
+        let expected_k = has_model.then(|| pulse.expected_k());
+        let Some(finding) = self.findings.get_mut(element) else { return };
+        let (ratio, gap_k) = (against.map(|(ratio, _)| ratio), against.map(|(_, gap_k)| gap_k));
+        finding.response = Some(Response { rise_k, expected_k, ratio, gap_k });
+        // A difference of two readings has √2 times the noise of one.
+        let least_k = SIGNIFICANT * 1.414 * finding.noise_k.unwrap_or_default();
+        finding.faults.add_if(rise_k <= least_k, Fault::NoResponse);
+        let is_as_expected = |ratio: f32| (RESPONSE[0]..=RESPONSE[1]).contains(&ratio);
+        finding.faults.add_if(has_model && !ratio.is_some_and(is_as_expected), Fault::Response);
+        finding.faults.add_if(gap_k.is_some_and(|gap_k| !(-GAP_MOST_K..=GAP_MOST_K).contains(&gap_k)), Fault::Levels);
+        finding.faults.add_if(most_other_k > least_k && most_other_k > CROSSED_FROM * rise_k, Fault::Crossed);
+    }
+}
+
+#[cfg(test)]
+mod tests;

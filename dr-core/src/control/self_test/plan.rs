@@ -1,0 +1,98 @@
+//! How a self-test goes, tick by tick.
+//!
+//! | phase | ticks | the front end reads | the heaters |
+//! |---|---|---|---|
+//! | offsets | [`SETTLING_TICKS`] + [`QUIET_TICKS`] | shorted inputs | low |
+//! | references | the same | a voltage that it knows | low |
+//! | quiet | the same | the elements | low |
+//! | heating, of one element after the other | pulse + 1 | the elements | its own high for the pulse |
+//! | cooling | twice the pulse | the elements | low |
+//!
+//! Without a pulse it ends with the quiet.
+
+use crate::error::{self, ConfigError, Parameter};
+use crate::sensor::Input;
+
+/// Ticks that do not count after another input has been asked for: the front end learns of it with the tick before.
+pub const SETTLING_TICKS: u32 = 2;
+/// Readings that means and noises are of: a standard deviation of them is known to 9 %.
+pub const QUIET_TICKS: u32 = 64;
+/// The shortest pulse, in ticks, and the longest, s.
+pub const PULSE_LEAST_TICKS: u32 = 8;
+/// See [`PULSE_LEAST_TICKS`].
+pub const PULSE_MOST_S: f32 = 10.0;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SelfTestPlan {
+    /// Length of the pulse that each element is heated with, s; without one nothing heats.
+    pub pulse_s: Option<f32>,
+    /// Seconds since 1970 by whoever asks, to be kept with what is found; none if nobody knows.
+    pub unix_s: Option<u32>,
+}
+
+impl SelfTestPlan {
+    /// Length of the pulse in ticks; 0 without one.
+    ///
+    /// # Errors
+    /// A pulse of under [`PULSE_LEAST_TICKS`], or of over [`PULSE_MOST_S`].
+    pub fn pulse_ticks(&self, sample_period_s: f32) -> Result<u32, ConfigError> {
+        let Some(pulse_s) = self.pulse_s else { return Ok(0) };
+        // Half a tick under it rounds to it.
+        let least_s = (PULSE_LEAST_TICKS as f32 - 0.5) * sample_period_s;
+        let pulse_s = error::within(Parameter::PulseS, pulse_s, least_s.min(PULSE_MOST_S), PULSE_MOST_S)?;
+        error::within(Parameter::PulseS, pulse_s, least_s, f32::MAX)?;
+        Ok((pulse_s / sample_period_s + 0.5) as u32)
+    }
+}
+
+/// Ticks that a test takes, with pulses of so many ticks or none.
+pub const fn test_ticks(pulse_ticks: u32, elements: usize) -> u32 {
+    let heated = if pulse_ticks > 0 { elements as u32 * (3 * pulse_ticks + 1) } else { 0 };
+    3 * (SETTLING_TICKS + QUIET_TICKS) + heated
+}
+
+/// Where a test stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Phase {
+    Offsets,
+    References,
+    Quiet,
+    Heating(u8),
+    Cooling(u8),
+    Done,
+}
+
+impl Phase {
+    /// What the front end is to read in it.
+    pub const fn input(self) -> Input {
+        match self {
+            Self::Offsets => Input::Shorted,
+            Self::References => Input::Reference,
+            Self::Quiet | Self::Heating(_) | Self::Cooling(_) | Self::Done => Input::Element,
+        }
+    }
+
+    /// How many ticks it has.
+    pub const fn ticks(self, pulse_ticks: u32) -> u32 {
+        match self {
+            Self::Offsets | Self::References | Self::Quiet => SETTLING_TICKS + QUIET_TICKS,
+            Self::Heating(_) => pulse_ticks + 1,
+            Self::Cooling(_) => 2 * pulse_ticks,
+            Self::Done => 0,
+        }
+    }
+
+    /// The one after it, for so many elements; whether any is heated is another matter.
+    pub const fn next(self, heats: bool, elements: u8) -> Self {
+        match self {
+            Self::Offsets => Self::References,
+            Self::References => Self::Quiet,
+            Self::Quiet if heats => Self::Heating(0),
+            Self::Heating(element) => Self::Cooling(element),
+            Self::Cooling(element) if element + 1 < elements => Self::Heating(element + 1),
+            Self::Quiet | Self::Cooling(_) | Self::Done => Self::Done,
+        }
+    }
+}

@@ -1,0 +1,453 @@
+//! Self-tests of a simulated head whose elements are worked out here in f64, by their exponentials: sound, and with one thing wrong at a time.
+
+extern crate std;
+
+use super::*;
+use crate::control::{Command, Drive, ElementConfig, Limits, Refusal, Reply, Station, Trip};
+use crate::error::Parameter;
+use crate::model::{SelfHeatingConfig, mesh};
+use crate::sensor::{Channel, Platinum};
+use std::vec::Vec;
+
+const ELEMENTS: usize = 2;
+const PERIOD_S: f32 = 0.01;
+const VOLT_PER_CODE: f64 = 4.0 / 8_388_608.0;
+const CURRENTS_A: [f64; 2] = [3e-3, 16e-3];
+const REST_C: f64 = -50.0;
+const R_K_PER_W: [f32; ORDER] = [600.0, 200.0, 100.0, 50.0, 20.0, 10.0, 0.0, 0.0];
+/// (3 mA)² · 148.6 Ω, at 1.3 K above the rest.
+const STANDING_W: f64 = 1.337e-3;
+/// 1 mK at the low level.
+const NOISE_V: f64 = 1.6e-6;
+const PULSE_S: f32 = 0.5;
+const PULSE_TICKS: u32 = 50;
+
+/// A head and its front end, of which everything can be wrong.
+#[derive(Clone)]
+struct Head {
+    states_w: [[f64; ORDER]; ELEMENTS],
+    heaters: u16,
+    random: u64,
+    noise_v: [f64; ELEMENTS],
+    offset_v: [f64; ELEMENTS],
+    reference: [f64; ELEMENTS],
+    /// Over what they should be.
+    currents: [[f64; 2]; ELEMENTS],
+    /// Which element's heat goes into which.
+    heats: [usize; ELEMENTS],
+    /// What is read in place of the elements.
+    instead: [Option<Reading>; ELEMENTS],
+    /// In place of anything.
+    silent: bool,
+}
+
+impl Head {
+    /// In balance with its sensing currents.
+    fn sound() -> Self {
+        Self {
+            states_w: [[STANDING_W; ORDER]; ELEMENTS],
+            heaters: 0,
+            random: 1,
+            noise_v: [NOISE_V; ELEMENTS],
+            offset_v: [2e-6; ELEMENTS],
+            reference: [1.001; ELEMENTS],
+            currents: [[1.0; 2]; ELEMENTS],
+            heats: [0, 1],
+            instead: [None; ELEMENTS],
+            silent: false,
+        }
+    }
+
+    /// Of twelve uniform numbers: normal enough.
+    fn normal(&mut self) -> f64 {
+        (0..12).fold(-6.0, |sum, _| {
+            self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum + (self.random >> 11) as f64 / (1_u64 << 53) as f64
+        })
+    }
+
+    fn temperature_c(&self, i: usize) -> f64 {
+        REST_C + self.states_w[i].iter().zip(R_K_PER_W).map(|(x, r)| x * f64::from(r)).sum::<f64>()
+    }
+
+    fn ohm(&self, i: usize) -> f64 {
+        175.0 * (1.0 + 0.0031 * self.temperature_c(i))
+    }
+
+    fn current_a(&self, i: usize) -> f64 {
+        let level = usize::from(self.heaters >> i & 1);
+        CURRENTS_A[level] * self.currents[i][level]
+    }
+
+    fn readings(&mut self, input: Input) -> [Reading; ELEMENTS] {
+        core::array::from_fn(|i| {
+            let noise_v = self.noise_v[i] * self.normal();
+            let volt = match (input, self.instead[i]) {
+                _ if self.silent => return Reading::Missing,
+                (Input::Shorted, _) => 0.0,
+                (Input::Reference, _) => f64::from(REFERENCE_CODE) * VOLT_PER_CODE * self.reference[i],
+                (Input::Element, Some(instead)) => return instead,
+                (Input::Element, None) => self.current_a(i) * self.ohm(i),
+            };
+            Reading::Code(((volt + self.offset_v[i] + noise_v) / VOLT_PER_CODE).round() as i32)
+        })
+    }
+
+    fn live(&mut self, heaters: u16) {
+        self.heaters = heaters;
+        let rates = mesh::geometric::<ORDER>(0.003, 30.0).unwrap();
+        let powers_w: [f64; ELEMENTS] = core::array::from_fn(|i| self.current_a(i).powi(2) * self.ohm(i));
+        for (i, power_w) in powers_w.into_iter().enumerate() {
+            for (x, rate) in self.states_w[self.heats[i]].iter_mut().zip(rates) {
+                *x += (1.0 - (-f64::from(rate) * f64::from(PERIOD_S)).exp()) * (power_w - *x);
+            }
+        }
+    }
+}
+
+fn config() -> ElementConfig {
+    let platinum = Platinum::linear(175.0, 0.0031).unwrap();
+    ElementConfig {
+        channel: Channel::new(platinum, VOLT_PER_CODE as f32, CURRENTS_A[0] as f32, CURRENTS_A[1] as f32).unwrap(),
+        limits: Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 },
+    }
+}
+
+const fn plan(pulse_s: Option<f32>) -> Command {
+    Command::SelfTest(SelfTestPlan { pulse_s, unix_s: Some(1_700_000_000) })
+}
+
+fn station(with_models: bool) -> Station<ELEMENTS> {
+    let mut station = Station::new();
+    station.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
+    for element in 0..ELEMENTS as u8 {
+        station.handle(Command::Element { element, config: config() }).unwrap();
+        if with_models {
+            let model = SelfHeatingConfig {
+                mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
+                r_k_per_w: R_K_PER_W,
+                reference_c: REST_C as f32,
+            };
+            station.handle(Command::Model { element, model }).unwrap();
+        }
+    }
+    station.handle(Command::Arm { window_s: 5.0 }).unwrap();
+    station
+}
+
+/// One tick of both; the tick, and the input that was read.
+fn tick(station: &mut Station<ELEMENTS>, head: &mut Head) -> Tick<ELEMENTS> {
+    let readings = head.readings(station.input());
+    let tick = station.tick(&readings);
+    head.live(tick.heaters.0);
+    tick
+}
+
+/// The findings, and all ticks.
+fn run(station: &mut Station<ELEMENTS>, head: &mut Head) -> (Vec<Finding>, Vec<Tick<ELEMENTS>>) {
+    let mut ticks = Vec::new();
+    for _ in 0..2_000 {
+        ticks.push(tick(station, head));
+        if let Some(test) = station.take_self_test() {
+            assert_eq!(test.unix_s(), Some(1_700_000_000));
+            return (test.findings().to_vec(), ticks);
+        }
+    }
+    panic!("it does not end");
+}
+
+fn tested(mut head: Head) -> Vec<Finding> {
+    let mut station = station(true);
+    assert_eq!(station.handle(plan(Some(PULSE_S))), Ok(Reply::Done));
+    run(&mut station, &mut head).0
+}
+
+fn only(faults: &[Fault]) -> Faults {
+    faults.iter().fold(Faults::default(), |mut all, &fault| {
+        all.add_if(true, fault);
+        all
+    })
+}
+
+#[test]
+fn a_sound_head_is_found_sound_and_measured_as_it_is() {
+    let mut head = Head::sound();
+    head.noise_v = [NOISE_V, 3.0 * NOISE_V];
+    head.offset_v = [20e-6, -10e-6];
+    let findings = tested(head);
+    assert_eq!(findings.len(), ELEMENTS);
+    for (i, finding) in findings.iter().enumerate() {
+        assert_eq!((finding.element, finding.of, finding.faults), (i as u8, 2, Faults::default()));
+        assert!((finding.reference.unwrap() - 1.001).abs() < 2e-4);
+        assert_eq!(finding.cause, None);
+        let response = finding.response.unwrap();
+        // The model is the truth: what is left is the noise of the high level, 0.2 or 0.6 mK, in a rise of 0.6 K.
+        assert!((response.ratio.unwrap() - 1.0).abs() < 0.01, "{response:?}");
+        assert!((response.rise_k - response.expected_k.unwrap()).abs() < 5e-3, "{response:?}");
+        assert!(response.rise_k > 0.3, "{response:?}");
+    }
+    // Means of 64 of 1 mK, and of 3.
+    assert!((findings[0].offset_v.unwrap() - 20e-6).abs() < 1e-6);
+    assert!((findings[1].offset_v.unwrap() + 10e-6).abs() < 3e-6);
+    // An offset is a temperature at the low level: 20 µV are 12 mK.
+    let beyond_k = f64::from(findings[0].temperature_c.unwrap()) - Head::sound().temperature_c(0);
+    assert!((beyond_k - 12.3e-3).abs() < 1.5e-3, "{beyond_k}");
+    // Known to 9 %, three times that.
+    for (finding, noise_k) in findings.iter().zip([0.983e-3, 2.95e-3]) {
+        assert!((finding.noise_k.unwrap() / noise_k - 1.0).abs() < 0.3, "{finding:?}");
+    }
+}
+
+#[test]
+fn each_thing_that_is_wrong_is_found_by_its_name() {
+    use Fault::{Crossed, Levels, NoResponse, Noise, Offset, Reference, Response};
+    let of = |change: fn(&mut Head)| {
+        let mut head = Head::sound();
+        change(&mut head);
+        let found = tested(head);
+        [found[0].faults, found[1].faults]
+    };
+    let sound = Faults::default();
+    assert_eq!(of(|head| head.offset_v[1] = 1e-3), [sound, only(&[Offset])]);
+    assert_eq!(of(|head| head.reference[0] = 1.1), [only(&[Reference]), sound]);
+    assert_eq!(of(|head| head.reference[1] = 0.5), [sound, only(&[Reference])]);
+    assert_eq!(of(|head| head.noise_v[0] = 3e-4)[0].has(Noise), true);
+    // 2 % of the high current are as much of the resistance: 5 K, and 4 % of the power.
+    assert_eq!(of(|head| head.currents[0][1] = 1.02), [only(&[Levels]), sound]);
+    // The heat goes elsewhere.
+    assert_eq!(of(|head| head.heats = [1, 0]).map(|faults| faults.has(NoResponse) || faults.has(Response)), [true; 2]);
+    assert_eq!(of(|head| head.heats = [1, 0]).map(|faults| faults.has(Crossed)), [true; 2]);
+}
+
+#[test]
+fn a_heater_that_does_not_heat_as_expected_is_told_from_one_that_does_not_heat_at_all() {
+    // A heat that does not stay: the element has three times the capacity.
+    let mut station = station(true);
+    let model = SelfHeatingConfig {
+        mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
+        r_k_per_w: R_K_PER_W.map(|r| 3.0 * r),
+        reference_c: REST_C as f32,
+    };
+    station.handle(Command::Model { element: 1, model }).unwrap();
+    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut station, &mut Head::sound());
+    assert_eq!([findings[0].faults, findings[1].faults], [Faults::default(), only(&[Fault::Response])]);
+    let response = findings[1].response.unwrap();
+    assert!((response.ratio.unwrap() - 1.0 / 3.0).abs() < 0.01, "{response:?}");
+
+    // A current source that knows one level only.
+    let mut head = Head::sound();
+    head.currents[0][1] = CURRENTS_A[0] / CURRENTS_A[1];
+    let findings = tested(head);
+    // What it reads at the high level is then a fifth of the resistance, a short: the guard ends the test.
+    assert!(findings.iter().all(|finding| finding.faults.has(Fault::Interrupted)), "{findings:?}");
+}
+
+#[test]
+fn without_a_model_a_response_is_measured_and_not_judged() {
+    let mut station = station(false);
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut station, &mut Head::sound());
+    for finding in findings {
+        assert!(finding.faults.is_none());
+        let response = finding.response.unwrap();
+        assert!(response.rise_k > 0.3);
+        assert_eq!((response.expected_k, response.ratio, response.gap_k), (None, None, None));
+    }
+    // And without any rise it is a fault.
+    let mut head = Head::sound();
+    head.heats = [1, 1];
+    let mut station = self::station(false);
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut station, &mut head);
+    assert!(findings[0].faults.has(Fault::NoResponse) && findings[0].faults.has(Fault::Crossed));
+}
+
+#[test]
+fn an_element_that_cannot_be_read_is_named_with_its_cause_and_nothing_is_heated() {
+    for (instead, cause) in [
+        (Reading::Code(8_388_607), Cause::Open),
+        (Reading::Code(3), Cause::Short),
+        (Reading::Code(-8_388_608), Cause::OutOfRange),
+        (Reading::Missing, Cause::Missing),
+        (Reading::Stale, Cause::Stale),
+    ] {
+        let mut station = station(true);
+        station.handle(plan(Some(PULSE_S))).unwrap();
+        let mut head = Head::sound();
+        head.instead[1] = Some(instead);
+        let (findings, ticks) = run(&mut station, &mut head);
+        assert_eq!(findings.iter().map(|finding| finding.cause).collect::<Vec<_>>(), [None, Some(cause)]);
+        assert_eq!(findings[0].faults, Faults::default());
+        assert!(findings[1].faults.has(Fault::Continuity));
+        assert!(findings.iter().all(|finding| finding.response.is_none()));
+        assert!(ticks.iter().all(|tick| tick.heaters.0 == 0 && tick.trip.is_none()));
+        // From now on the guard minds.
+        assert_eq!(station.controller().state(), RunState::Standby);
+        let trip = (0..3).find_map(|_| tick(&mut station, &mut head).trip);
+        assert_eq!(trip, Some(Trip::of(1, cause)));
+    }
+}
+
+#[test]
+fn a_converter_that_repeats_itself_is_frozen() {
+    let mut station = station(true);
+    station.handle(plan(None)).unwrap();
+    let mut head = Head::sound();
+    head.instead[1] = Some(Reading::Code(930_000));
+    let (findings, _) = run(&mut station, &mut head);
+    assert_eq!([findings[0].faults, findings[1].faults], [Faults::default(), only(&[Fault::Frozen])]);
+}
+
+#[test]
+fn a_silent_front_end_has_no_offset_no_reference_and_no_element() {
+    let mut station = station(true);
+    station.handle(plan(None)).unwrap();
+    let mut head = Head::sound();
+    head.silent = true;
+    let (findings, _) = run(&mut station, &mut head);
+    for finding in findings {
+        assert_eq!((finding.offset_v, finding.reference, finding.temperature_c), (None, None, None));
+        assert_eq!(finding.faults, only(&[Fault::Offset, Fault::Reference, Fault::Continuity]));
+        assert_eq!(finding.cause, Some(Cause::Missing));
+    }
+}
+
+#[test]
+fn each_element_is_heated_alone_and_for_its_pulse() {
+    let mut station = station(true);
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let (_, ticks) = run(&mut station, &mut Head::sound());
+    assert_eq!(ticks.len() as u32, plan::test_ticks(PULSE_TICKS, ELEMENTS));
+    let heated = |mask: u16| ticks.iter().filter(|tick| tick.heaters.0 == mask).count() as u32;
+    assert_eq!((heated(1), heated(2), heated(3)), (PULSE_TICKS, PULSE_TICKS, 0));
+    assert!(ticks.iter().all(|tick| tick.heaters.0 & !tick.valid == 0));
+    let (last, before) = ticks.split_last().unwrap();
+    assert!(before.iter().all(|tick| tick.state == RunState::Testing));
+    assert_eq!((last.state, station.controller().state()), (RunState::Standby, RunState::Standby));
+    assert!(station.take_self_test().is_none(), "it is told once");
+    assert!(!station.controller().is_armed());
+}
+
+#[test]
+fn a_fault_in_a_pulse_trips_in_its_tick() {
+    let mut station = station(true);
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = Head::sound();
+    while tick(&mut station, &mut head).heaters.0 == 0 {}
+    head.instead[1] = Some(Reading::Code(8_388_607));
+    let last = tick(&mut station, &mut head);
+    assert_eq!((last.heaters.0, last.trip), (0, Some(Trip::of(1, Cause::Open))));
+    let test = station.take_self_test().unwrap();
+    assert!(test.findings().iter().all(|finding| finding.faults.has(Fault::Interrupted)));
+    assert_eq!(station.input(), Input::Element);
+}
+
+#[test]
+fn a_missing_reading_in_a_pulse_is_one_tick_at_the_low_level() {
+    let mut station = station(true);
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = Head::sound();
+    while tick(&mut station, &mut head).heaters.0 == 0 {}
+    head.instead[0] = Some(Reading::Missing);
+    assert_eq!(tick(&mut station, &mut head).heaters.0, 0);
+    head.instead[0] = None;
+    assert_eq!(tick(&mut station, &mut head).heaters.0, 1);
+}
+
+#[test]
+fn without_a_pulse_it_changes_no_state_and_can_look_at_a_tripped_instrument() {
+    let mut station = station(true);
+    station.handle(Command::Disarm).unwrap();
+    station.handle(plan(None)).unwrap();
+    let mut head = Head::sound();
+    let (findings, ticks) = run(&mut station, &mut head);
+    assert!(findings.iter().all(|finding| finding.faults.is_none() && finding.response.is_none()));
+    assert!(ticks.iter().all(|tick| tick.state == RunState::Standby && tick.trip.is_none()));
+
+    head.instead[0] = Some(Reading::Code(3));
+    let trip = (0..2).find_map(|_| tick(&mut station, &mut head).trip).unwrap();
+    assert_eq!(station.handle(plan(Some(PULSE_S))), Err(Refusal::Tripped(trip)));
+    station.handle(plan(None)).unwrap();
+    let (findings, ticks) = run(&mut station, &mut head);
+    assert_eq!((findings[0].cause, findings[1].cause), (Some(Cause::Short), None));
+    assert!(ticks.iter().all(|tick| tick.state == RunState::Tripped(trip)));
+}
+
+#[test]
+fn stopping_it_puts_the_front_end_back_before_anything_is_judged() {
+    let mut station = station(true);
+    let mut head = Head::sound();
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    for _ in 0..10 {
+        tick(&mut station, &mut head);
+    }
+    assert_eq!(station.input(), Input::Shorted);
+    station.handle(Command::Stop).unwrap();
+    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    station.handle(Command::Drive { element: 0, drive: Drive::Level(Level::High) }).unwrap();
+    station.handle(Command::Start).unwrap();
+    // What is read first is still of the shorted inputs.
+    let first = tick(&mut station, &mut head);
+    assert_eq!((first.state, first.valid, first.heaters.0), (RunState::Running, 0, 0));
+    let second = tick(&mut station, &mut head);
+    assert_eq!((second.state, second.valid, second.heaters.0), (RunState::Running, 3, 1));
+    assert!(station.take_self_test().is_none());
+}
+
+#[test]
+fn what_cannot_be_tested_is_refused_and_changes_nothing() {
+    let invalid = |pulse_s: f32| match station(true).handle(plan(Some(pulse_s))) {
+        Err(Refusal::Invalid { element: None, error }) => error.parameter == Parameter::PulseS,
+        _ => false,
+    };
+    for pulse_s in [0.0, -1.0, 0.07, 10.1, 1e30, f32::NAN, f32::INFINITY] {
+        assert!(invalid(pulse_s), "{pulse_s}");
+    }
+    assert!(!invalid(0.08) && !invalid(10.0));
+
+    let mut station = station(true);
+    station.handle(Command::Disarm).unwrap();
+    assert_eq!(station.handle(plan(Some(PULSE_S))), Err(Refusal::NotArmed));
+    assert_eq!(Station::<2>::new().handle(plan(None)), Err(Refusal::NotConfigured { element: 0 }));
+    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    station.handle(Command::Start).unwrap();
+    for pulse_s in [None, Some(PULSE_S)] {
+        assert_eq!(station.handle(plan(pulse_s)), Err(Refusal::NotInStandby));
+    }
+    station.handle(Command::Stop).unwrap();
+    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    station.handle(plan(Some(PULSE_S))).unwrap();
+    let before = station.clone();
+    for command in [
+        plan(None),
+        Command::Start,
+        Command::Clear,
+        Command::Arm { window_s: 600.0 },
+        Command::Acknowledge,
+        Command::Drive { element: 0, drive: Drive::Level(Level::High) },
+    ] {
+        assert!(station.handle(command).is_err(), "{command:?}");
+        assert!(station == before, "{command:?}");
+    }
+}
+
+#[test]
+fn a_controller_ends_a_test_by_itself_when_its_time_is_over() {
+    // As if the test's own count had been upset: nobody steps it.
+    let mut controller = Controller::<ELEMENTS>::new();
+    controller.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
+    controller.handle(Command::Element { element: 0, config: config() }).unwrap();
+    controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    controller.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = Head::sound();
+    let mut heated = 0;
+    for _ in 0..1_000 {
+        let tick = controller.tick_with(&head.readings(Input::Element), Probe::Pulse(0));
+        head.live(tick.heaters.0);
+        heated += u32::from(tick.heaters.0 == 1);
+    }
+    assert_eq!(heated, plan::test_ticks(PULSE_TICKS, 1));
+    assert_eq!(controller.state(), RunState::Standby);
+}

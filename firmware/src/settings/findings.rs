@@ -1,0 +1,56 @@
+//! What a self-test has found, between the task that tests and the one that keeps it.
+
+use dr_core::control::Finding;
+use wire::settings::TestRecord;
+use wire::{Identity, List, Name};
+
+/// The findings of the last self-test that are not kept yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Findings {
+    firmware: Name,
+    starts: u32,
+    unix_s: Option<u32>,
+    waiting: List<Finding>,
+}
+
+impl Findings {
+    /// None yet, of this board.
+    pub fn of(identity: &Identity) -> Self {
+        Self { firmware: identity.firmware.clone(), starts: identity.starts, unix_s: None, waiting: List::new() }
+    }
+
+    /// Those of a test that is over, in place of what is left of an earlier one.
+    pub fn take(&mut self, unix_s: Option<u32>, findings: &[Finding]) {
+        self.unix_s = unix_s;
+        self.waiting.clear();
+        // There is room for as many as any instrument has elements.
+        self.waiting.extend_from_slice(findings).ok();
+    }
+
+    /// The next one to be kept.
+    pub fn next(&mut self) -> Option<TestRecord> {
+        let finding = self.waiting.pop()?;
+        Some(TestRecord { unix_s: self.unix_s, firmware: self.firmware.clone(), starts: self.starts, finding })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wire::{BoardKind, ResetCause};
+
+    #[test]
+    fn each_is_given_once_and_a_newer_test_replaces_what_waits() {
+        let firmware = Name::try_from("anemo 1").unwrap();
+        let (board, reset) = (BoardKind::Sensor, ResetCause::PowerOn);
+        let identity =
+            Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash: None };
+        let mut findings = Findings::of(&identity);
+        assert_eq!(findings.next(), None);
+        let of = |element| Finding { element, of: 2, ..Finding::default() };
+        findings.take(None, &[of(0), of(1)]);
+        findings.take(Some(7), &[of(1), of(0)]);
+        let next = |element| Some(TestRecord { unix_s: Some(7), firmware: firmware.clone(), starts: 3, finding: of(element) });
+        assert_eq!([findings.next(), findings.next(), findings.next()], [next(0), next(1), None]);
+    }
+}

@@ -1,0 +1,7 @@
+//! [`anemo_tests::fuzz::flash`] by libFuzzer.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    anemo_tests::fuzz::flash::run(bytes);
+});

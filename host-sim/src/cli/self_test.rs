@@ -1,0 +1,167 @@
+//! `anemo self-test`: is the instrument as it should be?
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use dr_core::control::SelfTestPlan;
+use wire::Setting;
+
+use super::Failure;
+use super::run::{LinkName, On, firmware_of, on_interrupt, progress_of};
+use super::settings::{Board, BoardArguments};
+use crate::experiment::Experiment;
+use crate::instrument::emulated::Emulated;
+use crate::instrument::in_process::InProcess;
+use crate::instrument::serial::Serial;
+use crate::instrument::{Instrument, LockStep, setup};
+use crate::self_test::{self, report};
+use crate::settings;
+
+/// Have an instrument test itself: offsets, references, elements, noise, and what a short pulse of heat does to each of them.
+///
+/// With an experiment the instrument is set up by it first (its drives are left out); without one it stays as its settings have set it
+/// up. The pulse is compared with the element's model, where the experiment names one. A board keeps the result in its flash, with date
+/// and firmware; it also tests itself at each start by its settings, without heat.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Verdicts, and what to look at:
+  offset, reference      the converter, its supply, its reference voltage
+  continuity             the element's four wires; why it cannot be read stands in brackets
+  noise, frozen          shielding and ground; a converter that repeats itself
+  no-response, response  the heater's current, a loose element, a model of another head
+  levels                 the two currents, as the head's file has them
+  crossed                elements that have changed their places
+  interrupted            the instrument has tripped meanwhile
+
+Exit code 0: all is well; 1: something is not.
+
+Examples:
+  anemo self-test experiments/gusts.toml --on sim
+  anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0 --pulse 0.5
+  anemo self-test --on serial:/dev/ttyACM0 --no-heat
+  anemo self-test --on serial:/dev/ttyACM0 --stored")]
+pub struct Arguments {
+    /// The experiment whose head, sample period and models the instrument gets: a TOML file.
+    experiment: Option<PathBuf>,
+    /// What to test.
+    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
+    on: On,
+    /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s.
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    pulse: f32,
+    /// Heat nothing. A tripped instrument can be tested in this way, too.
+    #[arg(long, conflicts_with = "pulse")]
+    no_heat: bool,
+    /// Test nothing: show what the board has kept of its last test.
+    #[arg(long, conflicts_with_all = ["pulse", "no_heat"])]
+    stored: bool,
+    /// Print one JSON object instead of the table.
+    #[arg(long)]
+    json: bool,
+    /// The firmware that the emulated board runs; without it, the one that stands in the build folder of this command.
+    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
+    firmware: Option<PathBuf>,
+    /// How to talk to the emulated board.
+    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
+    link: LinkName,
+    /// The file that is the flash of the emulated board; without it the board keeps nothing.
+    #[arg(long, value_name = "FILE")]
+    flash: Option<PathBuf>,
+    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
+    #[arg(long)]
+    acknowledge: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let experiment = arguments.experiment.as_deref().map(super::read_experiment).transpose()?;
+    let experiment = experiment.map(|(experiment, _)| experiment);
+    let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
+    if arguments.stored {
+        return show_stored(arguments, &names);
+    }
+    let mut instrument = open(arguments, experiment.as_ref())?;
+    if arguments.acknowledge {
+        setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
+    }
+    let mut known = None;
+    if let Some(experiment) = &experiment {
+        let setup = crate::run::setup_of(experiment)?;
+        setup::tell(instrument.as_mut(), &setup).map_err(Failure::work)?;
+        known = Some((setup.sample_period_s, setup.elements.len()));
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
+    let plan = SelfTestPlan {
+        pulse_s: (!arguments.no_heat).then_some(arguments.pulse),
+        unix_s: now.and_then(|now| now.as_secs().try_into().ok()),
+    };
+    let interrupted = on_interrupt();
+    let bar = progress_of("self-test", None);
+    let report = self_test::run(instrument.as_mut(), plan, known, &mut |tick, of| {
+        if known.is_some() {
+            bar.set_length(of.into());
+        }
+        bar.set_position(tick.into());
+        !interrupted.load(Ordering::Relaxed)
+    });
+    bar.finish_and_clear();
+    // Its heaters are low after that, whatever came of the test.
+    let finished = instrument.finish();
+    let report = report.map_err(Failure::work)?;
+    finished.map_err(Failure::work)?;
+    let report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
+    if arguments.json {
+        super::print_json(&report.json(&names))?;
+    } else {
+        super::print(&report.table(&names))?;
+    }
+    report.faults(&names).map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found faults of {faults}"))))
+}
+
+fn open(arguments: &Arguments, experiment: Option<&Experiment>) -> Result<Box<dyn Instrument>, Failure> {
+    let sensor = || {
+        let experiment = experiment
+            .ok_or_else(|| Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE"))?;
+        experiment.sensor().map_err(Failure::from)
+    };
+    Ok(match &arguments.on {
+        On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
+        On::Qemu => {
+            let sensor = sensor()?;
+            let firmware = firmware_of(arguments.firmware.as_deref());
+            let board = Emulated::start_with(&firmware, arguments.link.path(), arguments.flash.as_deref());
+            Box::new(LockStep::new(board.map_err(Failure::work)?, sensor))
+        }
+        On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
+    })
+}
+
+fn show_stored(arguments: &Arguments, names: &[String]) -> Result<(), Failure> {
+    let flash = match (&arguments.on, &arguments.flash) {
+        (On::Qemu, None) => return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only")),
+        (_, flash) => flash.clone().unwrap_or_default(),
+    };
+    let mut board = Board::open(&BoardArguments {
+        on: arguments.on.clone(),
+        flash,
+        firmware: arguments.firmware.clone(),
+        link: arguments.link,
+    })?;
+    let kept = settings::read_all(board.keeper()).map_err(Failure::work);
+    board.close()?;
+    let records: Vec<_> = kept?
+        .0
+        .into_iter()
+        .filter_map(|kept| match kept.setting {
+            Ok(Setting::Tested(record)) => Some(record),
+            _ => None,
+        })
+        .collect();
+    if arguments.json {
+        return super::print_json(&report::stored_json(&records, names));
+    }
+    if records.is_empty() {
+        return super::print("the board has kept no self-test\n");
+    }
+    super::print(&report::stored_table(&records, names))
+}

@@ -1,0 +1,76 @@
+//! Any text as a head, and as the models of a head's elements.
+
+use super::said_of;
+use dr_core::control::{Command, Station};
+use host_sim::experiment::models::Models;
+use host_sim::head::Head;
+use host_sim::settings::{file, of_head, rehearse};
+use host_sim::toml_file::Source;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+use wire::MOST_ELEMENTS;
+
+/// The head for which models are tried.
+static SPHERE: LazyLock<Head> =
+    LazyLock::new(|| Head::read(&crate::file("heads/sphere-b.toml")).expect("a shipped head can be read"));
+
+const NAME: &str = "tried.toml";
+const SAMPLE_PERIOD_S: f64 = 0.01;
+
+/// The target.
+///
+/// # Panics
+/// If something does not hold.
+pub fn run(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let source = Source { path: NAME.into(), text: text.to_owned() };
+    let models = Models::from_source(source.clone(), &SPHERE);
+    match &models {
+        Err(error) => said_of(NAME, &error.to_string()),
+        Ok(models) => assert_eq!(models.elements.len(), SPHERE.elements.len()),
+    }
+    match Head::from_source(source) {
+        Err(error) => {
+            said_of(NAME, &error.to_string());
+            models.is_ok()
+        }
+        Ok(head) => {
+            is_taken(&head);
+            is_kept(&head);
+            true
+        }
+    }
+}
+
+/// A controller takes what the file's check has let through.
+fn is_taken(head: &Head) {
+    let mut station = Station::<MOST_ELEMENTS>::new();
+    station.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S as f32 }).expect("a period as any");
+    station.handle(Command::Guard(head.guard_config(SAMPLE_PERIOD_S))).expect("any guard is taken");
+    for (element, of) in (0_u8..).zip(&head.elements) {
+        let told = station.handle(Command::Element { element, config: of.config });
+        told.unwrap_or_else(|refusal| panic!("{}: {refusal}", of.name));
+    }
+    let mut names = head.names();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), head.elements.len(), "each element has a name of its own");
+}
+
+/// What a board would keep of it is written as a file and read as the same.
+fn is_kept(head: &Head) {
+    let mut settings = BTreeMap::new();
+    if let Err(sentence) = of_head(head, SAMPLE_PERIOD_S, &mut settings) {
+        return super::said(&sentence);
+    }
+    let text = file::to_toml("a firmware", &settings).expect("any setting can be written");
+    let read = file::from_source(&Source { path: "settings.toml".into(), text });
+    assert_eq!(read.as_ref(), Ok(&settings));
+    if let Err(sentence) = rehearse(&settings) {
+        super::said(&sentence);
+        assert!(
+            head.calibration.is_some(),
+            "a head without a calibration has nothing that could be refused: {sentence}"
+        );
+    }
+}

@@ -1,0 +1,62 @@
+//! What is given to every reader of foreign bytes, and what has to hold whatever they are.
+//!
+//! | target | bytes are | holds |
+//! |---|---|---|
+//! | [`frame`] | what comes over a link | each frame is taken or counted; what is taken comes out again, and fits into a frame |
+//! | [`command`] | commands and readings, one after the other | the invariant of the heaters after every tick; what is refused changes nothing |
+//! | [`settings`] | a kept value behind its key, or a file of settings | what is read is kept and read as the same |
+//! | [`flash`] | values that are written, then damage to the flash | whatever is found can be told, and no more than was kept |
+//! | [`record`] | a recording as CSV | numbers that agree with the survey |
+//! | [`model`] | a model's JSON | what is read is written and read as the same; it can be run, drawn, exported |
+//! | [`head`] | a head, or the models of its elements | a controller takes its elements; what is kept of it is read as the same |
+//! | [`experiment`] | an experiment | it can be set up, or one sentence says why not |
+//!
+//! And whatever is refused is refused in one sentence. Each target says whether it has taken anything at all.
+//!
+//! The same functions serve twice. `--test fuzz` gives them the kept corpus (`fuzz/corpus/`) and a fixed number of damaged copies of it, in a
+//! few seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and keeps what it finds.
+
+mod bytes;
+pub mod command;
+pub mod damage;
+pub mod experiment;
+pub mod flash;
+pub mod frame;
+pub mod head;
+pub mod model;
+pub mod record;
+pub mod settings;
+pub mod watched;
+
+/// One of the targets.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    /// The name of its corpus, and of its program in `fuzz/fuzz_targets/`.
+    pub name: &'static str,
+    /// Panics if something does not hold; says whether anything was taken.
+    pub run: fn(&[u8]) -> bool,
+}
+
+/// All of them.
+pub const TARGETS: [Target; 8] = [
+    Target { name: "command", run: command::run },
+    Target { name: "experiment", run: experiment::run },
+    Target { name: "flash", run: flash::run },
+    Target { name: "frame", run: frame::run },
+    Target { name: "head", run: head::run },
+    Target { name: "model", run: model::run },
+    Target { name: "record", run: record::run },
+    Target { name: "settings", run: settings::run },
+];
+
+/// A refusal is one sentence that can be shown as it is.
+fn said(sentence: &str) {
+    assert!(!sentence.trim().is_empty(), "a refusal without a word");
+    assert!(!sentence.contains(char::is_control), "more than one line: {sentence:?}");
+}
+
+/// A refusal of a file names the file.
+fn said_of(name: &str, sentence: &str) {
+    said(sentence);
+    assert!(sentence.contains(name), "of which file? {sentence:?}");
+}

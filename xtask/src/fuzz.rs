@@ -1,0 +1,184 @@
+//! Lets libFuzzer look for inputs at which something does not hold, for as long as one likes, and keeps those that reach what none before has.
+//!
+//! What is tried stands in `tests/src/fuzz/`, the programs in `fuzz/fuzz_targets/`, what is kept in `fuzz/corpus/`. The short run over what is kept
+//! needs none of this: it is one of the tests.
+
+use crate::{install, shell};
+use anyhow::{Context, Result, bail};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Bytes that are kept of a target, beyond what has been put there by hand: each clone has them, and each short run goes through them.
+const KEPT: u64 = 100_000;
+/// An input that takes longer is a finding, s.
+const LONGEST_S: u32 = 20;
+/// So is one that needs more memory, MiB.
+const MOST_MIB: u32 = 3_000;
+/// Names of inputs that were found: libFuzzer's, which are 40 hexadecimal digits. What people put there has others.
+const FOUND: usize = 40;
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Only this target (as the files in fuzz/fuzz_targets are called), not each in turn
+    target: Option<String>,
+    /// How long each is run
+    #[arg(long, value_name = "MINUTES", default_value_t = 10.0)]
+    minutes: f64,
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    let all = targets()?;
+    let chosen: Vec<&String> =
+        all.iter().filter(|name| options.target.as_ref().is_none_or(|wanted| wanted == *name)).collect();
+    if chosen.is_empty() {
+        bail!("there is no target of that name; there are {}", all.join(", "));
+    }
+    if !options.minutes.is_finite() || options.minutes <= 0.0 {
+        bail!("--minutes is {}: it must be above 0", options.minutes);
+    }
+    install::nightly(&[])?;
+    let fuzzer = Fuzzer { program: install::cargo_fuzz()?, target_directory: shell::target_directory()?.join("fuzz") };
+    let mut findings = Vec::new();
+    for name in chosen {
+        shell::announce(&format!("{name}, {} minutes", options.minutes));
+        findings.extend(fuzzer.run(name, options.minutes)?);
+    }
+    if findings.is_empty() { Ok(()) } else { bail!("{}", findings.join("\n")) }
+}
+
+fn targets() -> Result<Vec<String>> {
+    let mut names: Vec<String> = files(&shell::root().join("fuzz/fuzz_targets"))?
+        .iter()
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+struct Fuzzer {
+    program: PathBuf,
+    target_directory: PathBuf,
+}
+
+impl Fuzzer {
+    /// Runs a target and keeps what it has found; gives a sentence if something did not hold.
+    fn run(&self, name: &str, minutes: f64) -> Result<Option<String>> {
+        let kept = shell::root().join("fuzz/corpus").join(name);
+        let found = self.target_directory.join("found").join(name);
+        let crashes = shell::root().join("fuzz/artifacts").join(name);
+        std::fs::create_dir_all(&found).with_context(|| found.display().to_string())?;
+        let before = files(&crashes).unwrap_or_default();
+
+        let mut run = self.libfuzzer(name, &[&found, &kept]);
+        run.arg(format!("-max_total_time={:.0}", (60.0 * minutes).max(1.0)));
+        run.arg(format!("-timeout={LONGEST_S}")).arg(format!("-rss_limit_mb={MOST_MIB}"));
+        run.args(["-print_final_stats=1", "-verbosity=1"]);
+        let ended = shell::run(&mut run);
+
+        let new: Vec<PathBuf> =
+            files(&crashes).unwrap_or_default().into_iter().filter(|path| !before.contains(path)).collect();
+        let Some(crash) = new.first() else {
+            ended?;
+            self.keep(name, &kept, &found)?;
+            return Ok(None);
+        };
+        Ok(Some(format!(
+            "{name} does not hold for {}; to see it without a fuzzer:\n  ANEMO_FUZZ_INPUT={} cargo test --release -p anemo-tests --test fuzz {name}\nMend what it shows and put it into fuzz/corpus/{name}/, under a name that says what it is",
+            crash.display(),
+            crash.display()
+        )))
+    }
+
+    /// Of what was found, keeps the smallest inputs that together reach every place in the code that any of them does.
+    fn keep(&self, name: &str, kept: &Path, found: &Path) -> Result<()> {
+        let chosen = self.target_directory.join("chosen").join(name);
+        std::fs::remove_dir_all(&chosen).ok();
+        std::fs::create_dir_all(&chosen).with_context(|| chosen.display().to_string())?;
+        // What was put there by hand stays, so that only what it does not reach is chosen.
+        for path in files(kept)?.iter().filter(|path| !is_found(path)) {
+            copy_into(path, &chosen)?;
+        }
+        let mut merge = self.libfuzzer(name, &[&chosen, &kept.to_owned(), &found.to_owned()]);
+        // Whether a place is reached counts, not how often: the latter keeps thousands.
+        shell::run(merge.args(["-merge=1", "-use_counters=0", "-verbosity=0"]))?;
+
+        let size = |path: &PathBuf| std::fs::metadata(path).map_or(u64::MAX, |data| data.len());
+        let mut chosen: Vec<PathBuf> = files(&chosen)?.into_iter().filter(|path| is_found(path)).collect();
+        chosen.sort_by_key(|path| (size(path), path.clone()));
+        for path in files(kept)?.iter().filter(|path| is_found(path)) {
+            std::fs::remove_file(path).with_context(|| path.display().to_string())?;
+        }
+        let (mut bytes, mut count) = (0, 0);
+        for path in &chosen {
+            bytes += size(path);
+            if bytes > KEPT {
+                println!("  {} inputs more would be beyond {KEPT} bytes", chosen.len() - count);
+                break;
+            }
+            copy_into(path, kept)?;
+            count += 1;
+        }
+        println!("  {count} found inputs are kept in {}", kept.display());
+        Ok(())
+    }
+
+    /// The program of a target, built, with folders of inputs; what follows are libFuzzer's own options.
+    fn libfuzzer(&self, name: &str, folders: &[&PathBuf]) -> Command {
+        let mut command = install::on_nightly();
+        // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often. Overflows and assertions are checked.
+        // In units, since in one host-sim alone takes many minutes to compile.
+        command.arg(&self.program).args([
+            "fuzz",
+            "run",
+            "--sanitizer",
+            "none",
+            "--codegen-units",
+            "16",
+            "--target-dir",
+        ]);
+        command.arg(&self.target_directory).arg(name).args(folders).arg("--");
+        command
+    }
+}
+
+fn is_found(path: &Path) -> bool {
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    name.len() == FOUND && name.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+fn copy_into(path: &Path, folder: &Path) -> Result<()> {
+    let to = folder.join(path.file_name().unwrap_or_default());
+    std::fs::copy(path, &to).with_context(|| to.display().to_string())?;
+    Ok(())
+}
+
+/// What is in a folder, by name.
+fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_found_is_told_from_what_was_put_there() {
+        assert!(is_found(Path::new("corpus/da39a3ee5e6b4b0d3255bfef95601890afd80709")));
+        assert!(!is_found(Path::new("corpus/gusts.toml")));
+        assert!(!is_found(Path::new("corpus/a-name-that-has-just-as-many-characters-x")));
+    }
+
+    #[test]
+    fn every_target_has_a_corpus() {
+        let targets = targets().expect("the folder is there");
+        assert!(targets.len() >= 8, "{targets:?}");
+        for name in targets {
+            let kept = files(&shell::root().join("fuzz/corpus").join(&name)).expect("the folder is there");
+            assert!(!kept.is_empty(), "{name}");
+        }
+    }
+}
