@@ -9,6 +9,9 @@ use crate::model::{SelfHeatingConfig, mesh};
 use crate::sensor::{Channel, Platinum};
 use std::vec::Vec;
 
+mod bounds;
+mod sums;
+
 const ELEMENTS: usize = 2;
 const PERIOD_S: f32 = 0.01;
 const VOLT_PER_CODE: f64 = 4.0 / 8_388_608.0;
@@ -109,7 +112,12 @@ fn config() -> ElementConfig {
     let platinum = Platinum::linear(175.0, 0.0031).unwrap();
     ElementConfig {
         channel: Channel::new(platinum, VOLT_PER_CODE as f32, CURRENTS_A[0] as f32, CURRENTS_A[1] as f32).unwrap(),
-        limits: Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 },
+        limits: Limits {
+            resistance_min_ohm: 50.0,
+            resistance_max_ohm: 260.0,
+            temperature_max_c: 70.0,
+            code_max: 8_388_000,
+        },
     }
 }
 
@@ -141,6 +149,12 @@ fn tick(station: &mut Station<ELEMENTS>, head: &mut Head) -> Tick<ELEMENTS> {
     let tick = station.tick(&readings);
     head.live(tick.heaters.0);
     tick
+}
+
+/// Ticks up to and with the first that heats.
+fn until_heated(station: &mut Station<ELEMENTS>, head: &mut Head) {
+    let heats = |_| tick(station, head).heaters.0 > 0;
+    assert!((0..1_000).any(heats), "it never heats");
 }
 
 /// The findings, and all ticks.
@@ -335,7 +349,7 @@ fn a_fault_in_a_pulse_trips_in_its_tick() {
     let mut station = station(true);
     station.handle(plan(Some(PULSE_S))).unwrap();
     let mut head = Head::sound();
-    while tick(&mut station, &mut head).heaters.0 == 0 {}
+    until_heated(&mut station, &mut head);
     head.instead[1] = Some(Reading::Code(8_388_607));
     let last = tick(&mut station, &mut head);
     assert_eq!((last.heaters.0, last.trip), (0, Some(Trip::of(1, Cause::Open))));
@@ -349,7 +363,7 @@ fn a_missing_reading_in_a_pulse_is_one_tick_at_the_low_level() {
     let mut station = station(true);
     station.handle(plan(Some(PULSE_S))).unwrap();
     let mut head = Head::sound();
-    while tick(&mut station, &mut head).heaters.0 == 0 {}
+    until_heated(&mut station, &mut head);
     head.instead[0] = Some(Reading::Missing);
     assert_eq!(tick(&mut station, &mut head).heaters.0, 0);
     head.instead[0] = None;

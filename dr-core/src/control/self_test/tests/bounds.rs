@@ -1,0 +1,194 @@
+//! What is still right, and what is just wrong.
+
+use super::finding::{GAP_MOST_K, NOISE_MOST_K};
+use super::*;
+
+/// A test of two elements that has come to a phase.
+fn at(phase: Phase) -> SelfTest<ELEMENTS> {
+    let plan = SelfTestPlan { pulse_s: Some(PULSE_S), unix_s: None };
+    SelfTest { phase, ..SelfTest::new(plan, PULSE_TICKS, ELEMENTS) }
+}
+
+fn controller(with_models: bool) -> Controller<ELEMENTS> {
+    *station(with_models).controller()
+}
+
+/// The next number away from zero.
+fn beyond(value: f32) -> f32 {
+    f32::from_bits(value.to_bits() + 1)
+}
+
+/// What a phase makes of quiet readings that are all the same.
+fn of_quiet(phase: Phase, value: f32) -> Finding {
+    let mut test = at(phase);
+    (0..64).for_each(|_| test.quiet[0].take(value));
+    test.judge_phase(&controller(true));
+    assert_eq!(test.quiet[0], Quiet::default(), "emptied for the next");
+    test.findings[0]
+}
+
+#[test]
+fn an_offset_may_be_a_small_part_of_the_low_level_either_way() {
+    // 4·10⁻⁴ of 3 mA · 175 Ω are 210 µV, 440.4 codes.
+    let code = 4e-4 * 3e-3 * 175.0 / VOLT_PER_CODE as f32;
+    for sign in [1.0, -1.0] {
+        for (share, is_wrong) in [(0.0, false), (0.999, false), (1.001, true)] {
+            let finding = of_quiet(Phase::Offsets, sign * share * code);
+            assert_eq!(finding.faults.has(Fault::Offset), is_wrong, "{sign} {share}");
+            let truth_v = sign * share * 2.1e-4;
+            assert!((finding.offset_v.unwrap() - truth_v).abs() < 1e-9, "{finding:?}");
+        }
+    }
+}
+
+#[test]
+fn a_reference_may_be_three_parts_in_a_hundred_off() {
+    for (ratio, is_wrong) in [(0.9701, false), (0.9699, true), (1.0299, false), (1.0301, true), (-1.0, true)] {
+        let finding = of_quiet(Phase::References, ratio * REFERENCE_CODE as f32);
+        assert_eq!(finding.faults.has(Fault::Reference), is_wrong, "{ratio}");
+        assert!((finding.reference.unwrap() - ratio).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn noise_is_too_much_only_beyond_its_bound_and_none_at_all_is_frozen() {
+    // ±a in turn has a noise of a √(16/6).
+    let of = |noise_k: f32| {
+        let mut test = at(Phase::Quiet);
+        let a = noise_k / (16.0_f32 / 6.0).sqrt();
+        (0..64).for_each(|n| test.quiet[1].take(if n % 2 == 0 { a } else { -a }));
+        test.quiet[0] = test.quiet[1];
+        test.judge_phase(&controller(true));
+        test.findings[1].faults
+    };
+    assert_eq!(of(0.999 * NOISE_MOST_K), Faults::default());
+    assert_eq!(of(1.001 * NOISE_MOST_K), only(&[Fault::Noise]));
+    assert_eq!(of(0.0), only(&[Fault::Frozen]));
+    assert_eq!(of(1e-6), Faults::default());
+}
+
+#[test]
+fn an_element_that_was_never_read_is_missing_unless_its_cause_is_known() {
+    for cause in [None, Some(Cause::Short)] {
+        let mut test = at(Phase::Quiet);
+        test.findings[0].cause = cause;
+        test.judge_phase(&controller(true));
+        assert_eq!(test.findings[0].cause, cause.or(Some(Cause::Missing)));
+        assert_eq!(test.findings[0].faults, only(&[Fault::Continuity]));
+    }
+}
+
+/// What is made of a pulse of the first element that follows its model by a ratio with a gap; the other one rises by itself.
+fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> Finding {
+    let mut test = at(Phase::Heating(0));
+    test.findings[0].noise_k = Some(noise_k);
+    for pulse in &mut test.pulses {
+        *pulse = Pulse::starting(0.0);
+    }
+    // Eight readings, at 0 … 1.75 K of the model.
+    for n in 0..8 {
+        let model_k = n as f32 / 4.0;
+        test.pulses[0].take(gap_k + ratio * model_k, model_k);
+        test.pulses[1].take(other_rise_k * n as f32 / 7.0, model_k);
+    }
+    test.judge_phase(&controller(with_models));
+    assert_eq!(test.findings[1], SelfTest::<ELEMENTS>::new(test.plan, PULSE_TICKS, ELEMENTS).findings[1]);
+    test.findings[0]
+}
+
+#[test]
+fn a_response_may_be_from_seven_to_fourteen_tenths_of_the_expected_one() {
+    for (ratio, is_wrong) in [(0.699, true), (0.701, false), (1.0, false), (1.399, false), (1.401, true)] {
+        let finding = of_pulse(ratio, 0.0, 0.0, 1e-3, true);
+        assert_eq!(finding.faults, if is_wrong { only(&[Fault::Response]) } else { sound() }, "{ratio}");
+        let response = finding.response.unwrap();
+        assert!((response.rise_k - 1.75 * ratio).abs() < 1e-6 && response.expected_k == Some(1.75), "{response:?}");
+        assert!((response.ratio.unwrap() - ratio).abs() < 1e-5 && response.gap_k.unwrap().abs() < 1e-5);
+        // Without a model it is not judged.
+        let alone = of_pulse(ratio, 0.0, 0.0, 1e-3, false);
+        assert_eq!((alone.faults, alone.response.unwrap().ratio), (sound(), None));
+    }
+}
+
+#[test]
+fn the_levels_may_be_a_kelvin_apart() {
+    for sign in [1.0, -1.0] {
+        for (share, is_wrong) in [(0.999, false), (1.001, true)] {
+            let finding = of_pulse(1.0, sign * share * GAP_MOST_K, 0.0, 1e-3, true);
+            assert_eq!(finding.faults, if is_wrong { only(&[Fault::Levels]) } else { sound() }, "{sign} {share}");
+        }
+    }
+}
+
+#[test]
+fn a_rise_within_the_noise_is_none() {
+    // Five times √2 of the noise.
+    for (share, is_none) in [(0.999, true), (1.001, false)] {
+        let noise_k = 1.75 / (5.0 * 1.414 * share);
+        assert_eq!(of_pulse(1.0, 0.0, 0.0, noise_k, true).faults.has(Fault::NoResponse), is_none, "{share}");
+    }
+    // On the bound it is none, too: here both are zero.
+    assert!(of_pulse(0.0, 0.0, 0.0, 0.0, false).faults.has(Fault::NoResponse));
+}
+
+#[test]
+fn another_element_may_rise_by_half_of_it_or_within_the_noise() {
+    let crossed = |other_rise_k, noise_k| of_pulse(1.0, 0.0, other_rise_k, noise_k, true).faults.has(Fault::Crossed);
+    assert!(!crossed(0.87, 1e-3) && crossed(0.88, 1e-3));
+    assert!(!crossed(-5.0, 1e-3), "one that cools is no matter");
+    // 7.07 times the noise.
+    assert!(crossed(1.0, 0.141) && !crossed(1.0, 0.142));
+    // On either bound it is not yet: half of 1.75 K, and no noise with no rise.
+    assert!(!crossed(0.875, 1e-3) && crossed(beyond(0.875), 1e-3));
+    assert!(!of_pulse(-1.0, 0.0, 0.0, 0.0, true).faults.has(Fault::Crossed));
+}
+
+fn sound() -> Faults {
+    Faults::default()
+}
+
+#[test]
+fn faults_have_names_of_their_own_and_are_listed() {
+    let all = only(&Fault::ALL);
+    assert_eq!(all.iter().collect::<Vec<_>>(), Fault::ALL);
+    assert_eq!(all.0, (1 << Fault::ALL.len()) - 1);
+    for (place, fault) in Fault::ALL.iter().enumerate() {
+        let name = fault.name();
+        assert!(!name.is_empty() && Fault::ALL[..place].iter().all(|other| other.name() != name), "{name}");
+        assert!(only(&[*fault]).has(*fault) && !sound().has(*fault));
+        assert_eq!(std::format!("{}", only(&[*fault])), name);
+    }
+    assert_eq!(std::format!("{}", only(&[Fault::Noise, Fault::Offset])), "offset, noise");
+    assert_eq!(std::format!("{}", sound()), "none");
+    assert!(sound().is_none() && !all.is_none());
+}
+
+#[test]
+fn a_pulse_is_rounded_to_ticks_and_eight_of_them_at_the_least() {
+    let ticks = |pulse_s| SelfTestPlan { pulse_s, unix_s: None }.pulse_ticks(0.25).ok();
+    assert_eq!(ticks(None), Some(0));
+    assert_eq!((ticks(Some(2.0)), ticks(Some(2.1)), ticks(Some(2.13))), (Some(8), Some(8), Some(9)));
+    // 7.5 ticks round to 8, and 10 s are the most.
+    assert_eq!((ticks(Some(1.875)), ticks(Some(1.87))), (Some(8), None));
+    assert_eq!((ticks(Some(10.0)), ticks(Some(10.001))), (Some(40), None));
+    // At ticks of 2 s eight of them are beyond the most.
+    let slow = |pulse_s| SelfTestPlan { pulse_s: Some(pulse_s), unix_s: None }.pulse_ticks(2.0);
+    assert!([9.9, 10.0, 15.0, 16.0].iter().all(|pulse_s| slow(*pulse_s).is_err()));
+}
+
+#[test]
+fn a_phase_follows_the_other_and_each_reads_its_input() {
+    let phases: Vec<_> =
+        core::iter::successors(Some(Phase::Offsets), |phase| (*phase != Phase::Done).then(|| phase.next(true, 2)))
+            .collect();
+    use Phase::{Cooling, Done, Heating, Offsets, Quiet, References};
+    assert_eq!(phases, [Offsets, References, Quiet, Heating(0), Cooling(0), Heating(1), Cooling(1), Done]);
+    assert_eq!((Quiet.next(false, 2), Done.next(true, 2)), (Done, Done));
+    let total: u32 = phases.iter().map(|phase| phase.ticks(10)).sum();
+    assert_eq!(total, plan::test_ticks(10, 2));
+    // Two that settle and 64 that count, three times; 11 of each element with its pulse, and 20 in which it cools.
+    assert_eq!((total, plan::test_ticks(0, 2)), (3 * 66 + 2 * 31, 3 * 66));
+    let inputs = phases.iter().map(|phase| phase.input()).collect::<Vec<_>>();
+    assert_eq!(inputs[..2], [Input::Shorted, Input::Reference]);
+    assert!(inputs[2..].iter().all(|input| *input == Input::Element));
+}
