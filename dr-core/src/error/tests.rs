@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 65] = [
+const ALL: [Parameter; 66] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -75,6 +75,7 @@ const ALL: [Parameter; 65] = [
     Parameter::CardAnisotropy,
     Parameter::CardShare,
     Parameter::WindowS,
+    Parameter::PulseS,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.
@@ -108,8 +109,9 @@ fn the_list_is_whole() {
     for (place, parameter) in ALL.iter().enumerate() {
         assert_eq!(*parameter as usize, place, "{parameter:?}");
     }
-    // The last one that there is: one that is added after it has to be added here.
-    assert_eq!(Parameter::WindowS as usize + 1, ALL.len());
+    let declared = include_str!("../error.rs").split_once("pub enum Parameter {").unwrap().1;
+    let (declared, _) = declared.split_once('}').unwrap();
+    assert_eq!(declared.lines().filter(|line| line.trim_end().ends_with(',')).count(), ALL.len());
 }
 
 #[test]

@@ -225,7 +225,7 @@ fn each_thing_that_is_wrong_is_found_by_its_name() {
     assert_eq!(of(|head| head.offset_v[1] = 1e-3), [sound, only(&[Offset])]);
     assert_eq!(of(|head| head.reference[0] = 1.1), [only(&[Reference]), sound]);
     assert_eq!(of(|head| head.reference[1] = 0.5), [sound, only(&[Reference])]);
-    assert_eq!(of(|head| head.noise_v[0] = 3e-4)[0].has(Noise), true);
+    assert!(of(|head| head.noise_v[0] = 3e-4)[0].has(Noise));
     // 2 % of the high current are as much of the resistance: 5 K, and 4 % of the power.
     assert_eq!(of(|head| head.currents[0][1] = 1.02), [only(&[Levels]), sound]);
     // The heat goes elsewhere.
