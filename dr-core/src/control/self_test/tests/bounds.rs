@@ -180,6 +180,7 @@ fn a_pulse_is_rounded_to_ticks_and_eight_of_them_at_the_least() {
 fn a_phase_follows_the_other_and_each_reads_its_input() {
     let phases: Vec<_> =
         core::iter::successors(Some(Phase::Offsets), |phase| (*phase != Phase::Done).then(|| phase.next(true, 2)))
+            .take(20)
             .collect();
     use Phase::{Cooling, Done, Heating, Offsets, Quiet, References};
     assert_eq!(phases, [Offsets, References, Quiet, Heating(0), Cooling(0), Heating(1), Cooling(1), Done]);
@@ -215,5 +216,32 @@ fn what_the_front_end_still_settles_on_does_not_count() {
         assert_eq!((finding.faults, finding.cause), (sound(), None), "{finding:?}");
         // A mean of 64 of 1.6 µV.
         assert!((finding.offset_v.unwrap() - 2e-6).abs() < 1e-6, "{finding:?}");
+    }
+}
+
+#[test]
+fn to_arm_or_to_acknowledge_is_no_reason_to_forget_what_was_found() {
+    for (command, is_kept) in [
+        (Command::Arm { window_s: 1.0 }, true),
+        (Command::Disarm, true),
+        (Command::Acknowledge, true),
+        (Command::Observe { on: false }, false),
+    ] {
+        let mut station = station(true);
+        let mut head = Head::sound();
+        head.instead[0] = Some(Reading::Code(3));
+        if command == Command::Acknowledge {
+            (0..2).for_each(|_| _ = tick(&mut station, &mut head));
+        }
+        station.handle(plan(None)).unwrap();
+        for n in 0..3 * 66 {
+            if n == 100 {
+                station.handle(command).unwrap();
+                // Acknowledged, a short would trip again as soon as the test is over.
+                head.instead[0] = None;
+            }
+            tick(&mut station, &mut head);
+        }
+        assert_eq!(station.take_self_test().is_some(), is_kept, "{command:?}");
     }
 }
