@@ -252,16 +252,16 @@ mod app {
             }
             front_end.select(station.input());
             let wind = station.sense(&tick);
+            if let Some(test) = station.take_self_test() {
+                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
+                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
+                rtic::pend(CLERK);
+            }
             if let Some(answer) = front_end.answer(station, &tick, wind.as_ref()) {
                 outbox.put(answer);
             }
             if QUESTIONS.wants_sample(tick.tick) {
                 outbox.put(FromBoard::of_tick(&tick, wind.as_ref()));
-            }
-            if let Some(test) = station.take_self_test() {
-                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
-                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
-                rtic::pend(CLERK);
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
