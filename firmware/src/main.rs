@@ -36,6 +36,7 @@ mod app {
     use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
+    use firmware::past_life::PastTrip;
     use firmware::queue;
     use firmware::settings::{Busy, Clerk, Findings};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -77,6 +78,8 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// What a life before ended with has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
+    /// What the life before ended with, until the controller knows.
+    static PAST_TRIP: PastTrip = PastTrip::none();
     static BUSY: Busy = Busy::starting();
     /// The clerk is to set the instrument up before anything else; so it begins.
     static SET_UP: AtomicBool = AtomicBool::new(true);
@@ -135,10 +138,8 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let mut station = Station::new();
         if let Some(cause) = past.trip(reset) {
-            // Before any command.
-            station.trip(cause);
+            PAST_TRIP.put(cause);
             BUSY.standby(false);
         }
         let identity = vitals::identity(reset, past);
@@ -154,7 +155,7 @@ mod app {
                 findings: Findings::of(&identity),
             },
             Local {
-                station,
+                station: Station::new(),
                 front_end: parts.front_end,
                 requests,
                 orders,
@@ -219,6 +220,10 @@ mod app {
         } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
+        // Before any command.
+        if let Some(cause) = PAST_TRIP.take() {
+            station.trip(cause);
+        }
         if matches!(station.controller().state(), RunState::Running | RunState::Testing) {
             // It is in nobody's hands then, whatever its memory says: `Stop` must not wait for ever.
             BUSY.give_back();
