@@ -208,16 +208,8 @@ mod app {
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
     #[task(binds = EXTI4, priority = 5, local = [station, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
     fn control(mut cx: control::Context) {
-        let control::LocalResources {
-            station,
-            front_end,
-            requests,
-            orders,
-            outcomes,
-            outbox,
-            last_state,
-            ..
-        } = cx.local;
+        let control::LocalResources { station, front_end, requests, orders, outcomes, outbox, last_state, .. } =
+            cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
         // Before any command.

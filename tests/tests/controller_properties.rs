@@ -7,7 +7,9 @@
 use anemo_tests::fuzz::command::{element, set_up};
 use anemo_tests::fuzz::watched::{ELEMENTS, Watched};
 use dr_core::control::controller::upset::UPSETS;
-use dr_core::control::{AnswerConfig, Command, Drive, ElementConfig, GuardConfig, Limits, RunState, SelfTestPlan, WindCommand};
+use dr_core::control::{
+    AnswerConfig, Command, Drive, ElementConfig, GuardConfig, Limits, RunState, SelfTestPlan, WindCommand,
+};
 use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use proptest::prelude::*;

@@ -6,7 +6,9 @@
 //!
 //! **After a command.** One that was refused has changed nothing.
 
-use dr_core::control::{Cause, Command, Doubts, ElementConfig, Heaters, Refusal, Reply, RunState, SelfTestPlan, Station, Tick, Trip};
+use dr_core::control::{
+    Cause, Command, Doubts, ElementConfig, Heaters, Refusal, Reply, RunState, SelfTestPlan, Station, Tick, Trip,
+};
 use dr_core::sensor::{Level, Reading};
 
 /// How many elements the watched station has room for.
@@ -139,7 +141,9 @@ impl Watched {
         assert_eq!(tick.heaters.0 & !tick.valid, 0, "heated without a valid reading: {tick:?}");
         match tick.state {
             RunState::Running => {}
-            RunState::Testing => assert!(tick.heaters.0.count_ones() <= 1, "heated more than one in a self-test: {tick:?}"),
+            RunState::Testing => {
+                assert!(tick.heaters.0.count_ones() <= 1, "heated more than one in a self-test: {tick:?}")
+            }
             state => assert_eq!(tick.heaters, Heaters(0), "heated while {state:?}"),
         }
         for (i, &reading) in readings.iter().enumerate() {

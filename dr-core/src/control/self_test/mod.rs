@@ -23,9 +23,7 @@ use super::guard::{Cause, Judgement};
 use crate::model::{ORDER, RelaxationState};
 use crate::sensor::reading::REFERENCE_CODE;
 use crate::sensor::{Input, Level, Reading};
-use finding::{
-    CROSSED_FROM, GAP_MOST_K, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT,
-};
+use finding::{CROSSED_FROM, GAP_MOST_K, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT};
 use plan::{Phase, SETTLING_TICKS};
 use sums::{Pulse, Quiet};
 
@@ -168,8 +166,9 @@ impl<const N: usize> SelfTest<N> {
             let before_c = tick.temperature_c.get(element).copied().unwrap_or_default();
             self.quiet_power_w = controller.standing_power_w(element, before_c);
         } else {
-            let rise_k =
-                model.map_or(0.0, |model| model.temperature_c(&self.model) - model.temperature_c(&RelaxationState::default()));
+            let rise_k = model.map_or(0.0, |model| {
+                model.temperature_c(&self.model) - model.temperature_c(&RelaxationState::default())
+            });
             for (pulse, &temperature_c) in self.pulses.iter_mut().zip(&tick.temperature_c) {
                 pulse.take(temperature_c, rise_k);
             }
