@@ -36,6 +36,7 @@ mod app {
     use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request, Wake};
     use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
+    use firmware::past_life::PastTrip;
     use firmware::queue;
     use firmware::settings::{Busy, Clerk, Findings};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -77,6 +78,8 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// What a life before ended with has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
+    /// What the life before ended with, until the controller knows.
+    static PAST_TRIP: PastTrip = PastTrip::none();
     static BUSY: Busy = Busy::starting();
     /// The clerk is to set the instrument up before anything else; so it begins.
     static SET_UP: AtomicBool = AtomicBool::new(true);
@@ -135,10 +138,8 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::past_life(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let mut station = Station::new();
         if let Some(cause) = past.trip(reset) {
-            // Before any command.
-            station.trip(cause);
+            PAST_TRIP.put(cause);
             BUSY.standby(false);
         }
         let identity = vitals::identity(reset, past);
@@ -154,7 +155,7 @@ mod app {
                 findings: Findings::of(&identity),
             },
             Local {
-                station,
+                station: Station::new(),
                 front_end: parts.front_end,
                 requests,
                 orders,
@@ -207,18 +208,14 @@ mod app {
     /// Never logs, never waits: replies and samples go into a queue, and what does not fit is dropped and counted.
     #[task(binds = EXTI4, priority = 5, local = [station, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
     fn control(mut cx: control::Context) {
-        let control::LocalResources {
-            station,
-            front_end,
-            requests,
-            orders,
-            outcomes,
-            outbox,
-            last_state,
-            ..
-        } = cx.local;
+        let control::LocalResources { station, front_end, requests, orders, outcomes, outbox, last_state, .. } =
+            cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
+        // Before any command.
+        if let Some(cause) = PAST_TRIP.take() {
+            station.trip(cause);
+        }
         if matches!(station.controller().state(), RunState::Running | RunState::Testing) {
             // It is in nobody's hands then, whatever its memory says: `Stop` must not wait for ever.
             BUSY.give_back();
@@ -252,16 +249,16 @@ mod app {
             }
             front_end.select(station.input());
             let wind = station.sense(&tick);
+            if let Some(test) = station.take_self_test() {
+                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
+                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
+                rtic::pend(CLERK);
+            }
             if let Some(answer) = front_end.answer(station, &tick, wind.as_ref()) {
                 outbox.put(answer);
             }
             if QUESTIONS.wants_sample(tick.tick) {
                 outbox.put(FromBoard::of_tick(&tick, wind.as_ref()));
-            }
-            if let Some(test) = station.take_self_test() {
-                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
-                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
-                rtic::pend(CLERK);
             }
             if front_end.overran() {
                 LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);

@@ -13,6 +13,7 @@
 //!
 //! RAM that does not hold it, because the supply was gone or a bit has flipped, is a first start.
 
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use dr_core::control::Cause;
 use wire::{Crash, CrashKind, Name, ResetCause};
@@ -108,6 +109,30 @@ impl PastLife {
     }
 }
 
+/// What the instrument is to be tripped for, on its way from the start to the controller. A word, of which every value means something: a
+/// flipped bit makes it another trip, and nothing else.
+pub struct PastTrip(AtomicU32);
+
+impl PastTrip {
+    /// Nothing.
+    pub const fn none() -> Self {
+        Self(AtomicU32::new(0))
+    }
+
+    /// This.
+    pub fn put(&self, cause: Cause) {
+        self.0.store(cause as u32 + 1, Relaxed);
+    }
+
+    /// Once.
+    pub fn take(&self) -> Option<Cause> {
+        let word = self.0.load(Relaxed).checked_sub(1)?;
+        self.0.store(0, Relaxed);
+        let known = [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut];
+        Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::Upset))
+    }
+}
+
 /// The end of a path, as much of it as a record holds.
 pub fn end_of(path: &str) -> Name {
     let mut from = path.len().saturating_sub(Name::new().capacity());
@@ -130,6 +155,20 @@ mod tests {
     fn past() -> PastLife {
         let file = end_of("/some/where/far/down/in/a/folder/dr-core/src/control/drive.rs");
         PastLife { starts: 7, crash: Some(Crash { kind: CrashKind::Panic, file, at: 1234 }) }
+    }
+
+    #[test]
+    fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
+        let trip = PastTrip::none();
+        assert_eq!(trip.take(), None);
+        for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut] {
+            trip.put(cause);
+            assert_eq!([trip.take(), trip.take()], [Some(cause), None]);
+        }
+        for bit in 0..32 {
+            let flipped = PastTrip(AtomicU32::new(1 << bit));
+            assert!(flipped.take().is_some() && flipped.take().is_none());
+        }
     }
 
     #[test]

@@ -7,7 +7,9 @@
 use anemo_tests::fuzz::command::{element, set_up};
 use anemo_tests::fuzz::watched::{ELEMENTS, Watched};
 use dr_core::control::controller::upset::UPSETS;
-use dr_core::control::{AnswerConfig, Command, Drive, ElementConfig, GuardConfig, Limits, RunState, WindCommand};
+use dr_core::control::{
+    AnswerConfig, Command, Drive, ElementConfig, GuardConfig, Limits, RunState, SelfTestPlan, WindCommand,
+};
 use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use proptest::prelude::*;
@@ -147,6 +149,11 @@ fn wind() -> impl Strategy<Value = WindCommand> {
     ]
 }
 
+fn self_test() -> impl Strategy<Value = SelfTestPlan> {
+    (proptest::option::of(number(0.05, 0.5)), any::<Option<u32>>())
+        .prop_map(|(pulse_s, unix_s)| SelfTestPlan { pulse_s, unix_s })
+}
+
 fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         1 => Just(Command::Clear),
@@ -165,6 +172,7 @@ fn command() -> impl Strategy<Value = Command> {
         4 => Just(Command::Acknowledge),
         1 => any::<bool>().prop_map(|on| Command::Observe { on }),
         2 => wind().prop_map(Command::Wind),
+        4 => self_test().prop_map(Command::SelfTest),
     ]
 }
 
@@ -183,9 +191,25 @@ fn read() -> impl Strategy<Value = Read> {
 
 fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
-        command().prop_map(Step::Tell),
-        (1..9_u8, [read(), read(), read()]).prop_map(|(times, of)| Step::Tick(times, of)),
+        12 => command().prop_map(Step::Tell),
+        12 => (1..9_u8, [read(), read(), read()]).prop_map(|(times, of)| Step::Tick(times, of)),
+        1 => quiet(),
     ]
+}
+
+/// As many ticks as a self-test looks at, at rest.
+fn quiet() -> impl Strategy<Value = Step> {
+    (190..255_u8, 0.05..0.75_f64).prop_map(|(times, share)| Step::Tick(times, [Read::Between(share); ELEMENTS]))
+}
+
+/// An armed self-test with a pulse and time enough for it, and the ticks after.
+fn tested() -> impl Strategy<Value = [Step; 5]> {
+    (number(0.05, 0.2), quiet(), step()).prop_map(|(pulse_s, quiet, then)| {
+        let plan = SelfTestPlan { pulse_s: Some(pulse_s), unix_s: None };
+        let commands = [Command::Stop, Command::Arm { window_s: 5.0 }, Command::SelfTest(plan)].map(Step::Tell);
+        let [stop, arm, test] = commands;
+        [stop, arm, test, quiet, then]
+    })
 }
 
 /// The same, and now and then a bit flips.
@@ -202,6 +226,7 @@ struct Account {
     taken: u32,
     refused: u32,
     heated_ticks: u32,
+    pulse_ticks: u32,
     trips: u32,
     upsets: u32,
 }
@@ -230,6 +255,7 @@ fn live(steps: &[Step], is_set_up: bool) -> Account {
                     });
                     let tick = watched.tick(&readings);
                     account.heated_ticks += u32::from(tick.heaters.0 != 0);
+                    account.pulse_ticks += u32::from(tick.heaters.0 != 0 && tick.state == RunState::Testing);
                     account.trips += u32::from(tick.trip.is_some());
                     assert!(tick.trip.is_none() || tick.state != RunState::Running);
                 }
@@ -253,6 +279,11 @@ proptest! {
     }
 
     #[test]
+    fn nor_in_a_self_test(tests in prop::collection::vec(tested(), 1..4)) {
+        live(&tests.into_iter().flatten().collect::<Vec<_>>(), true);
+    }
+
+    #[test]
     fn nor_when_bits_flip_in_between(steps in prop::collection::vec(harmed(), 1..STEPS), is_set_up in prop::bool::weighted(0.7)) {
         live(&steps, is_set_up);
     }
@@ -266,7 +297,12 @@ fn these_lives_go_through_all_that_there_is() {
     let mut runner = TestRunner::new(lives());
     let strategy = (prop::collection::vec(harmed(), 1..STEPS), prop::bool::weighted(0.7));
     let mut sum = Account::default();
-    for _ in 0..300 {
+    let tests = prop::collection::vec(tested(), 3);
+    for _ in 0..100 {
+        let steps: Vec<Step> = tests.new_tree(&mut runner).expect("a life").current().into_iter().flatten().collect();
+        sum.pulse_ticks += live(&steps, true).pulse_ticks;
+    }
+    for _ in 0..400 {
         let (steps, is_set_up) = strategy.new_tree(&mut runner).expect("a life").current();
         let account = live(&steps, is_set_up);
         sum.taken += account.taken;
@@ -276,5 +312,6 @@ fn these_lives_go_through_all_that_there_is() {
         sum.upsets += account.upsets;
     }
     println!("{sum:?}");
+    assert!(sum.pulse_ticks > 500);
     assert!(sum.taken > 1_000 && sum.refused > 1_000 && sum.heated_ticks > 1_000 && sum.trips > 100 && sum.upsets > 20);
 }

@@ -17,7 +17,7 @@ use wire::settings::TestRecord;
 const DATE_S: u32 = 1_800_000_000;
 const PLAN: SelfTestPlan = SelfTestPlan { pulse_s: Some(0.5), unix_s: Some(DATE_S) };
 
-/// The findings of a test of the experiment's head, and all that was observed.
+/// The findings of a test of the experiment's head.
 fn tested(experiment: &Experiment, instrument: &mut dyn Instrument, plan: SelfTestPlan) -> Vec<Finding> {
     let setup = run::setup_of(experiment).unwrap();
     setup::tell(instrument, &setup).unwrap();
@@ -27,8 +27,12 @@ fn tested(experiment: &Experiment, instrument: &mut dyn Instrument, plan: SelfTe
         last = (tick, of);
         true
     });
-    assert_eq!(last.0 + 1, last.1, "it takes as many ticks as it says");
-    report.unwrap().unwrap().findings
+    let findings = report.unwrap().unwrap().findings;
+    // It ends early where heating would be wrong.
+    if findings.iter().all(|finding| finding.cause.is_none()) {
+        assert_eq!(last.0 + 1, last.1, "it takes as many ticks as it says");
+    }
+    findings
 }
 
 fn board(flash: Option<&Path>) -> Emulated {

@@ -308,6 +308,14 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    /// A self-test is through.
+    pub(super) fn end_test(&mut self) {
+        if self.state == RunState::Testing {
+            (self.state, self.armed_ticks) = (RunState::Standby, 0);
+            self.seal_states();
+        }
+    }
+
     /// From whatever it did to tripped.
     const fn fall(&mut self, trip: Trip) {
         self.state = RunState::Tripped(trip);

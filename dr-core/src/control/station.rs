@@ -2,7 +2,7 @@
 
 use super::anemometer::{Anemometer, WindCommand, WindTick};
 use super::command::{Command, Refusal, Reply};
-use super::controller::{Controller, Probe, RunState, Tick};
+use super::controller::{Controller, RunState, Tick};
 use super::digest::Digest;
 use super::guard::Cause;
 use super::self_test::SelfTest;
@@ -17,7 +17,7 @@ pub struct Station<const N: usize> {
     controller: Controller<N>,
     anemometer: Anemometer<N>,
     /// The one that goes on, or the last one that came to its end.
-    self_test: Option<SelfTest<N>>,
+    self_test: SelfTest<N>,
     /// Nobody has asked yet what it has found.
     is_news: bool,
     /// What the front end has been asked for with the last tick.
@@ -53,10 +53,14 @@ impl<const N: usize> Station<N> {
         match command {
             Command::SelfTest(plan) => {
                 let pulse_ticks = self.controller.pulse_ticks(&plan)?;
-                self.self_test = Some(SelfTest::new(plan, pulse_ticks, self.controller.elements()));
+                self.self_test.begin(plan, pulse_ticks, self.controller.elements());
+                self.is_news = false;
             }
             Command::Arm { .. } | Command::Disarm | Command::Acknowledge => {}
-            _ => (self.self_test, self.is_news) = (None, false),
+            _ => {
+                self.self_test.leave();
+                self.is_news = false;
+            }
         }
         Ok(reply)
     }
@@ -98,24 +102,16 @@ impl<const N: usize> Station<N> {
 
     /// A self-test that is over: once.
     pub fn take_self_test(&mut self) -> Option<&SelfTest<N>> {
-        self.self_test.as_ref().filter(|_| core::mem::take(&mut self.is_news))
-    }
-
-    const fn is_in_test(&self) -> bool {
-        match &self.self_test {
-            Some(test) => !test.is_over(),
-            None => false,
-        }
+        core::mem::take(&mut self.is_news).then_some(&self.self_test)
     }
 
     /// The first half of a tick: readings in, levels out.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
-        let probe = self.self_test.as_ref().map_or(Probe::None, SelfTest::probe);
         // What is not of the elements is none of the controller's business.
         let nothing = [Reading::Missing; N];
         let of_elements = if matches!(self.input, Input::Element) { readings } else { &nothing };
-        let mut tick = self.controller.tick_with(of_elements, probe);
-        if self.is_in_test() || !matches!(self.input, Input::Element) {
+        let mut tick = self.controller.tick_with(of_elements, self.self_test.probe());
+        if !self.self_test.is_over() || !matches!(self.input, Input::Element) {
             self.step_test(readings, &mut tick);
         }
         tick
@@ -125,11 +121,14 @@ impl<const N: usize> Station<N> {
     #[inline(never)]
     fn step_test(&mut self, readings: &[Reading; N], tick: &mut Tick<N>) {
         self.input = Input::Element;
-        let Some(test) = self.self_test.as_mut().filter(|test| !test.is_over()) else { return };
-        test.step(readings, tick, &self.controller);
-        self.input = test.input();
-        self.is_news = test.is_over();
-        if self.is_news && tick.state == RunState::Testing && self.controller.handle(Command::Stop).is_ok() {
+        if self.self_test.is_over() {
+            return;
+        }
+        self.self_test.step(readings, tick, &self.controller);
+        self.input = self.self_test.input();
+        self.is_news = self.self_test.is_over();
+        if self.is_news {
+            self.controller.end_test();
             tick.state = self.controller.state();
         }
     }

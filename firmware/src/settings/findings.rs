@@ -50,7 +50,8 @@ mod tests {
         let of = |element| Finding { element, of: 2, ..Finding::default() };
         findings.take(None, &[of(0), of(1)]);
         findings.take(Some(7), &[of(1), of(0)]);
-        let next = |element| Some(TestRecord { unix_s: Some(7), firmware: firmware.clone(), starts: 3, finding: of(element) });
+        let next =
+            |element| Some(TestRecord { unix_s: Some(7), firmware: firmware.clone(), starts: 3, finding: of(element) });
         assert_eq!([findings.next(), findings.next(), findings.next()], [next(0), next(1), None]);
     }
 }

@@ -115,13 +115,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         super::print(&report.table(&names))?;
     }
-    report.faults(&names).map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found faults of {faults}"))))
+    report
+        .faults(&names)
+        .map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found faults of {faults}"))))
 }
 
 fn open(arguments: &Arguments, experiment: Option<&Experiment>) -> Result<Box<dyn Instrument>, Failure> {
     let sensor = || {
-        let experiment = experiment
-            .ok_or_else(|| Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE"))?;
+        let experiment = experiment.ok_or_else(|| {
+            Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE")
+        })?;
         experiment.sensor().map_err(Failure::from)
     };
     Ok(match &arguments.on {
@@ -138,7 +141,9 @@ fn open(arguments: &Arguments, experiment: Option<&Experiment>) -> Result<Box<dy
 
 fn show_stored(arguments: &Arguments, names: &[String]) -> Result<(), Failure> {
     let flash = match (&arguments.on, &arguments.flash) {
-        (On::Qemu, None) => return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only")),
+        (On::Qemu, None) => {
+            return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
+        }
         (_, flash) => flash.clone().unwrap_or_default(),
     };
     let mut board = Board::open(&BoardArguments {

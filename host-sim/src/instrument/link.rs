@@ -216,5 +216,8 @@ impl<S: Stream> Link<S> {
 
 /// Whether a command that was sent more than once was refused because it had been carried out already.
 fn shows_it_done(command: Command, refusal: &Refusal) -> bool {
-    matches!((command, refusal), (Command::Start | Command::SelfTest(_), Refusal::NotInStandby) | (Command::Acknowledge, Refusal::NotTripped))
+    matches!(
+        (command, refusal),
+        (Command::Start | Command::SelfTest(_), Refusal::NotInStandby) | (Command::Acknowledge, Refusal::NotTripped)
+    )
 }

@@ -28,7 +28,8 @@ impl Report {
     /// What is wrong in one clause; nothing if all is well.
     pub fn faults(&self, names: &[String]) -> Option<String> {
         let wrong = self.findings.iter().filter(|finding| !finding.faults.is_none());
-        let each: Vec<String> = wrong.map(|finding| format!("{}: {}", name(names, finding), verdict(finding))).collect();
+        let each: Vec<String> =
+            wrong.map(|finding| format!("{}: {}", name(names, finding), verdict(finding))).collect();
         (!each.is_empty()).then(|| format!("{} of {} elements: {}", each.len(), self.findings.len(), each.join("; ")))
     }
 
@@ -61,7 +62,10 @@ impl Report {
 pub fn stored_table(records: &[TestRecord], names: &[String]) -> String {
     let rows = records.iter().map(|record| {
         let mut row = row(name(names, &record.finding), &record.finding);
-        row.extend([record.unix_s.map_or_else(|| format!("at start {}", record.starts), date), record.firmware.to_string()]);
+        row.extend([
+            record.unix_s.map_or_else(|| format!("at start {}", record.starts), date),
+            record.firmware.to_string(),
+        ]);
         row
     });
     let header: Vec<&str> = HEADER.iter().copied().chain(["when", "firmware"]).collect();

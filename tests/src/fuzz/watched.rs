@@ -1,12 +1,14 @@
 //! A station that is watched: whatever it is told and given, what has to hold is looked at after every tick and every command.
 //!
-//! **After a tick.** A heater is at its high level only while the instrument runs, and only if its element's reading of that very tick is one
+//! **After a tick.** A heater is at its high level only while the instrument runs, or alone in a self-test, and only if its element's reading of that very tick is one
 //! that a resistor as it was configured can have within its limits; that is worked out here in f64 from the commands that were taken. Of every
 //! valid reading temperature and power are numbers, and so is a wind that is not said to have failed.
 //!
 //! **After a command.** One that was refused has changed nothing.
 
-use dr_core::control::{Cause, Command, Doubts, ElementConfig, Heaters, Refusal, Reply, RunState, Station, Tick, Trip};
+use dr_core::control::{
+    Cause, Command, Doubts, ElementConfig, Heaters, Refusal, Reply, RunState, SelfTestPlan, Station, Tick, Trip,
+};
 use dr_core::sensor::{Level, Reading};
 
 /// How many elements the watched station has room for.
@@ -97,6 +99,11 @@ impl Watched {
                 assert!(before.controller().is_armed(), "started without being armed");
                 assert_eq!(self.station.controller().state(), RunState::Running);
             }
+            (Ok(_), Command::SelfTest(SelfTestPlan { pulse_s: Some(_), .. })) => {
+                assert!(before.controller().is_armed(), "a test that heats without being armed");
+                assert_eq!(self.station.controller().state(), RunState::Testing);
+            }
+            (Ok(_), Command::SelfTest(_)) => assert_eq!(self.station.controller().state(), state),
             _ => {}
         }
         told
@@ -119,8 +126,8 @@ impl Watched {
         if let Some(trip) = tick.trip {
             assert_eq!(tick.state, RunState::Tripped(trip));
         }
-        if before != RunState::Running {
-            assert_ne!(tick.state, RunState::Running, "it began to run by itself");
+        for heats in [RunState::Running, RunState::Testing] {
+            assert!(before == heats || tick.state != heats, "it began to heat by itself: {tick:?}");
         }
         if matches!(tick.state, RunState::Tripped(Trip { cause: Cause::Upset, .. })) {
             // What it knows is wrong, and so may be what it tells; until that is acknowledged it heats nothing.
@@ -132,8 +139,12 @@ impl Watched {
         assert_eq!(usize::from(tick.elements), configured);
         assert_eq!((tick.heaters.0 | tick.valid) >> configured, 0, "an element that there is not");
         assert_eq!(tick.heaters.0 & !tick.valid, 0, "heated without a valid reading: {tick:?}");
-        if tick.state != RunState::Running {
-            assert_eq!(tick.heaters, Heaters(0), "heated while {:?}", tick.state);
+        match tick.state {
+            RunState::Running => {}
+            RunState::Testing => {
+                assert!(tick.heaters.0.count_ones() <= 1, "heated more than one in a self-test: {tick:?}")
+            }
+            state => assert_eq!(tick.heaters, Heaters(0), "heated while {state:?}"),
         }
         for (i, &reading) in readings.iter().enumerate() {
             if tick.valid >> i & 1 == 0 {

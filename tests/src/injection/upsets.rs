@@ -273,6 +273,7 @@ impl Trial {
         End::Restarted(match told.sample.state {
             RunState::Standby => "standby",
             RunState::Running => "running",
+            RunState::Testing => "testing",
             RunState::Tripped(trip) => trip.cause.name(),
         })
     }

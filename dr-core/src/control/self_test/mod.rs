@@ -44,26 +44,39 @@ pub struct SelfTest<const N: usize> {
     quiet_power_w: f32,
 }
 
-impl<const N: usize> SelfTest<N> {
-    /// One for so many elements, with pulses of so many ticks, or none.
-    pub(super) fn new(plan: SelfTestPlan, pulse_ticks: u32, elements: usize) -> Self {
-        let elements = elements as u8;
-        let mut findings = [Finding::default(); N];
-        for (element, finding) in (0..).zip(&mut findings) {
-            *finding = Finding { element, of: elements, ..Finding::default() };
-        }
+impl<const N: usize> Default for SelfTest<N> {
+    /// One that is over, and has looked at nothing.
+    fn default() -> Self {
         Self {
-            plan,
-            pulse_ticks,
-            elements,
-            phase: Phase::Offsets,
+            plan: SelfTestPlan { pulse_s: None, unix_s: None },
+            pulse_ticks: 0,
+            elements: 0,
+            phase: Phase::Done,
             at: 0,
-            findings,
+            findings: [Finding::default(); N],
             quiet: [Quiet::default(); N],
             pulses: [Pulse::default(); N],
             model: RelaxationState::default(),
             quiet_power_w: 0.0,
         }
+    }
+}
+
+impl<const N: usize> SelfTest<N> {
+    /// Begins one of so many elements, with pulses of so many ticks, or none.
+    pub(super) fn begin(&mut self, plan: SelfTestPlan, pulse_ticks: u32, elements: usize) {
+        // In place: it is large for a stack.
+        (self.plan, self.pulse_ticks, self.elements) = (plan, pulse_ticks, elements as u8);
+        (self.phase, self.at) = (Phase::Offsets, 0);
+        for (element, finding) in (0..).zip(&mut self.findings) {
+            *finding = Finding { element, of: self.elements, ..Finding::default() };
+        }
+        self.quiet.iter_mut().for_each(|quiet| *quiet = Quiet::default());
+    }
+
+    /// Leaves it.
+    pub(super) const fn leave(&mut self) {
+        self.phase = Phase::Done;
     }
 
     /// What the front end is to read next.
