@@ -5,8 +5,9 @@ use super::*;
 
 /// A test of two elements that has come to a phase.
 fn at(phase: Phase) -> SelfTest<ELEMENTS> {
-    let plan = SelfTestPlan { pulse_s: Some(PULSE_S), unix_s: None };
-    SelfTest { phase, ..SelfTest::new(plan, PULSE_TICKS, ELEMENTS) }
+    let mut test = SelfTest::default();
+    test.begin(SelfTestPlan { pulse_s: Some(PULSE_S), unix_s: None }, PULSE_TICKS, ELEMENTS);
+    SelfTest { phase, ..test }
 }
 
 fn controller(with_models: bool) -> Controller<ELEMENTS> {
@@ -92,7 +93,7 @@ fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models
         test.pulses[1].take(other_rise_k * n as f32 / 7.0, model_k);
     }
     test.judge_phase(&controller(with_models));
-    assert_eq!(test.findings[1], SelfTest::<ELEMENTS>::new(test.plan, PULSE_TICKS, ELEMENTS).findings[1]);
+    assert_eq!(test.findings[1], at(Phase::Offsets).findings[1]);
     test.findings[0]
 }
 
