@@ -23,6 +23,13 @@ impl Default for Seal {
 }
 
 impl Seal {
+    /// Of one thing.
+    pub(crate) fn of(what: &impl Sealable) -> Self {
+        let mut seal = Self::default();
+        what.seal_into(&mut seal);
+        seal
+    }
+
     /// Takes in one word.
     #[inline]
     pub(crate) fn word(&mut self, word: u32) {
@@ -39,6 +46,90 @@ impl Seal {
     #[inline]
     pub(crate) fn numbers(&mut self, numbers: &[f32]) {
         numbers.iter().for_each(|&number| self.number(number));
+    }
+}
+
+/// What can be taken into a seal whole.
+pub(crate) trait Sealable {
+    /// All of it, in a fixed order.
+    fn seal_into(&self, seal: &mut Seal);
+
+    /// Many of them.
+    fn seal_each(all: &[Self], seal: &mut Seal)
+    where
+        Self: Sized,
+    {
+        all.iter().for_each(|one| one.seal_into(seal));
+    }
+}
+
+/// All fields of a struct; one that is forgotten does not compile.
+macro_rules! sealable {
+    ($(@[$($generics:tt)*])? $type:ty { $($field:ident),* $(,)? }) => {
+        impl$(<$($generics)*>)? $crate::seal::Sealable for $type {
+            fn seal_into(&self, seal: &mut $crate::seal::Seal) {
+                let Self { $($field),* } = self;
+                $($crate::seal::Sealable::seal_into($field, seal);)*
+            }
+        }
+    };
+}
+pub(crate) use sealable;
+
+impl Sealable for f32 {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.number(*self);
+    }
+
+    #[inline(never)] // one loop for all tables
+    fn seal_each(all: &[Self], seal: &mut Seal) {
+        seal.numbers(all);
+    }
+}
+
+impl Sealable for u32 {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.word(*self);
+    }
+}
+
+impl Sealable for u16 {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.word(u32::from(*self));
+    }
+}
+
+impl Sealable for u8 {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.word(u32::from(*self));
+    }
+}
+
+impl Sealable for usize {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.word(*self as u32);
+    }
+}
+
+impl<T: Sealable, const N: usize> Sealable for [T; N] {
+    fn seal_into(&self, seal: &mut Seal) {
+        T::seal_each(self, seal);
+    }
+}
+
+impl<T: Sealable> Sealable for Option<T> {
+    fn seal_into(&self, seal: &mut Seal) {
+        seal.word(u32::from(self.is_some()));
+        if let Some(inside) = self {
+            inside.seal_into(seal);
+        }
+    }
+}
+
+impl<A: Sealable, B: Sealable> Sealable for (A, B) {
+    fn seal_into(&self, seal: &mut Seal) {
+        self.0.seal_into(seal);
+        self.1.seal_into(seal);
     }
 }
 

@@ -24,7 +24,7 @@ fn tested(experiment: &Experiment, instrument: &mut dyn Instrument, plan: SelfTe
     let known = Some((setup.sample_period_s, setup.elements.len()));
     let mut last = (0, 0);
     let report = self_test::run(instrument, plan, known, &mut |tick, of| {
-        last = (tick, of);
+        last = (tick, of.unwrap());
         true
     });
     let findings = report.unwrap().unwrap().findings;

@@ -14,7 +14,7 @@
 //! | 0x23pp | `point` | request `Point` |
 //! | 0x24pp | `part` | request `Part` |
 //! | 0x2500 … 0x2800 | `card`, `gas_law`, `answer`, `gas` | the others |
-//! | 0x30ee | `tested` | what the last self-test has found of element ee; written by the instrument itself, and told to nobody but hosts |
+//! | 0x30ee, 0x31ee | `tested`, `tested_at_start` | what the last self-test that a host asked for, and the last one of a start, has found of element ee; written by the instrument itself, and told to nobody but hosts |
 //!
 //! The upper byte is the kind, the lower one says which. Numbers never change their meaning. In ascending order they are the order in which
 //! an instrument has to be told.
@@ -78,13 +78,15 @@ pub enum Kind {
     Answer = 0x27,
     /// What the gas is like.
     Gas = 0x28,
-    /// What a self-test has found of an element.
+    /// What a self-test that was asked for has found of an element.
     Tested = 0x30,
+    /// What the one of a start has found.
+    TestedAtStart = 0x31,
 }
 
 impl Kind {
     /// All of them, in the order in which they are told.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Name,
         Self::TelemetryEvery,
         Self::SamplePeriod,
@@ -103,6 +105,7 @@ impl Kind {
         Self::Answer,
         Self::Gas,
         Self::Tested,
+        Self::TestedAtStart,
     ];
 
     /// Its name.
@@ -126,6 +129,7 @@ impl Kind {
             Self::Answer => "answer",
             Self::Gas => "gas",
             Self::Tested => "tested",
+            Self::TestedAtStart => "tested_at_start",
         }
     }
 }
@@ -169,7 +173,7 @@ pub enum Setting {
 /// What a self-test has found of an element, when, and by whom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TestRecord {
-    /// When a host says that it was begun, s since 1970; none if the instrument has begun it by itself, which knows no date.
+    /// When a host says that it was begun, s since 1970; none if the instrument has begun it by itself at a start, which knows no date.
     pub unix_s: Option<u32>,
     /// The firmware that tested.
     pub firmware: Name,
@@ -230,7 +234,10 @@ impl Setting {
                 | Command::Disarm
                 | Command::SelfTest(_) => return None,
             },
-            Self::Tested(record) => (Kind::Tested, record.finding.element),
+            Self::Tested(record) => {
+                let kind = if record.unix_s.is_some() { Kind::Tested } else { Kind::TestedAtStart };
+                (kind, record.finding.element)
+            }
         };
         Some(Key { kind, which })
     }

@@ -269,6 +269,10 @@ impl<const N: usize> Controller<N> {
             RunState::Running => true,
             RunState::Standby | RunState::Testing => probe != Probe::Blind,
         };
+        if probe == Probe::Blind && self.state != RunState::Running {
+            // What was not read for a reason is not missing afterwards.
+            self.states.iter_mut().for_each(|state| state.absent_ticks = 0);
+        }
         let mut trip = upset.or(fault.filter(|_| guarded));
         match self.state {
             RunState::Running if trip.is_none() => trip = self.decide(valid),
@@ -306,6 +310,15 @@ impl<const N: usize> Controller<N> {
             self.fall(Trip::whole(cause));
             self.seal_states();
         }
+    }
+
+    /// Trips for an upset of what it does not hold itself, and counts it.
+    pub(super) fn trip_for_upset(&mut self) -> Trip {
+        let trip = Trip::whole(Cause::Upset);
+        self.upsets = self.upsets.saturating_add(1);
+        self.fall(trip);
+        self.seal_states();
+        trip
     }
 
     /// A self-test is through.

@@ -2,9 +2,9 @@
 
 use super::anemometer::{Anemometer, WindCommand, WindTick};
 use super::command::{Command, Refusal, Reply};
-use super::controller::{Controller, RunState, Tick};
+use super::controller::{Controller, Probe, RunState, Tick};
 use super::digest::Digest;
-use super::guard::Cause;
+use super::guard::{Cause, Trip};
 use super::self_test::SelfTest;
 use crate::sensor::{Input, Reading};
 
@@ -43,8 +43,11 @@ impl<const N: usize> Station<N> {
         if let Command::Wind(wind) = &command {
             return self.handle_wind(wind);
         }
+        let was_upset = matches!(self.controller.state(), RunState::Tripped(Trip { cause: Cause::Upset, .. }));
         let reply = self.controller.handle(command)?;
         match command {
+            // What was upset cannot be told from what was not.
+            Command::Acknowledge if was_upset => self.anemometer = Anemometer::new(),
             // Its gains were for the old period, or for another head.
             Command::Clear | Command::SamplePeriod { .. } => self.anemometer = Anemometer::new(),
             Command::Start => self.anemometer.restart(),
@@ -72,6 +75,10 @@ impl<const N: usize> Station<N> {
             (_, RunState::Tripped(trip)) => return Err(Refusal::Tripped(trip)),
         }
         let sample_period_s = self.controller.sample_period_s().ok_or(Refusal::NoSamplePeriod)?;
+        if !matches!(command, WindCommand::Gas { .. }) && !self.anemometer.is_whole() {
+            // Sealed with the command, an upset would not be found any more.
+            return Err(Refusal::Tripped(self.controller.trip_for_upset()));
+        }
         let element = match command {
             WindCommand::Own { element, .. } => Some(*element),
             WindCommand::Faster(faster) => Some(faster.element),
@@ -109,8 +116,11 @@ impl<const N: usize> Station<N> {
     pub fn tick(&mut self, readings: &[Reading; N]) -> Tick<N> {
         // What is not of the elements is none of the controller's business.
         let nothing = [Reading::Missing; N];
-        let of_elements = if matches!(self.input, Input::Element) { readings } else { &nothing };
-        let mut tick = self.controller.tick_with(of_elements, self.self_test.probe());
+        let (of_elements, probe) = match self.input {
+            Input::Element => (readings, self.self_test.probe()),
+            Input::Shorted | Input::Reference => (&nothing, Probe::Blind),
+        };
+        let mut tick = self.controller.tick_with(of_elements, probe);
         if !self.self_test.is_over() || !matches!(self.input, Input::Element) {
             self.step_test(readings, &mut tick);
         }
@@ -135,6 +145,9 @@ impl<const N: usize> Station<N> {
 
     /// The second half: the wind, where an answer is due.
     pub fn sense(&mut self, tick: &Tick<N>) -> Option<WindTick> {
+        if !matches!(tick.state, RunState::Tripped(_)) && !self.anemometer.is_whole_at(tick.tick) {
+            self.controller.trip_for_upset();
+        }
         self.anemometer.step(tick, |element, temperature_c| self.controller.standing_power_w(element, temperature_c))
     }
 

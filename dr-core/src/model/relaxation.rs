@@ -101,6 +101,8 @@ fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32;
     *excess = core::array::from_fn(|i| gone[i] - increment[i]);
 }
 
+crate::seal::sealable!(@[const K: usize] Relaxations<K> { gain });
+
 #[cfg(test)]
 mod tests {
     use super::*;

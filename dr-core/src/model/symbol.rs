@@ -75,6 +75,8 @@ pub(super) fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
     if K == 0 { 0.0 } else { terms[0] }
 }
 
+crate::seal::sealable!(@[const K: usize] Symbol<K> { r_k_per_w });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,8 +5,9 @@
 
 use super::store::{Store, StoreError};
 use embedded_storage::nor_flash::NorFlash;
+use wire::MOST_ELEMENTS;
 use wire::settings::{
-    KeyNumber, Setting, SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, TestRecord, Unusable,
+    Key, KeyNumber, Setting, SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, TestRecord, Unusable,
 };
 
 /// Values that the instrument has not taken and whose reasons are remembered; of more only the number is.
@@ -101,6 +102,15 @@ impl<F: NorFlash> Clerk<F> {
         let setting = Setting::Tested(record.clone());
         if let (Some(store), Some(key), Ok(value)) = (&mut self.store, setting.key(), setting.value()) {
             store.write(key.number(), &value).ok();
+            if record.finding.element == 0 {
+                // Of a head with more elements, before this one.
+                for which in record.finding.of..MOST_ELEMENTS as u8 {
+                    let number = Key { which, ..key }.number();
+                    if matches!(store.read(number), Ok(Some(_))) {
+                        store.forget(number).ok();
+                    }
+                }
+            }
         }
     }
 

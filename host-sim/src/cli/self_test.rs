@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use dr_core::control::SelfTestPlan;
+use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
 use wire::Setting;
 
 use super::Failure;
@@ -28,11 +29,11 @@ use crate::settings;
 Verdicts, and what to look at:
   offset, reference      the converter, its supply, its reference voltage
   continuity             the element's four wires; why it cannot be read stands in brackets
-  noise, frozen          shielding and ground; a converter that repeats itself
+  noise, frozen          shielding and ground; a converter that repeats itself (a simulation without noise does)
   no-response, response  the heater's current, a loose element, a model of another head
   levels                 the two currents, as the head's file has them
   crossed                elements that have changed their places
-  interrupted            the instrument has tripped meanwhile
+  interrupted            the instrument has tripped meanwhile, for what stands in brackets
 
 Exit code 0: all is well; 1: something is not.
 
@@ -47,9 +48,9 @@ pub struct Arguments {
     /// What to test.
     #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
     on: On,
-    /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s.
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    pulse: f32,
+    /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s; without it 1 s, or 8 ticks where that is longer.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pulse: Option<f32>,
     /// Heat nothing. A tripped instrument can be tested in this way, too.
     #[arg(long, conflicts_with = "pulse")]
     no_heat: bool,
@@ -73,7 +74,15 @@ pub struct Arguments {
     acknowledge: bool,
 }
 
+/// Length of the pulse unless another is asked for, s.
+const PULSE_S: f32 = 1.0;
+
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.flash.is_some() && arguments.on != On::Qemu {
+        return Err(Failure::usage(
+            "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
+        ));
+    }
     let experiment = arguments.experiment.as_deref().map(super::read_experiment).transpose()?;
     let experiment = experiment.map(|(experiment, _)| experiment);
     let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
@@ -90,15 +99,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         setup::tell(instrument.as_mut(), &setup).map_err(Failure::work)?;
         known = Some((setup.sample_period_s, setup.elements.len()));
     }
+    let least_s = known.map_or(0.0, |(sample_period_s, _)| PULSE_LEAST_TICKS as f32 * sample_period_s);
     let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
     let plan = SelfTestPlan {
-        pulse_s: (!arguments.no_heat).then_some(arguments.pulse),
+        pulse_s: (!arguments.no_heat).then(|| arguments.pulse.unwrap_or_else(|| PULSE_S.max(least_s))),
         unix_s: now.and_then(|now| now.as_secs().try_into().ok()),
     };
+    if let Some((sample_period_s, _)) = known {
+        plan.pulse_ticks(sample_period_s).map_err(|error| Failure::usage(format!("--pulse: {error}")))?;
+    }
     let interrupted = on_interrupt();
     let bar = progress_of("self-test", None);
     let report = self_test::run(instrument.as_mut(), plan, known, &mut |tick, of| {
-        if known.is_some() {
+        if let Some(of) = of {
             bar.set_length(of.into());
         }
         bar.set_position(tick.into());
@@ -115,9 +128,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         super::print(&report.table(&names))?;
     }
-    report
-        .faults(&names)
-        .map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found faults of {faults}"))))
+    report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}"))))
 }
 
 fn open(arguments: &Arguments, experiment: Option<&Experiment>) -> Result<Box<dyn Instrument>, Failure> {
@@ -163,10 +174,13 @@ fn show_stored(arguments: &Arguments, names: &[String]) -> Result<(), Failure> {
         })
         .collect();
     if arguments.json {
-        return super::print_json(&report::stored_json(&records, names));
+        super::print_json(&report::stored_json(&records, names))?;
+    } else if !records.is_empty() {
+        super::print(&report::stored_table(&records, names))?;
     }
     if records.is_empty() {
-        return super::print("the board has kept no self-test\n");
+        return Err(Failure::work("the board has kept no self-test"));
     }
-    super::print(&report::stored_table(&records, names))
+    let faults = report::faults(records.iter().map(|record| &record.finding));
+    faults.map_or(Ok(()), |faults| Err(Failure::work(format!("the kept self-tests have found {faults}"))))
 }

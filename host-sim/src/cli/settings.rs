@@ -159,7 +159,10 @@ impl Board {
         settings::rehearse(to).map_err(Failure::usage)?;
         let (written, forgotten) = settings::change(self.keeper(), from, to).map_err(Failure::work)?;
         let forgotten = if forgotten > 0 { format!(", {forgotten} forgotten") } else { String::new() };
-        super::print(&format!("{written} values written{forgotten}; {} are kept\n", to.len()))
+        super::print(&format!(
+            "{written} values written{forgotten}; {} are kept\n",
+            to.keys().filter(|&&number| !names::is_the_boards(number)).count()
+        ))
     }
 }
 
@@ -245,7 +248,9 @@ fn backup(board: &mut Board, output: &Path) -> Result<(), Failure> {
         .iter()
         .filter_map(|kept| Some(format!("{} ({})", names::of(kept.number), kept.setting.as_ref().err()?)))
         .collect();
-    let usable = settings::usable(&kept);
+    let mut usable = settings::usable(&kept);
+    // Of this board, and of no other.
+    usable.retain(|&number, _| !names::is_the_boards(number));
     let text = file::to_toml(board.keeper().firmware(), &usable).map_err(Failure::work)?;
     super::write_text(output, &text)?;
     let mut told = format!("{} values are in {}\n", usable.len(), output.display());

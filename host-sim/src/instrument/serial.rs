@@ -142,7 +142,7 @@ impl Instrument for Serial {
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
         let Self { link, heard, .. } = self;
-        if command == Command::Start {
+        if matches!(command, Command::Start | Command::SelfTest(_)) {
             // Another host may have asked for fewer.
             link.send(&ToBoard::Telemetry { every: 1 })?;
         }

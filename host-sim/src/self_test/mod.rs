@@ -3,7 +3,8 @@
 pub mod report;
 
 use dr_core::control::self_test::plan::test_ticks;
-use dr_core::control::{Command, SelfTestPlan};
+use dr_core::control::{Command, Finding, SelfTestPlan};
+use std::time::{Duration, Instant};
 
 use crate::instrument::setup::ARM;
 use crate::instrument::{Instrument, InstrumentError};
@@ -11,6 +12,8 @@ pub use report::Report;
 
 /// Ticks beyond those of the plan that are waited for: what a board has sent before it heard of the test.
 const PATIENCE_TICKS: u32 = 200;
+/// What is waited for where the plan's ticks are not known: longer than any test takes.
+const PATIENCE: Duration = Duration::from_secs(1200);
 
 /// Has an instrument test itself, in standby or, without a pulse, tripped. `each` is told the ticks that are over, and how many there will be, as far as that is
 /// known: `known` are the sample period in s and the number of elements, where a host has set them. If it says no, the test is left as it is, and there is
@@ -22,27 +25,45 @@ pub fn run(
     instrument: &mut dyn Instrument,
     plan: SelfTestPlan,
     known: Option<(f32, usize)>,
-    each: &mut dyn FnMut(u32, u32) -> bool,
+    each: &mut dyn FnMut(u32, Option<u32>) -> bool,
 ) -> Result<Option<Report>, InstrumentError> {
     if plan.pulse_s.is_some() {
         instrument.command(ARM)?;
     }
-    // Of another test, that nobody has asked for.
-    instrument.findings();
     instrument.command(Command::SelfTest(plan))?;
-    let planned = known.map_or(u32::MAX - PATIENCE_TICKS, |(sample_period_s, elements)| {
-        test_ticks(plan.pulse_ticks(sample_period_s).unwrap_or(0), elements)
-    });
-    let mut findings = Vec::new();
-    for tick in 1..planned + PATIENCE_TICKS {
+    // Of another test, that nobody has asked for: those of this one come after the reply.
+    instrument.findings();
+    let planned =
+        known.map(|(sample_period_s, elements)| test_ticks(plan.pulse_ticks(sample_period_s).unwrap_or(0), elements));
+    let mut findings: Vec<Finding> = Vec::new();
+    let begun = Instant::now();
+    // Ticks since the first finding: those of a test come together.
+    let (mut tick, mut since) = (0, 0);
+    loop {
         instrument.observe()?;
         findings.extend(instrument.findings());
-        if findings.first().is_some_and(|first: &dr_core::control::Finding| findings.len() >= usize::from(first.of)) {
-            return Ok(Some(Report { firmware: instrument.identity().firmware.to_string(), plan, findings }));
+        tick += 1;
+        if let Some(first) = findings.first() {
+            let of = usize::from(first.of);
+            if findings.len() >= of {
+                return Ok(Some(Report { firmware: instrument.identity().firmware.to_string(), plan, findings }));
+            }
+            since += 1;
+            if since > PATIENCE_TICKS {
+                let words = format!(
+                    "{} of {of} findings of the self-test have arrived; the board has kept all of them",
+                    findings.len()
+                );
+                return Err(InstrumentError::Protocol(words));
+            }
+        }
+        let too_late = planned.map_or_else(|| begun.elapsed() > PATIENCE, |planned| tick > planned + PATIENCE_TICKS);
+        if too_late {
+            let words = "the self-test does not end; has another host stopped it?";
+            return Err(InstrumentError::Protocol(words.to_owned()));
         }
         if !each(tick, planned) {
             return Ok(None);
         }
     }
-    Err(InstrumentError::Protocol("the self-test does not end; has another host stopped it?".to_owned()))
 }

@@ -20,29 +20,19 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether nothing is wrong.
-    pub fn is_well(&self) -> bool {
-        self.findings.iter().all(|finding| finding.faults.is_none())
-    }
-
     /// What is wrong in one clause; nothing if all is well.
-    pub fn faults(&self, names: &[String]) -> Option<String> {
-        let wrong = self.findings.iter().filter(|finding| !finding.faults.is_none());
-        let each: Vec<String> =
-            wrong.map(|finding| format!("{}: {}", name(names, finding), verdict(finding))).collect();
-        (!each.is_empty()).then(|| format!("{} of {} elements: {}", each.len(), self.findings.len(), each.join("; ")))
+    pub fn faults(&self) -> Option<String> {
+        faults(self.findings.iter())
     }
 
     /// For people.
     pub fn table(&self, names: &[String]) -> String {
-        let heat = match self.plan.pulse_s {
+        let heat = match self.plan.pulse_s.filter(|_| self.findings.iter().any(|finding| finding.response.is_some())) {
             Some(pulse_s) => format!("each element heated for {pulse_s} s"),
             None => "nothing heated".to_owned(),
         };
         let when = self.plan.unix_s.map_or_else(String::new, |unix_s| format!(", {}", date(unix_s)));
-        let rows = self.findings.iter().map(|finding| row(name(names, finding), finding));
-        let verdict = self.faults(names).unwrap_or_else(|| "all is well".to_owned());
-        format!("{}{when}: {heat}\n\n{}\n{verdict}\n", self.firmware, table(&HEADER, rows))
+        format!("{}{when}: {heat}\n\n{}", self.firmware, table(names, self.findings.iter()))
     }
 
     /// For programs.
@@ -52,50 +42,55 @@ impl Report {
             "firmware": self.firmware,
             "date": self.plan.unix_s.map(date),
             "pulse_s": self.plan.pulse_s,
-            "well": self.is_well(),
+            "well": self.faults().is_none(),
             "elements": findings.collect::<Vec<_>>(),
         })
     }
 }
 
-/// The tests that a board remembers, for people.
+/// What is wrong with some elements in one clause; nothing if all is well.
+pub fn faults<'a>(findings: impl ExactSizeIterator<Item = &'a Finding>) -> Option<String> {
+    let all = findings.len();
+    let wrong = findings.filter(|finding| !finding.faults.is_none()).count();
+    (wrong > 0).then(|| format!("faults in {wrong} of {all} elements"))
+}
+
+/// The tests that a board remembers, for people: those of one test together.
 pub fn stored_table(records: &[TestRecord], names: &[String]) -> String {
-    let rows = records.iter().map(|record| {
-        let mut row = row(name(names, &record.finding), &record.finding);
-        row.extend([
-            record.unix_s.map_or_else(|| format!("at start {}", record.starts), date),
-            record.firmware.to_string(),
-        ]);
-        row
+    let tests = records.chunk_by(|a, b| same_test(a, b)).map(|test| {
+        let heading = test.first().map_or_else(String::new, |record| format!("{}, {}", record.firmware, when(record)));
+        format!("{heading}\n\n{}", table(names, test.iter().map(|record| &record.finding)))
     });
-    let header: Vec<&str> = HEADER.iter().copied().chain(["when", "firmware"]).collect();
-    table(&header, rows)
+    tests.collect::<Vec<_>>().join("\n")
 }
 
 /// The same for programs.
 pub fn stored_json(records: &[TestRecord], names: &[String]) -> Value {
-    let each = records.iter().map(|record| {
-        let mut value = of_finding(name(names, &record.finding), &record.finding);
-        value["date"] = record.unix_s.map(date).into();
-        value["starts"] = record.starts.into();
-        value["firmware"] = record.firmware.as_str().into();
-        value
+    let tests = records.chunk_by(|a, b| same_test(a, b)).map(|test| {
+        let elements = test.iter().map(|record| of_finding(name(names, &record.finding), &record.finding));
+        let first = test.first();
+        json!({
+            "firmware": first.map(|record| record.firmware.as_str()),
+            "date": first.and_then(|record| record.unix_s).map(date),
+            "starts": first.map(|record| record.starts),
+            "well": faults(test.iter().map(|record| &record.finding)).is_none(),
+            "elements": elements.collect::<Vec<_>>(),
+        })
     });
-    Value::Array(each.collect())
+    json!({ "tests": tests.collect::<Vec<_>>() })
 }
 
-const HEADER: [&str; 10] = [
-    "element",
-    "verdict",
-    "offset",
-    "reference",
-    "temperature",
-    "noise",
-    "rise",
-    "expected",
-    "response",
-    "levels apart",
-];
+fn same_test(a: &TestRecord, b: &TestRecord) -> bool {
+    (a.unix_s, a.starts, &a.firmware) == (b.unix_s, b.starts, &b.firmware)
+}
+
+/// When a board was tested, as far as it knows.
+pub fn when(record: &TestRecord) -> String {
+    record.unix_s.map_or_else(|| format!("at start {} since its supply came up", record.starts), date)
+}
+
+const HEADER: [&str; 10] =
+    ["element", "verdict", "offset", "reference", "at rest", "noise", "rise", "expected", "response", "levels"];
 
 fn row(name: String, finding: &Finding) -> Vec<String> {
     let none = || "–".to_owned();
@@ -156,14 +151,14 @@ pub fn date(unix_s: u32) -> String {
     time.format(&Rfc3339).unwrap_or_else(|_| unix_s.to_string())
 }
 
-/// Columns as wide as what stands in them: the first two to the left, the others to the right.
-fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let mut lines = vec![header.iter().map(|&title| title.to_owned()).collect::<Vec<String>>()];
-    lines.extend(rows);
+/// Columns as wide as what stands in them: the first two to the left, the others to the right. The last line says whether all is well.
+fn table<'a>(names: &[String], findings: impl ExactSizeIterator<Item = &'a Finding> + Clone) -> String {
+    let mut lines = vec![HEADER.map(str::to_owned).to_vec()];
+    lines.extend(findings.clone().map(|finding| row(name(names, finding), finding)));
     let width = |column: usize| {
         lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let widths: Vec<usize> = (0..HEADER.len()).map(width).collect();
     let mut text = String::new();
     for line in &lines {
         let mut row = String::new();
@@ -172,5 +167,7 @@ fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
         }
         let _ = writeln!(text, "{}", row.trim_end());
     }
+    let verdict = faults(findings).unwrap_or_else(|| "all is well".to_owned());
+    let _ = writeln!(text, "\n{verdict}");
     text
 }

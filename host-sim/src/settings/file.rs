@@ -74,6 +74,9 @@ pub fn from_source(source: &Source) -> Result<BTreeMap<KeyNumber, Setting>, File
         let Some(number) = number else {
             return Err(source.refuse(&place, "has a command that sets nothing up"));
         };
+        if names::is_the_boards(number) {
+            return Err(source.refuse(&place, format!("is `{key}`, which a board writes by itself: leave it out")));
+        }
         if names::of(number) != key {
             let sentence = format!("is `{key}`, but its value is one of `{}`", names::of(number));
             return Err(source.refuse(&place, sentence));

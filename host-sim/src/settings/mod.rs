@@ -72,7 +72,8 @@ pub fn rehearse(settings: &BTreeMap<KeyNumber, Setting>) -> Result<(), String> {
     Ok(())
 }
 
-/// Changes what a board keeps from one set to another, and sets it up by that. Says how many values were written and forgotten.
+/// Changes what a board keeps from one set to another, and sets it up by that. Says how many values were written and forgotten. What the board writes by
+/// itself stays.
 ///
 /// Each value changes by itself: should the supply fail meanwhile, each is the old one or the new one, and doing it again goes on.
 ///
@@ -84,11 +85,14 @@ pub fn change(
     to: &BTreeMap<KeyNumber, Setting>,
 ) -> Result<(usize, usize), InstrumentError> {
     let (mut written, mut forgotten) = (0, 0);
-    for kept in from.iter().filter(|kept| !to.contains_key(&kept.number)) {
+    for kept in from.iter().filter(|kept| !to.contains_key(&kept.number) && !names::is_the_boards(kept.number)) {
         board.ask_settings(&SettingsRequest::Forget { key: kept.number })?;
         forgotten += 1;
     }
     for (&key, setting) in to {
+        if names::is_the_boards(key) {
+            continue;
+        }
         let value = setting.value().map_err(|error| InstrumentError::Protocol(error.to_string()))?;
         if from.iter().any(|kept| kept.number == key && kept.value == value) {
             continue;
@@ -166,12 +170,7 @@ pub fn content(setting: &Setting) -> serde_json::Value {
                 .map(|value| value.as_object().and_then(|tagged| tagged.values().next()).cloned().unwrap_or(value))),
         },
         // In brief: `anemo self-test --stored` tells all of it.
-        Setting::Tested(record) => serde_json::json!({
-            "date": record.unix_s.map(report::date),
-            "firmware": record.firmware.as_str(),
-            "starts": record.starts,
-            "verdict": report::verdict(&record.finding),
-        }),
+        Setting::Tested(record) => format!("{}, {}", report::verdict(&record.finding), report::when(record)).into(),
         Setting::Command(other) => of(serde_json::to_value(other)),
     }
 }

@@ -26,7 +26,14 @@ pub fn of(number: KeyNumber) -> String {
     let Some(Key { kind, which }) = Key::of_number(number) else { return format!("{number:#06x}") };
     let name = kind.name();
     match kind {
-        Kind::Element | Kind::Model | Kind::Drive | Kind::Own | Kind::Point | Kind::Part | Kind::Tested => {
+        Kind::Element
+        | Kind::Model
+        | Kind::Drive
+        | Kind::Own
+        | Kind::Point
+        | Kind::Part
+        | Kind::Tested
+        | Kind::TestedAtStart => {
             format!("{name}.{which}")
         }
         Kind::Faster | Kind::Cross => format!("{name}.{}-{}", which >> 4, which & 15),
@@ -53,6 +60,11 @@ pub fn number(name: &str) -> Option<KeyNumber> {
 /// Whether a key belongs to a head, and goes with it.
 pub fn is_of_head(number: KeyNumber) -> bool {
     Key::of_number(number).is_some_and(|key| (Kind::Element..Kind::Gas).contains(&key.kind))
+}
+
+/// Whether a key is of what the board writes by itself.
+pub fn is_the_boards(number: KeyNumber) -> bool {
+    Key::of_number(number).is_some_and(|key| matches!(key.kind, Kind::Tested | Kind::TestedAtStart))
 }
 
 /// Changes a plain setting.

@@ -73,6 +73,8 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
             Ended::Reset => {
                 row.correct += 1;
                 lab.start();
+                // A self-test of its start may have ended by that: the first reading is still of something else then.
+                lab.tick(|_| ()).ok();
             }
         }
     }

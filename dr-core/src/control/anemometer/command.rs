@@ -82,3 +82,15 @@ pub enum WindCommand {
     /// The parts are dice on a card, and this is how they answer: in place of points.
     Card(CardConfig),
 }
+
+crate::seal::sealable!(PartOfHead { element, surface, gain, windless_w_k });
+crate::seal::sealable!(AnswerConfig {
+    parts,
+    diameter_m,
+    reynolds,
+    direction_error_max_rad,
+    every_ticks,
+    reference,
+    smoothing_s,
+    reference_gas_c,
+});

@@ -3,6 +3,7 @@
 use super::MOST_PARTS;
 use super::command::AnswerConfig;
 use crate::error::{ConfigError, Parameter, Problem};
+use crate::seal::{Seal, Sealable};
 use crate::sensor::wind::{Card, CardConfig, Gas, Measured, NusseltConfig, PartConfig, Wind, WindState, WindVector};
 
 /// A head that is known.
@@ -55,4 +56,14 @@ impl Head {
 
 const fn wrong_number(least: f32) -> ConfigError {
     ConfigError { parameter: Parameter::Parts, problem: Problem::OutOfRange { least, most: MOST_PARTS as f32 } }
+}
+
+impl Sealable for Head {
+    fn seal_into(&self, seal: &mut Seal) {
+        match self {
+            Self::Sectors(vector) => vector.seal_into(seal),
+            Self::Hemispheres(vector) => vector.seal_into(seal),
+            Self::Card(card) => card.seal_into(seal),
+        }
+    }
 }

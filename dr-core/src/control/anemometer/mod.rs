@@ -24,6 +24,7 @@
 mod command;
 mod doubts;
 mod head;
+mod seals;
 mod setup;
 
 pub use command::{AnswerConfig, PartOfHead, WindCommand};
@@ -35,6 +36,7 @@ use crate::error::ConfigError;
 use crate::model::{Convection, Look, Network, NetworkState};
 use crate::sensor::wind::{Gas, Measured, Wind, WindState};
 use head::Head;
+use seals::Seals;
 use setup::Setup;
 
 /// Most parts of a head that answers.
@@ -80,6 +82,7 @@ pub struct Anemometer<const N: usize> {
     pressure_pa: Option<f32>,
     told_gas_c: Option<f32>,
     state: State<N>,
+    seals: Seals<N>,
 }
 
 /// How it answers, made ready.
@@ -149,6 +152,7 @@ impl<const N: usize> Anemometer<N> {
             pressure_pa: None,
             told_gas_c: None,
             state: State::default(),
+            seals: Seals::default(),
         }
     }
 
@@ -187,8 +191,11 @@ impl<const N: usize> Anemometer<N> {
             WindCommand::Gas { pressure_pa, temperature_c } => {
                 setup::check_gas(*pressure_pa, *temperature_c)?;
                 (self.pressure_pa, self.told_gas_c) = (Some(*pressure_pa), *temperature_c);
+                self.seal_gas();
+                return Ok(());
             }
         }
+        self.seal_all();
         Ok(())
     }
 

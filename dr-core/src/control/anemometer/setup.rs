@@ -128,3 +128,5 @@ pub fn check_gas(pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), Con
     }
     Ok(())
 }
+
+crate::seal::sealable!(Setup { points, given, card, parts, gas_law });

@@ -17,6 +17,7 @@ mod balance;
 mod bodies;
 mod heads;
 mod told;
+mod upsets;
 
 const SECTORS: usize = 4;
 const DIAMETER_M: f32 = 0.01;

@@ -15,8 +15,8 @@ pub const RESPONSE: [f32; 2] = [0.7, 1.4];
 pub const GAP_MOST_K: f32 = 1.0;
 /// A rise is none if it is under so many standard errors.
 pub const SIGNIFICANT: f32 = 5.0;
-/// Another element must not rise by more than this part of the heated one's rise.
-pub const CROSSED_FROM: f32 = 0.5;
+/// What heats is given at least so much by a pulse, W; less is for sensing, and whether it warms the element nobody can tell without a model.
+pub const HEATER_LEAST_W: f32 = 1e-3;
 
 /// Of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

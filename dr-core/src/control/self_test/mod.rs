@@ -23,8 +23,8 @@ use super::guard::{Cause, Judgement};
 use crate::model::{ORDER, RelaxationState};
 use crate::sensor::reading::REFERENCE_CODE;
 use crate::sensor::{Input, Level, Reading};
-use finding::{CROSSED_FROM, GAP_MOST_K, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT};
-use plan::{Phase, SETTLING_TICKS};
+use finding::{GAP_MOST_K, HEATER_LEAST_W, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT};
+use plan::{Phase, QUIET_TICKS, SETTLING_TICKS};
 use sums::{Pulse, Quiet};
 
 /// A self-test, while it goes on and when it is over.
@@ -38,10 +38,13 @@ pub struct SelfTest<const N: usize> {
     at: u32,
     findings: [Finding; N],
     quiet: [Quiet; N],
+    /// Why an element was not read, the last time that it was not.
+    absent: [Option<Cause>; N],
     pulses: [Pulse; N],
     model: RelaxationState<ORDER>,
-    /// Power of the element that is heated before it is, W.
+    /// Power of the element that is heated before it is, W, and what its pulse adds.
     quiet_power_w: f32,
+    added_w: f32,
 }
 
 impl<const N: usize> Default for SelfTest<N> {
@@ -55,9 +58,11 @@ impl<const N: usize> Default for SelfTest<N> {
             at: 0,
             findings: [Finding::default(); N],
             quiet: [Quiet::default(); N],
+            absent: [None; N],
             pulses: [Pulse::default(); N],
             model: RelaxationState::default(),
             quiet_power_w: 0.0,
+            added_w: 0.0,
         }
     }
 }
@@ -72,6 +77,7 @@ impl<const N: usize> SelfTest<N> {
             *finding = Finding { element, of: self.elements, ..Finding::default() };
         }
         self.quiet.iter_mut().for_each(|quiet| *quiet = Quiet::default());
+        self.absent = [None; N];
     }
 
     /// Leaves it.
@@ -112,9 +118,7 @@ impl<const N: usize> SelfTest<N> {
     /// Takes in a tick that is over, and what was read at its beginning.
     pub(super) fn step(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
         if self.pulse_ticks > 0 && tick.state != RunState::Testing {
-            // The instrument has tripped.
-            self.findings.iter_mut().for_each(|finding| finding.faults.add_if(true, Fault::Interrupted));
-            self.phase = Phase::Done;
+            self.interrupt(tick.state);
             return;
         }
         match self.phase {
@@ -134,6 +138,17 @@ impl<const N: usize> SelfTest<N> {
         self.at = 0;
     }
 
+    /// The instrument has tripped: what is through keeps its verdict, and the element that tripped has its cause.
+    fn interrupt(&mut self, state: RunState) {
+        let trip = if let RunState::Tripped(trip) = state { Some(trip) } else { None };
+        for finding in &mut self.findings {
+            let tripped = trip.filter(|trip| trip.element.is_none_or(|element| element == finding.element));
+            finding.cause = finding.cause.or(tripped.map(|trip| trip.cause));
+            finding.faults.add_if(finding.response.is_none() || tripped.is_some(), Fault::Interrupted);
+        }
+        self.phase = Phase::Done;
+    }
+
     fn take_codes(&mut self, readings: &[Reading; N]) {
         for (quiet, reading) in self.quiet.iter_mut().zip(readings) {
             if let Reading::Code(code) = *reading {
@@ -143,13 +158,13 @@ impl<const N: usize> SelfTest<N> {
     }
 
     fn take_temperatures(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
-        let all = self.findings.iter_mut().zip(&mut self.quiet).zip(readings).zip(&tick.temperature_c).enumerate();
-        for (i, (((finding, quiet), reading), &temperature_c)) in all {
+        let found = self.findings.iter_mut().zip(&mut self.quiet).zip(&mut self.absent);
+        let all = found.zip(readings).zip(&tick.temperature_c).enumerate();
+        for (i, ((((finding, quiet), absent), reading), &temperature_c)) in all {
             match controller.judge(i, *reading, Level::Low) {
                 Some(Judgement::Good { .. }) => quiet.take(temperature_c),
-                Some(Judgement::Absent(cause) | Judgement::Bad(cause)) => {
-                    finding.cause = finding.cause.or(Some(cause));
-                }
+                Some(Judgement::Bad(cause)) => finding.cause = finding.cause.or(Some(cause)),
+                Some(Judgement::Absent(cause)) => *absent = Some(cause),
                 None => break,
             }
         }
@@ -173,8 +188,13 @@ impl<const N: usize> SelfTest<N> {
                 pulse.take(temperature_c, rise_k);
             }
         }
-        if let (Some(model), Some(power_w)) = (model, tick.power_w.get(element)) {
-            model.step(&mut self.model, power_w - self.quiet_power_w);
+        let Some(power_w) = tick.power_w.get(element) else { return };
+        let added_w = power_w - self.quiet_power_w;
+        if self.at == 0 {
+            self.added_w = added_w;
+        }
+        if let Some(model) = model {
+            model.step(&mut self.model, added_w);
         }
     }
 
@@ -184,7 +204,8 @@ impl<const N: usize> SelfTest<N> {
             self.judge_pulse(usize::from(element), controller);
             return;
         }
-        for (i, (finding, quiet)) in self.findings.iter_mut().zip(&mut self.quiet).enumerate() {
+        let all = self.findings.iter_mut().zip(&mut self.quiet).zip(&self.absent);
+        for (i, ((finding, quiet), absent)) in all.enumerate() {
             let Some(channel) = controller.channel(i) else { break };
             match self.phase {
                 Phase::Offsets => {
@@ -200,8 +221,8 @@ impl<const N: usize> SelfTest<N> {
                     finding.faults.add_if(!finding.reference.is_some_and(is_right), Fault::Reference);
                 }
                 Phase::Quiet => {
-                    if quiet.count() == 0 && finding.cause.is_none() {
-                        finding.cause = Some(Cause::Missing);
+                    if quiet.count() < QUIET_TICKS / 2 {
+                        finding.cause = finding.cause.or(*absent).or(Some(Cause::Missing));
                     }
                     (finding.temperature_c, finding.noise_k) = (quiet.mean(), quiet.noise());
                     finding.faults.add_if(finding.cause.is_some(), Fault::Continuity);
@@ -217,22 +238,30 @@ impl<const N: usize> SelfTest<N> {
     fn judge_pulse(&mut self, element: usize, controller: &Controller<N>) {
         let Some(pulse) = self.pulses.get(element) else { return };
         let rise_k = pulse.rise_k();
-        let others = self.pulses.iter().take(usize::from(self.elements)).enumerate();
-        let most_other_k =
-            others.filter(|(i, _)| *i != element).fold(0.0, |most: f32, (_, other)| most.max(other.rise_k()));
+        // A difference of two readings has √2 times the noise of one.
+        let least_k = |finding: &Finding| SIGNIFICANT * 1.414 * finding.noise_k.unwrap_or_default();
+        let others = self.pulses.iter().zip(&self.findings).take(usize::from(self.elements)).enumerate();
+        let risen = others.filter(|(i, (other, finding))| *i != element && other.rise_k() > least_k(finding));
+        let most_other_k = risen.fold(f32::MIN, |most, (_, (other, _))| most.max(other.rise_k()));
         let has_model = controller.model(element).is_some();
         let against = pulse.against_model().filter(|_| has_model);
         let expected_k = has_model.then(|| pulse.expected_k());
         let Some(finding) = self.findings.get_mut(element) else { return };
         let (ratio, gap_k) = (against.map(|(ratio, _)| ratio), against.map(|(_, gap_k)| gap_k));
         finding.response = Some(Response { rise_k, expected_k, ratio, gap_k });
-        // A difference of two readings has √2 times the noise of one.
-        let least_k = SIGNIFICANT * 1.414 * finding.noise_k.unwrap_or_default();
-        finding.faults.add_if(rise_k <= least_k, Fault::NoResponse);
+        // Its own are read at the high level, of which a Kelvin is more volt.
+        let quieter = controller
+            .channel(element)
+            .map_or(1.0, |channel| channel.current_a(Level::Low) / channel.current_a(Level::High));
+        let least_k = least_k(finding) * quieter;
+        // What is expected to vanish in the noise says nothing.
+        let can_tell = expected_k.map_or(self.added_w >= HEATER_LEAST_W, |expected_k| expected_k > least_k);
+        let none = can_tell && rise_k <= least_k;
+        finding.faults.add_if(none, Fault::NoResponse);
         let is_as_expected = |ratio: f32| (RESPONSE[0]..=RESPONSE[1]).contains(&ratio);
-        finding.faults.add_if(has_model && !ratio.is_some_and(is_as_expected), Fault::Response);
+        finding.faults.add_if(can_tell && has_model && !none && !ratio.is_some_and(is_as_expected), Fault::Response);
         finding.faults.add_if(gap_k.is_some_and(|gap_k| !(-GAP_MOST_K..=GAP_MOST_K).contains(&gap_k)), Fault::Levels);
-        finding.faults.add_if(most_other_k > least_k && most_other_k > CROSSED_FROM * rise_k, Fault::Crossed);
+        finding.faults.add_if(most_other_k > rise_k, Fault::Crossed);
     }
 }
 

@@ -10,7 +10,7 @@
 //!
 //! Without a pulse it ends with the quiet.
 
-use crate::error::{self, ConfigError, Parameter};
+use crate::error::{self, ConfigError, Parameter, Problem};
 use crate::sensor::Input;
 
 /// Ticks that do not count after another input has been asked for: the front end learns of it with the tick before.
@@ -39,11 +39,18 @@ impl SelfTestPlan {
     /// A pulse of under [`PULSE_LEAST_TICKS`], or of over [`PULSE_MOST_S`].
     pub fn pulse_ticks(&self, sample_period_s: f32) -> Result<u32, ConfigError> {
         let Some(pulse_s) = self.pulse_s else { return Ok(0) };
-        // Half a tick under it rounds to it.
-        let least_s = (PULSE_LEAST_TICKS as f32 - 0.5) * sample_period_s;
-        let pulse_s = error::within(Parameter::PulseS, pulse_s, least_s.min(PULSE_MOST_S), PULSE_MOST_S)?;
-        error::within(Parameter::PulseS, pulse_s, least_s, f32::MAX)?;
-        Ok((pulse_s / sample_period_s + 0.5) as u32)
+        let least_s = PULSE_LEAST_TICKS as f32 * sample_period_s;
+        if least_s > PULSE_MOST_S {
+            let most = PULSE_MOST_S / PULSE_LEAST_TICKS as f32;
+            error::within(Parameter::SamplePeriodS, sample_period_s, 0.0, most)?;
+        }
+        let problem = Problem::OutOfRange { least: least_s, most: PULSE_MOST_S };
+        let pulse_s = error::within(Parameter::PulseS, pulse_s, f32::MIN, f32::MAX)?;
+        let ticks = (pulse_s / sample_period_s + 0.5) as u32;
+        if ticks < PULSE_LEAST_TICKS || pulse_s > PULSE_MOST_S {
+            return Err(ConfigError { parameter: Parameter::PulseS, problem });
+        }
+        Ok(ticks)
     }
 }
 

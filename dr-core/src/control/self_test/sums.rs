@@ -105,7 +105,8 @@ impl Pulse {
     pub fn against_model(&self) -> Option<(f32, f32)> {
         let count = self.count as f32;
         let spread = self.sum_mm - self.sum_m * self.sum_m / count;
-        if spread <= 0.0 {
+        // Without readings it is none.
+        if spread.is_nan() || spread <= 0.0 {
             return None;
         }
         let ratio = (self.sum_mt - self.sum_m * self.sum_t / count) / spread;

@@ -411,6 +411,45 @@ fn stopping_it_puts_the_front_end_back_before_anything_is_judged() {
 }
 
 #[test]
+fn stopped_at_any_tick_it_leaves_a_sound_instrument_in_standby() {
+    for stop_after in [1, 10, 66, 67, 100, 132, 133, 190, 220, 260] {
+        for heat in [None, Some(PULSE_S)] {
+            let mut station = station(true);
+            let mut head = Head::sound();
+            station.handle(plan(heat)).unwrap();
+            (0..stop_after).for_each(|_| {
+                tick(&mut station, &mut head);
+            });
+            station.handle(Command::Stop).unwrap();
+            for n in 0..4 {
+                let tick = tick(&mut station, &mut head);
+                assert_eq!((tick.state, tick.heaters.0), (RunState::Standby, 0), "{stop_after} {heat:?} {n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn readings_that_are_missing_now_and_then_are_no_fault_and_every_other_is() {
+    for (every, is_fault) in [(64, false), (4, false), (1, true)] {
+        let mut station = station(true);
+        let mut head = Head::sound();
+        station.handle(plan(None)).unwrap();
+        let mut n = 0;
+        let finding = loop {
+            n += 1;
+            head.instead[0] = (n % every == 0).then_some(Reading::Missing);
+            tick(&mut station, &mut head);
+            if let Some(test) = station.take_self_test() {
+                break test.findings()[0];
+            }
+        };
+        assert_eq!(finding.faults, if is_fault { only(&[Fault::Continuity]) } else { Faults::default() }, "{every}");
+        assert_eq!(finding.cause, is_fault.then_some(Cause::Missing));
+    }
+}
+
+#[test]
 fn what_cannot_be_tested_is_refused_and_changes_nothing() {
     let invalid = |pulse_s: f32| match station(true).handle(plan(Some(pulse_s))) {
         Err(Refusal::Invalid { element: None, error }) => error.parameter == Parameter::PulseS,

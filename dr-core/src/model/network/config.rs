@@ -85,3 +85,5 @@ pub struct CrossConfig {
     /// m_k of the surface of `from`.
     pub surface: [f32; CROSS_ORDER],
 }
+
+crate::seal::sealable!(GainsConfig { correction_w_per_k, convection_w_per_k, weights, variance_w2 });

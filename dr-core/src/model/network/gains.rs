@@ -3,6 +3,7 @@
 use super::config::{AlarmConfig, FASTER, FasterConfig, GainsConfig};
 use crate::error::{self, ConfigError, Parameter, Problem};
 use crate::model::mesh;
+use crate::seal::{Seal, Sealable};
 
 /// Until an alarm is over, its own errors are looked at as well: only what is so many times the threshold is another alarm.
 const ANOTHER: f32 = 4.0;
@@ -120,6 +121,14 @@ fn checked(gains: &GainsConfig) -> Result<GainsConfig, ConfigError> {
     error::within(Parameter::ConvectionWPerK, gains.convection_w_per_k, 0.0, 1e6)?;
     error::within(Parameter::VarianceW2, gains.variance_w2, 0.0, 1e6)?;
     Ok(*gains)
+}
+
+crate::seal::sealable!(Adaptive { steady, alarm, sets });
+
+impl Sealable for Sets {
+    fn seal_into(&self, seal: &mut Seal) {
+        self.0.seal_into(seal);
+    }
 }
 
 #[cfg(test)]

@@ -44,6 +44,7 @@ use gains::{Adaptive, Sets};
 
 use super::{ORDER, RelaxationState, Relaxations, Symbol};
 use crate::error::{self, ConfigError, Parameter, Problem};
+use crate::seal::{Seal, sealable};
 
 /// Rounds of correction in which the beginning's convection is found. Four sectors that share a third of their heat gain half a digit a
 /// round; what is left is the observer's to find.
@@ -316,6 +317,19 @@ impl<const N: usize> Network<N> {
         }
     }
 
+    /// Of how many pieces its tables are: elements, pairs, quicker gains.
+    pub(crate) const PIECES: usize = N + CROSSES + QUICK;
+
+    /// The seal of one piece of its tables.
+    pub(crate) fn seal_of(&self, piece: usize) -> Seal {
+        let seal = |of: &dyn Fn() -> Option<Seal>| of().unwrap_or_default();
+        match piece {
+            own if own < N => seal(&|| Some(Seal::of(self.own.get(own)?))),
+            cross if cross < N + CROSSES => seal(&|| Some(Seal::of(self.cross.get(cross - N)?))),
+            sets => seal(&|| Some(Seal::of(self.sets.get(sets - N - CROSSES)?))),
+        }
+    }
+
     /// Hands every number of a state to `take`, in a fixed order.
     pub(crate) fn each(&self, state: &NetworkState<N>, take: &mut impl FnMut(f32)) {
         for (i, own) in self.own.iter().enumerate() {
@@ -375,6 +389,9 @@ impl Cross {
         })
     }
 }
+
+sealable!(Own { relaxations, symbol, surface_k_per_w, surface, rest_c, gains });
+sealable!(Cross { from, to, relaxations, symbol, surface_k_per_w, surface });
 
 #[cfg(test)]
 mod tests;

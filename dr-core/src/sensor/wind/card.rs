@@ -435,3 +435,20 @@ fn places(dice: &[PartConfig; DICE], basis: &[[f32; 3]; 2]) -> Result<[[f32; 2];
 const fn not_a_square() -> ConfigError {
     ConfigError { parameter: Parameter::Corner, problem: Problem::NotPositive }
 }
+
+crate::seal::sealable!(CardConfig { mean, difference, along, around, seen, mean_share, difference_share });
+crate::seal::sealable!(Curve { value, per_root });
+crate::seal::sealable!(Ray { towards, differences, root_seen });
+crate::seal::sealable!(Card {
+    mean,
+    difference,
+    rays,
+    usual_seen,
+    basis,
+    places,
+    side_m,
+    most_root,
+    mean_share,
+    difference_share,
+    direction_error_max_rad,
+});

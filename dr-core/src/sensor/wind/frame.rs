@@ -83,6 +83,8 @@ impl Frame {
     }
 }
 
+crate::seal::sealable!(Frame { basis, determined });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -67,6 +67,9 @@ impl GasLaw {
     }
 }
 
+crate::seal::sealable!(GasLawConfig { gas_constant_j_kg_k, least_c, most_c, viscosity_pa_s, conductivity_w_m_k });
+crate::seal::sealable!(GasLaw { config });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -194,3 +194,14 @@ fn with_neighbours(amplitudes: &[[f32; ORDERS]; POINTS]) -> [[f32; ORDERS]; POIN
     rows[POINTS + 1] = beyond([1, 2, 3].map(|k| &amplitudes[POINTS - k]));
     rows
 }
+
+crate::seal::sealable!(Nusselt {
+    rows,
+    reynolds,
+    least_reynolds,
+    most_reynolds,
+    log2_least,
+    intervals_per_octave,
+    bend,
+    growth,
+});

@@ -162,3 +162,6 @@ fn direction(parameter: Parameter, vector: [f32; 3]) -> Result<[f32; 3], ConfigE
     }
     Ok(vector.map(|x| (f64::from(x) / length) as f32))
 }
+
+crate::seal::sealable!(PartConfig { axis, corner, area_m2, means, threefold });
+crate::seal::sealable!(Part { axis, corner, third, area_m2, means, threefold });

@@ -275,6 +275,8 @@ fn consider<const N: usize>(
     }
 }
 
+crate::seal::sealable!(@[const N: usize] WindVector<N> { nusselt, parts, frame, diameter_m, direction_error_max_rad });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -75,7 +75,9 @@ pub struct FrontEnd {
     data_ready: DataReady,
     mean: SettledMean<ELEMENTS>,
     plan: TickPlan,
-    /// What the converters are connected to.
+    /// What the converters are connected to; none while they have not taken it.
+    connected: Option<Input>,
+    /// What they have been asked for.
     input: Input,
     /// A conversion was overwritten before it was read.
     overran: bool,
@@ -124,6 +126,7 @@ impl FrontEnd {
             data_ready: expectation(plan),
             mean: SettledMean::new(plan),
             plan,
+            connected: Some(Input::Element),
             input: Input::Element,
             overran: false,
         }
@@ -173,7 +176,7 @@ impl FrontEnd {
     /// Has the converters read something else from now on, for a self-test. It begins a tick anew: the one that goes on is longer by as much as has
     /// passed of it, some 0.3 ms with the change. A converter that does not take it reads missing, which the test tells of.
     pub fn select(&mut self, input: Input) {
-        if input == self.input || !self.usable {
+        if self.connected == Some(input) || !self.usable {
             return;
         }
         let connect = match input {
@@ -182,7 +185,9 @@ impl FrontEnd {
             Input::Reference => ads131e06::Input::Supply,
         };
         self.input = input;
-        self.rate = self.adc.select(connect, &mut CycleDelay).ok().map(|()| self.plan.rate());
+        // One that has not taken it is asked again after the next tick, and not believed until then.
+        self.connected = self.adc.select(connect, &mut CycleDelay).ok().map(|()| input);
+        self.rate = self.connected.map(|_| self.plan.rate());
         // An edge of what was read before.
         self.line.clear_interrupt_pending_bit();
         self.data_ready = expectation(self.plan);
@@ -218,7 +223,8 @@ impl FrontEnd {
     pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
         let plan = TickPlan::from_seconds(sample_period_s)?;
         if self.usable && self.rate != Some(plan.rate()) {
-            self.rate = self.adc.set_rate(plan.rate(), &mut CycleDelay).ok().map(|()| plan.rate());
+            let taken = self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
+            self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
             self.line.clear_interrupt_pending_bit();
         }

@@ -82,7 +82,8 @@ fn an_element_that_was_never_read_is_missing_unless_its_cause_is_known() {
 /// What is made of a pulse of the first element that follows its model by a ratio with a gap; the other one rises by itself.
 fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> Finding {
     let mut test = at(Phase::Heating(0));
-    test.findings[0].noise_k = Some(noise_k);
+    test.findings.iter_mut().for_each(|finding| finding.noise_k = Some(noise_k));
+    test.added_w = 2.0 * HEATER_LEAST_W;
     for pulse in &mut test.pulses {
         *pulse = Pulse::starting(0.0);
     }
@@ -93,7 +94,7 @@ fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models
         test.pulses[1].take(other_rise_k * n as f32 / 7.0, model_k);
     }
     test.judge_phase(&controller(with_models));
-    assert_eq!(test.findings[1], at(Phase::Offsets).findings[1]);
+    assert_eq!(test.findings[1], Finding { noise_k: Some(noise_k), ..at(Phase::Offsets).findings[1] });
     test.findings[0]
 }
 
@@ -125,23 +126,66 @@ fn the_levels_may_be_a_kelvin_apart() {
 fn a_rise_within_the_noise_is_none() {
     // Five times √2 of the noise.
     for (share, is_none) in [(0.999, true), (1.001, false)] {
-        let noise_k = 1.75 / (5.0 * 1.414 * share);
-        assert_eq!(of_pulse(1.0, 0.0, 0.0, noise_k, true).faults.has(Fault::NoResponse), is_none, "{share}");
+        // At the high level a Kelvin is 16/3 as many volt.
+        let noise_k = 16.0 / 3.0 * 0.9 * 1.75 / (5.0 * 1.414 * share);
+        for with_models in [false, true] {
+            let faults = of_pulse(0.9, 0.0, 0.0, noise_k, with_models).faults;
+            assert_eq!(faults, if is_none { only(&[Fault::NoResponse]) } else { sound() }, "{share} {with_models}");
+        }
+    }
+    // Where the model expects nothing that could be told from the noise, its absence is none.
+    for (share, can_tell) in [(0.999, true), (1.001, false)] {
+        let noise_k = 16.0 / 3.0 * share * 1.75 / (5.0 * 1.414);
+        assert_eq!(
+            of_pulse(0.0, 0.0, 0.0, noise_k, true).faults,
+            if can_tell { only(&[Fault::NoResponse]) } else { sound() }
+        );
     }
     // On the bound it is none, too: here both are zero.
     assert!(of_pulse(0.0, 0.0, 0.0, 0.0, false).faults.has(Fault::NoResponse));
 }
 
 #[test]
-fn another_element_may_rise_by_half_of_it_or_within_the_noise() {
+fn another_element_may_rise_by_as_much_or_within_the_noise() {
     let crossed = |other_rise_k, noise_k| of_pulse(1.0, 0.0, other_rise_k, noise_k, true).faults.has(Fault::Crossed);
-    assert!(!crossed(0.87, 1e-3) && crossed(0.88, 1e-3));
+    assert!(!crossed(1.74, 1e-3) && crossed(1.76, 1e-3));
     assert!(!crossed(-5.0, 1e-3), "one that cools is no matter");
     // 7.07 times the noise.
-    assert!(crossed(1.0, 0.141) && !crossed(1.0, 0.142));
-    // On either bound it is not yet: half of 1.75 K, and no noise with no rise.
-    assert!(!crossed(0.875, 1e-3) && crossed(beyond(0.875), 1e-3));
+    assert!(crossed(2.0, 0.282) && !crossed(2.0, 0.283));
+    // On either bound it is not yet: 1.75 K, and no noise with no rise.
+    assert!(!crossed(1.75, 1e-3) && crossed(beyond(1.75), 1e-3));
     assert!(!of_pulse(-1.0, 0.0, 0.0, 0.0, true).faults.has(Fault::Crossed));
+}
+
+#[test]
+fn what_only_senses_need_not_warm_up() {
+    for (added_w, is_heater) in [(HEATER_LEAST_W, true), (0.999 * HEATER_LEAST_W, false)] {
+        let mut test = at(Phase::Heating(0));
+        (test.added_w, test.findings[0].noise_k) = (added_w, Some(1e-3));
+        for pulse in &mut test.pulses {
+            *pulse = Pulse::starting(0.0);
+            (0..8).for_each(|_| pulse.take(0.0, 0.0));
+        }
+        test.judge_phase(&controller(false));
+        assert_eq!(test.findings[0].faults.has(Fault::NoResponse), is_heater, "{added_w}");
+    }
+}
+
+#[test]
+fn a_trip_leaves_what_is_through_as_it_is_and_names_its_element() {
+    let interrupted = |state| {
+        let mut test = at(Phase::Heating(1));
+        test.findings[0].response = Some(Response::default());
+        test.interrupt(state);
+        assert!(test.is_over());
+        [0, 1].map(|i| (test.findings[i].faults, test.findings[i].cause))
+    };
+    let fault = only(&[Fault::Interrupted]);
+    let open = |element| RunState::Tripped(Trip { cause: Cause::Open, element });
+    assert_eq!(interrupted(open(Some(1))), [(sound(), None), (fault, Some(Cause::Open))]);
+    assert_eq!(interrupted(open(Some(0))), [(fault, Some(Cause::Open)), (fault, None)]);
+    assert_eq!(interrupted(open(None)), [(fault, Some(Cause::Open)); 2]);
+    assert_eq!(interrupted(RunState::Standby), [(sound(), None), (fault, None)]);
 }
 
 fn sound() -> Faults {
