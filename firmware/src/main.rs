@@ -388,7 +388,7 @@ mod app {
                 set_up(desk);
             }
             while BUSY.try_take() {
-                let record = cx.shared.findings.lock(Findings::next);
+                let record = cx.shared.findings.lock(Findings::take_one);
                 if let Some(record) = &record {
                     desk.clerk.keep(record);
                 }

@@ -28,7 +28,7 @@ impl Findings {
     }
 
     /// The next one to be kept.
-    pub fn next(&mut self) -> Option<TestRecord> {
+    pub fn take_one(&mut self) -> Option<TestRecord> {
         let finding = self.waiting.pop()?;
         Some(TestRecord { unix_s: self.unix_s, firmware: self.firmware.clone(), starts: self.starts, finding })
     }
@@ -46,12 +46,12 @@ mod tests {
         let identity =
             Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash: None };
         let mut findings = Findings::of(&identity);
-        assert_eq!(findings.next(), None);
+        assert_eq!(findings.take_one(), None);
         let of = |element| Finding { element, of: 2, ..Finding::default() };
         findings.take(None, &[of(0), of(1)]);
         findings.take(Some(7), &[of(1), of(0)]);
         let next =
             |element| Some(TestRecord { unix_s: Some(7), firmware: firmware.clone(), starts: 3, finding: of(element) });
-        assert_eq!([findings.next(), findings.next(), findings.next()], [next(0), next(1), None]);
+        assert_eq!([findings.take_one(), findings.take_one(), findings.take_one()], [next(0), next(1), None]);
     }
 }

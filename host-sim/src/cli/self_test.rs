@@ -32,7 +32,7 @@ Verdicts, and what to look at:
   noise, frozen          shielding and ground; a converter that repeats itself (a simulation without noise does)
   no-response, response  the heater's current, a loose element, a model of another head
   levels                 the two currents, as the head's file has them
-  crossed                elements that have changed their places
+  crossed                heaters that are not where their sensors are
   interrupted            the instrument has tripped meanwhile, for what stands in brackets
 
 Exit code 0: all is well; 1: something is not.

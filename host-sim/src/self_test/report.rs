@@ -57,7 +57,7 @@ pub fn faults<'a>(findings: impl ExactSizeIterator<Item = &'a Finding>) -> Optio
 
 /// The tests that a board remembers, for people: those of one test together.
 pub fn stored_table(records: &[TestRecord], names: &[String]) -> String {
-    let tests = records.chunk_by(|a, b| same_test(a, b)).map(|test| {
+    let tests = records.chunk_by(same_test).map(|test| {
         let heading = test.first().map_or_else(String::new, |record| format!("{}, {}", record.firmware, when(record)));
         format!("{heading}\n\n{}", table(names, test.iter().map(|record| &record.finding)))
     });
@@ -66,7 +66,7 @@ pub fn stored_table(records: &[TestRecord], names: &[String]) -> String {
 
 /// The same for programs.
 pub fn stored_json(records: &[TestRecord], names: &[String]) -> Value {
-    let tests = records.chunk_by(|a, b| same_test(a, b)).map(|test| {
+    let tests = records.chunk_by(same_test).map(|test| {
         let elements = test.iter().map(|record| of_finding(name(names, &record.finding), &record.finding));
         let first = test.first();
         json!({
