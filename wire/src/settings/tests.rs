@@ -1,5 +1,7 @@
 use super::*;
-use dr_core::control::{AnswerConfig, Drive, ElementConfig, GuardConfig, Limits, PartOfHead};
+use dr_core::control::{
+    AnswerConfig, Cause, Drive, ElementConfig, Faults, Finding, GuardConfig, Limits, PartOfHead, Response,
+};
 use dr_core::model::{AlarmConfig, CrossConfig, FasterConfig, GainsConfig, OwnConfig, SelfHeatingConfig};
 use dr_core::sensor::wind::{CardConfig, GasLawConfig, PartConfig};
 use dr_core::sensor::{Channel, Platinum};
@@ -75,9 +77,28 @@ fn one_of_each() -> Vec<Setting> {
     own.into_iter().chain(commands.map(Setting::Command)).collect()
 }
 
+/// What the board writes by itself.
+fn records() -> Vec<Setting> {
+    let response = Response { rise_k: 1.0, expected_k: Some(2.0), ratio: Some(3.0), gap_k: Some(4.0) };
+    let finding = Finding {
+        element: 5,
+        of: 6,
+        faults: Faults(7),
+        offset_v: Some(8.0),
+        reference: Some(9.0),
+        cause: Some(Cause::Open),
+        temperature_c: Some(10.0),
+        noise_k: Some(11.0),
+        response: Some(response),
+    };
+    let firmware = Name::try_from("anemo").unwrap_or_default();
+    let record = |unix_s| Setting::Tested(TestRecord { unix_s, firmware: firmware.clone(), starts: 12, finding });
+    [Some(1_800_000_000), None].map(record).into()
+}
+
 #[test]
 fn each_comes_out_as_it_went_in_and_nowhere_else() {
-    let settings = one_of_each();
+    let settings = [one_of_each(), records()].concat();
     assert_eq!(settings.len(), Kind::ALL.len());
     let mut before = 0;
     for (setting, kind) in settings.iter().zip(Kind::ALL) {
@@ -106,14 +127,18 @@ fn each_comes_out_as_it_went_in_and_nowhere_else() {
 
 /// FNV-1a, 32 bit, of all values of format 1, as they were when it was made.
 const BYTES_OF_FORMAT_1: u32 = 1_803_859_170;
+/// The same of what the board writes by itself.
+const BYTES_OF_RECORDS: u32 = 1465352125;
 
 #[test]
 fn what_a_value_looks_like_in_bytes_has_not_changed_without_a_new_format() {
-    let mut hash = 0x811c_9dc5_u32;
-    for setting in one_of_each() {
-        for byte in setting.value().unwrap() {
-            hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    for (settings, expected) in [(one_of_each(), BYTES_OF_FORMAT_1), (records(), BYTES_OF_RECORDS)] {
+        let mut hash = 0x811c_9dc5_u32;
+        for setting in settings {
+            for byte in setting.value().unwrap() {
+                hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+            }
         }
+        assert_eq!(hash, expected, "values look otherwise: raise FORMAT, and read or refuse the old ones");
     }
-    assert_eq!(hash, BYTES_OF_FORMAT_1, "values look otherwise: raise FORMAT, and read or refuse the old ones");
 }
