@@ -62,4 +62,4 @@ pub use surface::{Part, PartConfig};
 pub use vector::{Conductance, Measured, WindState, WindVector};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

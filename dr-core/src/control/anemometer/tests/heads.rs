@@ -3,12 +3,10 @@
 use super::balance::{ELEMENTS, GAS_C, PERIOD_S, WIND_M_S, config, follow, gas, gas_there, power_of, told_of};
 use super::*;
 use crate::error::{Parameter, Problem};
-use crate::sensor::wind::card::{CONDUCTION, DICE, KNOTS, TERMS};
+use crate::sensor::wind::card::{CONDUCTION, KNOTS, TERMS};
 use crate::sensor::wind::nusselt::POINTS;
-use crate::sensor::wind::{Card, CardConfig, PartConfig};
-
-const SIDE_M: f32 = 1.5e-3;
-const MOST_REYNOLDS: f32 = 240.0;
+use crate::sensor::wind::tests::cards::{MOST_REYNOLDS, SIDE_M, dice};
+use crate::sensor::wind::{Card, CardConfig};
 
 /// A layer that goes as √Re, of which the dice upstream have a tenth more.
 fn card() -> CardConfig {
@@ -24,17 +22,6 @@ fn card() -> CardConfig {
         mean_share: 0.01,
         difference_share: 0.005,
     }
-}
-
-/// On a card that looks up, with its tip at +x.
-fn dice() -> [PartConfig; DICE] {
-    [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]].map(|[x, y]| PartConfig {
-        axis: [0.0, 0.0, 1.0],
-        corner: [x, y, 0.0],
-        area_m2: SIDE_M * SIDE_M,
-        means: [0.0; 5],
-        threefold: [0.0; 3],
-    })
 }
 
 /// The answer of a head that stands in balance with these conductances.

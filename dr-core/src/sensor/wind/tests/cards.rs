@@ -4,8 +4,8 @@ use crate::error::Parameter;
 use crate::sensor::wind::card::{CONDUCTION, Card, CardConfig, DICE, KNOTS, TERMS};
 use crate::sensor::wind::{Gas, Measured, PartConfig, Wind};
 
-const SIDE_M: f32 = 1.5e-3;
-const MOST_REYNOLDS: f32 = 240.0;
+pub(crate) const SIDE_M: f32 = 1.5e-3;
+pub(crate) const MOST_REYNOLDS: f32 = 240.0;
 
 /// A layer that goes as √Re, of which the dice upstream have a tenth more; in reverse and across less of the speed.
 fn config() -> CardConfig {
@@ -26,7 +26,7 @@ fn config() -> CardConfig {
 }
 
 /// On a card that looks up, with its tip at +x.
-fn dice() -> [PartConfig; DICE] {
+pub(crate) fn dice() -> [PartConfig; DICE] {
     [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]].map(|[x, y]| PartConfig {
         axis: [0.0, 0.0, 1.0],
         corner: [x, y, 0.0],

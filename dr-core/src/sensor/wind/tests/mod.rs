@@ -3,7 +3,7 @@
 extern crate std;
 
 mod amplitudes;
-mod cards;
+pub(crate) mod cards;
 mod noise;
 mod partial;
 mod round_trip;
