@@ -37,9 +37,10 @@ const KERNELS: [Kernel; 14] = [
         symbol: "control_6_elements",
         operation: "control tick: 6 elements, all drives, with models",
         poles: None,
-        budget: 3000,
+        // 2 800 in the mean; one element's model is checked against its seal in a tick, and the largest takes some 200 more.
+        budget: 3100,
     },
-    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 3600 },
+    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 3700 },
     Kernel {
         symbol: "control_6_of_16",
         operation: "control tick: the 6 elements on a controller of 16",
@@ -74,7 +75,8 @@ const KERNELS: [Kernel; 14] = [
         symbol: "anemometer_between_answers",
         operation: "anemometer tick without an answer",
         poles: None,
-        budget: 6_800,
+        // 6 700 in the mean; the rest is the seal of the largest piece, how it answers, once in 43 ticks.
+        budget: 9_500,
     },
 ];
 
@@ -91,7 +93,7 @@ pub struct Options {
     /// Fail when a budget is exceeded or the README shows other numbers
     #[arg(long, conflicts_with = "write")]
     check: bool,
-    /// Put the table into the README
+    /// Put the table into the README, where no budget is exceeded
     #[arg(long)]
     write: bool,
     /// Count in this image instead of building one
@@ -123,11 +125,13 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let table = table(&tallies);
     print!("{table}");
+    if options.check || options.write {
+        check_budgets(&tallies)?;
+    }
     if options.write {
         update_readme(&table)?;
     }
     if options.check {
-        check_budgets(&tallies)?;
         check_readme(&table)?;
     }
     Ok(())
