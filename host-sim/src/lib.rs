@@ -38,5 +38,6 @@ pub mod sensor;
 pub mod settings;
 pub mod study;
 pub mod summary;
+pub mod table;
 pub mod thesis;
 pub mod toml_file;

@@ -1,4 +1,4 @@
-//! The short run of the fuzz targets: each is given its kept corpus and a fixed number of damaged copies of it, the same every time.
+//! The short run of the fuzz targets: each is given its corpus, a fixed number of damaged copies of it, the same every time, and what was once found.
 //!
 //! What holds is written in [`anemo_tests::fuzz`]; the long run is `cargo xtask fuzz`. An input at which something does not hold is written to
 //! the temporary folder and named, to be repeated by `ANEMO_FUZZ_INPUT=FILE cargo test --release -p anemo-tests --test fuzz`.
@@ -6,7 +6,10 @@
 use anemo_tests::file;
 use anemo_tests::fuzz::damage::Damage;
 use anemo_tests::fuzz::{TARGETS, Target};
+use flate2::read::GzDecoder;
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +21,7 @@ fn copies() -> usize {
     asked.map_or(DAMAGED, |number| number.parse().expect("ANEMO_FUZZ_DAMAGED is a whole number"))
 }
 
-/// The kept inputs of a target, in the order of their names, so that the damage is the same on every computer.
+/// The inputs of a target that people put together, in the order of their names, so that the damage is the same on every computer.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let folder = file("fuzz/corpus").join(target);
     let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -26,6 +29,21 @@ fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.sort();
     assert!(paths.len() >= 4, "{}: a corpus of {} inputs is none", folder.display(), paths.len());
     paths.into_iter().map(|path| (path.clone(), std::fs::read(path).expect("a kept input can be read"))).collect()
+}
+
+/// Those that libFuzzer has found.
+fn found(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let path = file("fuzz/found").join(format!("{target}.tar.gz"));
+    let archive = File::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut archive = tar::Archive::new(GzDecoder::new(archive));
+    let entries = archive.entries().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let read = |entry: std::io::Result<tar::Entry<'_, _>>| {
+        let mut entry = entry?;
+        let mut input = Vec::new();
+        entry.read_to_end(&mut input)?;
+        Ok((path.join(entry.path()?), input))
+    };
+    entries.map(|entry| read(entry).unwrap_or_else(|error: std::io::Error| panic!("{}: {error}", path.display()))).collect()
 }
 
 /// Runs a target; where something does not hold, the input is kept and named.
@@ -37,7 +55,7 @@ fn run(target: Target, input: &[u8], what: &str) -> bool {
     })
 }
 
-/// The corpus and its damaged copies; of either some are taken and some refused, or nothing is tried any more.
+/// The corpus, its damaged copies and what was found; of each some are taken, or nothing is tried any more.
 fn short_run(name: &str) {
     let target = *TARGETS.iter().find(|target| target.name == name).expect("it is one of the targets");
     if let Some(input) = std::env::var_os("ANEMO_FUZZ_INPUT") {
@@ -47,7 +65,7 @@ fn short_run(name: &str) {
     let corpus = corpus(name);
     let kept = |(path, input): &&(PathBuf, Vec<u8>)| run(target, input, &path.display().to_string());
     let taken = corpus.iter().filter(kept).count();
-    assert!(taken > 0, "{name}: of {} kept inputs none is taken: are they of an older format?", corpus.len());
+    assert!(taken > 0, "{name}: of {} inputs none is taken: are they of an older format?", corpus.len());
 
     let mut damage = Damage::new(20_261_122);
     let (copies, mut damaged_taken) = (copies(), 0);
@@ -55,8 +73,16 @@ fn short_run(name: &str) {
         let (_, whole) = &corpus[number % corpus.len()];
         damaged_taken += usize::from(run(target, &damage.of(whole), &format!("damaged copy {number}")));
     }
-    println!("{name}: {taken} of {} kept and {damaged_taken} of {copies} damaged inputs taken", corpus.len());
     assert!((1..copies).contains(&damaged_taken), "{name}: {damaged_taken} of {copies} damaged inputs taken");
+
+    let found = found(name);
+    let found_taken = found.iter().filter(kept).count();
+    assert!(found_taken > 0, "{name}: of {} found inputs none is taken", found.len());
+    println!(
+        "{name}: {taken} of {} inputs, {damaged_taken} of {copies} damaged and {found_taken} of {} found ones are taken",
+        corpus.len(),
+        found.len()
+    );
 }
 
 /// A test for each, so that they run side by side and each is named.
@@ -79,6 +105,8 @@ macro_rules! short_runs {
             };
             assert_eq!(all, names(&file("fuzz/fuzz_targets")));
             assert_eq!(all, names(&file("fuzz/corpus")));
+            let archives = names(&file("fuzz/found"));
+            assert_eq!(all, archives.iter().map(|name| name.trim_end_matches(".tar").to_owned()).collect());
             let manifest: toml::Table =
                 std::fs::read_to_string(file("fuzz/Cargo.toml")).expect("it is there").parse().expect("it is TOML");
             let bins = manifest["bin"].as_array().expect("there are programs").iter();

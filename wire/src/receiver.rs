@@ -170,7 +170,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "20 000 bytes bit by bit take minutes")]
     fn garbage_of_any_length_is_survived() {
         let mut receiver = Receiver::new();
         let mut noise = dr_core::signal::Prbs::new(23, 77).unwrap();

@@ -82,11 +82,14 @@ pub fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
 }
 
 fn find_executable(messages: &str, bin: &str) -> Option<PathBuf> {
-    messages
+    let built: Vec<_> = messages
         .lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter(|message| message["target"]["name"] == bin)
-        .find_map(|message| message["executable"].as_str().map(PathBuf::from))
+        .filter(|message| message["target"]["name"] == bin && message["executable"].is_string())
+        .collect();
+    // Its own tests have its name, too; they are meant where there is nothing else.
+    let itself = built.iter().find(|message| message["profile"]["test"] != true);
+    itself.or(built.first())?["executable"].as_str().map(PathBuf::from)
 }
 
 #[cfg(test)]
@@ -100,11 +103,15 @@ mod tests {
             "\n",
             r#"{"reason":"compiler-artifact","target":{"name":"other"},"executable":"/t/other"}"#,
             "\n",
-            r#"{"reason":"compiler-artifact","target":{"name":"firmware"},"executable":"/t/firmware"}"#,
+            r#"{"reason":"compiler-artifact","target":{"name":"firmware"},"profile":{"test":true},"executable":"/t/tests"}"#,
+            "\n",
+            r#"{"reason":"compiler-artifact","target":{"name":"firmware"},"profile":{"test":false},"executable":"/t/firmware"}"#,
             "\n",
             r#"{"reason":"build-finished","success":true}"#,
         );
         assert_eq!(find_executable(messages, "firmware"), Some(PathBuf::from("/t/firmware")));
         assert_eq!(find_executable(messages, "cost"), None);
+        let tests = r#"{"target":{"name":"dr_core"},"profile":{"test":true},"executable":"/t/tests"}"#;
+        assert_eq!(find_executable(tests, "dr_core"), Some(PathBuf::from("/t/tests")));
     }
 }

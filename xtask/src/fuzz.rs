@@ -1,22 +1,19 @@
 //! Lets libFuzzer look for inputs at which something does not hold, for as long as one likes, and keeps those that reach what none before has.
 //!
-//! What is tried stands in `tests/src/fuzz/`, the programs in `fuzz/fuzz_targets/`, what is kept in `fuzz/corpus/`. The short run over what is kept
-//! needs none of this: it is one of the tests.
+//! What is tried stands in `tests/src/fuzz/`, the programs in `fuzz/fuzz_targets/`, inputs that people put together in `fuzz/corpus/`, what was found
+//! in `fuzz/found/`. The short run over all of that needs none of this: it is one of the tests.
+
+mod found;
 
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Bytes that are kept of a target, beyond what has been put there by hand: each clone has them, and each short run goes through them.
-const KEPT: u64 = 100_000;
 /// An input that takes longer is a finding, s.
 const LONGEST_S: u32 = 20;
 /// So is one that needs more memory, MiB.
 const MOST_MIB: u32 = 3_000;
-/// Names of inputs that were found: libFuzzer's, which are 40 hexadecimal digits. What people put there has others.
-const FOUND: usize = 40;
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -64,13 +61,14 @@ struct Fuzzer {
 impl Fuzzer {
     /// Runs a target and keeps what it has found; gives a sentence if something did not hold.
     fn run(&self, name: &str, minutes: f64) -> Result<Option<String>> {
-        let kept = shell::root().join("fuzz/corpus").join(name);
-        let found = self.target_directory.join("found").join(name);
+        let corpus = shell::root().join("fuzz/corpus").join(name);
+        let kept = found::archive(name);
+        let working = self.target_directory.join("found").join(name);
         let crashes = shell::root().join("fuzz/artifacts").join(name);
-        std::fs::create_dir_all(&found).with_context(|| found.display().to_string())?;
+        found::unpack(&kept, &working)?;
         let before = files(&crashes).unwrap_or_default();
 
-        let mut run = self.libfuzzer(name, &[&found, &kept]);
+        let mut run = self.libfuzzer(name, &[&working, &corpus]);
         run.arg(format!("-max_total_time={:.0}", (60.0 * minutes).max(1.0)));
         run.arg(format!("-timeout={LONGEST_S}")).arg(format!("-rss_limit_mb={MOST_MIB}"));
         run.args(["-print_final_stats=1", "-verbosity=1"]);
@@ -80,7 +78,7 @@ impl Fuzzer {
             files(&crashes).unwrap_or_default().into_iter().filter(|path| !before.contains(path)).collect();
         let Some(crash) = new.first() else {
             ended?;
-            self.keep(name, &kept, &found)?;
+            self.keep(name, &corpus, &working, &kept)?;
             return Ok(None);
         };
         Ok(Some(format!(
@@ -90,36 +88,26 @@ impl Fuzzer {
         )))
     }
 
-    /// Of what was found, keeps the smallest inputs that together reach every place in the code that any of them does.
-    fn keep(&self, name: &str, kept: &Path, found: &Path) -> Result<()> {
+    /// Of what was found, keeps the smallest inputs that together reach every place in the code that any of them does and the corpus does not.
+    fn keep(&self, name: &str, corpus: &Path, working: &Path, kept: &Path) -> Result<()> {
         let chosen = self.target_directory.join("chosen").join(name);
         std::fs::remove_dir_all(&chosen).ok();
         std::fs::create_dir_all(&chosen).with_context(|| chosen.display().to_string())?;
-        // What was put there by hand stays, so that only what it does not reach is chosen.
-        for path in files(kept)?.iter().filter(|path| !is_found(path)) {
+        let by_hand = files(corpus)?;
+        for path in &by_hand {
             copy_into(path, &chosen)?;
         }
-        let mut merge = self.libfuzzer(name, &[&chosen, &kept.to_owned(), &found.to_owned()]);
+        let mut merge = self.libfuzzer(name, &[&chosen, &working.to_owned()]);
         // Whether a place is reached counts, not how often: the latter keeps thousands.
         shell::run(merge.args(["-merge=1", "-use_counters=0", "-verbosity=0"]))?;
 
-        let size = |path: &PathBuf| std::fs::metadata(path).map_or(u64::MAX, |data| data.len());
-        let mut chosen: Vec<PathBuf> = files(&chosen)?.into_iter().filter(|path| is_found(path)).collect();
-        chosen.sort_by_key(|path| (size(path), path.clone()));
-        for path in files(kept)?.iter().filter(|path| is_found(path)) {
-            std::fs::remove_file(path).with_context(|| path.display().to_string())?;
+        for path in &by_hand {
+            let copied = chosen.join(path.file_name().unwrap_or_default());
+            std::fs::remove_file(&copied).with_context(|| copied.display().to_string())?;
         }
-        let (mut bytes, mut count) = (0, 0);
-        for path in &chosen {
-            bytes += size(path);
-            if bytes > KEPT {
-                println!("  {} inputs more would be beyond {KEPT} bytes", chosen.len() - count);
-                break;
-            }
-            copy_into(path, kept)?;
-            count += 1;
-        }
-        println!("  {count} found inputs are kept in {}", kept.display());
+        let chosen = files(&chosen)?;
+        let bytes = found::pack(&chosen, kept)?;
+        println!("  {} found inputs are kept in {}, {bytes} bytes", chosen.len(), kept.display());
         Ok(())
     }
 
@@ -142,11 +130,6 @@ impl Fuzzer {
     }
 }
 
-fn is_found(path: &Path) -> bool {
-    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
-    name.len() == FOUND && name.bytes().all(|byte| byte.is_ascii_hexdigit())
-}
-
 fn copy_into(path: &Path, folder: &Path) -> Result<()> {
     let to = folder.join(path.file_name().unwrap_or_default());
     std::fs::copy(path, &to).with_context(|| to.display().to_string())?;
@@ -164,13 +147,6 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_was_found_is_told_from_what_was_put_there() {
-        assert!(is_found(Path::new("corpus/da39a3ee5e6b4b0d3255bfef95601890afd80709")));
-        assert!(!is_found(Path::new("corpus/gusts.toml")));
-        assert!(!is_found(Path::new("corpus/a-name-that-has-just-as-many-characters-x")));
-    }
 
     #[test]
     fn every_target_has_a_corpus() {

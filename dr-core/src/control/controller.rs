@@ -274,10 +274,12 @@ impl<const N: usize> Controller<N> {
             self.states.iter_mut().for_each(|state| state.absent_ticks = 0);
         }
         let mut trip = upset.or(fault.filter(|_| guarded));
-        match self.state {
-            RunState::Running if trip.is_none() => trip = self.decide(valid),
-            RunState::Testing if trip.is_none() => self.pulse(valid, probe),
-            _ => {}
+        if trip.is_none() {
+            match self.state {
+                RunState::Running => trip = self.decide(valid),
+                RunState::Testing => self.pulse(valid, probe),
+                RunState::Standby | RunState::Tripped(_) => {}
+            }
         }
         if let Some(trip) = trip {
             self.fall(trip);

@@ -10,6 +10,8 @@
 
 mod analyse;
 mod analysis_summary;
+mod attended;
+mod board;
 mod calibrate;
 mod check;
 mod design;

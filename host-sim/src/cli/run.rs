@@ -1,27 +1,17 @@
 //! `anemo run`: an experiment on an instrument.
 
-use std::io::IsTerminal as _;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use super::Failure;
+use super::attended::{on_interrupt, progress};
+use super::board::{InstrumentArguments, On};
 use crate::experiment::Experiment;
-use crate::instrument::emulated::{self, Emulated};
-use crate::instrument::in_process::InProcess;
-use crate::instrument::serial::Serial;
-use crate::instrument::{Instrument, LockStep, setup};
 use crate::plot;
 use crate::recording::{Collector, Layout, Metadata, RecordingWriter};
 use crate::run::{RunError, run};
 use crate::summary::RunSummary;
-
-/// Where the firmware of the emulated board stands in the build folder.
-const FIRMWARE: &str = "thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf";
 
 /// Rows between two looks at the progress bar.
 const PROGRESS_EVERY: u32 = 256;
@@ -39,9 +29,8 @@ Examples:
 pub struct Arguments {
     /// The experiment: a TOML file.
     experiment: PathBuf,
-    /// What to run it on.
-    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
-    on: On,
+    #[command(flatten)]
+    instrument: InstrumentArguments,
     /// Record every tick to this file; its name ends in .parquet or .csv.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -51,59 +40,11 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-    /// The firmware that the emulated board runs; without it, the one that stands in the build folder of this command.
-    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
-    firmware: Option<PathBuf>,
-    /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
-    link: LinkName,
-    /// The file that is the flash of the emulated board, as `anemo settings` uses it; without it the board keeps nothing.
-    #[arg(long, value_name = "FILE")]
-    flash: Option<PathBuf>,
-    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
-    #[arg(long)]
-    acknowledge: bool,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum On {
-    Sim,
-    Qemu,
-    Serial(String),
-}
-
-impl FromStr for On {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "sim" => Ok(Self::Sim),
-            None if text == "qemu" => Ok(Self::Qemu),
-            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.to_owned())),
-            _ if text.starts_with("serial") => Err("a serial port is named too, as in serial:/dev/ttyACM0".to_owned()),
-            _ => Err("it is sim, qemu or serial:DEVICE".to_owned()),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(super) enum LinkName {
-    Fifo,
-    Usart,
-}
-
-impl LinkName {
-    pub(super) const fn path(self) -> emulated::Path {
-        match self {
-            Self::Fifo => emulated::Path::Fifo,
-            Self::Usart => emulated::Path::Usart,
-        }
-    }
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = super::read_experiment(&arguments.experiment)?;
-    let simulated = !matches!(arguments.on, On::Serial(_));
+    let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let names = experiment.head.names();
     let layout = Layout {
         elements: names.iter().copied().map(str::to_owned).collect(),
@@ -112,7 +53,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         answers: experiment.parts(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };
-    let known = metadata(&experiment, &arguments.on);
+    let known = metadata(&experiment, &arguments.instrument.on);
 
     // All that could be wrong with the outputs shows before anything runs.
     let mut writer = match &arguments.output {
@@ -123,11 +64,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut collector = canvas.is_some().then(|| Collector::new(layout, &known));
 
     let interrupted = on_interrupt();
-    let mut instrument = open(arguments, &experiment)?;
-    if arguments.acknowledge {
-        setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
-    }
-    let bar = progress_bar(&experiment);
+    let instrument = arguments.instrument.open(|| Ok(experiment.sensor()?))?;
+    let bar = progress(&experiment.title, Some(experiment.ticks.into()));
     let (start, mut rows) = (Instant::now(), 0_u32);
     let summary = run(&experiment, instrument, &mut |row| {
         if interrupted.load(Ordering::Relaxed) {
@@ -159,26 +97,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
     }
     super::print(&text)
-}
-
-fn open(arguments: &Arguments, experiment: &Experiment) -> Result<Box<dyn Instrument>, Failure> {
-    Ok(match &arguments.on {
-        On::Sim => Box::new(LockStep::new(InProcess::new(), experiment.sensor()?)),
-        On::Qemu => {
-            let sensor = experiment.sensor()?;
-            let firmware = firmware_of(arguments.firmware.as_deref());
-            let board = Emulated::start_with(&firmware, arguments.link.path(), arguments.flash.as_deref());
-            Box::new(LockStep::new(board.map_err(Failure::work)?, sensor))
-        }
-        On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
-    })
-}
-
-/// The firmware that was asked for, or the one that `cargo xtask` has built beside this command, wherever that is.
-pub(super) fn firmware_of(asked: Option<&Path>) -> PathBuf {
-    let beside = || Some(std::env::current_exe().ok()?.parent()?.parent()?.join(FIRMWARE));
-    let built = || beside().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from("target").join(FIRMWARE));
-    asked.map_or_else(built, Path::to_owned)
 }
 
 /// What a recording says of itself, as far as it is known before the run.
@@ -218,49 +136,4 @@ fn outcome(summary: &RunSummary) -> Metadata {
     pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
     pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
     pairs
-}
-
-/// A bar on a terminal, nothing anywhere else.
-fn progress_bar(experiment: &Experiment) -> ProgressBar {
-    progress_of(&experiment.title, Some(experiment.ticks.into()))
-}
-
-/// A bar of so many ticks, where somebody looks.
-pub(super) fn progress_of(title: &str, ticks: Option<u64>) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(10));
-    let style = ProgressStyle::with_template("{msg}  {bar:40}  {percent:>3} %  {eta} left");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.set_message(title.to_owned());
-    bar
-}
-
-/// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run ends tidily and no
-/// heater stays on; the second one ends the process at once.
-pub(super) fn on_interrupt() -> Arc<AtomicBool> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // Without a handler Ctrl-C still works, only less tidily.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(1);
-        }
-    });
-    interrupted
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn instruments_are_named_as_in_the_help() {
-        assert_eq!("sim".parse(), Ok(On::Sim));
-        assert_eq!("qemu".parse(), Ok(On::Qemu));
-        assert_eq!("serial:/dev/ttyACM0".parse(), Ok(On::Serial("/dev/ttyACM0".to_owned())));
-        assert_eq!("serial:".parse::<On>().unwrap_err(), "a serial port is named too, as in serial:/dev/ttyACM0");
-        assert_eq!("simulation".parse::<On>().unwrap_err(), "it is sim, qemu or serial:DEVICE");
-    }
 }

@@ -1,6 +1,6 @@
 //! `anemo self-test`: is the instrument as it should be?
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -9,13 +9,9 @@ use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
 use wire::Setting;
 
 use super::Failure;
-use super::run::{LinkName, On, firmware_of, on_interrupt, progress_of};
-use super::settings::{Board, BoardArguments};
-use crate::experiment::Experiment;
-use crate::instrument::emulated::Emulated;
-use crate::instrument::in_process::InProcess;
-use crate::instrument::serial::Serial;
-use crate::instrument::{Instrument, LockStep, setup};
+use super::attended::{on_interrupt, progress};
+use super::board::{Board, InstrumentArguments, On};
+use crate::instrument::setup;
 use crate::self_test::{self, report};
 use crate::settings;
 
@@ -29,7 +25,7 @@ use crate::settings;
 Verdicts, and what to look at:
   offset, reference      the converter, its supply, its reference voltage
   continuity             the element's four wires; why it cannot be read stands in brackets
-  noise, frozen          shielding and ground; a converter that repeats itself (a simulation without noise does)
+  noise, frozen          shielding and ground; a converter that repeats itself
   no-response, response  the heater's current, a loose element, a model of another head
   levels                 the two currents, as the head's file has them
   crossed                heaters that are not where their sensors are
@@ -45,9 +41,8 @@ Examples:
 pub struct Arguments {
     /// The experiment whose head, sample period and models the instrument gets: a TOML file.
     experiment: Option<PathBuf>,
-    /// What to test.
-    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
-    on: On,
+    #[command(flatten)]
+    instrument: InstrumentArguments,
     /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s; without it 1 s, or 8 ticks where that is longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pulse: Option<f32>,
@@ -60,39 +55,24 @@ pub struct Arguments {
     /// Print one JSON object instead of the table.
     #[arg(long)]
     json: bool,
-    /// The firmware that the emulated board runs; without it, the one that stands in the build folder of this command.
-    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
-    firmware: Option<PathBuf>,
-    /// How to talk to the emulated board.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
-    link: LinkName,
-    /// The file that is the flash of the emulated board; without it the board keeps nothing.
-    #[arg(long, value_name = "FILE")]
-    flash: Option<PathBuf>,
-    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
-    #[arg(long)]
-    acknowledge: bool,
 }
 
 /// Length of the pulse unless another is asked for, s.
 const PULSE_S: f32 = 1.0;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.flash.is_some() && arguments.on != On::Qemu {
-        return Err(Failure::usage(
-            "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
-        ));
-    }
     let experiment = arguments.experiment.as_deref().map(super::read_experiment).transpose()?;
     let experiment = experiment.map(|(experiment, _)| experiment);
     let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
     if arguments.stored {
         return show_stored(arguments, &names);
     }
-    let mut instrument = open(arguments, experiment.as_ref())?;
-    if arguments.acknowledge {
-        setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
-    }
+    let mut instrument = arguments.instrument.open(|| {
+        let experiment = experiment.as_ref().ok_or_else(|| {
+            Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE")
+        })?;
+        Ok(experiment.sensor()?)
+    })?;
     let mut known = None;
     if let Some(experiment) = &experiment {
         let setup = crate::run::setup_of(experiment)?;
@@ -109,7 +89,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         plan.pulse_ticks(sample_period_s).map_err(|error| Failure::usage(format!("--pulse: {error}")))?;
     }
     let interrupted = on_interrupt();
-    let bar = progress_of("self-test", None);
+    let bar = progress("self-test", None);
     let report = self_test::run(instrument.as_mut(), plan, known, &mut |tick, of| {
         if let Some(of) = of {
             bar.set_length(of.into());
@@ -131,38 +111,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}"))))
 }
 
-fn open(arguments: &Arguments, experiment: Option<&Experiment>) -> Result<Box<dyn Instrument>, Failure> {
-    let sensor = || {
-        let experiment = experiment.ok_or_else(|| {
-            Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE")
-        })?;
-        experiment.sensor().map_err(Failure::from)
-    };
-    Ok(match &arguments.on {
-        On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
-        On::Qemu => {
-            let sensor = sensor()?;
-            let firmware = firmware_of(arguments.firmware.as_deref());
-            let board = Emulated::start_with(&firmware, arguments.link.path(), arguments.flash.as_deref());
-            Box::new(LockStep::new(board.map_err(Failure::work)?, sensor))
-        }
-        On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
-    })
-}
-
 fn show_stored(arguments: &Arguments, names: &[String]) -> Result<(), Failure> {
-    let flash = match (&arguments.on, &arguments.flash) {
-        (On::Qemu, None) => {
-            return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
-        }
-        (_, flash) => flash.clone().unwrap_or_default(),
-    };
-    let mut board = Board::open(&BoardArguments {
-        on: arguments.on.clone(),
-        flash,
-        firmware: arguments.firmware.clone(),
-        link: arguments.link,
-    })?;
+    let InstrumentArguments { on, emulation, flash, .. } = &arguments.instrument;
+    if *on == On::Qemu && flash.is_none() {
+        return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
+    }
+    let mut board = Board::open(on, emulation, flash.as_deref().unwrap_or(Path::new("")))?;
     let kept = settings::read_all(board.keeper()).map_err(Failure::work);
     board.close()?;
     let records: Vec<_> = kept?

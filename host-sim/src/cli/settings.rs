@@ -1,23 +1,20 @@
 //! `anemo settings`: what a board keeps in its flash, shown, changed, put aside and brought back.
 
+mod show;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use wire::settings::{Key, KeyNumber, Kind};
+use wire::settings::KeyNumber;
 use wire::{Setting, SettingsRequest};
 
 use super::Failure;
-use super::run::{LinkName, On, firmware_of};
+use super::board::{Board, EMULATED, Emulation, On};
 use crate::head::Head;
-use crate::instrument::emulated::Emulated;
-use crate::instrument::serial::Serial;
-use crate::instrument::{Account, Body, InstrumentError, Keeper};
+use crate::instrument::InstrumentError;
 use crate::settings::{self, Kept, file, names};
 use crate::toml_file::Source;
-
-/// Characters of a value that a line of the table has room for.
-const MOST_SHOWN: usize = 60;
 
 /// What a board keeps in its flash: its name, the head it has and how it is set up.
 ///
@@ -97,59 +94,18 @@ enum Task {
 }
 
 #[derive(clap::Args)]
-pub(super) struct BoardArguments {
+struct BoardArguments {
     /// Whose settings.
     #[arg(long, value_name = "qemu|serial:DEVICE")]
-    pub(super) on: On,
+    on: On,
     /// The file that is the flash of the emulated board; it is made if there is none.
-    #[arg(long, value_name = "FILE", default_value = "settings.flash")]
-    pub(super) flash: PathBuf,
-    /// The firmware that the emulated board runs.
-    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE")]
-    pub(super) firmware: Option<PathBuf>,
-    /// How to talk to the emulated board.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true)]
-    pub(super) link: LinkName,
-}
-
-/// A board that is open.
-pub(super) enum Board {
-    Emulated(Box<Emulated>),
-    Serial(Box<Serial>),
+    #[arg(long, value_name = "FILE", default_value = "settings.flash", help_heading = EMULATED)]
+    flash: PathBuf,
+    #[command(flatten)]
+    emulation: Emulation,
 }
 
 impl Board {
-    pub(super) fn open(arguments: &BoardArguments) -> Result<Self, Failure> {
-        Ok(match &arguments.on {
-            On::Sim => {
-                return Err(Failure::usage(
-                    "--on sim: a controller in this process keeps nothing; name a board: qemu or serial:DEVICE",
-                ));
-            }
-            On::Qemu => {
-                let firmware = firmware_of(arguments.firmware.as_deref());
-                let board = Emulated::start_with(&firmware, arguments.link.path(), Some(&arguments.flash));
-                Self::Emulated(Box::new(board.map_err(Failure::work)?))
-            }
-            On::Serial(device) => Self::Serial(Box::new(Serial::open(device).map_err(Failure::work)?)),
-        })
-    }
-
-    pub(super) fn keeper(&mut self) -> &mut dyn Keeper {
-        match self {
-            Self::Emulated(board) => board.as_mut(),
-            Self::Serial(board) => board.as_mut(),
-        }
-    }
-
-    pub(super) fn close(self) -> Result<(), Failure> {
-        match self {
-            Self::Emulated(board) => board.finish().map(|_: Account| ()).map_err(Failure::work),
-            // It goes on with whatever it does.
-            Self::Serial(_) => Ok(()),
-        }
-    }
-
     fn read(&mut self) -> Result<(Vec<Kept>, bool), Failure> {
         settings::read_all(self.keeper()).map_err(Failure::work)
     }
@@ -168,7 +124,7 @@ impl Board {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.task {
-        Task::Show { board, json } => with(board, |board| show(board, *json)),
+        Task::Show { board, json } => with(board, |board| show::show(board, *json)),
         Task::Set { key, value, head, sample_period, board } => {
             // Files are read before a board is asked for anything.
             let head = head.as_deref().map(Head::read).transpose()?;
@@ -216,7 +172,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Opens a board, does something with it and closes it whatever came of it.
 fn with(arguments: &BoardArguments, work: impl FnOnce(&mut Board) -> Result<(), Failure>) -> Result<(), Failure> {
-    let mut board = Board::open(arguments)?;
+    let mut board = Board::open(&arguments.on, &arguments.emulation, &arguments.flash)?;
     let done = work(&mut board);
     let closed = board.close();
     done.and(closed)
@@ -224,9 +180,14 @@ fn with(arguments: &BoardArguments, work: impl FnOnce(&mut Board) -> Result<(), 
 
 fn number_of(key: &str) -> Result<KeyNumber, Failure> {
     let hexadecimal = || KeyNumber::from_str_radix(key.strip_prefix("0x")?, 16).ok();
-    names::number(key)
-        .or_else(hexadecimal)
-        .ok_or_else(|| Failure::usage(format!("`{key}` is no key: `anemo settings show` names them")))
+    names::number(key).or_else(hexadecimal).ok_or_else(|| {
+        // `show` has a line for each of a few plain numbers.
+        let whole = key.rsplit_once('.').map(|(whole, _)| whole).filter(|whole| names::number(whole).is_some());
+        Failure::usage(match whole {
+            Some(whole) => format!("`{key}` is a part of `{whole}`, which is kept or forgotten as a whole"),
+            None => format!("`{key}` is no key: `anemo settings show` names them"),
+        })
+    })
 }
 
 fn set_head(head: &Head, sample_period_s: Option<f64>, to: &mut BTreeMap<KeyNumber, Setting>) -> Result<(), Failure> {
@@ -260,106 +221,22 @@ fn backup(board: &mut Board, output: &Path) -> Result<(), Failure> {
     super::print(&told)
 }
 
-/// One line of the table.
-struct Line {
-    key: String,
-    value: String,
-    default: String,
-    state: String,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn show(board: &mut Board, json: bool) -> Result<(), Failure> {
-    let (kept, whole) = board.read()?;
-    let mut numbers: Vec<KeyNumber> = kept.iter().map(|kept| kept.number).collect();
-    // What always holds has its line always.
-    let always = [Kind::Name, Kind::TelemetryEvery, Kind::SamplePeriod, Kind::Guard, Kind::Observe];
-    numbers.extend(always.map(|kind| Key { kind, which: 0 }.number()));
-    numbers.sort_unstable();
-    numbers.dedup();
-    let found = |number| kept.iter().find(|kept| kept.number == number);
-    let default = |number| Key::of_number(number).and_then(|key| settings::default_of(key.kind));
-    if json {
-        let all = numbers.iter().map(|&number| {
-            let default = default(number).as_ref().map(settings::content);
-            let (value, stored, unusable) = match found(number).map(|kept| &kept.setting) {
-                Some(Ok(setting)) => (Some(settings::content(setting)), true, None),
-                Some(Err(why)) => (default.clone(), true, Some(why.to_string())),
-                None => (default.clone(), false, None),
-            };
-            let entry =
-                serde_json::json!({ "value": value, "default": default, "stored": stored, "unusable": unusable });
-            (names::of(number), entry)
-        });
-        let settings: serde_json::Map<_, _> = all.collect();
-        let firmware = board.keeper().firmware().to_owned();
-        return super::print_json(&serde_json::json!({ "firmware": firmware, "whole": whole, "settings": settings }));
-    }
-    let mut lines = Vec::new();
-    for &number in &numbers {
-        let default = default(number).as_ref().map(settings::content);
-        let (value, state) = match found(number).map(|kept| &kept.setting) {
-            Some(Ok(setting)) => (Some(settings::content(setting)), "stored".to_owned()),
-            Some(Err(why)) => (default.clone(), format!("not used: {why}")),
-            None => (default.clone(), "default".to_owned()),
+    #[test]
+    fn a_part_of_a_key_leads_to_the_key() {
+        let sentence = |key| match number_of(key) {
+            Ok(number) => format!("{number:#06x}"),
+            Err(failure) => failure.sentence,
         };
-        flatten(&names::of(number), value.as_ref(), default.as_ref(), &state, &mut lines);
-    }
-    let width = |of: fn(&Line) -> &str, title: &str| {
-        lines.iter().map(|line| of(line).chars().count()).chain([title.len()]).max().unwrap_or(0)
-    };
-    let (keys, values, defaults) =
-        (width(|line| &line.key, "key"), width(|line| &line.value, "value"), width(|line| &line.default, "default"));
-    let mut text = format!(
-        "{}\n\n{:keys$}  {:values$}  {:defaults$}  state\n",
-        board.keeper().firmware(),
-        "key",
-        "value",
-        "default"
-    );
-    for Line { key, value, default, state } in &lines {
-        let _ = writeln!(text, "{key:keys$}  {value:values$}  {default:defaults$}  {state}");
-    }
-    if !whole {
-        let _ = writeln!(text, "\n{}: bring them back with `anemo settings restore`", wire::SettingsRefusal::NotWhole);
-    }
-    super::print(&text)
-}
-
-/// The lines of a value: one for each of a few plain numbers, one for all of what is longer.
-fn flatten(
-    key: &str,
-    value: Option<&serde_json::Value>,
-    default: Option<&serde_json::Value>,
-    state: &str,
-    lines: &mut Vec<Line>,
-) {
-    if let Some(serde_json::Value::Object(parts)) = value
-        && parts.values().all(|part| !part.is_object() && !part.is_array())
-        && parts.len() <= 4
-    {
-        for (name, part) in parts {
-            let default = default.and_then(|default| default.get(name));
-            lines.push(Line {
-                key: format!("{key}.{name}"),
-                value: brief(Some(part)),
-                default: brief(default),
-                state: state.to_owned(),
-            });
-        }
-        return;
-    }
-    lines.push(Line { key: key.to_owned(), value: brief(value), default: brief(default), state: state.to_owned() });
-}
-
-fn brief(value: Option<&serde_json::Value>) -> String {
-    let text = match value {
-        None | Some(serde_json::Value::Null) => return "–".to_owned(),
-        Some(serde_json::Value::String(text)) if text.is_empty() => return "–".to_owned(),
-        Some(serde_json::Value::String(text)) => text.clone(),
-        Some(other) => other.to_string().replace('"', ""),
-    };
-    match text.char_indices().nth(MOST_SHOWN) {
-        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or(&text)),
-        None => text,
+        assert_eq!(sentence("0x30ee"), "0x30ee");
+        assert_eq!(
+            sentence("guard.stuck_limit_ticks"),
+            "`guard.stuck_limit_ticks` is a part of `guard`, which is kept or forgotten as a whole"
+        );
+        assert!(sentence("tested.0.verdict").starts_with("`tested.0.verdict` is a part of `tested.0`"));
+        assert!(sentence("gurad").starts_with("`gurad` is no key"));
     }
 }

@@ -205,6 +205,15 @@ mod tests {
     }
 
     #[test]
+    fn a_number_beyond_what_a_double_holds_is_named() {
+        let mut model = testing::model(&[0.5, 5.0], &[10.0, 2.0]);
+        model.end = Some(End { decays: vec![vec![(0.5, 1e300)]], pending: vec![Vec::new()], ..End::default() });
+        let text = model.to_json().replace("1e300", "1e999").replace("1e+300", "1e999");
+        let sentence = Model::from_json(&text).unwrap_err();
+        assert_eq!(sentence, "`end.decays[0][0][1]` is a number too large to compute with");
+    }
+
+    #[test]
     fn what_is_there_twice_is_refused() {
         let pair = sentence(|model| model.pairs.push(model.pairs[0].clone()));
         assert_eq!(pair, "pair power_w:a → temperature_c:a is there twice: delete one of them");

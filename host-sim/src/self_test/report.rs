@@ -1,13 +1,13 @@
 //! What self-tests have found, as tables and as JSON.
 
-use std::fmt::Write as _;
-
 use dr_core::control::guard::Cause;
 use dr_core::control::{Finding, SelfTestPlan};
 use serde_json::{Value, json};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 use wire::settings::TestRecord;
+
+use crate::table::columns;
 
 /// A self-test that is over.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,23 +151,12 @@ pub fn date(unix_s: u32) -> String {
     time.format(&Rfc3339).unwrap_or_else(|_| unix_s.to_string())
 }
 
-/// Columns as wide as what stands in them: the first two to the left, the others to the right. The last line says whether all is well.
+/// An element a line. The last line says whether all is well.
 fn table<'a>(names: &[String], findings: impl ExactSizeIterator<Item = &'a Finding> + Clone) -> String {
     let mut lines = vec![HEADER.map(str::to_owned).to_vec()];
     lines.extend(findings.clone().map(|finding| row(name(names, finding), finding)));
-    let width = |column: usize| {
-        lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..HEADER.len()).map(width).collect();
-    let mut text = String::new();
-    for line in &lines {
-        let mut row = String::new();
-        for (i, (cell, &width)) in line.iter().zip(&widths).enumerate() {
-            let _ = if i < 2 { write!(row, "{cell:<width$}  ") } else { write!(row, "{cell:>width$}  ") };
-        }
-        let _ = writeln!(text, "{}", row.trim_end());
-    }
+    // Two words, the rest are numbers.
+    let right: Vec<usize> = (2..HEADER.len()).collect();
     let verdict = faults(findings).unwrap_or_else(|| "all is well".to_owned());
-    let _ = writeln!(text, "\n{verdict}");
-    text
+    format!("{}\n{verdict}\n", columns(&lines, &right))
 }

@@ -6,15 +6,15 @@
 //! | [`command`] | commands and readings, one after the other | the invariant of the heaters after every tick; what is refused changes nothing |
 //! | [`settings`] | a kept value behind its key, or a file of settings | what is read is kept and read as the same |
 //! | [`flash`] | values that are written, then damage to the flash | whatever is found can be told, and no more than was kept |
-//! | [`record`] | a recording as CSV | numbers that agree with the survey |
+//! | [`record`] | a recording as CSV or Parquet | numbers that agree with the survey |
 //! | [`model`] | a model's JSON | what is read is written and read as the same; it can be run, drawn, exported |
 //! | [`head`] | a head, or the models of its elements | a controller takes its elements; what is kept of it is read as the same |
 //! | [`experiment`] | an experiment | it can be set up, or one sentence says why not |
 //!
 //! And whatever is refused is refused in one sentence. Each target says whether it has taken anything at all.
 //!
-//! The same functions serve twice. `--test fuzz` gives them the kept corpus (`fuzz/corpus/`) and a fixed number of damaged copies of it, in a
-//! few seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and keeps what it finds.
+//! The same functions serve twice. `--test fuzz` gives them the corpus (`fuzz/corpus/`), a fixed number of damaged copies of it, and what libFuzzer
+//! once found (`fuzz/found/`), in a few seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and keeps them there.
 
 mod bytes;
 pub mod command;

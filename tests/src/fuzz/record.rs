@@ -1,10 +1,14 @@
-//! Any bytes as a recording in CSV: blocks of finite numbers that agree with the survey, twice the same, or one sentence.
+//! Any bytes as a recording, in Parquet if they begin as such and in CSV if not: blocks of finite numbers that agree with the survey, twice the
+//! same, or one sentence. Columns are found by their headings, and again by names.
 
 use super::said_of;
 use host_sim::identify::record::{RecordError, Selection, Source as _, Stream};
 use host_sim::recording::{Reader, RecordingError, Values};
 use std::path::Path;
 use tempfile::TempDir;
+
+/// How a file in Parquet begins.
+const PARQUET: &[u8] = b"PAR1";
 
 thread_local! {
     static FOLDER: TempDir = tempfile::tempdir().expect("there is room for temporary files");
@@ -16,19 +20,28 @@ thread_local! {
 /// If something does not hold.
 pub fn run(bytes: &[u8]) -> bool {
     FOLDER.with(|folder| {
-        let path = folder.path().join("record.csv");
+        let name = if bytes.starts_with(PARQUET) { "record.parquet" } else { "record.csv" };
+        let path = folder.path().join(name);
         std::fs::write(&path, bytes).expect("there is room for temporary files");
         if let Err(error) = columns(&path) {
-            said_of("record.csv", &error.to_string());
+            said_of(name, &error.to_string());
         }
-        let read = blocks(&path);
+        let read = [Selection::default(), named()].map(|selection| blocks(&path, &selection));
         // A file that is written over is flushed to the disk by some file systems, which takes longer than all the rest.
         std::fs::remove_file(&path).expect("it has just been written");
-        if let Err(error) = &read {
-            said_of("record.csv", &error.to_string());
-        }
-        read.is_ok()
+        read.iter().filter_map(|read| read.as_ref().err()).for_each(|error| said_of(name, &error.to_string()));
+        read.iter().any(Result::is_ok)
     })
+}
+
+/// Columns as a foreign file calls them.
+fn named() -> Selection {
+    Selection {
+        inputs: vec!["u".to_owned()],
+        outputs: vec!["y".to_owned()],
+        event: Some("phase".to_owned()),
+        gas: Some("gas".to_owned()),
+    }
 }
 
 /// All columns as they are.
@@ -48,15 +61,16 @@ fn columns(path: &Path) -> Result<(), RecordingError> {
 }
 
 /// The columns that an identification reads.
-fn blocks(path: &Path) -> Result<(), RecordError> {
-    let mut stream = Stream::open(path, &Selection::default())?;
+fn blocks(path: &Path, selection: &Selection) -> Result<(), RecordError> {
+    let mut stream = Stream::open(path, selection)?;
     let mut sums = Vec::new();
     for _ in 0..2 {
         let (mut rows, mut sum) = (0, 0.0);
         while let Some(block) = stream.next_block()? {
             assert_eq!(block.first_row, rows);
             rows += block.len() as u64;
-            for column in block.inputs.iter().chain(&block.outputs) {
+            let gas = Some(&block.gas).filter(|gas| !gas.is_empty());
+            for column in block.inputs.iter().chain(&block.outputs).chain(gas) {
                 assert_eq!(column.len(), block.len());
                 assert!(column.iter().all(|value| value.is_finite()));
                 sum += column.iter().sum::<f64>();

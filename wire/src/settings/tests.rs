@@ -96,6 +96,9 @@ fn records() -> Vec<Setting> {
     [Some(1_800_000_000), None].map(record).into()
 }
 
+/// Every so manieth of a long row is tried: an interpreter takes a hundred times as long.
+const STEP: usize = if cfg!(miri) { 64 } else { 1 };
+
 #[test]
 fn each_comes_out_as_it_went_in_and_nowhere_else() {
     let settings = [one_of_each(), records()].concat();
@@ -108,14 +111,14 @@ fn each_comes_out_as_it_went_in_and_nowhere_else() {
         before = key.number();
         let value = setting.value().unwrap();
         assert_eq!(Setting::read(key.number(), &value).as_ref(), Ok(setting));
-        for other in settings.iter().filter(|other| *other != setting) {
+        for other in settings.iter().filter(|other| *other != setting).step_by(STEP) {
             let other = other.key().unwrap().number();
             assert_eq!(Setting::read(other, &value), Err(Unusable::Misplaced));
         }
-        for length in 1..value.len() {
+        for length in (1..value.len()).step_by(STEP) {
             assert_eq!(Setting::read(key.number(), &value[..length]), Err(Unusable::Damaged), "{kind:?} cut");
         }
-        for format in (0..=255).filter(|format| *format != FORMAT) {
+        for format in (0..=255).filter(|format| *format != FORMAT).step_by(STEP) {
             let mut value = value.clone();
             value[0] = format;
             assert_eq!(Setting::read(key.number(), &value), Err(Unusable::Format { found: format }));

@@ -15,8 +15,6 @@ pub const RESPONSE: [f32; 2] = [0.7, 1.4];
 pub const GAP_MOST_K: f32 = 1.0;
 /// A rise is none if it is under so many standard errors.
 pub const SIGNIFICANT: f32 = 5.0;
-/// What heats is given at least so much by a pulse, W; less is for sensing, and whether it warms the element nobody can tell without a model.
-pub const HEATER_LEAST_W: f32 = 1e-3;
 
 /// Of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,7 +73,7 @@ pub enum Fault {
     Noise,
     /// They do not change at all.
     Frozen,
-    /// A pulse did not warm it.
+    /// A pulse did not warm it, though its model says that it would.
     NoResponse,
     /// It warmed it by another amount than expected.
     Response,

@@ -9,9 +9,10 @@
 //! heats is the controller's own: it takes the wish only in [`RunState::Testing`], for which it has to be armed, only as long as the plan
 //! says, and only for an element with a valid reading.
 //!
-//! What is right is in [`finding`]; how it goes, tick by tick, in [`plan`].
+//! Here it goes from tick to tick and takes in what it sees, by the phases of [`plan`]; `judge` makes verdicts of it, by the bounds in [`finding`].
 
 pub mod finding;
+mod judge;
 pub mod plan;
 mod sums;
 
@@ -21,10 +22,8 @@ pub use plan::SelfTestPlan;
 use super::controller::{Controller, Probe, RunState, Tick};
 use super::guard::{Cause, Judgement};
 use crate::model::{ORDER, RelaxationState};
-use crate::sensor::reading::REFERENCE_CODE;
 use crate::sensor::{Input, Level, Reading};
-use finding::{GAP_MOST_K, HEATER_LEAST_W, NOISE_MOST_K, OFFSET_MOST, REFERENCE_ERROR_MOST, RESPONSE, SIGNIFICANT};
-use plan::{Phase, QUIET_TICKS, SETTLING_TICKS};
+use plan::{Phase, SETTLING_TICKS};
 use sums::{Pulse, Quiet};
 
 /// A self-test, while it goes on and when it is over.
@@ -42,9 +41,8 @@ pub struct SelfTest<const N: usize> {
     absent: [Option<Cause>; N],
     pulses: [Pulse; N],
     model: RelaxationState<ORDER>,
-    /// Power of the element that is heated before it is, W, and what its pulse adds.
+    /// Power of the element that is heated before it is, W.
     quiet_power_w: f32,
-    added_w: f32,
 }
 
 impl<const N: usize> Default for SelfTest<N> {
@@ -62,7 +60,6 @@ impl<const N: usize> Default for SelfTest<N> {
             pulses: [Pulse::default(); N],
             model: RelaxationState::default(),
             quiet_power_w: 0.0,
-            added_w: 0.0,
         }
     }
 }
@@ -188,80 +185,9 @@ impl<const N: usize> SelfTest<N> {
                 pulse.take(temperature_c, rise_k);
             }
         }
-        let Some(power_w) = tick.power_w.get(element) else { return };
-        let added_w = power_w - self.quiet_power_w;
-        if self.at == 0 {
-            self.added_w = added_w;
+        if let (Some(model), Some(power_w)) = (model, tick.power_w.get(element)) {
+            model.step(&mut self.model, power_w - self.quiet_power_w);
         }
-        if let Some(model) = model {
-            model.step(&mut self.model, added_w);
-        }
-    }
-
-    /// Makes something of what a phase has brought, and empties the sums for the next.
-    fn judge_phase(&mut self, controller: &Controller<N>) {
-        if let Phase::Heating(element) = self.phase {
-            self.judge_pulse(usize::from(element), controller);
-            return;
-        }
-        let all = self.findings.iter_mut().zip(&mut self.quiet).zip(&self.absent);
-        for (i, ((finding, quiet), absent)) in all.enumerate() {
-            let Some(channel) = controller.channel(i) else { break };
-            match self.phase {
-                Phase::Offsets => {
-                    let full_v = channel.volt_of_resistance(channel.platinum().resistance_ohm(0.0), Level::Low);
-                    finding.offset_v = quiet.mean().map(|code| channel.volt(code));
-                    let is_small = |offset_v: f32| (-OFFSET_MOST..=OFFSET_MOST).contains(&(offset_v / full_v));
-                    finding.faults.add_if(!finding.offset_v.is_some_and(is_small), Fault::Offset);
-                }
-                Phase::References => {
-                    finding.reference = quiet.mean().map(|code| code / REFERENCE_CODE as f32);
-                    let right = 1.0 - REFERENCE_ERROR_MOST..=1.0 + REFERENCE_ERROR_MOST;
-                    let is_right = |ratio: f32| right.contains(&ratio);
-                    finding.faults.add_if(!finding.reference.is_some_and(is_right), Fault::Reference);
-                }
-                Phase::Quiet => {
-                    if quiet.count() < QUIET_TICKS / 2 {
-                        finding.cause = finding.cause.or(*absent).or(Some(Cause::Missing));
-                    }
-                    (finding.temperature_c, finding.noise_k) = (quiet.mean(), quiet.noise());
-                    finding.faults.add_if(finding.cause.is_some(), Fault::Continuity);
-                    finding.faults.add_if(finding.noise_k.is_some_and(|noise_k| noise_k > NOISE_MOST_K), Fault::Noise);
-                    finding.faults.add_if(finding.noise_k.is_some_and(|noise_k| noise_k <= 0.0), Fault::Frozen);
-                }
-                Phase::Heating(_) | Phase::Cooling(_) | Phase::Done => {}
-            }
-            *quiet = Quiet::default();
-        }
-    }
-
-    fn judge_pulse(&mut self, element: usize, controller: &Controller<N>) {
-        let Some(pulse) = self.pulses.get(element) else { return };
-        let rise_k = pulse.rise_k();
-        // A difference of two readings has √2 times the noise of one.
-        let least_k = |finding: &Finding| SIGNIFICANT * 1.414 * finding.noise_k.unwrap_or_default();
-        let others = self.pulses.iter().zip(&self.findings).take(usize::from(self.elements)).enumerate();
-        let risen = others.filter(|(i, (other, finding))| *i != element && other.rise_k() > least_k(finding));
-        let most_other_k = risen.fold(f32::MIN, |most, (_, (other, _))| most.max(other.rise_k()));
-        let has_model = controller.model(element).is_some();
-        let against = pulse.against_model().filter(|_| has_model);
-        let expected_k = has_model.then(|| pulse.expected_k());
-        let Some(finding) = self.findings.get_mut(element) else { return };
-        let (ratio, gap_k) = (against.map(|(ratio, _)| ratio), against.map(|(_, gap_k)| gap_k));
-        finding.response = Some(Response { rise_k, expected_k, ratio, gap_k });
-        // Its own are read at the high level, of which a Kelvin is more volt.
-        let quieter = controller
-            .channel(element)
-            .map_or(1.0, |channel| channel.current_a(Level::Low) / channel.current_a(Level::High));
-        let least_k = least_k(finding) * quieter;
-        // What is expected to vanish in the noise says nothing.
-        let can_tell = expected_k.map_or(self.added_w >= HEATER_LEAST_W, |expected_k| expected_k > least_k);
-        let none = can_tell && rise_k <= least_k;
-        finding.faults.add_if(none, Fault::NoResponse);
-        let is_as_expected = |ratio: f32| (RESPONSE[0]..=RESPONSE[1]).contains(&ratio);
-        finding.faults.add_if(can_tell && has_model && !none && !ratio.is_some_and(is_as_expected), Fault::Response);
-        finding.faults.add_if(gap_k.is_some_and(|gap_k| !(-GAP_MOST_K..=GAP_MOST_K).contains(&gap_k)), Fault::Levels);
-        finding.faults.add_if(most_other_k > rise_k, Fault::Crossed);
     }
 }
 

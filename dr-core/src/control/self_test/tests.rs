@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::*;
+use crate::sensor::reading::REFERENCE_CODE;
 use crate::control::{Command, Drive, ElementConfig, Limits, Refusal, Reply, Station, Trip};
 use crate::error::Parameter;
 use crate::model::{SelfHeatingConfig, mesh};
@@ -269,13 +270,13 @@ fn without_a_model_a_response_is_measured_and_not_judged() {
         assert!(response.rise_k > 0.3);
         assert_eq!((response.expected_k, response.ratio, response.gap_k), (None, None, None));
     }
-    // And without any rise it is a fault.
+    // Whatever becomes of it: a large body warms by little, and what was heated before it still warms others.
     let mut head = Head::sound();
     head.heats = [1, 1];
     let mut station = self::station(false);
     station.handle(plan(Some(PULSE_S))).unwrap();
     let (findings, _) = run(&mut station, &mut head);
-    assert!(findings[0].faults.has(Fault::NoResponse) && findings[0].faults.has(Fault::Crossed));
+    assert!(findings.iter().all(|finding| finding.faults.is_none()), "{findings:?}");
 }
 
 #[test]

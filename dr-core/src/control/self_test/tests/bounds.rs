@@ -83,7 +83,6 @@ fn an_element_that_was_never_read_is_missing_unless_its_cause_is_known() {
 fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> Finding {
     let mut test = at(Phase::Heating(0));
     test.findings.iter_mut().for_each(|finding| finding.noise_k = Some(noise_k));
-    test.added_w = 2.0 * HEATER_LEAST_W;
     for pulse in &mut test.pulses {
         *pulse = Pulse::starting(0.0);
     }
@@ -128,10 +127,10 @@ fn a_rise_within_the_noise_is_none() {
     for (share, is_none) in [(0.999, true), (1.001, false)] {
         // At the high level a Kelvin is 16/3 as many volt.
         let noise_k = 16.0 / 3.0 * 0.9 * 1.75 / (5.0 * 1.414 * share);
-        for with_models in [false, true] {
-            let faults = of_pulse(0.9, 0.0, 0.0, noise_k, with_models).faults;
-            assert_eq!(faults, if is_none { only(&[Fault::NoResponse]) } else { sound() }, "{share} {with_models}");
-        }
+        let faults = of_pulse(0.9, 0.0, 0.0, noise_k, true).faults;
+        assert_eq!(faults, if is_none { only(&[Fault::NoResponse]) } else { sound() }, "{share}");
+        // Without a model it may be a body that is too large to show it.
+        assert_eq!(of_pulse(0.9, 0.0, 0.0, noise_k, false).faults, sound());
     }
     // Where the model expects nothing that could be told from the noise, its absence is none.
     for (share, can_tell) in [(0.999, true), (1.001, false)] {
@@ -142,7 +141,17 @@ fn a_rise_within_the_noise_is_none() {
         );
     }
     // On the bound it is none, too: here both are zero.
-    assert!(of_pulse(0.0, 0.0, 0.0, 0.0, false).faults.has(Fault::NoResponse));
+    assert!(of_pulse(0.0, 0.0, 0.0, 0.0, true).faults.has(Fault::NoResponse));
+}
+
+#[test]
+fn what_nothing_is_expected_of_need_not_warm_up() {
+    let mut test = at(Phase::Heating(0));
+    test.findings[0].noise_k = Some(0.0);
+    test.pulses = [Pulse::starting(0.0); 2];
+    (0..8).for_each(|_| test.pulses[0].take(0.0, 0.0));
+    test.judge_phase(&controller(true));
+    assert_eq!(test.findings[0].faults, sound());
 }
 
 #[test]
@@ -150,25 +159,12 @@ fn another_element_may_rise_by_as_much_or_within_the_noise() {
     let crossed = |other_rise_k, noise_k| of_pulse(1.0, 0.0, other_rise_k, noise_k, true).faults.has(Fault::Crossed);
     assert!(!crossed(1.74, 1e-3) && crossed(1.76, 1e-3));
     assert!(!crossed(-5.0, 1e-3), "one that cools is no matter");
-    // 7.07 times the noise.
-    assert!(crossed(2.0, 0.282) && !crossed(2.0, 0.283));
+    // 7.07 times the noise, which is 16/3 times smaller on the one that is heated.
+    assert!(crossed(3.0, 0.424) && !crossed(3.0, 0.4245));
+    assert!(!crossed(1.882, 0.1) && crossed(1.883, 0.1));
     // On either bound it is not yet: 1.75 K, and no noise with no rise.
-    assert!(!crossed(1.75, 1e-3) && crossed(beyond(1.75), 1e-3));
+    assert!(!crossed(1.75, 0.0) && crossed(beyond(1.75), 0.0));
     assert!(!of_pulse(-1.0, 0.0, 0.0, 0.0, true).faults.has(Fault::Crossed));
-}
-
-#[test]
-fn what_only_senses_need_not_warm_up() {
-    for (added_w, is_heater) in [(HEATER_LEAST_W, true), (0.999 * HEATER_LEAST_W, false)] {
-        let mut test = at(Phase::Heating(0));
-        (test.added_w, test.findings[0].noise_k) = (added_w, Some(1e-3));
-        for pulse in &mut test.pulses {
-            *pulse = Pulse::starting(0.0);
-            (0..8).for_each(|_| pulse.take(0.0, 0.0));
-        }
-        test.judge_phase(&controller(false));
-        assert_eq!(test.findings[0].faults.has(Fault::NoResponse), is_heater, "{added_w}");
-    }
 }
 
 #[test]
