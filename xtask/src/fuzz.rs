@@ -70,7 +70,8 @@ impl Fuzzer {
 
         let mut run = self.libfuzzer(name, &[&working, &corpus]);
         run.arg(format!("-max_total_time={:.0}", (60.0 * minutes).max(1.0)));
-        run.arg(format!("-timeout={LONGEST_S}")).arg(format!("-rss_limit_mb={MOST_MIB}"));
+        run.arg(format!("-timeout={LONGEST_S}")).arg(format!("-report_slow_units={LONGEST_S}"));
+        run.arg(format!("-rss_limit_mb={MOST_MIB}"));
         run.args(["-print_final_stats=1", "-verbosity=1"]);
         let ended = shell::run(&mut run);
 
