@@ -5,42 +5,40 @@
 use crate::{install, shell};
 use anyhow::Result;
 
-/// Tests that go through so many ticks, points or bytes that the interpreter would take from many seconds to hours for each. They find wrong numbers;
-/// what they call the others call, too.
-const LONG: [&str; 33] = [
-    "anemometer::tests::bodies",
-    "balance::on_a_head_too_warm",
-    "balance::a_loop_is_saturated",
-    "balance::a_thermometer_that_is_silent",
-    "balance::no_flow_at_all",
-    "balance::it_is_starting",
-    "controller::tests::observing::observing_holds",
-    "controller::tests::its_model_follows_the_power",
-    "controller::tests::holds_a_temperature",
+/// Parts of the names of tests that go through so many ticks, points or bytes that the interpreter, tens of
+/// thousands of times slower than a processor, would take from some ten seconds to days for each. They look for wrong numbers, and what they call is called
+/// by others, too; but the anemometer and the solver of the wind are not interpreted beyond their beginnings.
+const LONG: [&str; 30] = [
+    "anemometer::tests::",
+    "controller::tests::arming::it_starts_within",
     "controller::tests::elements::room_for_more",
-    "self_test::tests::each_thing_that_is_wrong",
-    "self_test::tests::stopped_at_any_tick",
-    "observer::tests::is_stable",
-    "observer::tests::in_another_wind",
-    "observer::tests::in_steady_state",
-    "observer::tests::finds_the_states",
-    "observer::tests::forgets_a_wrong_start",
-    "relaxation::tests::ten_million",
+    "controller::tests::holds_a_temperature",
+    "controller::tests::its_model_follows",
+    "controller::tests::observing::",
+    "controller::tests::two_runs",
+    "controller::tests::upsets::an_untouched",
+    "controller::tests::upsets::whatever_bit",
+    "decimator::tests::a_constant",
+    "decimator::tests::reads_the_mean",
     "decimator::tests::sums_may_wrap",
-    "sigma_delta::tests::follows_the_closed_form",
-    "sigma_delta::tests::the_sum_of_bits",
+    "observer::tests::",
+    "prbs::tests::every_feedback",
     "prbs::tests::short_registers",
-    "wind::tests::surfaces::a_part_loses",
-    "wind::tests::surfaces::conductances_agree",
-    "wind::tests::noise",
-    "wind::tests::round_trip",
-    "wind::tests::partial::three_sectors",
-    "wind::tests::partial::a_sector_that_is_hardly_known",
-    "wind::tests::partial::two_hemispheres",
-    "wind::tests::amplitudes::interpolates",
-    "wind::tests::cards::winds_in_the_plane",
     "receiver::tests::garbage_of_any_length",
+    "relaxation::tests::ten_million",
+    "self_test::tests::a",
+    "self_test::tests::bounds",
+    "self_test::tests::each",
+    "self_test::tests::readings",
+    "self_test::tests::stopped",
+    "self_test::tests::without",
+    "sigma_delta::tests::follows",
+    "sigma_delta::tests::the_sum",
+    "station::tests::a_start_begins",
     "stuffing::tests::a_buffer_that_is_too_short",
+    "symbol::tests::a_held_power",
+    "wind::arithmetic::tests::root_and_logarithm",
+    "wind::tests::",
 ];
 
 pub fn run() -> Result<()> {
