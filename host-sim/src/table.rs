@@ -24,7 +24,8 @@ mod tests {
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_lines_end_with_their_text() {
         let lines = [vec!["key", "°C", "state"], vec!["a longer one", "-12.5", ""], vec!["b"]];
-        let lines: Vec<Vec<String>> = lines.iter().map(|line| line.iter().map(|&cell| cell.to_owned()).collect()).collect();
+        let lines: Vec<Vec<String>> =
+            lines.iter().map(|line| line.iter().map(|&cell| cell.to_owned()).collect()).collect();
         assert_eq!(columns(&lines, &[1]), "key              °C  state\na longer one  -12.5\nb\n");
         assert_eq!(columns(&[], &[]), "");
     }

@@ -86,10 +86,10 @@ impl Source {
     /// The key whose value starts at or after `offset` of its line: what stands before the last `=`.
     fn key_before(&self, offset: usize) -> Option<&str> {
         let before = self.text.get(..offset)?;
-        let line = &before[before.rfind('\n').map_or(0, |newline| newline + 1)..];
-        let key = line[..line.rfind('=')?].trim_end();
-        let start = key.rfind(|c: char| c.is_whitespace() || ",{".contains(c)).map_or(0, |at| at + 1);
-        Some(&key[start..]).filter(|key| !key.is_empty())
+        let (_, line) = before.rsplit_once('\n').unwrap_or(("", before));
+        let (key, _) = line.rsplit_once('=')?;
+        let key = key.trim_end().rsplit(|c: char| c.is_whitespace() || ",{".contains(c)).next()?;
+        Some(key).filter(|key| !key.is_empty())
     }
 
     fn line_of(&self, key: &str) -> Option<usize> {
@@ -206,6 +206,13 @@ mod tests {
 
     fn source(text: &str) -> Source {
         Source { path: "example.toml".into(), text: text.into() }
+    }
+
+    #[test]
+    fn a_blank_of_two_bytes_ends_a_key_as_any_other_does() {
+        let before = "# no key\nx = { a\u{a0}start_s\u{a0}= ";
+        assert_eq!(source(before).key_before(before.len()), Some("start_s"));
+        assert_eq!(source("x").key_before(1), None);
     }
 
     #[test]

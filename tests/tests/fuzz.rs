@@ -43,7 +43,9 @@ fn found(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
         entry.read_to_end(&mut input)?;
         Ok((path.join(entry.path()?), input))
     };
-    entries.map(|entry| read(entry).unwrap_or_else(|error: std::io::Error| panic!("{}: {error}", path.display()))).collect()
+    entries
+        .map(|entry| read(entry).unwrap_or_else(|error: std::io::Error| panic!("{}: {error}", path.display())))
+        .collect()
 }
 
 /// Runs a target; where something does not hold, the input is kept and named.

@@ -1,6 +1,5 @@
 //! What libFuzzer has found of a target, hundreds of small inputs, as one file that a clone brings along.
 
-use super::files;
 use crate::shell;
 use anyhow::{Context, Result};
 use flate2::read::GzDecoder;
@@ -45,6 +44,7 @@ pub fn pack(inputs: &[PathBuf], archive: &Path) -> Result<u64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::files;
     use super::*;
 
     #[test]

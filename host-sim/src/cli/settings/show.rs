@@ -35,7 +35,9 @@ pub fn show(board: &mut Board, json: bool) -> Result<(), Failure> {
         });
         let settings: serde_json::Map<_, _> = all.collect();
         let firmware = board.keeper().firmware().to_owned();
-        return super::super::print_json(&serde_json::json!({ "firmware": firmware, "whole": whole, "settings": settings }));
+        return super::super::print_json(
+            &serde_json::json!({ "firmware": firmware, "whole": whole, "settings": settings }),
+        );
     }
     let mut lines = vec![["key", "value", "default", "state"].map(str::to_owned).to_vec()];
     for &number in &numbers {
