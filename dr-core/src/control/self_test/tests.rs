@@ -3,10 +3,10 @@
 extern crate std;
 
 use super::*;
-use crate::sensor::reading::REFERENCE_CODE;
 use crate::control::{Command, Drive, ElementConfig, Limits, Refusal, Reply, Station, Trip};
 use crate::error::Parameter;
 use crate::model::{SelfHeatingConfig, mesh};
+use crate::sensor::reading::REFERENCE_CODE;
 use crate::sensor::{Channel, Platinum};
 use std::vec::Vec;
 
