@@ -12,6 +12,7 @@ mod arming;
 mod elements;
 mod observing;
 mod powers;
+mod probes;
 mod upsets;
 mod words;
 
