@@ -79,6 +79,16 @@ fn an_element_that_was_never_read_is_missing_unless_its_cause_is_known() {
     }
 }
 
+#[test]
+fn half_of_sixty_four_readings_are_enough() {
+    for (readings, cause) in [(32, None), (31, Some(Cause::Missing))] {
+        let mut test = at(Phase::Quiet);
+        (0..readings).for_each(|n| test.quiet[0].take(n as f32 * 1e-6));
+        test.judge_phase(&controller(true));
+        assert_eq!(test.findings[0].cause, cause, "{readings}");
+    }
+}
+
 /// What is made of a pulse of the first element that follows its model by a ratio with a gap; the other one rises by itself.
 fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> Finding {
     let mut test = at(Phase::Heating(0));
