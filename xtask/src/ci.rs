@@ -1,13 +1,14 @@
 //! What continuous integration does, with the time of every stage.
 
-use crate::{coverage, install, lint, shell, test};
-use anyhow::Result;
+use crate::{coverage, install, lint, miri, shell, test};
+use anyhow::{Result, bail};
 
 pub fn run() -> Result<()> {
     let prepare = || {
         install::thumb_target()?;
         install::lint_tools()?;
         install::llvm_tools()?;
+        miri::prepare()?;
         install::qemu()
     };
     // The tests come last and the times before them, so that the output ends with the test runner's own summary.
@@ -17,5 +18,9 @@ pub fn run() -> Result<()> {
         times.push(format!("{name} {:.0} s", shell::timed(name, stage)?.as_secs_f64()));
     }
     shell::announce(&times.join(", "));
-    test::run()
+    // An emulated board and its host take turns, and the interpreter takes what they leave of two processors.
+    let interpreted = std::thread::spawn(miri::run_aside);
+    let tested = test::run();
+    let Ok(interpreted) = interpreted.join() else { bail!("the thread of the interpreter has ended early") };
+    tested.and(interpreted)
 }

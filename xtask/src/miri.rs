@@ -3,7 +3,9 @@
 //! There is no `unsafe` in these crates; their libraries have some.
 
 use crate::{install, shell};
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
+use std::process::{Command, Stdio};
+use std::time::Instant;
 
 /// Parts of the names of tests that go through so many ticks, points or bytes that the interpreter, tens of
 /// thousands of times slower than a processor, would take from some ten seconds to days for each. They look for wrong numbers, and what they call is called
@@ -42,10 +44,31 @@ const LONG: [&str; 30] = [
 ];
 
 pub fn run() -> Result<()> {
-    install::nightly(&["miri", "rust-src"])?;
+    prepare()?;
+    shell::run(&mut interpreter()?)
+}
+
+/// Brings the compiler that has the interpreter.
+pub fn prepare() -> Result<()> {
+    install::nightly(&["miri", "rust-src"])
+}
+
+/// The same beside other work: in a line if all is well, with all its words if not.
+pub fn run_aside() -> Result<()> {
+    let start = Instant::now();
+    let output = interpreter()?.stdin(Stdio::null()).output().context("the interpreter cannot be started")?;
+    if !output.status.success() {
+        let words = [output.stdout, output.stderr].concat();
+        bail!("{}\nmiri has found something, or could not run: its words stand above", String::from_utf8_lossy(&words));
+    }
+    shell::announce(&format!("miri, beside the tests: nothing found, {:.0} s", start.elapsed().as_secs_f64()));
+    Ok(())
+}
+
+fn interpreter() -> Result<Command> {
     let mut miri = install::on_nightly();
     miri.args(["cargo", "miri", "test", "-p", "dr-core", "-p", "wire", "--lib"]);
     miri.arg("--target-dir").arg(shell::target_directory()?.join("miri"));
     miri.arg("--").args(LONG.map(|name| format!("--skip={name}")));
-    shell::run(&mut miri)
+    Ok(miri)
 }
