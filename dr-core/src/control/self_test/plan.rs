@@ -39,11 +39,9 @@ impl SelfTestPlan {
     /// A pulse of under [`PULSE_LEAST_TICKS`], or of over [`PULSE_MOST_S`].
     pub fn pulse_ticks(&self, sample_period_s: f32) -> Result<u32, ConfigError> {
         let Some(pulse_s) = self.pulse_s else { return Ok(0) };
+        // Where ticks are slower, no pulse is long enough and short enough.
+        error::within(Parameter::SamplePeriodS, sample_period_s, 0.0, PULSE_MOST_S / PULSE_LEAST_TICKS as f32)?;
         let least_s = PULSE_LEAST_TICKS as f32 * sample_period_s;
-        if least_s > PULSE_MOST_S {
-            let most = PULSE_MOST_S / PULSE_LEAST_TICKS as f32;
-            error::within(Parameter::SamplePeriodS, sample_period_s, 0.0, most)?;
-        }
         let problem = Problem::OutOfRange { least: least_s, most: PULSE_MOST_S };
         let pulse_s = error::within(Parameter::PulseS, pulse_s, f32::MIN, f32::MAX)?;
         let ticks = (pulse_s / sample_period_s + 0.5) as u32;

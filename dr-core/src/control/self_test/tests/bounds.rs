@@ -2,6 +2,7 @@
 
 use super::finding::{GAP_MOST_K, NOISE_MOST_K};
 use super::*;
+use crate::error::{ConfigError, Problem};
 
 /// A test of two elements that has come to a phase.
 fn at(phase: Phase) -> SelfTest<ELEMENTS> {
@@ -222,9 +223,13 @@ fn a_pulse_is_rounded_to_ticks_and_eight_of_them_at_the_least() {
     // 7.5 ticks round to 8, and 10 s are the most.
     assert_eq!((ticks(Some(1.875)), ticks(Some(1.87))), (Some(8), None));
     assert_eq!((ticks(Some(10.0)), ticks(Some(10.001))), (Some(40), None));
-    // At ticks of 2 s eight of them are beyond the most.
-    let slow = |pulse_s| SelfTestPlan { pulse_s: Some(pulse_s), unix_s: None }.pulse_ticks(2.0);
-    assert!([9.9, 10.0, 15.0, 16.0].iter().all(|pulse_s| slow(*pulse_s).is_err()));
+    // Eight ticks of 1.25 s are the most, and of slower ones beyond it: whatever the pulse, it is the period that is wrong.
+    let slow = |sample_period_s| SelfTestPlan { pulse_s: Some(10.0), unix_s: None }.pulse_ticks(sample_period_s);
+    assert_eq!(slow(1.25), Ok(8));
+    let problem = Problem::OutOfRange { least: 0.0, most: 1.25 };
+    for sample_period_s in [1.2501, 2.0, 100.0] {
+        assert_eq!(slow(sample_period_s), Err(ConfigError { parameter: Parameter::SamplePeriodS, problem }));
+    }
 }
 
 #[test]
