@@ -48,7 +48,7 @@ enum Job {
     Test,
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
-    /// Do what continuous integration does: install what is missing, lint, count lines that tests run, test
+    /// Do what continuous integration does: install what is missing, lint, count lines that tests run, test, and interpret beside it
     Ci,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,

@@ -26,28 +26,34 @@ pub(super) struct InstrumentArguments {
     pub(super) emulation: Emulation,
     /// The file that is the flash of the emulated board, as `anemo settings` uses it; without it the board keeps nothing.
     #[arg(long, value_name = "FILE", help_heading = EMULATED)]
-    pub(super) flash: Option<PathBuf>,
+    flash: Option<PathBuf>,
     /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
     #[arg(long)]
     acknowledge: bool,
 }
 
 impl InstrumentArguments {
-    /// Opens it; what is simulated gets this sensor.
-    pub(super) fn open(
-        &self,
-        sensor: impl FnOnce() -> Result<Sensor, Failure>,
-    ) -> Result<Box<dyn Instrument>, Failure> {
+    /// The file that is its flash, if it has one; refused where that could not be.
+    pub(super) fn flash(&self) -> Result<Option<&Path>, Failure> {
         if self.flash.is_some() && self.on != On::Qemu {
             return Err(Failure::usage(
                 "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
             ));
         }
+        Ok(self.flash.as_deref())
+    }
+
+    /// Opens it; what is simulated gets this sensor.
+    pub(super) fn open(
+        &self,
+        sensor: impl FnOnce() -> Result<Sensor, Failure>,
+    ) -> Result<Box<dyn Instrument>, Failure> {
+        let flash = self.flash()?;
         let mut instrument: Box<dyn Instrument> = match &self.on {
             On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
             On::Qemu => {
                 let sensor = sensor()?;
-                Box::new(LockStep::new(self.emulation.start(self.flash.as_deref())?, sensor))
+                Box::new(LockStep::new(self.emulation.start(flash)?, sensor))
             }
             On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
         };

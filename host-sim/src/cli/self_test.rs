@@ -112,11 +112,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn show_stored(arguments: &Arguments, names: &[String]) -> Result<(), Failure> {
-    let InstrumentArguments { on, emulation, flash, .. } = &arguments.instrument;
+    let InstrumentArguments { on, emulation, .. } = &arguments.instrument;
+    let flash = arguments.instrument.flash()?;
     if *on == On::Qemu && flash.is_none() {
         return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
     }
-    let mut board = Board::open(on, emulation, flash.as_deref().unwrap_or(Path::new("")))?;
+    let mut board = Board::open(on, emulation, flash.unwrap_or(Path::new("")))?;
     let kept = settings::read_all(board.keeper()).map_err(Failure::work);
     board.close()?;
     let records: Vec<_> = kept?
