@@ -57,7 +57,7 @@ pub enum Parameter {
     PartGain,
     PartElement,
     Parts,
-    EveryTicks,
+    OutputIntervalTicks,
     ReferenceElement,
     SmoothingS,
     GasTemperatureC,
@@ -129,7 +129,7 @@ impl Parameter {
             Self::PartGain => "gain",
             Self::PartElement => "part_element",
             Self::Parts => "parts",
-            Self::EveryTicks => "every_ticks",
+            Self::OutputIntervalTicks => "output_interval_ticks",
             Self::ReferenceElement => "reference_element",
             Self::SmoothingS => "smoothing_s",
             Self::GasTemperatureC => "gas_temperature_c",
@@ -154,7 +154,7 @@ impl Parameter {
 /// What is wrong with a value, said as what would be right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Problem {
+pub enum ParameterProblem {
     /// NaN or infinite.
     NotFinite,
     /// Zero or negative where only positive values make sense.
@@ -186,20 +186,20 @@ pub struct ConfigError {
     /// Which parameter.
     pub parameter: Parameter,
     /// What is wrong with it.
-    pub problem: Problem,
+    pub problem: ParameterProblem,
 }
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = self.parameter.name();
         match self.problem {
-            Problem::NotFinite => write!(f, "`{name}` must be a finite number"),
-            Problem::NotPositive => write!(f, "`{name}` must be greater than zero"),
-            Problem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
-            Problem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
-            Problem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
-            Problem::Missing => write!(f, "`{name}` has to be given before"),
-            Problem::NotAMultiple { of } => write!(f, "`{name}` must be a whole multiple of {of}"),
+            ParameterProblem::NotFinite => write!(f, "`{name}` must be a finite number"),
+            ParameterProblem::NotPositive => write!(f, "`{name}` must be greater than zero"),
+            ParameterProblem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
+            ParameterProblem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
+            ParameterProblem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
+            ParameterProblem::Missing => write!(f, "`{name}` has to be given before"),
+            ParameterProblem::NotAMultiple { of } => write!(f, "`{name}` must be a whole multiple of {of}"),
         }
     }
 }
@@ -208,7 +208,7 @@ impl core::error::Error for ConfigError {}
 
 /// The value, if it is finite.
 pub(crate) fn finite(parameter: Parameter, value: f32) -> Result<f32, ConfigError> {
-    if value.is_finite() { Ok(value) } else { Err(ConfigError { parameter, problem: Problem::NotFinite }) }
+    if value.is_finite() { Ok(value) } else { Err(ConfigError { parameter, problem: ParameterProblem::NotFinite }) }
 }
 
 /// The value, if it is finite and greater than zero.
@@ -216,7 +216,7 @@ pub(crate) fn positive(parameter: Parameter, value: f32) -> Result<f32, ConfigEr
     if finite(parameter, value)? > 0.0 {
         Ok(value)
     } else {
-        Err(ConfigError { parameter, problem: Problem::NotPositive })
+        Err(ConfigError { parameter, problem: ParameterProblem::NotPositive })
     }
 }
 
@@ -225,14 +225,18 @@ pub(crate) fn within(parameter: Parameter, value: f32, least: f32, most: f32) ->
     if (least..=most).contains(&finite(parameter, value)?) {
         Ok(value)
     } else {
-        Err(ConfigError { parameter, problem: Problem::OutOfRange { least, most } })
+        Err(ConfigError { parameter, problem: ParameterProblem::OutOfRange { least, most } })
     }
 }
 
 /// The pair, if both are finite and the second is the greater.
 pub(crate) fn ascending(first: (Parameter, f32), second: (Parameter, f32)) -> Result<(f32, f32), ConfigError> {
     let (low, high) = (finite(first.0, first.1)?, finite(second.0, second.1)?);
-    if low < high { Ok((low, high)) } else { Err(ConfigError { parameter: second.0, problem: Problem::NotAscending }) }
+    if low < high {
+        Ok((low, high))
+    } else {
+        Err(ConfigError { parameter: second.0, problem: ParameterProblem::NotAscending })
+    }
 }
 
 #[cfg(test)]

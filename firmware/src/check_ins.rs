@@ -1,4 +1,4 @@
-//! Who is well: every task checks in, and the watchdog is fed only when all have.
+//! Check-ins: every task checks in, and the watchdog is fed only when all have.
 
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -17,12 +17,12 @@ pub enum Member {
 pub struct CheckIns([AtomicBool; 3]);
 
 impl CheckIns {
-    /// Nobody yet.
+    /// No task yet.
     pub const fn new() -> Self {
         Self([const { AtomicBool::new(false) }; 3])
     }
 
-    /// Says that a task is alive.
+    /// Records that a task has run.
     pub fn check_in(&self, member: Member) {
         let Self([control, receive, transmit]) = self;
         match member {
@@ -33,7 +33,7 @@ impl CheckIns {
         .store(true, Relaxed);
     }
 
-    /// Whether all have checked in; if so, they are asked anew.
+    /// Whether all have checked in; if so, the record is cleared.
     pub fn all_anew(&self) -> bool {
         let all = self.0.iter().all(|member| member.load(Relaxed));
         if all {

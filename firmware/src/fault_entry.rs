@@ -1,13 +1,16 @@
-//! Where a hard fault begins: with a stack that can be used, whatever has become of the one that was.
+//! Where a hard fault begins: with a stack that can be used, whatever has become of the one that
+//! was.
 //!
-//! The stack lies at the bottom of RAM, so running over its end is a fault (flip-link; `cargo xtask safety` looks). But then the stack
-//! pointer stands below RAM, and a handler in Rust would fault with its first push. A fault in the handler of a fault locks the processor
-//! up: heaters stay as they are until the watchdog comes. So here, before anything is pushed, a stack pointer with too little room
-//! below is set back to the top. What lay there is lost, and nobody comes back to it.
+//! The stack lies at the bottom of RAM, so running over its end is a fault (flip-link; `cargo xtask
+//! safety` looks). But then the stack pointer stands below RAM, and a handler in Rust would fault
+//! with its first push. A fault in the handler of a fault locks the processor up: heaters stay as
+//! they are until the watchdog comes. So here, before anything is pushed, a stack pointer with too
+//! little room below is set back to the top. What lay there is lost, and nobody comes back to it.
 //!
-//! The processor's own frame cannot be stored either when the stack is at its end. That does not keep the handler from running: "if a corrupted
-//! stack causes a fault, the fault handler still executes even though the stack pushes for the handler failed" (Arm DDI 0337E, 5.12.1). There
-//! is then no frame, and `halt::fault` gets none.
+//! The processor's own frame cannot be stored either when the stack is at its end. That does not
+//! keep the handler from running: "if a corrupted stack causes a fault, the fault handler still
+//! executes even though the stack pushes for the handler failed" (Arm DDI 0337E, 5.12.1). There is
+//! then no frame, and `halt::fault` gets none.
 
 use crate::halt;
 use core::arch::naked_asm;

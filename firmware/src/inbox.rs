@@ -1,42 +1,43 @@
-//! Where messages from a host go: commands and readings to the control task, questions to the transmitter.
+//! Routes messages from a host: commands and readings to the control task, requests to the
+//! transmitter.
 //!
 //! One place for all links, so that a command means the same whichever way it came.
 
 use crate::queue;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
-use dr_core::control::Command;
+use dr_core::Command;
 use heapless::spsc::Producer;
 use wire::{Provocation, Readings, Received, SettingsRequest, ToBoard};
 
 /// A command and the sequence number by which its reply refers to it.
 pub type Request = (u16, Command);
 
-/// Readings and the sequence number by which their answer refers to them.
+/// Readings and the sequence number by which the reply refers to them.
 pub type Exchange = (u16, Readings);
 
-/// A request that concerns the settings, and the sequence number by which its answer refers to it.
-pub type Errand = (u16, SettingsRequest);
+/// A request to the settings server, and the sequence number by which the reply refers to it.
+pub type SettingsJob = (u16, SettingsRequest);
 
-/// Questions that the transmitter answers by itself.
-pub struct Questions {
+/// Requests that the transmitter carries out by itself.
+pub struct TelemetryRequests {
     identity: AtomicBool,
     telemetry_every: AtomicU16,
 }
 
-impl Questions {
-    /// A board says who it is when it starts; a sample every tick.
+impl TelemetryRequests {
+    /// After a start: the identity is requested, and a sample every tick.
     pub const fn new() -> Self {
         Self { identity: AtomicBool::new(true), telemetry_every: AtomicU16::new(1) }
     }
 
-    /// Whether somebody wants to know who this is. Answering once is enough however often it was asked.
+    /// Whether the identity has been requested. One reply serves several requests.
     pub fn take_identity(&self) -> bool {
-        // No read-modify-write: a question that falls between the two is answered by the answer under way.
-        let asked = self.identity.load(Relaxed);
-        if asked {
+        // No read-modify-write: a request between the two is served by the reply under way.
+        let requested = self.identity.load(Relaxed);
+        if requested {
             self.identity.store(false, Relaxed);
         }
-        asked
+        requested
     }
 
     /// A sample every so many ticks.
@@ -44,7 +45,7 @@ impl Questions {
         self.telemetry_every.store(every, Relaxed);
     }
 
-    /// Whether this tick's sample is wanted.
+    /// Whether the sample of this tick is requested.
     pub fn wants_sample(&self, tick: u32) -> bool {
         match self.telemetry_every.load(Relaxed) {
             0 => false,
@@ -53,7 +54,7 @@ impl Questions {
     }
 }
 
-impl Default for Questions {
+impl Default for TelemetryRequests {
     fn default() -> Self {
         Self::new()
     }
@@ -64,15 +65,15 @@ impl Default for Questions {
 pub enum Wake {
     /// The control task: there is a command or a reading.
     Control,
-    /// The transmitter: there is a question.
+    /// The transmitter: there is a request.
     Transmit,
-    /// The host says that the run is over.
+    /// The host ends the run.
     Finish(u8),
-    /// The simulated front end has said nothing for a tick; the sequence number by which that is answered.
+    /// The simulated front end was silent for a tick; the sequence number for the reply.
     Silence(u16),
-    /// The clerk of the settings has an errand.
-    Clerk,
-    /// Something is to go wrong.
+    /// The settings server: there is a job.
+    SettingsServer,
+    /// A fault is to be provoked.
     Provoke(Provocation),
     /// Nobody.
     Nobody,
@@ -82,10 +83,10 @@ pub enum Wake {
 pub struct Inbox<'a> {
     requests: Producer<'a, Request>,
     exchanges: Producer<'a, Exchange>,
-    errands: Producer<'a, Errand>,
-    questions: &'a Questions,
+    jobs: Producer<'a, SettingsJob>,
+    telemetry_requests: &'a TelemetryRequests,
     is_virtual: bool,
-    /// Messages that came when their queue was full, or that this board does not obey.
+    /// Messages that found their queue full, or that this board does not accept.
     pub refused: u32,
 }
 
@@ -94,19 +95,19 @@ impl<'a> Inbox<'a> {
     pub const fn new(
         requests: Producer<'a, Request>,
         exchanges: Producer<'a, Exchange>,
-        errands: Producer<'a, Errand>,
-        questions: &'a Questions,
+        jobs: Producer<'a, SettingsJob>,
+        telemetry_requests: &'a TelemetryRequests,
         is_virtual: bool,
     ) -> Self {
-        Self { requests, exchanges, errands, questions, is_virtual, refused: 0 }
+        Self { requests, exchanges, jobs, telemetry_requests, is_virtual, refused: 0 }
     }
 
-    /// Puts a message where it belongs.
+    /// Routes a message.
     pub fn accept(&mut self, received: &Received<ToBoard>) -> Wake {
         match &received.message {
-            // Asking twice does no harm, and a host asks until it is answered.
+            // Repeated requests do no harm: a host repeats them until it gets a reply.
             ToBoard::Hello => {
-                self.questions.identity.store(true, Relaxed);
+                self.telemetry_requests.identity.store(true, Relaxed);
                 Wake::Transmit
             }
             _ if received.repeated => Wake::Nobody,
@@ -115,7 +116,7 @@ impl<'a> Inbox<'a> {
                 self.wake_control_if(queued)
             }
             ToBoard::Telemetry { every } => {
-                self.questions.thin(*every);
+                self.telemetry_requests.thin(*every);
                 Wake::Nobody
             }
             ToBoard::Readings(readings) if self.is_virtual => {
@@ -123,8 +124,8 @@ impl<'a> Inbox<'a> {
                 self.wake_control_if(queued)
             }
             ToBoard::Settings(request) => {
-                let queued = queue::put(&mut self.errands, (received.sequence, request.clone())).is_ok();
-                if queued { Wake::Clerk } else { self.wake_control_if(false) }
+                let queued = queue::put(&mut self.jobs, (received.sequence, request.clone())).is_ok();
+                if queued { Wake::SettingsServer } else { self.wake_control_if(false) }
             }
             ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),
             ToBoard::Silence if self.is_virtual => Wake::Silence(received.sequence),
@@ -150,12 +151,12 @@ mod tests {
     use super::*;
     use heapless::spsc::Queue;
 
-    fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &Questions) -> R) -> R {
-        let (mut requests, mut exchanges, mut errands) =
+    fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &TelemetryRequests) -> R) -> R {
+        let (mut requests, mut exchanges, mut jobs) =
             (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Queue::<_, 3>::new());
-        let questions = Questions::new();
-        let (requests, exchanges, errands) = (requests.split().0, exchanges.split().0, errands.split().0);
-        test(&mut Inbox::new(requests, exchanges, errands, &questions, is_virtual), &questions)
+        let telemetry_requests = TelemetryRequests::new();
+        let (requests, exchanges, jobs) = (requests.split().0, exchanges.split().0, jobs.split().0);
+        test(&mut Inbox::new(requests, exchanges, jobs, &telemetry_requests, is_virtual), &telemetry_requests)
     }
 
     fn received(message: ToBoard) -> Received<ToBoard> {
@@ -163,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_board_takes_neither_readings_nor_trouble_from_a_link() {
+    fn a_sensor_board_takes_neither_readings_nor_provocations_from_a_link() {
         let readings = Readings::new(&[dr_core::sensor::Reading::Code(1); 6]).unwrap();
         with_inbox(false, |inbox, _| {
             assert_eq!(inbox.accept(&received(ToBoard::Readings(readings.clone()))), Wake::Nobody);
@@ -204,24 +205,27 @@ mod tests {
     }
 
     #[test]
-    fn errands_are_the_clerks_and_no_more_than_wait_for_him() {
+    fn jobs_go_to_the_settings_server_and_beyond_its_queue_are_counted() {
         with_inbox(false, |inbox, _| {
-            let errand = || received(ToBoard::Settings(SettingsRequest::Load));
-            assert_eq!([(); 3].map(|()| inbox.accept(&errand())), [Wake::Clerk, Wake::Clerk, Wake::Nobody]);
+            let job = || received(ToBoard::Settings(SettingsRequest::Load));
+            assert_eq!(
+                [(); 3].map(|()| inbox.accept(&job())),
+                [Wake::SettingsServer, Wake::SettingsServer, Wake::Nobody]
+            );
             assert_eq!(inbox.refused, 1);
         });
     }
 
     #[test]
-    fn samples_are_thinned_as_asked() {
-        with_inbox(false, |inbox, questions| {
-            assert!(questions.wants_sample(7));
+    fn samples_are_thinned_as_requested() {
+        with_inbox(false, |inbox, telemetry_requests| {
+            assert!(telemetry_requests.wants_sample(7));
             inbox.accept(&received(ToBoard::Telemetry { every: 10 }));
-            assert!(questions.wants_sample(20) && !questions.wants_sample(21));
+            assert!(telemetry_requests.wants_sample(20) && !telemetry_requests.wants_sample(21));
             inbox.accept(&received(ToBoard::Telemetry { every: 0 }));
-            assert!(!questions.wants_sample(0));
+            assert!(!telemetry_requests.wants_sample(0));
             inbox.accept(&received(ToBoard::Hello));
-            assert!(questions.take_identity() && !questions.take_identity());
+            assert!(telemetry_requests.take_identity() && !telemetry_requests.take_identity());
         });
     }
 }

@@ -1,17 +1,18 @@
-//! The parts of the firmware that know no board: drivers on embedded-hal, and the handling of what comes over the links.
-//! They build for the host as well, where they are tested.
+//! The parts of the firmware that know no board: drivers on embedded-hal, and the handling of what
+//! comes over the links. They build for the host as well, where they are tested.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
-// What runs on the board must not panic. Indices are looked for in the image, where most of them are gone: `cargo xtask safety`.
+// What runs on the board must not panic. Indices are looked for in the image, where most of them
+// are gone: `cargo xtask safety`.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable))]
 
 pub mod check_ins;
+pub mod crash_record;
 pub mod dead_man;
 pub mod drivers;
 pub mod inbox;
 pub mod margins;
 pub mod outbox;
-pub mod past_life;
 pub mod queue;
 pub mod settings;

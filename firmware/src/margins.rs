@@ -1,7 +1,8 @@
-//! What is left to the levels, from the control task to the one that reports it.
+//! Margins to the levels, from the control task to the task that reports them.
 //!
-//! The control task must not wait, and shares nothing but queues and words: every number is a word of its own, whole at any time. A
-//! status in the middle of a command may hold one element's old and new number side by side; the next one does not.
+//! The control task must not wait, and shares nothing but queues and words: every number is a word
+//! of its own, whole at any time. A status in the middle of a command may hold one element's old
+//! and new number side by side; the next one does not.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use dr_core::control::Margins;

@@ -1,7 +1,7 @@
 //! Where messages to the host wait, and how they get their numbers.
 //!
-//! The control task never waits for a link: what finds its queue full is dropped and counted, and the sequence numbers
-//! advance over it, so that the host knows exactly what it did not get.
+//! The control task never waits for a link: what finds its queue full is dropped and counted, and
+//! the sequence numbers advance over it, so that the host knows exactly what it did not get.
 
 use crate::queue;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -55,8 +55,8 @@ impl<'a> Outbox<'a> {
         self.has_room_at_all() && !self.queue.is_empty()
     }
 
-    /// Always. A queue's length, which is never 0, is known here only as it runs; said in this way the compiler sees that a remainder by
-    /// it is one, and leaves no panic in the control task.
+    /// Always. A queue's length, which is never 0, is known here only as it runs; said in this way
+    /// the compiler sees that a remainder by it is one, and leaves no panic in the control task.
     fn has_room_at_all(&self) -> bool {
         self.queue.capacity() != usize::MAX
     }

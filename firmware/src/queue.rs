@@ -1,7 +1,8 @@
 //! Into a queue, without a panic that could be reached.
 //!
-//! heapless takes a queue's size from memory and divides by it, so that the compiler sees a division by zero wherever it does not happen to
-//! know the size. No queue has size 0, and here the compiler is told.
+//! heapless takes a queue's size from memory and divides by it, so that the compiler sees a
+//! division by zero wherever it does not happen to know the size. No queue has size 0; a check here
+//! shows it to the compiler.
 
 use heapless::spsc::Producer;
 

@@ -1,10 +1,11 @@
-//! Is everybody well? Food for the watchdog, the status of each second, who this is, and words for the log.
+//! Health of the firmware: feeding of the watchdog, the status of each second, identity, and log
+//! messages.
 
 use crate::board::{self, Watchdog};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use dr_core::control::RunState;
 use firmware::check_ins::CheckIns;
-use firmware::past_life::PastLife;
+use firmware::crash_record::CrashRecord;
 use wire::{Identity, Name, ResetCause};
 
 /// Name and version of this firmware.
@@ -56,7 +57,7 @@ pub fn start_ticking(syst: &mut SYST) {
 }
 
 /// Who this is.
-pub fn identity(reset: ResetCause, past: PastLife) -> Identity {
+pub fn identity(reset: ResetCause, past: CrashRecord) -> Identity {
     let mut firmware = Name::new();
     // A longer name is cut: it is for people.
     NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);

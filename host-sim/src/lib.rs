@@ -1,43 +1,54 @@
-//! Simulated wind tunnel, instruments and recordings for thermal sigma-delta anemometers; the library behind the command `anemo`.
+//! Thermal anemometers without hardware: simulated sensors in their wind tunnel, instruments,
+//! experiments, and running them.
 //!
-//! In the order in which a run goes through them:
+//! An [`experiment::Experiment`] describes what every element does, in which gas and wind. An
+//! [`instrument`] carries it out: dr-core's controller in this process, the firmware on an emulated
+//! board (feature `qemu`), or a sensor board (feature `serial`). The first two are closed around a
+//! simulated [`sensor`]. [`run::run`] hands out every sample as a row.
 //!
-//! | module | holds |
+//! ```
+//! use host_sim::experiment::Experiment;
+//! use host_sim::instrument::{LockStep, in_process::InProcess};
+//! use host_sim::run::run;
+//!
+//! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/steady.toml");
+//! let experiment = Experiment { ticks: 200, ..Experiment::read(path.as_ref())? };
+//! let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
+//! let mut rows = 0;
+//! let summary = run(&experiment, Box::new(instrument), &mut |_| Ok(rows += 1))?;
+//! assert_eq!((summary.ticks, rows), (200, 200));
+//! # Ok::<(), host_sim::run::RunError>(())
+//! ```
+//!
+//! | module | what |
 //! |---|---|
-//! | [`experiment`], [`head`] | the files that people write, read strictly ([`toml_file`]) and checked |
-//! | [`sensor`] | the simulated sensors in their wind |
-//! | [`instrument`] | what runs an experiment: in this process, in the emulator, at a serial port |
-//! | [`run`](mod@run) | set-up, ticks, rows: the same for every instrument |
-//! | [`recording`], [`plot`], [`summary`] | what is left of a run |
-//! | [`identify`], [`model`] | models from recordings |
-//! | [`network`] | the windless network of a head, as the board runs it |
-//! | [`calibrate`] | a head's calibration from its readings in known winds |
-//! | [`answer`] | the wind off line, from recordings of a calibrated head |
-//! | [`predict`], [`design`] | what a closed loop will do, from a model, and which one to build |
-//! | [`study`] | what the whole instrument has to reach, and reaches |
-//! | [`thesis`] | the experiments of the thesis, with its findings beside ours |
-//! | [`cli`] | the command line |
+//! | [`sensor`] | the simulated sensors: body, gas, wind, front end |
+//! | [`instrument`] | what an experiment can be run on, and its errors |
+//! | [`experiment`] | the experiment file, checked |
+//! | [`run`] | set-up, loop, statistics and summary of a run |
+//! | [`settings`] | what a board keeps in its flash: read, checked, changed |
+//! | [`self_test`] | self-tests: started, waited for, reported |
 
-pub mod answer;
-pub mod calibrate;
-pub mod cli;
-pub mod design;
-pub mod estimate;
 pub mod experiment;
-pub mod head;
-pub mod identify;
 pub mod instrument;
-pub mod model;
-pub mod network;
-pub mod plot;
-pub mod predict;
-pub mod recording;
 pub mod run;
 pub mod self_test;
 pub mod sensor;
 pub mod settings;
-pub mod study;
-pub mod summary;
-pub mod table;
-pub mod thesis;
-pub mod toml_file;
+
+/// The examples name this crate as others do.
+#[cfg(test)]
+extern crate self as host_sim;
+
+#[cfg(test)]
+#[allow(dead_code, reason = "an example's own main")]
+#[path = "../examples/one_loop.rs"]
+mod one_loop;
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_example_prints_what_stands_beside_it() {
+        assert_eq!(super::one_loop::table().unwrap(), include_str!("../examples/one_loop.out"));
+    }
+}

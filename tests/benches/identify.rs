@@ -1,7 +1,8 @@
-//! How fast records are identified: states, normal equations and solution, and how that grows with every size.
+//! How fast records are identified: states, normal equations and solution, and how that grows with
+//! every size.
 //!
-//! `cargo bench -p anemo-tests --bench identify`. Elements a second are rows a second. Machines differ and are shared: compare
-//! figures of one run; `limits` stand beside them for that.
+//! `cargo bench -p anemo-tests --bench identify`. Elements a second are rows a second. Machines
+//! differ and are shared: compare figures of one run; `limits` stand beside them for that.
 
 use std::time::Duration;
 
@@ -9,9 +10,9 @@ use anemo_tests::records::rod::Rod;
 use anemo_tests::speed::{bytes_a_second, design, flops_a_row, flops_a_second, record, solve};
 use anemo_tests::winds::{self, options, run};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::identify::candidates::Given;
-use host_sim::identify::record::Table;
-use host_sim::identify::{GasGiven, Options, identify};
+use diffusive::identify::Constraints;
+use diffusive::identify::record::RecordTable;
+use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 
 const ROWS: usize = 2_000_000;
 
@@ -25,7 +26,7 @@ fn everything(criterion: &mut Criterion) {
     eprintln!("limits: {:.1} Gflop/s, {:.1} GB/s on one core", flops_a_second() / 1e9, bytes_a_second() / 1e9);
     let mut group = criterion.benchmark_group("identify");
     group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
-    let mut one = |name: &str, size: usize, table: &mut Table, order: usize, inputs: usize, classes: usize| {
+    let mut one = |name: &str, size: usize, table: &mut RecordTable, order: usize, inputs: usize, classes: usize| {
         let (design, rows) = (design(order, inputs, classes), table_rows(table));
         eprintln!("{name} {size}: {} flop a row", flops_a_row(&design));
         group.throughput(Throughput::Elements(rows));
@@ -51,7 +52,7 @@ fn everything(criterion: &mut Criterion) {
     let mut table = record(FEWER_ROWS, 1, 1);
     group.throughput(Throughput::Elements(FEWER_ROWS as u64));
     group.bench_function(BenchmarkId::new("rows", FEWER_ROWS), |b| {
-        b.iter(|| identify(&mut table, &Options::default(), &mut |_, _, _| {}, &mut |_| {}));
+        b.iter(|| identify(&mut table, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}));
     });
     group.finish();
 
@@ -59,7 +60,7 @@ fn everything(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("wind as feedback, K = 14, 3 classes");
     group.sample_size(10).warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(1));
     let mut winds = winds::table(&Rod { rows: WIND_ROWS, ..Rod::default() }.simulate());
-    let given = Given { order: Some(14), ..Given::default() };
+    let given = Constraints { order: Some(14), ..Constraints::default() };
     group.throughput(Throughput::Elements(WIND_ROWS as u64));
     let ways = [
         ("gas constant", GasGiven::ConstantC(18.0)),
@@ -67,14 +68,14 @@ fn everything(criterion: &mut Criterion) {
         ("gas unknown", GasGiven::Unknown),
     ];
     for (name, gas) in ways {
-        let options = Options { given: given.clone(), ..options(gas) };
+        let options = IdentifyOptions { constraints: given.clone(), ..options(gas) };
         group.bench_function(BenchmarkId::new(name, WIND_ROWS), |b| b.iter(|| run(&mut winds, &options)));
     }
     group.finish();
 }
 
-fn table_rows(table: &Table) -> u64 {
-    use host_sim::identify::record::Source as _;
+fn table_rows(table: &RecordTable) -> u64 {
+    use diffusive::identify::record::RecordSource as _;
     table.survey().rows
 }
 

@@ -1,12 +1,12 @@
 //! How fast runs go: in process, and exchanges with the emulated board over both links.
 //!
-//! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a second are ticks a second.
-//! Machines differ and are shared: compare figures of one run.
+//! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a
+//! second are ticks a second. Machines differ and are shared: compare figures of one run.
 
 use anemo_tests::{experiment, firmware, in_process, readings, sensor, start, started};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::instrument::Instrument;
-use host_sim::instrument::emulated::{Emulated, Path as Way};
+use host_sim::instrument::InstrumentPort;
+use host_sim::instrument::emulated::{Emulated, EmulatorLink as Way};
 
 fn lock_step(criterion: &mut Criterion) {
     let experiment = experiment("gusts.toml");

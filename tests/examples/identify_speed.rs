@@ -1,9 +1,11 @@
-//! One line of JSON on how fast identification is on a given record, for `docs/performance/compare.py`.
+//! One line of JSON on how fast identification is on a given record, for
+//! `docs/performance/compare.py`.
 //!
-//! `identify_speed DATA ORDER RUNS`: DATA holds pairs of f64, input and output, little-endian, 0.5 ms apart.
+//! `identify_speed DATA ORDER RUNS`: DATA holds pairs of f64, input and output, little-endian, 0.5
+//! ms apart.
 
 use anemo_tests::speed;
-use host_sim::identify::record::Table;
+use diffusive::identify::record::RecordTable;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -15,7 +17,7 @@ fn main() {
     let columns = |name: &str, from: usize| vec![(name.to_owned(), column(from))];
     let rows = values.len() / 2;
     let mut table =
-        Table::new(speed::SAMPLE_PERIOD_S, columns("u", 0), columns("y", 1)).expect("the record is in order");
+        RecordTable::new(speed::SAMPLE_PERIOD_S, columns("u", 0), columns("y", 1)).expect("the record is in order");
     let design = speed::design(order, 1, 1);
     let mut theta = speed::solve(&mut table, &design);
     // The limits before and after: what the machine gives changes while others use it.

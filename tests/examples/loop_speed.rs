@@ -1,11 +1,12 @@
-//! One line of JSON on a predicted loop and how long that took, for `docs/performance/closed_loop.py`.
+//! One line of JSON on a predicted loop and how long that took, for
+//! `docs/performance/closed_loop.py`.
 //!
-//! `loop_speed TICKS WINDS OUT`: predicts the loop of [`anemo_tests::loops`] at 100 Hz with WINDS changes, and writes its power in the
-//! limit of fast sampling to OUT, as f64, little-endian.
+//! `loop_speed TICKS WINDS OUT`: predicts the loop of [`anemo_tests::loops`] at 100 Hz with WINDS
+//! changes, and writes its power in the limit of fast sampling to OUT, as f64, little-endian.
 
 use anemo_tests::loops::{LEVELS_W, OFFSET_C, R_K_PER_W, RATES_RAD_S, scenario, symbol_model};
 use anemo_tests::speed::least_s;
-use host_sim::predict::closed::{Start, predict};
+use diffusive::predict::closed::{LoopStart, predict};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -13,8 +14,8 @@ fn main() {
     let (ticks, winds): (usize, usize) = (ticks.parse().expect("a number"), winds.parse().expect("a number"));
     let winds: Vec<(usize, usize)> = (0..winds).map(|n| (n * ticks / winds, [0, 2, 1, 0, 1, 2][n % 6])).collect();
     let (model, scenario) = (symbol_model(), scenario(34.0, winds.clone(), ticks));
-    let mut prediction = predict(&model, &scenario, Start::Rest).expect("the model can be predicted");
-    let seconds = least_s(5, || prediction = predict(&model, &scenario, Start::Rest).expect("as before"));
+    let mut prediction = predict(&model, &scenario, LoopStart::Rest).expect("the model can be predicted");
+    let seconds = least_s(5, || prediction = predict(&model, &scenario, LoopStart::Rest).expect("as before"));
     let of = &prediction.elements[0];
     let bytes: Vec<u8> = of.limit_w.iter().flat_map(|w| w.to_le_bytes()).collect();
     std::fs::write(out, bytes).expect("OUT can be written");

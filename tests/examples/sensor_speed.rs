@@ -1,4 +1,5 @@
-//! How fast the simulated sensors are: times of real time on one core, each at its own rate, with turbulence and noise.
+//! How fast the simulated sensors are: times of real time on one core, each at its own rate, with
+//! turbulence and noise.
 //!
 //! ```text
 //! cargo run --release -p anemo-tests --example sensor_speed
@@ -6,8 +7,9 @@
 
 use std::time::Instant;
 
-use host_sim::head::Head;
-use host_sim::sensor::{Imperfections, Sensor, SensorConfig, Species, Spectrum, Turbulence, WindEntry};
+use anemometry::gas::Species;
+use anemometry::head::Head;
+use host_sim::sensor::{Imperfections, Sensor, SensorConfig, Spectrum, Turbulence, WindEntry};
 
 const SECONDS: f64 = 2000.0;
 
@@ -32,7 +34,9 @@ fn main() {
             ..WindEntry::default()
         };
         let config = SensorConfig {
-            construction: head.sensor.expect("the head names its sensor"),
+            construction: host_sim::sensor::construction_of(&head)
+                .expect("a head of the project")
+                .expect("the head names its sensor"),
             sample_period_s: period_s,
             species,
             pressure_pa,

@@ -1,7 +1,7 @@
 //! A calibrated sphere B for tests of its answers, and what it is blown at with.
 //!
-//! The head is one that `anemo study wind --heads` wrote. How good it is, is no matter of these tests; that it is made well, the test
-//! `wind_chain` asks.
+//! The head is one that `anemo benchmark wind --heads` wrote. How good it is, is no matter of these
+//! tests; that it is made well, the test `wind_chain` asks.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,8 @@ pub fn head() -> PathBuf {
     file("tests/fixtures/sphere-b-calibrated.toml").canonicalize().expect("the calibrated head is there")
 }
 
-/// The parts of the head without the amplitudes of the Nusselt number, without which it has conductances and no wind.
+/// The parts of the head without the amplitudes of the Nusselt number, without which it has
+/// conductances and no wind.
 pub fn uncalibrated() -> String {
     let text = std::fs::read_to_string(head()).expect("the calibrated head can be read");
     let begin = text.find("[calibration.nusselt]").expect("it has amplitudes");
@@ -20,7 +21,8 @@ pub fn uncalibrated() -> String {
     format!("{}{}", &text[..begin], &text[end..])
 }
 
-/// A desk with the calibrated head in 5 m/s for so many seconds at 1 kHz, and some of the experiment's text replaced.
+/// A desk with the calibrated head in 5 m/s for so many seconds at 1 kHz, and some of the
+/// experiment's text replaced.
 pub fn blown(duration_s: f64, changes: &[(&str, &str)]) -> Desk {
     blown_with(&head(), duration_s, changes)
 }

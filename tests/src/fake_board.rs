@@ -1,11 +1,13 @@
-//! A sensor board that is not there: the firmware's own inbox, outbox and controller around the simulated sensor, at the end of a
-//! pseudo-terminal, a few hundred times faster than real time. And it can have everything that a cable and a board can have.
+//! A sensor board that is not there: the firmware's own inbox, outbox and controller around the
+//! simulated sensor, at the end of a pseudo-terminal, a few hundred times faster than real time.
+//! And it can have everything that a cable and a board can have.
 
 use crate::{foreign_frame, sensor};
-use dr_core::control::{Cause, Command, Reply, RunState, Station};
+use dr_core::control::{Cause, RunState};
 use dr_core::sensor::Reading;
+use dr_core::{Command, Instrument, Reply};
 use firmware::drivers::ads131e06::CHANNELS;
-use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
+use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests};
 use firmware::outbox::{Outbox, Sequence, Unsent};
 use heapless::spsc::Queue;
 use host_sim::experiment::Experiment;
@@ -23,7 +25,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use wire::{BoardKind, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard};
 
-/// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because nobody may be reading.
+/// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because
+/// nobody may be reading.
 const STANDBY_TICK: Duration = Duration::from_millis(2);
 const RUNNING_TICK: Duration = Duration::from_micros(100);
 
@@ -110,8 +113,9 @@ impl FakeBoard {
     }
 }
 
-/// A pseudo-terminal that carries bytes as they are: the board's end, the host's end and its name. Programs that are
-/// started meanwhile inherit neither, so that closing the board's end is what pulling its plug is.
+/// A pseudo-terminal that carries bytes as they are: the board's end, the host's end and its name.
+/// Programs that are started meanwhile inherit neither, so that closing the board's end is what
+/// pulling its plug is.
 fn pseudo_terminal() -> nix::Result<(PtyMaster, File, String)> {
     let board = posix_openpt(OFlag::O_RDWR | OFlag::O_NOCTTY | OFlag::O_NONBLOCK | OFlag::O_CLOEXEC)?;
     grantpt(&board)?;
@@ -171,16 +175,16 @@ impl Life {
             return self.stay_away();
         }
         // It keeps no settings: nobody takes these.
-        let mut errands = Queue::<Errand, 2>::new();
+        let mut errands = Queue::<SettingsJob, 2>::new();
         let (mut requests, mut exchanges, mut messages) =
             (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Queue::<FromBoard, 32>::new());
         let ((request_in, mut requests), (exchange_in, _), (message_in, mut messages)) =
             (requests.split(), exchanges.split(), messages.split());
-        let (questions, unsent) = (Questions::new(), Unsent::new());
+        let (questions, unsent) = (TelemetryRequests::new(), Unsent::new());
         let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
-        let mut station = Station::<CHANNELS>::new();
+        let mut station = Instrument::<CHANNELS>::new();
         let mut sensor = self.new_sensor();
         let (mut obeyed, mut unheard) = (Vec::new(), None);
         let (mut reset, mut starts, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 1, 0, Instant::now());
@@ -229,7 +233,7 @@ impl Life {
                 return self.stay_away();
             }
             if due(self.quirks.restarts_at) {
-                (station, receiver, sequence) = (Station::new(), Receiver::new(), Sequence::new());
+                (station, receiver, sequence) = (Instrument::new(), Receiver::new(), Sequence::new());
                 (reset, starts, uptime_s) = (ResetCause::Watchdog, starts + 1, 0);
                 station.trip(Cause::Watchdog);
             }
@@ -277,7 +281,7 @@ impl Life {
                     unsent,
                     late_ticks,
                     deadlines: 0,
-                    upsets: station.controller().upsets(),
+                    bit_flips: station.controller().bit_flips(),
                     armed: station.controller().is_armed(),
                     control_cycles_max,
                     tick_cycles,

@@ -1,4 +1,5 @@
-//! What the tests that cross crates share: where experiments and firmware are, and how a run is made from them.
+//! What the tests that cross crates share: where experiments and firmware are, and how a run is
+//! made from them.
 
 pub mod calibrated;
 pub mod fake_board;
@@ -12,13 +13,13 @@ pub mod winds;
 
 use dr_core::sensor::Reading;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::emulated::{Emulated, Path as Way};
+use host_sim::instrument::emulated::{Emulated, EmulatorLink as Way};
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::{Body, Instrument, LockStep};
+use host_sim::instrument::{InstrumentPort, LockStep, LockStepController};
+use host_sim::run::RunSummary;
 use host_sim::run::{RunError, run};
 use host_sim::sensor::Sensor;
-use host_sim::summary::RunSummary;
-use host_sim::toml_file::Source;
+use recording::toml_file::TomlSource;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -32,10 +33,10 @@ pub fn experiment(name: &str) -> Experiment {
     changed(name, &[])
 }
 
-/// A shipped experiment with some of its text replaced. Each text must be there, so that no test runs something else
-/// than it says.
+/// A shipped experiment with some of its text replaced. Each text must be there, so that no test
+/// runs something else than it says.
 pub fn changed(name: &str, replacements: &[(&str, &str)]) -> Experiment {
-    let mut source = Source::read(&file("experiments").join(name)).expect("a shipped experiment can be read");
+    let mut source = TomlSource::read(&file("experiments").join(name)).expect("a shipped experiment can be read");
     for (from, to) in replacements {
         assert!(source.text.contains(from), "{name} does not contain `{from}`");
         source.text = source.text.replacen(from, to, 1);
@@ -137,7 +138,8 @@ impl Desk {
     }
 }
 
-/// A frame in order, with the right checksum, of the next version of the protocol. Made without the code under test.
+/// A frame in order, with the right checksum, of the next version of the protocol. Made without the
+/// code under test.
 pub fn foreign_frame(message: &[u8]) -> Vec<u8> {
     let mut content = vec![wire::VERSION + 1, 0, 0];
     content.extend(message);
@@ -190,18 +192,18 @@ pub fn emulated(experiment: &Experiment, way: Way) -> Box<LockStep<Emulated>> {
 }
 
 /// Sets an instrument up for an experiment and starts it.
-pub fn start(experiment: &Experiment, instrument: &mut dyn Instrument) {
+pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) {
     host_sim::run::start(experiment, instrument).expect("a shipped experiment is not refused");
 }
 
 /// A body alone, set up and started.
-pub fn started<B: Body>(experiment: &Experiment, body: B) -> LockStep<B> {
+pub fn started<B: LockStepController>(experiment: &Experiment, body: B) -> LockStep<B> {
     let mut instrument = LockStep::new(body, sensor(experiment));
     start(experiment, &mut instrument);
     instrument
 }
 
 /// Runs an experiment to its end without keeping rows.
-pub fn summary(experiment: &Experiment, instrument: Box<dyn Instrument>) -> RunSummary {
+pub fn summary(experiment: &Experiment, instrument: Box<dyn InstrumentPort>) -> RunSummary {
     run(experiment, instrument, &mut |_| Ok::<(), RunError>(())).expect("the run comes to its end")
 }

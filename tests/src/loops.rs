@@ -1,11 +1,11 @@
-//! Closed loops for tests: a structure of eight poles in three winds, and a one-bit loop around it that shares no code with the
-//! prediction.
+//! Closed loops for tests: a structure of eight poles in three winds, and a one-bit loop around it
+//! that shares no code with the prediction.
 
 use std::collections::BTreeMap;
 
+use diffusive::model::{Chosen, Class, FORMAT, Model, ModelOutput, Pair, Provenance, Structure, VERSION};
+use diffusive::predict::scenario::{Heated, Heater, Scenario};
 use dr_core::control::Drive;
-use host_sim::model::{Chosen, Class, FORMAT, Model, Output, Pair, Provenance, Structure, VERSION};
-use host_sim::predict::scenario::{Heated, Heater, Scenario};
 
 pub const RATES_RAD_S: [f64; 8] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 pub const LABELS: [&str; 3] = ["still", "breeze", "gale"];
@@ -20,8 +20,8 @@ pub const OFFSET_C: f64 = 20.0;
 
 /// The truth as a model.
 pub fn symbol_model() -> Model {
-    let output = Output {
-        name: "temperature_c:sector1".to_owned(),
+    let output = ModelOutput {
+        name: "temperature_c_sector1".to_owned(),
         offset_c: OFFSET_C,
         se_offset_c: 0.0,
         residual_rms: 0.0,
@@ -37,7 +37,7 @@ pub fn symbol_model() -> Model {
         se_feed_through_k_per_w: 0.0,
     };
     let pair = Pair {
-        input: "power_w:sector1".to_owned(),
+        input: "power_w_sector1".to_owned(),
         output: output.name.clone(),
         mesh_rad_s: RATES_RAD_S.to_vec(),
         se_rate_rad_s: None,
@@ -75,7 +75,8 @@ pub fn scenario(target_c: f32, winds: Vec<(usize, usize)>, ticks: usize) -> Scen
     Scenario { sample_period_s: 0.01, ticks, winds, elements: vec![heated], gas_c: None }
 }
 
-/// The structure by itself: one set of relaxations a wind, of which only those of the present wind are heated.
+/// The structure by itself: one set of relaxations a wind, of which only those of the present wind
+/// are heated.
 #[derive(Default)]
 pub struct Truth {
     x: [[f64; 8]; 3],
@@ -97,7 +98,8 @@ impl Truth {
     }
 }
 
-/// What a one-bit loop takes from rest, and where it first was at its target: powers in W by tick, tick.
+/// What a one-bit loop takes from rest, and where it first was at its target: powers in W by tick,
+/// tick.
 pub fn closed(target_c: f64, class: &[usize], period_s: f64) -> (Vec<f64>, Option<usize>) {
     let mut truth = Truth::default();
     let mut met = None;

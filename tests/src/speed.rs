@@ -1,15 +1,18 @@
-//! What measurements of identification's speed share: records of any size, the work that is timed, and this machine's limits.
+//! What measurements of identification's speed share: records of any size, the work that is timed,
+//! and this machine's limits.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use host_sim::identify::candidates::{Beginning, terms};
-use host_sim::identify::design::{Bank, Design, Drive};
-use host_sim::identify::folds::FOLDS;
-use host_sim::identify::gram::Gram;
-use host_sim::identify::pass::{GasSource, pass};
-use host_sim::identify::problem::Problem;
-use host_sim::identify::record::Table;
+use diffusive::identify::InitialState;
+use diffusive::identify::candidates::terms;
+use diffusive::identify::design::{BankDrive, RegressionDesign, RelaxationBank};
+use diffusive::identify::folds::FOLDS;
+use diffusive::identify::gas_source::GasSource;
+use diffusive::identify::gram::Gram;
+use diffusive::identify::normal_equations::NormalEquations;
+use diffusive::identify::pass::pass;
+use diffusive::identify::record::RecordTable;
 use nalgebra::{DMatrix, DVector};
 
 /// 2 kHz
@@ -21,8 +24,9 @@ pub const EDGES_RAD_S: (f64, f64) = (std::f64::consts::TAU * 1e-3, std::f64::con
 /// Rows that a bit of the input lasts: 1 s.
 const BIT: usize = 2_000;
 
-/// A record of chance bits on every input, and an output that follows them slowly; a class for each 10 s, in turn.
-pub fn record(rows: usize, inputs: usize, classes: usize) -> Table {
+/// A record of chance bits on every input, and an output that follows them slowly; a class for each
+/// 10 s, in turn.
+pub fn record(rows: usize, inputs: usize, classes: usize) -> RecordTable {
     let mut seed = 1_u64;
     let mut chance = move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -44,7 +48,8 @@ pub fn record(rows: usize, inputs: usize, classes: usize) -> Table {
             y
         })
         .collect();
-    let table = Table::new(SAMPLE_PERIOD_S, columns, vec![("y".to_owned(), output)]).expect("the record is in order");
+    let table =
+        RecordTable::new(SAMPLE_PERIOD_S, columns, vec![("y".to_owned(), output)]).expect("the record is in order");
     if classes == 1 {
         return table;
     }
@@ -53,33 +58,36 @@ pub fn record(rows: usize, inputs: usize, classes: usize) -> Table {
     table.with_events(&of_row).expect("the labels are few")
 }
 
-/// The regression that is timed: a mesh of `order` rates an input and class, from rest, with an offset.
-pub fn design(order: usize, inputs: usize, classes: usize) -> Design {
+/// The regression that is timed: a mesh of `order` rates an input and class, from rest, with an
+/// offset.
+pub fn design(order: usize, inputs: usize, classes: usize) -> RegressionDesign {
     let (first, last) = EDGES_RAD_S;
     let rates: Vec<f64> = (0..order).map(|k| dr_core::model::mesh::rate_rad_s(first, last, k, order)).collect();
     let drives = (0..inputs).flat_map(|input| (0..classes).map(move |class| (input, class)));
-    let bank = |(input, class)| Bank {
-        drive: if classes == 1 { Drive::Input(input) } else { Drive::Gated { input, class } },
+    let bank = |(input, class)| RelaxationBank {
+        drive: if classes == 1 { BankDrive::Input(input) } else { BankDrive::Gated { input, class } },
         rates_rad_s: rates.clone(),
         delay: 0,
         feed_through: false,
     };
-    Design { banks: drives.map(bank).collect(), initial_rad_s: Vec::new(), outputs: 1 }
+    RegressionDesign { banks: drives.map(bank).collect(), initial_rad_s: Vec::new(), outputs: 1 }
 }
 
-/// States, normal equations and solution: plain least squares on a record in memory. Resistances in K/W, and the offset behind them.
-pub fn solve(table: &mut Table, design: &Design) -> DVector<f64> {
+/// States, normal equations and solution: plain least squares on a record in memory. Resistances in
+/// K/W, and the offset behind them.
+pub fn solve(table: &mut RecordTable, design: &RegressionDesign) -> DVector<f64> {
     let designs = std::slice::from_ref(design);
     let passed = pass(table, designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut |_| {}).expect("a table is read");
-    let terms = terms(&design.roles(), Beginning::Rest, false, &vec![0.0; design.banks.len()]);
-    let problem = Problem::of(&Gram::total(&passed.folds[0]), &terms, 1, 0);
+    let terms = terms(&design.roles(), InitialState::Rest, false, &vec![0.0; design.banks.len()]);
+    let problem = NormalEquations::of(&Gram::total(&passed.folds[0]), &terms, 1, 0);
     let mut theta = problem.solve(&DMatrix::zeros(terms.len(), terms.len()), None).theta;
     theta[terms.len() - 1] += passed.output_shift[0];
     theta
 }
 
-/// Operations that no way of doing it can spare: 3 a state (two products, a sum), 2 an entry of the upper half of AᵀA.
-pub fn flops_a_row(design: &Design) -> f64 {
+/// Operations that no way of doing it can spare: 3 a state (two products, a sum), 2 an entry of the
+/// upper half of AᵀA.
+pub fn flops_a_row(design: &RegressionDesign) -> f64 {
     let states: usize = design.banks.iter().map(|bank| bank.rates_rad_s.len()).sum();
     let width = design.width();
     (3 * states + width * (width + 1)) as f64
@@ -113,7 +121,8 @@ pub fn bytes_a_second() -> f64 {
     size_of_val(values.as_slice()) as f64 / least_s(5, total)
 }
 
-/// The least time of some runs, s: on a machine that others use as well, that is the one they disturbed least.
+/// The least time of some runs, s: on a machine that others use as well, that is the one they
+/// disturbed least.
 pub fn least_s(runs: usize, mut work: impl FnMut()) -> f64 {
     let time = |()| {
         let start = Instant::now();

@@ -1,8 +1,9 @@
-//! What tests of wind as feedback share: rods and heads as tables, their models, and how far off those are.
+//! What tests of wind as feedback share: rods and heads as tables, their models, and how far off
+//! those are.
 
-use host_sim::identify::record::Table;
-use host_sim::identify::{GasGiven, Options, identify};
-use host_sim::model::{Model, Structure};
+use diffusive::identify::record::RecordTable;
+use diffusive::identify::{GasGiven, IdentifyOptions, identify};
+use diffusive::model::{Model, Structure};
 
 use crate::records::heads::HeadsRecord;
 use crate::records::rod::RodRecord;
@@ -11,12 +12,12 @@ use crate::records::rod::RodRecord;
 pub const NOISE_K: f64 = 0.005;
 
 /// Structure `conductance`, all else chosen.
-pub fn options(gas: GasGiven) -> Options {
-    Options { structure: Some(Structure::Conductance), gas, ..Options::default() }
+pub fn options(gas: GasGiven) -> IdentifyOptions {
+    IdentifyOptions { structure: Some(Structure::Conductance), gas, ..IdentifyOptions::default() }
 }
 
 /// The gas of [`Rod::default`](crate::records::rod::Rod), given as a number.
-pub fn known() -> Options {
+pub fn known() -> IdentifyOptions {
     options(GasGiven::ConstantC(18.0))
 }
 
@@ -26,19 +27,20 @@ pub fn named(name: &str, columns: &[Vec<f64>]) -> Vec<(String, Vec<f64>)> {
 }
 
 /// Gives the rows of a table the labels of their classes.
-pub fn with_labels(table: Table, class: &[usize], labels: &[String]) -> Table {
+pub fn with_labels(table: RecordTable, class: &[usize], labels: &[String]) -> RecordTable {
     table.with_events(&class.iter().map(|&class| labels[class].as_str()).collect::<Vec<_>>()).unwrap()
 }
 
 /// Power and temperature of the head, and the winds.
-pub fn without_gas(record: &RodRecord) -> Table {
+pub fn without_gas(record: &RodRecord) -> RecordTable {
     let (power, temperature) = ([record.power_w.clone()], [record.temperature_c.clone()]);
-    let table = Table::new(record.sample_period_s, named("power", &power), named("temperature", &temperature)).unwrap();
+    let table =
+        RecordTable::new(record.sample_period_s, named("power", &power), named("temperature", &temperature)).unwrap();
     with_labels(table, &record.class, &record.labels)
 }
 
 /// And the temperature of the gas.
-pub fn table(record: &RodRecord) -> Table {
+pub fn table(record: &RodRecord) -> RecordTable {
     without_gas(record).with_gas(&record.gas_c).unwrap()
 }
 
@@ -55,25 +57,25 @@ pub fn cut(record: &RodRecord, rows: std::ops::Range<usize>) -> RodRecord {
 }
 
 /// All heads of a record, and their winds.
-pub fn heads_table(record: &HeadsRecord) -> Table {
+pub fn heads_table(record: &HeadsRecord) -> RecordTable {
     let (power, temperature) = (named("power", &record.power_w), named("temperature", &record.temperature_c));
-    with_labels(Table::new(record.sample_period_s, power, temperature).unwrap(), &record.class, &record.labels)
+    with_labels(RecordTable::new(record.sample_period_s, power, temperature).unwrap(), &record.class, &record.labels)
 }
 
 /// The model of a table, or the sentence that refuses it.
-pub fn run(table: &mut Table, options: &Options) -> Result<Model, String> {
+pub fn run(table: &mut RecordTable, options: &IdentifyOptions) -> Result<Model, String> {
     identify(table, options, &mut |_, _, _| {}, &mut |_| {}).map_err(|error| error.to_string())
 }
 
 /// The model of a rod.
-pub fn found(record: &RodRecord, options: &Options) -> Model {
+pub fn found(record: &RodRecord, options: &IdentifyOptions) -> Model {
     let model = run(&mut table(record), options).unwrap();
     all_finite(&model);
     model
 }
 
 /// The sentence that refuses a table.
-pub fn refused(mut table: Table, options: &Options) -> String {
+pub fn refused(mut table: RecordTable, options: &IdentifyOptions) -> String {
     let sentence = run(&mut table, options).unwrap_err();
     assert!(sentence.starts_with("the table") && sentence.lines().count() == 1, "{sentence}");
     sentence

@@ -7,16 +7,17 @@
 //! | message | n | postcard encoding of `ToBoard` or `FromBoard` |
 //! | CRC | 2, little-endian | CRC-16/IBM-SDLC of all of the above |
 //!
-//! COBS takes the zeros out, so that 0x00 ends a frame and nothing else: a receiver that lost its place finds the next
-//! frame at the next zero.
+//! COBS takes the zeros out, so that 0x00 ends a frame and nothing else: a receiver that lost its
+//! place finds the next frame at the next zero.
 
-use crate::VERSION;
-use crate::stuffing::{Stuffed, unstuff};
+use crate::cobs::{Stuffed, unstuff};
+use crate::version::VERSION;
 use crc::{CRC_16_IBM_SDLC, Crc, Table};
 use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Longest frame, terminator included. The longest message is a tick of 16 elements with observers and wind: 71 numbers of 4 bytes.
+/// Longest frame, terminator included. The longest message is a tick of 16 elements with observers
+/// and wind: 71 numbers of 4 bytes.
 pub const MAX_FRAME: usize = 320;
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
@@ -35,19 +36,19 @@ pub enum FrameError {
 }
 
 #[derive(Serialize)]
-struct Frame<'a, T> {
+struct FrameLayout<'a, T> {
     version: u8,
     #[serde(with = "postcard::fixint::le")]
     sequence: u16,
     message: &'a T,
 }
 
-/// Writes a frame into `buffer` and gives the part that is to be sent, terminator included.
+/// Writes a frame into `buffer` and returns the part that is to be sent, terminator included.
 ///
 /// # Errors
 /// If the buffer is too short; one of [`MAX_FRAME`] never is.
 pub fn encode<'a, T: Serialize>(sequence: u16, message: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], postcard::Error> {
-    let frame = Frame { version: VERSION, sequence, message };
+    let frame = FrameLayout { version: VERSION, sequence, message };
     postcard::serialize_with_flavor(&frame, CrcModifier::new(Stuffed::new(buffer)?, CRC.digest()))
 }
 
@@ -75,17 +76,19 @@ pub fn decode<T: DeserializeOwned>(frame: &mut [u8]) -> Result<(u16, T), FrameEr
 mod tests {
     extern crate std;
     use super::*;
-    use crate::{
-        BoardKind, Crash, CrashKind, FromBoard, Identity, LinkCounters, List, MOST_ELEMENTS, Name, ObservedSample,
-        Parts, Readings, ResetCause, Sample, Status, ToBoard, WindSample,
+    use crate::counters::LinkCounters;
+    use crate::list::{List, MOST_ELEMENTS, Name};
+    use crate::message::{
+        BoardKind, Crash, CrashKind, FromBoard, Identity, ObservedSample, Readings, ResetCause, Sample, Status,
+        SurfaceValues, ToBoard, WindSample,
     };
+    use dr_core::Command;
     use dr_core::control::{
-        Cause, Command, Controller, Doubts, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
-        WindCommand,
+        Cause, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
     };
-    use dr_core::model::{AlarmConfig, GainsConfig, OwnConfig, Reachability, SelfHeatingConfig};
-    use dr_core::sensor::wind::CardConfig;
+    use dr_core::model::{AlarmConfig, GainsConfig, NetworkSelfHeatingConfig, Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
+    use dr_core::wind::{CardConfig, QualityFlags, WindCommand};
     use std::vec::Vec;
 
     fn bytes<T: Serialize>(sequence: u16, message: &T) -> Vec<u8> {
@@ -105,7 +108,7 @@ mod tests {
         };
         let equivalent_power_w = List::from_array([-1.7e38; MOST_ELEMENTS]);
         let wind = WindSample {
-            doubts: Doubts(u16::MAX),
+            quality_flags: QualityFlags(u16::MAX),
             wind_m_s: [-1.7e38; 3],
             speed_m_s: 1.7e38,
             across_m_s: 1.7e38,
@@ -114,8 +117,8 @@ mod tests {
             direction_error_rad: 3.1,
             chi_square: 1.7e38,
             gas_c: -1.7e38,
-            conductance_w_k: Parts::from_array([1.7e38; 4]),
-            raw_w_k: Parts::from_array([1.7e38; 4]),
+            conductance_w_k: SurfaceValues::from_array([1.7e38; 4]),
+            raw_w_k: SurfaceValues::from_array([1.7e38; 4]),
         };
         let observed = ObservedSample { sample: sample.clone(), equivalent_power_w, wind: Some(wind) };
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
@@ -139,7 +142,7 @@ mod tests {
             unsent: u32::MAX,
             late_ticks: u32::MAX,
             deadlines: u32::MAX,
-            upsets: u32::MAX,
+            bit_flips: u32::MAX,
             armed: true,
             control_cycles_max: u32::MAX,
             tick_cycles: u32::MAX,
@@ -148,7 +151,7 @@ mod tests {
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
         let readings = Readings::new(&[Reading::Code(-8_000_000); MOST_ELEMENTS]).unwrap();
-        let own = OwnConfig {
+        let own = NetworkSelfHeatingConfig {
             mesh_rad_s: [1.7e38; 8],
             r_k_per_w: [-1.7e38; 8],
             surface: [1.7e38; 8],
@@ -173,7 +176,7 @@ mod tests {
         for message in [
             ToBoard::Command(Command::Wind(WindCommand::Card(card))),
             ToBoard::Command(Command::Model { element: 255, model }),
-            ToBoard::Command(Command::Wind(WindCommand::Own { element: 255, config: own })),
+            ToBoard::Command(Command::Wind(WindCommand::SelfHeating { element: 255, config: own })),
             ToBoard::Readings(readings),
         ] {
             let mut frame = bytes(u16::MAX, &message);
@@ -247,7 +250,8 @@ mod tests {
 
     #[test]
     fn another_version_is_named() {
-        // The version is the first byte behind the first COBS code; the checksum has to be made to fit.
+        // The version is the first byte behind the first COBS code; the checksum has to be made to
+        // fit.
         for version in [VERSION - 1, VERSION + 1] {
             let mut content = std::vec![version, 0, 0, 0];
             content.extend(CRC.checksum(&content).to_le_bytes());

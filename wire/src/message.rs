@@ -1,17 +1,13 @@
 //! Every message, on one screen.
 
-use crate::receiver::LinkCounters;
+use crate::counters::LinkCounters;
+use crate::list::{List, MOST_ELEMENTS, Name};
 use crate::settings::{SettingsAnswer, SettingsRequest};
-use dr_core::control::anemometer::MOST_PARTS;
-use dr_core::control::{Command, Doubts, Finding, Heaters, Margins, Refusal, Reply, RunState, Tick, WindTick};
-use dr_core::sensor::{Input, Reading};
+use dr_core::control::{Heaters, Margins, Refusal, RunState, SelfTestFinding, Tick};
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::wind::{MOST_SURFACES, QualityFlags, WindTick};
+use dr_core::{Command, Reply};
 use serde::{Deserialize, Serialize};
-
-/// The most elements that any instrument has; `Identity` says how many a board has.
-pub const MOST_ELEMENTS: usize = 16;
-
-/// One entry an element: as many as are configured.
-pub type List<T> = heapless::Vec<T, MOST_ELEMENTS>;
 
 /// The first entries of what a controller keeps for all that it has room for.
 fn list<T: Copy, const N: usize>(of: &[T; N], elements: u8) -> List<T> {
@@ -24,39 +20,36 @@ fn list<T: Copy, const N: usize>(of: &[T; N], elements: u8) -> List<T> {
     list
 }
 
-/// A short text.
-pub type Name = heapless::String<32>;
-
 /// Host to board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[repr(u32)] // moved by words: behind a tag of one byte it would be moved byte by byte
 pub enum ToBoard {
-    /// Who are you? Answered by `Identity`.
+    /// Requests the identity. The reply is `Identity`.
     Hello,
-    /// Answered by `Reply` with this frame's sequence number.
+    /// A command. The reply is `Reply` with the sequence number of this frame.
     Command(Command),
     /// Send a `Sample` every so many ticks; 0 sends none. 1 after a reset.
     Telemetry {
         /// Ticks a sample.
         every: u16,
     },
-    /// What the simulated front end reads. Obeyed by the virtual board only.
+    /// What the simulated front end reads. Accepted by the virtual board only.
     Readings(Readings),
     /// The run is over: the virtual board leaves its emulator with this code.
     Finish {
         /// Exit code.
         code: u8,
     },
-    /// A tick has passed in which the simulated front end said nothing. Answered by `Heaters` with the levels as they stand then.
-    /// Obeyed by the virtual board only.
+    /// The simulated front end was silent for a tick. The reply is `Heaters` with the present
+    /// levels. Accepted by the virtual board only.
     Silence,
-    /// Something goes wrong. Obeyed by the virtual board only.
+    /// Provokes a fault. Accepted by the virtual board only.
     Provoke(Provocation),
-    /// What is kept in flash. Answered by `Setting`.
+    /// A request to the settings in flash. The reply is `Setting`.
     Settings(SettingsRequest),
 }
 
-/// What can be made to go wrong on the virtual board, to see what becomes of it.
+/// Faults that can be provoked on the virtual board, for tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Provocation {
     /// The firmware panics.
@@ -66,7 +59,7 @@ pub enum Provocation {
     /// The reset pin.
     Reset,
     /// A bit flips in a byte of its RAM.
-    Upset {
+    BitFlip {
         /// Where the byte is, from the beginning of the RAM on.
         offset: u32,
         /// Which bit, 0 … 7.
@@ -83,9 +76,9 @@ pub enum Provocation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[repr(u32)] // moved by words: behind a tag of one byte it would be moved byte by byte
 pub enum FromBoard {
-    /// Answer to `Hello`.
+    /// Reply to `Hello`.
     Identity(Identity),
-    /// Answer to a `Command`.
+    /// Reply to a `Command`.
     Reply {
         /// Sequence number of the frame that brought the command.
         to: u16,
@@ -100,16 +93,17 @@ pub enum FromBoard {
     Event(Event),
     /// Levels for the simulated front end. Sent by the virtual board only.
     Heaters(HeaterFrame),
-    /// One tick, in place of `Sample` while the observers run, and where there is an answer to the wind.
+    /// One tick, in place of `Sample` while the observers run or at the end of an output interval
+    /// of the wind.
     Observed(ObservedSample),
-    /// Answer to `Settings`.
+    /// Reply to `Settings`.
     Setting(SettingsAnswer),
     /// What a self-test has found of one element; one message an element, when the test is over.
-    Tested(Finding),
+    Tested(SelfTestFinding),
 }
 
 impl FromBoard {
-    /// A tick, with what the observers and the anemometer say of it where they do.
+    /// A tick, with the results of the observers and the anemometer if there are any.
     pub fn of_tick<const N: usize>(tick: &Tick<N>, wind: Option<&WindTick>) -> Self {
         let sample = Sample::from(tick);
         if tick.equivalent_power_w.is_none() && wind.is_none() {
@@ -136,11 +130,11 @@ pub struct Identity {
     pub reset: ResetCause,
     /// How often it has started since its supply came up.
     pub starts: u32,
-    /// What ended its life before, if it was a panic or a fault that nobody has acknowledged yet.
+    /// The last crash, if it has not been acknowledged yet.
     pub crash: Option<Crash>,
 }
 
-/// What a firmware died of.
+/// Cause of a crash of the firmware.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crash {
     /// Panic or fault.
@@ -176,17 +170,18 @@ pub enum ResetCause {
     PowerOn,
     /// Reset pin.
     Pin,
-    /// Asked for by software: a panic or a hard fault.
+    /// Requested by software: a panic or a hard fault.
     Software,
     /// The watchdog was not fed.
     Watchdog,
     /// Supply dipped.
     BrownOut,
-    /// The processor does not say.
+    /// The processor gives no cause.
     Unknown,
 }
 
-/// One reading an element, in lock-step. Packed, since the emulated USART takes its time for every byte.
+/// One reading an element, in lock-step. Packed, since the emulated USART takes its time for every
+/// byte.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Readings {
     /// Bit i is set if element i has no fresh reading.
@@ -195,7 +190,8 @@ pub struct Readings {
     codes: List<Code>,
 }
 
-/// A code of 24 bit, little-endian, two's complement. Bytes only on the way: words are moved many times faster, by the emulator too.
+/// A code of 24 bit, little-endian, two's complement. Bytes only on the way: words are moved many
+/// times faster, by the emulator too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "[u8; 3]", from = "[u8; 3]")]
 struct Code(i32);
@@ -215,7 +211,8 @@ impl From<[u8; 3]> for Code {
 }
 
 impl Readings {
-    /// Packs readings; none if they are of more elements than any instrument has. Codes have 24 bit: the ADC has no more.
+    /// Packs readings; none if they are of more elements than any instrument has. Codes have 24
+    /// bit: the ADC has no more.
     pub fn new(readings: &[Reading]) -> Option<Self> {
         let mut packed = Self { absent: 0, codes: List::new() };
         for (i, reading) in readings.iter().enumerate() {
@@ -231,7 +228,7 @@ impl Readings {
         Some(packed)
     }
 
-    /// Unpacks them. An element of which nothing was said has no reading.
+    /// Unpacks them. An element without an entry has no reading.
     pub fn readings(&self) -> [Reading; MOST_ELEMENTS] {
         let mut readings = [Reading::Missing; MOST_ELEMENTS];
         for (i, (reading, &Code(code))) in readings.iter_mut().zip(&self.codes).enumerate() {
@@ -275,25 +272,25 @@ impl<const N: usize> From<&Tick<N>> for Sample {
     }
 }
 
-/// A [`Sample`] and what the observers and the anemometer say at its tick. A message of its own, so that a board without them sends
-/// nothing more.
+/// A [`Sample`] with the results of the observers and the anemometer. A message of its own, so that
+/// a board without them sends no more bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObservedSample {
     /// The tick.
     pub sample: Sample,
-    /// Equivalent control at the tick, W: what the element's structure takes, by its model. 0 for an element without one; empty if no
-    /// observers run.
+    /// Equivalent control at the tick, W: the conduction into the structure of the element, by its
+    /// model. 0 for an element without one; empty if no observers run.
     pub equivalent_power_w: List<f32>,
-    /// The wind, where an answer is due.
+    /// The wind estimate, at the end of an output interval.
     pub wind: Option<WindSample>,
 }
 
-/// What is known of the wind at a tick: [`WindTick`], as it travels.
+/// The wind estimate of a tick: [`WindTick`], as it travels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WindSample {
-    /// What is to be doubted; numbers mean nothing where it says `failed`.
-    pub doubts: Doubts,
-    /// Where the gas goes to, m/s.
+    /// Quality flags; with `failed` the numbers are not valid.
+    pub quality_flags: QualityFlags,
+    /// Direction in which the gas moves, m/s.
     pub wind_m_s: [f32; 3],
     /// m/s.
     pub speed_m_s: f32,
@@ -309,31 +306,31 @@ pub struct WindSample {
     pub chi_square: f32,
     /// Temperature of the gas, °C.
     pub gas_c: f32,
-    /// Conductances of the head's parts, W/K; 0 for one that is not measured.
-    pub conductance_w_k: Parts,
+    /// Conductances of the surfaces of the head, W/K; 0 for one that is not measured.
+    pub conductance_w_k: SurfaceValues,
     /// The same from power and temperature alone, W/K.
-    pub raw_w_k: Parts,
+    pub raw_w_k: SurfaceValues,
 }
 
-/// One entry a part of the head.
-pub type Parts = heapless::Vec<f32, MOST_PARTS>;
+/// One entry per surface of the head.
+pub type SurfaceValues = heapless::Vec<f32, MOST_SURFACES>;
 
 impl From<&WindTick> for WindSample {
-    fn from(told: &WindTick) -> Self {
-        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = told.wind.covariance_m2_s2;
-        let parts = |of: &[f32; MOST_PARTS]| of.iter().copied().take(usize::from(told.parts)).collect();
+    fn from(report: &WindTick) -> Self {
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = report.wind.covariance_m2_s2;
+        let surfaces = |of: &[f32; MOST_SURFACES]| of.iter().copied().take(usize::from(report.surfaces)).collect();
         Self {
-            doubts: told.doubts,
-            wind_m_s: told.wind.wind_m_s,
-            speed_m_s: told.wind.speed_m_s,
-            across_m_s: told.wind.across_m_s,
+            quality_flags: report.quality_flags,
+            wind_m_s: report.wind.wind_m_s,
+            speed_m_s: report.wind.speed_m_s,
+            across_m_s: report.wind.across_m_s,
             covariance_m2_s2: [xx, yy, zz, xy, xz, yz],
-            speed_error_m_s: told.wind.speed_error_m_s,
-            direction_error_rad: told.wind.direction_error_rad,
-            chi_square: told.wind.chi_square,
-            gas_c: told.gas_c,
-            conductance_w_k: parts(&told.conductance_w_k),
-            raw_w_k: parts(&told.raw_w_k),
+            speed_error_m_s: report.wind.speed_error_m_s,
+            direction_error_rad: report.wind.direction_error_rad,
+            chi_square: report.wind.chi_square,
+            gas_c: report.gas_c,
+            conductance_w_k: surfaces(&report.conductance_w_k),
+            raw_w_k: surfaces(&report.raw_w_k),
         }
     }
 }
@@ -345,7 +342,7 @@ pub struct Status {
     pub uptime_s: u32,
     /// What arrived on the host link, and what was wrong with it.
     pub link: LinkCounters,
-    /// Messages that came when their queue was full, or that this board does not obey.
+    /// Messages that found their queue full, or that this board does not accept.
     pub refused: u32,
     /// Messages that found the queue to the host full. They count in the sequence numbers.
     pub unsent: u32,
@@ -353,15 +350,16 @@ pub struct Status {
     pub late_ticks: u32,
     /// Times that the heaters were lowered because their levels had not been decided anew in time.
     pub deadlines: u32,
-    /// Times that memory was found to be something else than what had been written to it.
-    pub upsets: u32,
-    /// Whether what can heat may be asked for now.
+    /// Bit flips found in memory by the integrity check.
+    pub bit_flips: u32,
+    /// Whether commands that can heat are accepted now.
     pub armed: bool,
     /// Longest control task so far, processor cycles (0 where there is no cycle counter).
     pub control_cycles_max: u32,
     /// Processor cycles in a tick; 0 until the sample period is set.
     pub tick_cycles: u32,
-    /// Of each element that holds a temperature and has a model: what is left to its low and its high level, W.
+    /// Margins to the low and the high level of each element that controls a temperature and has a
+    /// model, W.
     pub margins: List<Option<Margins>>,
 }
 
@@ -374,15 +372,15 @@ pub struct Event {
     pub state: RunState,
 }
 
-/// The virtual board's answer to `Readings`.
+/// Reply of the virtual board to `Readings`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeaterFrame {
     /// Sequence number of the frame that brought the readings.
     pub to: u16,
     /// Levels to hold until the next one.
     pub heaters: Heaters,
-    /// What the next readings shall be of.
-    pub input: Input,
+    /// Input of the next readings.
+    pub input: FrontEndInput,
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     #[serde(with = "postcard::fixint::le")]
     pub digest: u64,

@@ -1,34 +1,20 @@
 //! From bytes to messages, and a count of everything that was not one.
 
+use crate::counters::LinkCounters;
 use crate::frame::{self, FrameError, MAX_FRAME};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
 
-/// A greater step of the sequence is a sender that started anew, not a loss. Four seconds' worth at 1 kHz.
+/// A greater step of the sequence is a sender that started anew, not a loss. Four seconds' worth at
+/// 1 kHz.
 const MOST_LOST: u16 = 4096;
-
-/// What came over a link.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct LinkCounters {
-    /// Messages taken.
-    pub messages: u32,
-    /// Frames dropped because they were damaged, cut short or garbage.
-    pub damaged: u32,
-    /// Frames dropped because they were longer than any frame is.
-    pub oversized: u32,
-    /// Frames that came twice in a row; the second one is dropped.
-    pub repeated: u32,
-    /// Messages that the sequence numbers say are missing.
-    pub lost: u32,
-    /// Frames of another protocol version.
-    pub foreign: u32,
-}
 
 /// A message that arrived in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Received<T> {
     /// Its sequence number.
     pub sequence: u16,
-    /// It has the sequence number of the message before: drop it, unless doing it twice does no harm.
+    /// It has the sequence number of the message before: drop it, unless doing it twice does no
+    /// harm.
     pub repeated: bool,
     /// What it says.
     pub message: T,
@@ -122,7 +108,8 @@ impl Receiver {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::{ToBoard, encode};
+    use crate::frame::encode;
+    use crate::message::ToBoard;
     use std::vec::Vec;
 
     fn frame(sequence: u16) -> Vec<u8> {

@@ -1,4 +1,4 @@
-//! Settings: what an instrument keeps in its flash, each under a key of its own.
+//! Settings that an instrument stores in its flash, each under a key of its own.
 //!
 //! | number | key | what |
 //! |---|---|---|
@@ -8,25 +8,28 @@
 //! | 0x0400 | `guard` | command `Guard` |
 //! | 0x0500 | `observe` | command `Observe` |
 //! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
-//! | 0x20ee | `own` | request `Own` of element ee |
-//! | 0x21es | `faster` | request `Faster`: set s of element e |
-//! | 0x22ft | `cross` | request `Cross` from element f to element t |
-//! | 0x23pp | `point` | request `Point` |
-//! | 0x24pp | `part` | request `Part` |
+//! | 0x20ee | `own` | command `SelfHeating` of element ee |
+//! | 0x21es | `faster` | command `FasterGains`: set s of element e |
+//! | 0x22ft | `cross` | command `CrossHeating` from element f to element t |
+//! | 0x23pp | `point` | command `NusseltPoint` |
+//! | 0x24pp | `part` | command `Surface` |
 //! | 0x2500 … 0x2800 | `card`, `gas_law`, `answer`, `gas` | the others |
-//! | 0x30ee, 0x31ee | `tested`, `tested_at_start` | what the last self-test that a host asked for, and the last one of a start, has found of element ee; written by the instrument itself, and told to nobody but hosts |
+//! | 0x30ee, 0x31ee | `tested`, `tested_at_start` | finding for element ee of the last self-test requested by a host, and of the last one after a start; written by the instrument itself, and sent to hosts only |
 //!
-//! The upper byte is the kind, the lower one says which. Numbers never change their meaning. In ascending order they are the order in which
-//! an instrument has to be told.
+//! The upper byte is the kind, the lower one the index. Numbers never change their meaning. Their
+//! ascending order is the order of a set-up.
 //!
-//! A value is its format, one byte ([`FORMAT`]), and the postcard encoding of a [`Setting`]. It says itself what it is of: a value that is found
-//! under another key than its own is refused, as is one of another format.
+//! A value is its format, one byte ([`FORMAT`]), and the postcard encoding of a [`Setting`]. It
+//! says itself what it is of: a value that is found under another key than its own is refused, as
+//! is one of another format.
 
 use core::fmt;
-use dr_core::control::{Command, Finding, Refusal, WindCommand};
+use dr_core::Command;
+use dr_core::control::{Refusal, SelfTestFinding};
+use dr_core::wind::WindCommand;
 use serde::{Deserialize, Serialize};
 
-use crate::message::Name;
+use crate::list::Name;
 
 /// Format of the values. Any change of what a [`Setting`] looks like in bytes raises it.
 pub const FORMAT: u8 = 1;
@@ -35,7 +38,7 @@ pub const FORMAT: u8 = 1;
 pub const MOST_VALUE: usize = 224;
 
 /// A value as it is kept: format, then bytes.
-pub type Value = heapless::Vec<u8, MOST_VALUE>;
+pub type SettingValue = heapless::Vec<u8, MOST_VALUE>;
 
 /// Number of a key.
 pub type KeyNumber = u16;
@@ -43,14 +46,14 @@ pub type KeyNumber = u16;
 /// What kind of thing a key is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
-pub enum Kind {
+pub enum SettingKind {
     /// What the instrument is called.
     Name = 0x01,
     /// Ticks a sample.
     TelemetryEvery = 0x02,
     /// Length of a tick.
     SamplePeriod = 0x03,
-    /// The guard's patience.
+    /// Limits of the guard.
     Guard = 0x04,
     /// Whether observers run.
     Observe = 0x05,
@@ -60,32 +63,32 @@ pub enum Kind {
     Model = 0x11,
     /// What it does.
     Drive = 0x12,
-    /// How an element heats itself.
-    Own = 0x20,
-    /// Quicker gains.
-    Faster = 0x21,
-    /// How an element heats another.
-    Cross = 0x22,
+    /// Self-heating of an element.
+    SelfHeating = 0x20,
+    /// Faster gains.
+    FasterGains = 0x21,
+    /// Cross-heating of a pair.
+    CrossHeating = 0x22,
     /// Amplitudes at a Reynolds number.
-    Point = 0x23,
-    /// A part of the head.
-    Part = 0x24,
+    NusseltPoint = 0x23,
+    /// A surface of the head.
+    Surface = 0x24,
     /// Four dice on a card.
     Card = 0x25,
     /// The gas.
     GasLaw = 0x26,
-    /// How the wind is answered.
-    Answer = 0x27,
-    /// What the gas is like.
+    /// Output settings of the wind estimate.
+    WindOutput = 0x27,
+    /// State of the gas.
     Gas = 0x28,
-    /// What a self-test that was asked for has found of an element.
+    /// Finding of a requested self-test for an element.
     Tested = 0x30,
-    /// What the one of a start has found.
+    /// Finding of the self-test after a start.
     TestedAtStart = 0x31,
 }
 
-impl Kind {
-    /// All of them, in the order in which they are told.
+impl SettingKind {
+    /// All kinds, in the order of a set-up.
     pub const ALL: [Self; 19] = [
         Self::Name,
         Self::TelemetryEvery,
@@ -95,14 +98,14 @@ impl Kind {
         Self::Element,
         Self::Model,
         Self::Drive,
-        Self::Own,
-        Self::Faster,
-        Self::Cross,
-        Self::Point,
-        Self::Part,
+        Self::SelfHeating,
+        Self::FasterGains,
+        Self::CrossHeating,
+        Self::NusseltPoint,
+        Self::Surface,
         Self::Card,
         Self::GasLaw,
-        Self::Answer,
+        Self::WindOutput,
         Self::Gas,
         Self::Tested,
         Self::TestedAtStart,
@@ -119,14 +122,14 @@ impl Kind {
             Self::Element => "element",
             Self::Model => "model",
             Self::Drive => "drive",
-            Self::Own => "own",
-            Self::Faster => "faster",
-            Self::Cross => "cross",
-            Self::Point => "point",
-            Self::Part => "part",
+            Self::SelfHeating => "own",
+            Self::FasterGains => "faster",
+            Self::CrossHeating => "cross",
+            Self::NusseltPoint => "point",
+            Self::Surface => "part",
             Self::Card => "card",
             Self::GasLaw => "gas_law",
-            Self::Answer => "answer",
+            Self::WindOutput => "answer",
             Self::Gas => "gas",
             Self::Tested => "tested",
             Self::TestedAtStart => "tested_at_start",
@@ -136,14 +139,14 @@ impl Kind {
 
 /// A key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Key {
+pub struct SettingKey {
     /// What kind of thing it is of.
-    pub kind: Kind,
+    pub kind: SettingKind,
     /// Which of them; 0 where there is only one.
     pub which: u8,
 }
 
-impl Key {
+impl SettingKey {
     /// Its number, for ever.
     pub const fn number(self) -> KeyNumber {
         (self.kind as u16) << 8 | self.which as u16
@@ -152,7 +155,7 @@ impl Key {
     /// The key of a number, if it is one.
     pub fn of_number(number: KeyNumber) -> Option<Self> {
         let [kind, which] = number.to_be_bytes();
-        let kind = Kind::ALL.into_iter().find(|known| *known as u8 == kind)?;
+        let kind = SettingKind::ALL.into_iter().find(|known| *known as u8 == kind)?;
         Some(Self { kind, which })
     }
 }
@@ -173,14 +176,15 @@ pub enum Setting {
 /// What a self-test has found of an element, when, and by whom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TestRecord {
-    /// When a host says that it was begun, s since 1970; none if the instrument has begun it by itself at a start, which knows no date.
+    /// Start time given by the host, s since 1970; none for the self-test after a start, when the
+    /// date is unknown.
     pub unix_s: Option<u32>,
     /// The firmware that tested.
     pub firmware: Name,
     /// How often it had started since its supply came up.
     pub starts: u32,
     /// What it found.
-    pub finding: Finding,
+    pub finding: SelfTestFinding,
 }
 
 /// Why a stored value is not used.
@@ -197,34 +201,34 @@ pub enum Unusable {
     Damaged,
     /// It is a value, but of another key.
     Misplaced,
-    /// The instrument does not take it.
+    /// The instrument refuses it.
     Refused(Refusal),
 }
 
 impl Setting {
     /// Where it belongs; none for a command that sets nothing up.
-    pub fn key(&self) -> Option<Key> {
+    pub fn key(&self) -> Option<SettingKey> {
         let pair = |a: u8, b: u8| (a < 16 && b < 16).then_some(a << 4 | b);
         let (kind, which) = match self {
-            Self::Name(_) => (Kind::Name, 0),
-            Self::TelemetryEvery(_) => (Kind::TelemetryEvery, 0),
+            Self::Name(_) => (SettingKind::Name, 0),
+            Self::TelemetryEvery(_) => (SettingKind::TelemetryEvery, 0),
             Self::Command(command) => match command {
-                Command::SamplePeriod { .. } => (Kind::SamplePeriod, 0),
-                Command::Guard(_) => (Kind::Guard, 0),
-                Command::Observe { .. } => (Kind::Observe, 0),
-                Command::Element { element, .. } => (Kind::Element, *element),
-                Command::Model { element, .. } => (Kind::Model, *element),
-                Command::Drive { element, .. } => (Kind::Drive, *element),
+                Command::SamplePeriod { .. } => (SettingKind::SamplePeriod, 0),
+                Command::Guard(_) => (SettingKind::Guard, 0),
+                Command::Observe { .. } => (SettingKind::Observe, 0),
+                Command::Element { element, .. } => (SettingKind::Element, *element),
+                Command::Model { element, .. } => (SettingKind::Model, *element),
+                Command::Drive { element, .. } => (SettingKind::Drive, *element),
                 Command::Wind(wind) => match wind {
-                    WindCommand::Own { element, .. } => (Kind::Own, *element),
-                    WindCommand::Faster(faster) => (Kind::Faster, pair(faster.element, faster.set)?),
-                    WindCommand::Cross(cross) => (Kind::Cross, pair(cross.from, cross.to)?),
-                    WindCommand::Point { point, .. } => (Kind::Point, *point),
-                    WindCommand::Part { part, .. } => (Kind::Part, *part),
-                    WindCommand::Card(_) => (Kind::Card, 0),
-                    WindCommand::GasLaw(_) => (Kind::GasLaw, 0),
-                    WindCommand::Answer(_) => (Kind::Answer, 0),
-                    WindCommand::Gas { .. } => (Kind::Gas, 0),
+                    WindCommand::SelfHeating { element, .. } => (SettingKind::SelfHeating, *element),
+                    WindCommand::FasterGains(faster) => (SettingKind::FasterGains, pair(faster.element, faster.set)?),
+                    WindCommand::CrossHeating(cross) => (SettingKind::CrossHeating, pair(cross.from, cross.to)?),
+                    WindCommand::NusseltPoint { point, .. } => (SettingKind::NusseltPoint, *point),
+                    WindCommand::Surface { surface, .. } => (SettingKind::Surface, *surface),
+                    WindCommand::Card(_) => (SettingKind::Card, 0),
+                    WindCommand::GasLaw(_) => (SettingKind::GasLaw, 0),
+                    WindCommand::Output(_) => (SettingKind::WindOutput, 0),
+                    WindCommand::Gas { .. } => (SettingKind::Gas, 0),
                 },
                 Command::Clear
                 | Command::Start
@@ -235,24 +239,24 @@ impl Setting {
                 | Command::SelfTest(_) => return None,
             },
             Self::Tested(record) => {
-                let kind = if record.unix_s.is_some() { Kind::Tested } else { Kind::TestedAtStart };
+                let kind = if record.unix_s.is_some() { SettingKind::Tested } else { SettingKind::TestedAtStart };
                 (kind, record.finding.element)
             }
         };
-        Some(Key { kind, which })
+        Some(SettingKey { kind, which })
     }
 
     /// The value of it, as it is kept.
     ///
     /// # Errors
     /// If it is longer than any value may be, which none is.
-    pub fn value(&self) -> Result<Value, postcard::Error> {
+    pub fn value(&self) -> Result<SettingValue, postcard::Error> {
         let mut buffer = [0; MOST_VALUE];
         let [format, rest @ ..] = &mut buffer;
         *format = FORMAT;
         let length = 1 + postcard::to_slice(self, rest)?.len();
         let used = buffer.get(..length).unwrap_or_default();
-        Value::from_slice(used).map_err(|_| postcard::Error::SerializeBufferFull)
+        SettingValue::from_slice(used).map_err(|_| postcard::Error::SerializeBufferFull)
     }
 
     /// Reads a value that stands under a key.
@@ -260,7 +264,7 @@ impl Setting {
     /// # Errors
     /// Why it is not used.
     pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
-        let key = Key::of_number(number).ok_or(Unusable::UnknownKey)?;
+        let key = SettingKey::of_number(number).ok_or(Unusable::UnknownKey)?;
         let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
         // Formats that are older than this one are converted here, once there are any.
         if found != FORMAT {
@@ -274,16 +278,16 @@ impl Setting {
     }
 }
 
-/// What a host may ask of the settings. Each is answered by one `Setting`.
+/// Requests of a host to the settings. The reply to each is one `Setting`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // there is no heap to put the value on
 pub enum SettingsRequest {
-    /// Keep this value. In standby. It is in force after the next `Load`, or the next start.
+    /// Stores a value. In standby. It applies after the next `Load` or the next start.
     Store {
         /// Under this key.
         key: KeyNumber,
         /// Format, and bytes.
-        value: Value,
+        value: SettingValue,
     },
     /// The value of a key.
     Read {
@@ -295,20 +299,20 @@ pub enum SettingsRequest {
         /// None: the first of all.
         after: Option<KeyNumber>,
     },
-    /// Keep nothing under this key. In standby.
-    Forget {
+    /// Erases the value of a key. In standby.
+    Erase {
         /// Which.
         key: KeyNumber,
     },
-    /// Keep nothing at all. In standby.
-    ForgetAll,
-    /// Forget what the instrument has been told, and set it up by what is kept. In standby.
+    /// Erases all values. In standby.
+    EraseAll,
+    /// Clears the instrument and applies the stored settings. In standby.
     Load,
-    /// Is what is kept what was written? Answered `Done`, or refused `NotWhole`.
+    /// Verifies the stored settings. The reply is `Done`, or the refusal `NotWhole`.
     Check,
 }
 
-/// An answer.
+/// A reply of the settings server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SettingsAnswer {
     /// Sequence number of the frame that brought the request.
@@ -317,7 +321,7 @@ pub struct SettingsAnswer {
     pub result: Result<SettingsReply, SettingsRefusal>,
 }
 
-/// What is answered to a request that was carried out.
+/// Reply to a request that was carried out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // there is no heap to put the value on
 pub enum SettingsReply {
@@ -328,7 +332,7 @@ pub enum SettingsReply {
         /// Its key.
         key: KeyNumber,
         /// Format and bytes, as they stand.
-        value: Value,
+        value: SettingValue,
         /// Why it is not used, if it is not.
         unusable: Option<Unusable>,
     },
@@ -336,9 +340,9 @@ pub enum SettingsReply {
     Nothing,
     /// The instrument has been set up.
     Loaded {
-        /// By so many values.
+        /// Number of settings applied.
         taken: u16,
-        /// So many are not used; `Read` says why.
+        /// Number of values not used; `Read` returns the reason.
         left: u16,
     },
 }
@@ -357,7 +361,7 @@ pub enum SettingsRefusal {
     },
     /// The flash does not take it, does not give it back, or holds something else.
     Flash,
-    /// Something has rotted: values may be missing, or older than they should be.
+    /// The stored settings are corrupt: values may be missing or out of date.
     NotWhole,
 }
 
@@ -381,7 +385,7 @@ impl fmt::Display for Unusable {
             Self::UnknownKey => write!(f, "this firmware does not know its key"),
             Self::Damaged => write!(f, "it is damaged"),
             Self::Misplaced => write!(f, "it is the value of another key"),
-            Self::Refused(refusal) => write!(f, "the instrument does not take it: {refusal}"),
+            Self::Refused(refusal) => write!(f, "the instrument refuses it: {refusal}"),
         }
     }
 }
@@ -394,9 +398,9 @@ impl fmt::Display for SettingsRefusal {
             }
             Self::Unusable(why) => write!(f, "this value would not be used: {why}"),
             Self::Full { free } => write!(f, "there is no room for it: {free} bytes are free"),
-            Self::Flash => write!(f, "the flash of the settings does not answer as it should, or holds something else"),
+            Self::Flash => write!(f, "the flash of the settings cannot be read or written, or holds other data"),
             Self::NotWhole => {
-                write!(f, "something in the flash has rotted: values may be missing, or older than they should be")
+                write!(f, "the settings in flash are corrupt: values may be missing or out of date")
             }
         }
     }

@@ -2,60 +2,59 @@
 //!
 //! Paths are read from cargo's own messages, so that any target directory works.
 
-use crate::{install, shell};
+use crate::install::{self, TARGET};
+use crate::shell;
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-
-/// Target triple of the boards.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
 pub const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
 
 /// The two boards that the firmware is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Board {
+pub enum FirmwareBoard {
     Sensor,
     Virtual,
 }
 
-impl Board {
-    pub const ALL: [Board; 2] = [Board::Sensor, Board::Virtual];
+impl FirmwareBoard {
+    pub const ALL: [FirmwareBoard; 2] = [FirmwareBoard::Sensor, FirmwareBoard::Virtual];
 
     /// The cargo feature that chooses the board, and its name for people.
     pub fn feature(self) -> &'static str {
         match self {
-            Board::Sensor => "sensor-board",
-            Board::Virtual => "virtual-board",
+            FirmwareBoard::Sensor => "sensor-board",
+            FirmwareBoard::Virtual => "virtual-board",
         }
     }
 }
 
 /// Builds the application's image for a board.
-pub fn firmware(board: Board) -> Result<PathBuf> {
+pub fn firmware(board: FirmwareBoard) -> Result<PathBuf> {
     image("firmware", board)
 }
 
 /// Builds the image that runs every counted kernel once (see `cost`).
 pub fn cost_image() -> Result<PathBuf> {
-    image("cost", Board::Virtual)
+    image("cost", FirmwareBoard::Virtual)
 }
 
 /// Builds the image that overflows its stack (see `overflow`).
 pub fn overflow_image() -> Result<PathBuf> {
-    image("overflow", Board::Virtual)
+    image("overflow", FirmwareBoard::Virtual)
 }
 
 /// Builds the `anemo` command.
 pub fn anemo() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "-p", "host-sim", "--bin", "anemo"]), "anemo")
+    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
 }
 
-fn image(bin: &str, board: Board) -> Result<PathBuf> {
+fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     let mut cargo = shell::cargo();
     cargo.env(LINKER_VARIABLE, install::flip_link()?);
-    // Incremental builds are cut into other units: other instructions are counted then than in a fresh clone.
+    // Incremental builds are cut into other units: other instructions are counted then than in a
+    // fresh clone.
     cargo.env("CARGO_INCREMENTAL", "0");
     cargo.args(["build", "--profile", "firmware", "--target", TARGET, "-p", "firmware", "--bin", bin]);
     cargo.args(["--no-default-features", "--features", board.feature()]);
@@ -66,7 +65,8 @@ fn image(bin: &str, board: Board) -> Result<PathBuf> {
     Ok(kept)
 }
 
-/// Runs a `cargo build` or a `cargo test --no-run` and returns the executable that it reports for `bin`.
+/// Runs a `cargo build` or a `cargo test --no-run` and returns the executable that it reports for
+/// `bin`.
 pub fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
     let output = cargo
         .arg("--message-format=json-render-diagnostics")

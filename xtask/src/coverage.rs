@@ -1,7 +1,8 @@
 //! How many lines of `dr-core` its own unit tests run, file by file, and which they do not.
 //!
-//! The compiler counts (`-C instrument-coverage`), LLVM's own two tools make a report of it. Lines of tests are not counted: they would run
-//! whatever they test. Tests of other crates and examples in the documentation are not asked: what decides must be tested where it stands.
+//! The compiler counts (`-C instrument-coverage`), LLVM's own two tools make a report of it.
+//! LineHits of tests are not counted: they would run whatever they test. Tests of other crates and
+//! examples in the documentation are not asked: what decides must be tested where it stands.
 
 use crate::{artefacts, install, shell};
 use anyhow::{Context, Result, bail};
@@ -12,8 +13,8 @@ const CRATE: &str = "dr-core";
 /// Of all lines, so many per cent at the least.
 const LEAST_PERCENT: f64 = 95.0;
 
-/// Lines of one file that hold code, and whether a test has run them.
-type Lines = BTreeMap<usize, bool>;
+/// LineHits of one file that hold code, and whether a test has run them.
+type LineHits = BTreeMap<usize, bool>;
 
 pub fn run() -> Result<()> {
     let tools = install::llvm_tools()?;
@@ -57,8 +58,8 @@ pub fn run() -> Result<()> {
 }
 
 /// Prints the table and refuses too small a share.
-fn judge(files: &BTreeMap<String, Lines>) -> Result<()> {
-    let count = |lines: &Lines| (lines.len(), lines.values().filter(|&&is_run| is_run).count());
+fn judge(files: &BTreeMap<String, LineHits>) -> Result<()> {
+    let count = |lines: &LineHits| (lines.len(), lines.values().filter(|&&is_run| is_run).count());
     let share = |(all, run): (usize, usize)| if all == 0 { 100.0 } else { 100.0 * run as f64 / all as f64 };
     println!("{:<36} {:>6} {:>7} {:>7}  lines that no test runs", CRATE, "lines", "run", "%");
     let mut total = (0, 0);
@@ -80,13 +81,13 @@ fn judge(files: &BTreeMap<String, Lines>) -> Result<()> {
     Ok(())
 }
 
-/// Lines that are not run, as `3, 7-9`.
-fn missed(lines: &Lines) -> String {
+/// LineHits that are not run, as `3, 7-9`.
+fn missed(lines: &LineHits) -> String {
     let mut ranges: Vec<(usize, usize)> = Vec::new();
     let mut before_is_missed = false;
     for (&line, &is_run) in lines {
         match ranges.last_mut() {
-            // Lines without code between two missed ones do not part them.
+            // LineHits without code between two missed ones do not part them.
             Some(range) if before_is_missed && !is_run => range.1 = line,
             _ if !is_run => ranges.push((line, line)),
             _ => {}
@@ -97,9 +98,10 @@ fn missed(lines: &Lines) -> String {
     ranges.iter().map(word).collect::<Vec<_>>().join(", ")
 }
 
-/// A report in lcov's format: of each file `SF:path`, for each line `DA:number,times`, `end_of_record`.
-fn read(report: &str) -> BTreeMap<String, Lines> {
-    let mut files: BTreeMap<String, Lines> = BTreeMap::new();
+/// A report in lcov's format: of each file `SF:path`, for each line `DA:number,times`,
+/// `end_of_record`.
+fn read(report: &str) -> BTreeMap<String, LineHits> {
+    let mut files: BTreeMap<String, LineHits> = BTreeMap::new();
     let mut path = "";
     for line in report.lines() {
         if let Some(rest) = line.strip_prefix("SF:") {

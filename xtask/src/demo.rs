@@ -1,6 +1,6 @@
 //! The demonstration: real firmware on an emulated board against the simulated sphere in gusts.
 
-use crate::artefacts::{self, Board};
+use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Context, Result};
 
@@ -13,7 +13,7 @@ pub fn run() -> Result<()> {
     install::thumb_target()?;
     install::qemu()?;
     shell::announce("2/4 building the firmware for the emulated board");
-    let firmware = artefacts::firmware(Board::Virtual)?;
+    let firmware = artefacts::firmware(FirmwareBoard::Virtual)?;
     shell::announce("3/4 building the anemo command");
     let anemo = artefacts::anemo()?;
     shell::announce("4/4 running the firmware against the simulated sphere in gusts");

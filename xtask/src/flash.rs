@@ -1,6 +1,6 @@
 //! Programs a sensor board through a debug probe and follows its log (defmt over RTT) until Ctrl-C.
 
-use crate::artefacts::{self, Board};
+use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Result, bail};
 
@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 const CHIP: &str = "STM32F405RGTx";
 
 #[derive(clap::Args)]
-pub struct Options {
+pub struct FlashOptions {
     /// Only list the debug probes that are connected
     #[arg(long)]
     list: bool,
@@ -17,7 +17,7 @@ pub struct Options {
     probe: Option<String>,
 }
 
-pub fn run(options: &Options) -> Result<()> {
+pub fn run(options: &FlashOptions) -> Result<()> {
     if !shell::answers("probe-rs", &["--version"]) {
         bail!(
             "probe-rs is missing; type: cargo install probe-rs-tools --locked   \
@@ -29,7 +29,7 @@ pub fn run(options: &Options) -> Result<()> {
     }
     install::thumb_target()?;
     shell::announce("building the firmware for the sensor board");
-    let firmware = artefacts::firmware(Board::Sensor)?;
+    let firmware = artefacts::firmware(FirmwareBoard::Sensor)?;
     shell::announce("programming the board and following its log; Ctrl-C ends");
     let mut probe = shell::program("probe-rs");
     probe.args(["run", "--chip", CHIP]);

@@ -1,7 +1,9 @@
-//! Lets libFuzzer look for inputs at which something does not hold, for as long as one likes, and keeps those that reach what none before has.
+//! Lets libFuzzer look for inputs at which something does not hold, for as long as one likes, and
+//! keeps those that reach what none before has.
 //!
-//! What is tried stands in `tests/src/fuzz/`, the programs in `fuzz/fuzz_targets/`, inputs that people put together in `fuzz/corpus/`, what was found
-//! in `fuzz/found/`. The short run over all of that needs none of this: it is one of the tests.
+//! What is tried stands in `tests/src/fuzz/`, the programs in `fuzz/fuzz_targets/`, inputs that
+//! people put together in `fuzz/corpus/`, what was found in `fuzz/found/`. The short run over all
+//! of that needs none of this: it is one of the tests.
 
 mod found;
 
@@ -16,7 +18,7 @@ const LONGEST_S: u32 = 20;
 const MOST_MIB: u32 = 3_000;
 
 #[derive(clap::Args)]
-pub struct Options {
+pub struct FuzzOptions {
     /// Only this target (as the files in fuzz/fuzz_targets are called), not each in turn
     target: Option<String>,
     /// How long each is run
@@ -24,7 +26,7 @@ pub struct Options {
     minutes: f64,
 }
 
-pub fn run(options: &Options) -> Result<()> {
+pub fn run(options: &FuzzOptions) -> Result<()> {
     let all = targets()?;
     let chosen: Vec<&String> =
         all.iter().filter(|name| options.target.as_ref().is_none_or(|wanted| wanted == *name)).collect();
@@ -83,13 +85,14 @@ impl Fuzzer {
             return Ok(None);
         };
         Ok(Some(format!(
-            "{name} does not hold for {}; to see it without a fuzzer:\n  ANEMO_FUZZ_INPUT={} cargo test --release -p anemo-tests --test fuzz {name}\nMend what it shows and put it into fuzz/corpus/{name}/, under a name that says what it is",
+            "{name} does not hold for {}; to see it without a fuzzer:\n  ANEMO_FUZZ_INPUT={} cargo test --release -p anemo-tests --test all fuzz::{name}\nMend what it shows and put it into fuzz/corpus/{name}/, under a name that says what it is",
             crash.display(),
             crash.display()
         )))
     }
 
-    /// Of what was found, keeps the smallest inputs that together reach every place in the code that any of them does and the corpus does not.
+    /// Of what was found, keeps the smallest inputs that together reach every place in the code
+    /// that any of them does and the corpus does not.
     fn keep(&self, name: &str, corpus: &Path, working: &Path, kept: &Path) -> Result<()> {
         let chosen = self.target_directory.join("chosen").join(name);
         std::fs::remove_dir_all(&chosen).ok();
@@ -112,11 +115,13 @@ impl Fuzzer {
         Ok(())
     }
 
-    /// The program of a target, built, with folders of inputs; what follows are libFuzzer's own options.
+    /// The program of a target, built, with folders of inputs; what follows are libFuzzer's own
+    /// options.
     fn libfuzzer(&self, name: &str, folders: &[&PathBuf]) -> Command {
         let mut command = install::on_nightly();
-        // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often. Overflows and assertions are checked.
-        // In units, since in one host-sim alone takes many minutes to compile.
+        // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often.
+        // Overflows and assertions are checked. In units, since in one the largest crate alone
+        // takes many minutes to compile.
         command.arg(&self.program).args([
             "fuzz",
             "run",

@@ -1,16 +1,19 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets, toolchains and LLVM's tools come by rustup, QEMU by the system's packages, the rest by cargo. Whatever cannot be installed is named together with the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU by the system's packages, the rest by
+//! cargo. Whatever cannot be installed is named together with the line to type.
 
-use crate::artefacts::TARGET;
 use crate::shell;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Target triple of the boards.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
 const FLIP_LINK_VERSION: &str = "0.1.12";
 const CARGO_FUZZ_VERSION: &str = "0.13.2";
-/// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the same tomorrow.
+/// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
+/// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
 const CARGO_MUTANTS_VERSION: &str = "27.1.0";
 pub const QEMU: &str = "qemu-system-arm";
@@ -74,7 +77,8 @@ pub fn thumb_target() -> Result<()> {
     shell::run(shell::program("rustup").args(["target", "add", TARGET]))
 }
 
-/// The linker that puts the stack below all statics. Gives where it is: found on the path, or installed among the build's products.
+/// The linker that puts the stack below all statics. Gives where it is: found on the path, or
+/// installed among the build's products.
 pub fn flip_link() -> Result<PathBuf> {
     if shell::answers("flip-link", &["--help"]) {
         return Ok(PathBuf::from("flip-link"));
@@ -87,12 +91,14 @@ pub fn cargo_fuzz() -> Result<PathBuf> {
     tool("cargo-fuzz", CARGO_FUZZ_VERSION)
 }
 
-/// What changes code to see whether a test finds it. Always this version: what it changes differs from one to the next.
+/// What changes code to see whether a test finds it. Always this version: what it changes differs
+/// from one to the next.
 pub fn cargo_mutants() -> Result<PathBuf> {
     tool("cargo-mutants", CARGO_MUTANTS_VERSION)
 }
 
-/// A program that cargo installs among the build's products, if it is not there yet. Gives where it is.
+/// A program that cargo installs among the build's products, if it is not there yet. Gives where it
+/// is.
 fn tool(name: &str, version: &str) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
     let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
@@ -184,7 +190,8 @@ pub fn qemu() -> Result<()> {
     }
     shell::announce(&format!("installing {QEMU} with {}", packages.manager));
     if let Some(refresh) = packages.refresh {
-        // A refresh that fails for one of many sources is no reason to give up: the install decides.
+        // A refresh that fails for one of many sources is no reason to give up: the install
+        // decides.
         let _ = shell::run(manager(packages, sudo).args(refresh));
     }
     shell::run(manager(packages, sudo).args(packages.install)).map_err(|_| refusal())?;

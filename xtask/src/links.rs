@@ -1,16 +1,22 @@
-//! Checks that relative links between the project's Markdown pages lead somewhere: the file exists, and so does the heading behind a `#`.
+//! Checks that relative links between the project's Markdown pages lead somewhere: the file exists,
+//! and so does the heading behind a `#`.
 //!
-//! Understood are `[text](target)`, `![text](target)`, `[name]: target` and `src="…"`, `href="…"`; code is skipped, addresses of the web are not followed.
+//! Understood are `[text](target)`, `![text](target)`, `[name]: target` and `src="…"`, `href="…"`;
+//! code is skipped, addresses of the web are not followed.
 
-use crate::shell;
+use crate::{shell, sources};
 use anyhow::{Context, Result, bail};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+/// Templates: their links are those of the pages in `docs/results` that are made from them, which
+/// are checked there.
+const TEMPLATES: &str = "studies/src";
 
 pub fn run() -> Result<()> {
-    let mut pages = Vec::new();
-    collect(&shell::root(), &mut pages)?;
     let mut broken = Vec::new();
-    for page in &pages {
+    let templates = shell::root().join(TEMPLATES);
+    let pages = sources::files_with_extension(&shell::root(), "md")?;
+    for page in pages.iter().filter(|page| !page.starts_with(&templates)) {
         let text = std::fs::read_to_string(page).with_context(|| format!("{} cannot be read", page.display()))?;
         for (line, target) in targets(&text) {
             if let Some(fault) = fault(page, &text, &target) {
@@ -22,22 +28,6 @@ pub fn run() -> Result<()> {
     if !broken.is_empty() {
         bail!("links that lead nowhere:\n{}", broken.join("\n"));
     }
-    Ok(())
-}
-
-/// All Markdown pages below a directory, but none of hidden directories, build output and recordings.
-fn collect(directory: &Path, pages: &mut Vec<PathBuf>) -> Result<()> {
-    let entries = std::fs::read_dir(directory).with_context(|| format!("{} cannot be listed", directory.display()))?;
-    for entry in entries {
-        let path = entry?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if path.is_dir() && !name.starts_with('.') && name != "target" && name != "out" {
-            collect(&path, pages)?;
-        } else if path.extension().is_some_and(|extension| extension == "md") {
-            pages.push(path);
-        }
-    }
-    pages.sort();
     Ok(())
 }
 

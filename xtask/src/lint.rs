@@ -1,7 +1,8 @@
 //! Everything that is checked by reading: format, clippy on both sides, documentation, links.
 
-use crate::artefacts::{Board, LINKER_VARIABLE, TARGET};
-use crate::{install, links, shell};
+use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
+use crate::install::{self, TARGET};
+use crate::{links, shell, structure};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -9,11 +10,12 @@ pub fn run() -> Result<()> {
     install::lint_tools()?;
     shell::announce("links between pages");
     links::run()?;
+    structure::run()?;
     shell::announce("format");
     shell::run(shell::cargo().args(["fmt", "--all", "--check"])).context("files are not formatted; type: cargo fmt")?;
     shell::announce("clippy, host");
     shell::run(shell::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
-    for board in Board::ALL {
+    for board in FirmwareBoard::ALL {
         shell::announce(&format!("clippy, {}", board.feature()));
         let mut cargo = shell::cargo();
         cargo.env(LINKER_VARIABLE, install::flip_link()?);

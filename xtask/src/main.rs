@@ -1,29 +1,27 @@
-//! The one door to every job of the project, for people and for continuous integration alike: `cargo xtask <job>`.
+//! The one door to every job of the project, for people and for continuous integration alike:
+//! `cargo xtask <job>`.
 
 mod artefacts;
-mod call_graph;
 mod ci;
-mod cortex_m4;
 mod cost;
 mod coverage;
 mod demo;
 mod flash;
 mod fuzz;
 mod install;
+mod lines;
 mod links;
 mod lint;
 mod miri;
 mod mutants;
 mod overflow;
-mod panics;
 mod safety;
+mod same_results;
 mod shell;
 mod size;
-mod stack;
-mod symbols;
+mod sources;
+mod structure;
 mod test;
-mod thumb;
-mod trace;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -42,30 +40,44 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Job {
-    /// Fly the simulated sphere through gusts with the real firmware on an emulated board, and plot it
+    /// Fly the simulated sphere through gusts with the real firmware on an emulated board, and plot
+    /// it
     Demo,
-    /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole experiments
+    /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole
+    /// experiments
     Test,
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
-    /// Do what continuous integration does: install what is missing, lint, count lines that tests run, test, and interpret beside it
+    /// Do what continuous integration does: install what is missing, lint, count lines that tests
+    /// run, test, and interpret beside it
     Ci,
+    /// Check the shape of the code: circles of imports, names of types, errors, dependencies, width
+    /// of comments
+    Structure,
+    /// Count lines of code, doc comments and tests of every crate, and refuse too much code
+    Lines,
+    /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
+    /// compare the results to the bit
+    SameResults(same_results::SameResultsOptions),
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,
-    /// Show on both boards' images that no task can panic and that the stack suffices, and that an overflow of it ends as a fault
+    /// Show on both boards' images that no task can panic and that the stack suffices, and that an
+    /// overflow of it ends as a fault
     Safety,
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
-    Cost(cost::Options),
-    /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep what was found on the way
-    Fuzz(fuzz::Options),
+    Cost(cost::CostOptions),
+    /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep
+    /// what was found on the way
+    Fuzz(fuzz::FuzzOptions),
     /// Run the unit tests of dr-core and wire in an interpreter that finds undefined behaviour
     Miri,
     /// Count the lines of dr-core that its unit tests run, and refuse too few
     Coverage,
-    /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the changes that no test finds
-    Mutants(mutants::Options),
+    /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the
+    /// changes that no test finds
+    Mutants(mutants::MutantsOptions),
     /// Program a sensor board through a debug probe and follow its log
-    Flash(flash::Options),
+    Flash(flash::FlashOptions),
 }
 
 fn main() -> ExitCode {
@@ -74,6 +86,9 @@ fn main() -> ExitCode {
         Job::Test => test::run(),
         Job::Lint => lint::run(),
         Job::Ci => ci::run(),
+        Job::Structure => structure::run(),
+        Job::Lines => lines::run(),
+        Job::SameResults(options) => same_results::run(&options),
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),

@@ -1,14 +1,16 @@
-//! Changes the code that decides, one place at a time, and shows the changes that no unit test finds.
+//! Changes the code that decides, one place at a time, and shows the changes that no unit test
+//! finds.
 //!
-//! cargo-mutants makes the changes ("mutants") in a copy of the workspace. A mutant that survives is a test that is missing; where no test could
-//! find it, because nothing has changed that anyone can see, `.cargo/mutants.toml` leaves it out and says why. Which files, which tests, how they
+//! cargo-mutants makes the changes ("mutants") in a copy of the workspace. A mutant that survives
+//! is a test that is missing; where no test could find it, because nothing has changed that anyone
+//! can see, `.cargo/mutants.toml` leaves it out and says why. Which files, which tests, how they
 //! are built: all of it stands there.
 
 use crate::{install, shell};
 use anyhow::{Context, Result};
 
 #[derive(clap::Args)]
-pub struct Options {
+pub struct MutantsOptions {
     /// Only the k-th of n parts, from 0: `0/8`
     #[arg(long, value_name = "K/N")]
     shard: Option<String>,
@@ -17,7 +19,7 @@ pub struct Options {
     list: bool,
 }
 
-pub fn run(options: &Options) -> Result<()> {
+pub fn run(options: &MutantsOptions) -> Result<()> {
     let mut mutants = shell::program(install::cargo_mutants()?);
     // Built in its copy of the workspace, and a little of it again for each mutant.
     mutants.env_remove("CARGO_TARGET_DIR").env("CARGO_INCREMENTAL", "1").env_remove("RUSTFLAGS");

@@ -5,7 +5,8 @@ use anyhow::{Context, Result, bail};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What `firmware/src/bin/overflow.rs` ends with when the overflow became a fault, the heaters were put low and its statics are whole.
+/// What `firmware/src/bin/overflow.rs` ends with when the overflow became a fault, the heaters were
+/// put low and its statics are whole.
 const FAULTED: i32 = 102;
 const TIME_LIMIT: Duration = Duration::from_secs(20);
 

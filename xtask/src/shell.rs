@@ -2,8 +2,9 @@
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsStr;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{ChildStdout, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// The workspace's root directory, where every program is started.
@@ -20,7 +21,8 @@ pub fn program(name: impl AsRef<OsStr>) -> Command {
 
 /// The cargo that runs this crate.
 ///
-/// `RUSTFLAGS` are taken away: they would replace the flags of `.cargo/config.toml`, and with them the firmware's core and linker script.
+/// `RUSTFLAGS` are taken away: they would replace the flags of `.cargo/config.toml`, and with them
+/// the firmware's core and linker script.
 pub fn cargo() -> Command {
     let mut command = program(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
@@ -43,6 +45,20 @@ pub fn announce(what: &str) {
 /// Runs to the end with this terminal's output; a failure names the command line.
 pub fn run(command: &mut Command) -> Result<()> {
     let status = command.status().with_context(|| format!("`{}` cannot be started", line(command)))?;
+    judge(command, status)
+}
+
+/// Runs to the end and hands what it prints to `reader`; a failure names the command line.
+pub fn run_through(command: &mut Command, reader: impl FnOnce(BufReader<ChildStdout>) -> Result<()>) -> Result<()> {
+    let child = command.stdout(Stdio::piped()).spawn();
+    let mut child = child.with_context(|| format!("`{}` cannot be started", line(command)))?;
+    if let Some(output) = child.stdout.take() {
+        reader(BufReader::new(output))?;
+    }
+    judge(command, child.wait()?)
+}
+
+fn judge(command: &Command, status: ExitStatus) -> Result<()> {
     if !status.success() {
         bail!("`{}` failed ({status}); its messages stand above", line(command));
     }

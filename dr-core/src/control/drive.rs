@@ -9,17 +9,20 @@
 //! | `Prbs` | next bit of a pseudo-random sequence | open-loop identification |
 //! | `Setpoints` | as `Temperature`, the target drawn anew every dwell | identification of the boom |
 //!
-//! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the power it takes.
+//! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the
+//! power it takes.
 
 use crate::error::{self, ConfigError, Parameter};
-use crate::seal::Seal;
+use crate::fields::{FieldVisitor, Fields};
 use crate::sensor::{Level, Platinum};
 use crate::signal::{Prbs, SigmaDelta};
 
-/// Length of the register that draws random set-points. 2³¹ − 1 draws do not repeat in an instrument's life.
+/// Length of the register that draws random set-points. 2³¹ − 1 draws do not repeat in an
+/// instrument's life.
 const SETPOINT_REGISTER: u8 = 31;
 
-/// Bits drawn for one set-point: a range of 17 °C comes in steps of 0.26 mK, under any reading's noise.
+/// Bits drawn for one set-point: a range of 17 °C comes in steps of 0.26 mK, under any reading's
+/// noise.
 const SETPOINT_BITS: u32 = 16;
 
 /// Steps of that register before the first draw.
@@ -66,7 +69,7 @@ pub enum Drive {
     },
 }
 
-/// What a drive decides by in one tick.
+/// Inputs of a drive in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveInput {
     /// The element's temperature, °C.
@@ -86,9 +89,10 @@ pub struct DriveState {
     pub register: Option<Prbs>,
     /// Ticks left of the bit or the dwell.
     pub ticks_left: u32,
-    /// The level last asked for.
+    /// The last requested level.
     pub level: Level,
-    /// The drive promises a mean and has asked for nothing but one level: if it goes on, the promise is out of reach.
+    /// A drive that controls a mean has requested the same level throughout: if this continues, the
+    /// mean is out of reach.
     pub saturated: bool,
     /// The set-point in force, °C.
     pub target_c: f32,
@@ -107,56 +111,23 @@ impl Default for DriveState {
     }
 }
 
-impl DriveState {
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.number(self.modulator.accumulator);
-        if let Some(register) = &self.register {
-            register.seal(seal);
-        }
-        seal.word(self.ticks_left);
-        seal.word(u32::from(self.level == Level::High) | u32::from(self.saturated) << 1);
-        seal.number(self.target_c);
-    }
-}
+crate::fields::fields!(enum Drive {
+    0 Passive,
+    1 Level(level),
+    2 Power { power_w },
+    3 Temperature { target_c },
+    4 Prbs { order, seed, ticks_per_bit },
+    5 Setpoints { low_c, high_c, dwell_ticks, seed },
+});
 
 impl Drive {
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        match *self {
-            Self::Passive => seal.word(0),
-            Self::Level(Level::Low) => seal.word(1),
-            Self::Level(Level::High) => seal.word(2),
-            Self::Power { power_w } => {
-                seal.word(3);
-                seal.number(power_w);
-            }
-            Self::Temperature { target_c } => {
-                seal.word(4);
-                seal.number(target_c);
-            }
-            Self::Prbs { order, seed, ticks_per_bit } => {
-                seal.word(5 | u32::from(order) << 8);
-                seal.word(seed);
-                seal.word(ticks_per_bit);
-            }
-            Self::Setpoints { low_c, high_c, dwell_ticks, seed } => {
-                seal.word(6);
-                seal.numbers(&[low_c, high_c]);
-                seal.word(dwell_ticks);
-                seal.word(seed);
-            }
-        }
-    }
-
-    /// Whether it can ever ask for the high level.
+    /// Whether it can request the high level.
     pub const fn can_heat(&self) -> bool {
         !matches!(self, Self::Passive | Self::Level(Level::Low))
     }
 
-    /// Checks the drive's numbers against the resistor that it will heat and gives the state it starts from.
+    /// Checks the drive's numbers against the resistor that it will heat and gives the state it
+    /// starts from.
     ///
     /// # Errors
     /// Names the parameter that is out of range.
@@ -201,7 +172,8 @@ impl Drive {
             Self::Level(level) => level,
             Self::Power { power_w } => {
                 let share = (power_w - input.power_low_w) / (input.power_high_w - input.power_low_w);
-                // R(T) moves the levels: a power that was in reach may leave it. Then the nearest level is all there is.
+                // R(T) moves the levels: a power that was in reach may leave it. Then the nearest
+                // level is all there is.
                 state.saturated = !(0.0..=1.0).contains(&share);
                 if share <= 0.0 {
                     Level::Low
@@ -241,6 +213,17 @@ impl Drive {
         state.level
     }
 
+    /// Passes to a visitor what this drive remembers and decides by.
+    pub(crate) fn visit_state(&self, state: &DriveState, visitor: &mut impl FieldVisitor) {
+        let DriveState { modulator, register, ticks_left, level, saturated: _, target_c } = state;
+        match self {
+            Self::Passive | Self::Level(_) | Self::Temperature { .. } => {}
+            Self::Power { .. } => modulator.accumulator.visit(visitor),
+            Self::Prbs { .. } => ((register, ticks_left), level).visit(visitor),
+            Self::Setpoints { .. } => ((register, ticks_left), target_c).visit(visitor),
+        }
+    }
+
     /// The highest and lowest set-point that the drive will ask for, °C, if it holds a temperature.
     pub const fn target_range_c(&self) -> Option<(f32, f32)> {
         match *self {
@@ -256,13 +239,18 @@ const fn level(high: bool) -> Level {
 }
 
 fn at_least_one(parameter: Parameter, value: u32) -> Result<(), ConfigError> {
-    if value > 0 { Ok(()) } else { Err(ConfigError { parameter, problem: crate::error::Problem::NotPositive }) }
+    if value > 0 {
+        Ok(())
+    } else {
+        Err(ConfigError { parameter, problem: crate::error::ParameterProblem::NotPositive })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
+    use crate::checksum::Checksum;
     use std::vec::Vec;
 
     fn platinum() -> Platinum {
@@ -317,7 +305,8 @@ mod tests {
         let mut state = drive.start(&platinum()).unwrap();
         let targets: Vec<f32> = (0..3000)
             .map(|_| {
-                // The draw comes with the step; what it decides is shown by a second look within the same dwell.
+                // The draw comes with the step; what it decides is shown by a second look within
+                // the same dwell.
                 let level = drive.step(&mut state, &at(20.0));
                 assert_eq!(level == Level::High, 20.0 < state.target_c);
                 state.target_c
@@ -420,12 +409,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seal_sees_every_number_of_a_drive_and_of_its_state() {
-        let of = |take: &dyn Fn(&mut Seal)| {
-            let mut seal = Seal::default();
-            take(&mut seal);
-            seal
-        };
+    fn a_checksum_covers_every_number_of_a_drive() {
         let prbs = |order, seed, ticks_per_bit| Drive::Prbs { order, seed, ticks_per_bit };
         let setpoints = |low_c, high_c, dwell_ticks, seed| Drive::Setpoints { low_c, high_c, dwell_ticks, seed };
         let drives = [
@@ -448,24 +432,34 @@ mod tests {
         ];
         for (place, drive) in drives.iter().enumerate() {
             for other in &drives[..place] {
-                assert_ne!(of(&|seal| drive.seal(seal)), of(&|seal| other.seal(seal)), "{drive:?} {other:?}");
+                assert_ne!(Checksum::of(drive), Checksum::of(other), "{drive:?} {other:?}");
             }
         }
-        let state = prbs(9, 5, 3).start(&platinum()).unwrap();
-        let states = [
-            state,
-            DriveState { modulator: SigmaDelta { accumulator: 0.5 }, ..state },
-            DriveState { register: None, ..state },
-            DriveState { register: Some(Prbs::new(9, 6).unwrap()), ..state },
-            DriveState { ticks_left: 1, ..state },
-            DriveState { level: Level::High, ..state },
-            DriveState { saturated: true, ..state },
-            DriveState { level: Level::High, saturated: true, ..state },
-            DriveState { target_c: 1.0, ..state },
-        ];
-        for (place, state) in states.iter().enumerate() {
-            for other in &states[..place] {
-                assert_ne!(of(&|seal| state.seal(seal)), of(&|seal| other.seal(seal)), "{state:?} {other:?}");
+    }
+
+    #[test]
+    fn a_checksum_covers_what_a_drive_remembers_and_decides_by() {
+        let of = |drive: &Drive, state: &DriveState| {
+            let mut checksum = Checksum::default();
+            drive.visit_state(state, &mut checksum);
+            checksum
+        };
+        let prbs = Drive::Prbs { order: 9, seed: 5, ticks_per_bit: 3 };
+        let setpoints = Drive::Setpoints { low_c: -45.3, high_c: 12.1, dwell_ticks: 3, seed: 4 };
+        let power = Drive::Power { power_w: 0.0115 };
+        for drive in [Drive::Passive, Drive::Level(Level::High), power, prbs, setpoints] {
+            let (is_prbs, is_setpoints) = (drive == prbs, drive == setpoints);
+            let state = drive.start(&platinum()).unwrap();
+            let changes = [
+                (drive == power, DriveState { modulator: SigmaDelta { accumulator: 0.5 }, ..state }),
+                (is_prbs || is_setpoints, DriveState { register: Some(Prbs::new(9, 6).unwrap()), ..state }),
+                (is_prbs || is_setpoints, DriveState { ticks_left: 1, ..state }),
+                (is_prbs, DriveState { level: Level::High, ..state }),
+                (is_setpoints, DriveState { target_c: 1.0, ..state }),
+                (false, DriveState { saturated: true, ..state }),
+            ];
+            for (is_covered, changed) in changes {
+                assert_eq!(of(&drive, &changed) != of(&drive, &state), is_covered, "{drive:?} {changed:?}");
             }
         }
     }

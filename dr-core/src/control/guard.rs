@@ -1,4 +1,4 @@
-//! The guard: what a reading must be like for a heater to be allowed on.
+//! The guard: the conditions that a reading must meet for its heater to be on.
 //!
 //! | cause | when | after |
 //! |---|---|---|
@@ -8,17 +8,17 @@
 //! | `OverTemperature` | temperature above its limit | 1 tick |
 //! | `NonFinite` | a number inside is not one | 1 tick |
 //! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
-//! | `Unreachable` | a regulating drive has asked for one level all the time | `unreachable_limit_ticks` |
+//! | `Unreachable` | a regulating drive has requested one level all the time | `unreachable_limit_ticks` |
 //! | `Stuck` | a driven element's code has not changed at all: the converter repeats itself | `stuck_limit_ticks` |
-//! | `Upset` | what the controller knows is not what it was told (`seal.rs`) | 1 tick; a model's, within as many ticks as there are elements |
+//! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
-//! The rest is not seen by the controller, but told it by the board that it runs on: `Deadline`, levels that were not decided anew in time;
-//! `Heater`, a pin that could not be set; and of a start that nobody asked for `Panic`, `Fault`, `Watchdog` and `BrownOut`.
+//! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
+//! a pin that could not be set; and after an unrequested start `Panic`, `Fault`, `Watchdog` and
+//! `BrownOut`.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
 use crate::error::{self, ConfigError, Parameter};
-use crate::seal::Seal;
 use crate::sensor::{Channel, Level, Platinum, Reading};
 use core::fmt;
 
@@ -36,7 +36,7 @@ pub enum Cause {
     Stale,
     Unreachable,
     Stuck,
-    Upset,
+    BitFlip,
     Deadline,
     Heater,
     Panic,
@@ -58,7 +58,7 @@ impl Cause {
             Self::Stale => "stale",
             Self::Unreachable => "unreachable",
             Self::Stuck => "stuck",
-            Self::Upset => "memory-upset",
+            Self::BitFlip => "bit-flip",
             Self::Deadline => "deadline-missed",
             Self::Heater => "heater-pin",
             Self::Panic => "panic",
@@ -108,15 +108,18 @@ pub struct Limits {
     pub resistance_max_ohm: f32,
     /// Above it the element is too hot, °C.
     pub temperature_max_c: f32,
-    /// Codes from here up (or from its negative down) are the ends of the ADC's range, not readings.
+    /// Codes from here up (or from its negative down) are the ends of the ADC's range, not
+    /// readings.
     pub code_max: i32,
 }
 
 impl Limits {
-    /// The limits, if they make sense for this resistor: above the end of its law, an inverse may give any temperature.
+    /// The limits, if they make sense for this resistor: above the end of its law, an inverse may
+    /// give any temperature.
     ///
     /// # Errors
-    /// Names the limit that is not finite, not positive, not above its counterpart, or beyond the resistor's law.
+    /// Names the limit that is not finite, not positive, not above its counterpart, or beyond the
+    /// resistor's law.
     pub fn checked(self, platinum: &Platinum) -> Result<Self, ConfigError> {
         let (coldest_c, hottest_c) = platinum.range_c();
         error::positive(Parameter::ResistanceMinOhm, self.resistance_min_ohm)?;
@@ -130,80 +133,76 @@ impl Limits {
         error::within(Parameter::CodeMax, self.code_max as f32, 1.0, 8_388_607.0)?;
         Ok(self)
     }
-
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.number(self.resistance_min_ohm);
-        seal.number(self.resistance_max_ohm);
-        seal.number(self.temperature_max_c);
-        seal.word(self.code_max.cast_unsigned());
-    }
 }
 
-/// How long the controller is patient, in ticks.
+crate::fields::fields!(Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max });
+
+/// Limits of the guard, in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GuardConfig {
-    /// Ticks in a row without a fresh reading that are borne; one more trips.
+    /// Ticks in a row without a fresh reading that are accepted; one more trips.
     pub missing_limit_ticks: u32,
-    /// Ticks in a row that a regulating drive may ask for the same level; one more trips.
+    /// Ticks in a row that a regulating drive may request the same level; one more trips.
     pub unreachable_limit_ticks: u32,
-    /// Ticks in a row that a driven element may read the very same code; one more trips. 0: for ever, for converters that show no noise.
+    /// Ticks in a row that a driven element may read the very same code; one more trips. 0: for
+    /// ever, for converters that show no noise.
     pub stuck_limit_ticks: u32,
 }
 
 impl Default for GuardConfig {
-    /// Strict about readings; patient for the better part of an hour at 100 Hz about set-points; for any converter.
+    /// One missing reading; 200 000 ticks (33 min at 100 Hz) for set-points; any converter.
     fn default() -> Self {
         Self { missing_limit_ticks: 1, unreachable_limit_ticks: 200_000, stuck_limit_ticks: 0 }
     }
 }
 
-/// What became of a reading.
+crate::fields::fields!(GuardConfig { missing_limit_ticks, unreachable_limit_ticks, stuck_limit_ticks });
+
+/// Judgement of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Judgement {
-    /// It can be acted upon.
+pub enum ReadingJudgement {
+    /// The reading is usable.
     Good {
         /// Resistance, Ω.
         resistance_ohm: f32,
         /// Temperature, °C.
         temperature_c: f32,
     },
-    /// There is none: borne for a while, at the low level.
+    /// There is none: accepted for a limited time, at the low level.
     Absent(Cause),
-    /// It must not be acted upon: trip.
+    /// The reading must not be used: trip.
     Bad(Cause),
 }
 
 /// Judges one reading that was taken while `level` was on.
 #[inline(always)] // into the tick, where time counts
-pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level) -> Judgement {
+pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level) -> ReadingJudgement {
     let code = match reading {
         Reading::Code(code) => code,
-        Reading::Stale => return Judgement::Absent(Cause::Stale),
-        Reading::Missing => return Judgement::Absent(Cause::Missing),
+        Reading::Stale => return ReadingJudgement::Absent(Cause::Stale),
+        Reading::Missing => return ReadingJudgement::Absent(Cause::Missing),
     };
     if code >= limits.code_max {
-        return Judgement::Bad(Cause::Open);
+        return ReadingJudgement::Bad(Cause::Open);
     }
     if code <= -limits.code_max {
-        return Judgement::Bad(Cause::OutOfRange);
+        return ReadingJudgement::Bad(Cause::OutOfRange);
     }
     let resistance_ohm = channel.resistance_ohm(code, level);
     if resistance_ohm > limits.resistance_max_ohm {
-        return Judgement::Bad(Cause::Open);
+        return ReadingJudgement::Bad(Cause::Open);
     }
     if resistance_ohm < limits.resistance_min_ohm {
-        return Judgement::Bad(Cause::Short);
+        return ReadingJudgement::Bad(Cause::Short);
     }
     let temperature_c = channel.platinum().temperature_c(resistance_ohm);
     if !temperature_c.is_finite() {
-        Judgement::Bad(Cause::NonFinite)
+        ReadingJudgement::Bad(Cause::NonFinite)
     } else if temperature_c > limits.temperature_max_c {
-        Judgement::Bad(Cause::OverTemperature)
+        ReadingJudgement::Bad(Cause::OverTemperature)
     } else {
-        Judgement::Good { resistance_ohm, temperature_c }
+        ReadingJudgement::Good { resistance_ohm, temperature_c }
     }
 }
 
@@ -216,7 +215,7 @@ mod tests {
     const LIMITS: Limits =
         Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
 
-    fn verdict(reading: Reading, level: Level) -> Judgement {
+    fn verdict(reading: Reading, level: Level) -> ReadingJudgement {
         let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
         judge(&LIMITS, &channel, reading, level)
     }
@@ -230,7 +229,7 @@ mod tests {
     fn a_plausible_reading_passes_at_either_level() {
         for level in [Level::Low, Level::High] {
             match verdict(code(175.0, level), level) {
-                Judgement::Good { temperature_c, .. } => assert!(temperature_c.abs() < 1e-3),
+                ReadingJudgement::Good { temperature_c, .. } => assert!(temperature_c.abs() < 1e-3),
                 other => panic!("{other:?}"),
             }
         }
@@ -239,36 +238,37 @@ mod tests {
     #[test]
     fn every_electrical_fault_has_its_cause() {
         let low = Level::Low;
-        assert_eq!(verdict(Reading::Code(8_388_607), low), Judgement::Bad(Cause::Open));
-        assert_eq!(verdict(code(300.0, low), low), Judgement::Bad(Cause::Open));
-        assert_eq!(verdict(code(0.1, low), low), Judgement::Bad(Cause::Short));
-        assert_eq!(verdict(Reading::Code(-1000), low), Judgement::Bad(Cause::Short));
-        assert_eq!(verdict(Reading::Code(-8_388_608), low), Judgement::Bad(Cause::OutOfRange));
+        assert_eq!(verdict(Reading::Code(8_388_607), low), ReadingJudgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(300.0, low), low), ReadingJudgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(0.1, low), low), ReadingJudgement::Bad(Cause::Short));
+        assert_eq!(verdict(Reading::Code(-1000), low), ReadingJudgement::Bad(Cause::Short));
+        assert_eq!(verdict(Reading::Code(-8_388_608), low), ReadingJudgement::Bad(Cause::OutOfRange));
         // 215 Ω is 73.7 °C
-        assert_eq!(verdict(code(215.0, low), low), Judgement::Bad(Cause::OverTemperature));
-        assert_eq!(verdict(Reading::Stale, low), Judgement::Absent(Cause::Stale));
-        assert_eq!(verdict(Reading::Missing, low), Judgement::Absent(Cause::Missing));
+        assert_eq!(verdict(code(215.0, low), low), ReadingJudgement::Bad(Cause::OverTemperature));
+        assert_eq!(verdict(Reading::Stale, low), ReadingJudgement::Absent(Cause::Stale));
+        assert_eq!(verdict(Reading::Missing, low), ReadingJudgement::Absent(Cause::Missing));
     }
 
     #[test]
     fn the_limits_themselves_are_where_they_say() {
         let low = Level::Low;
         let end = LIMITS.code_max;
-        assert_eq!(verdict(Reading::Code(end), low), Judgement::Bad(Cause::Open));
-        assert_eq!(verdict(Reading::Code(-end), low), Judgement::Bad(Cause::OutOfRange));
-        assert_eq!(verdict(Reading::Code(1 - end), low), Judgement::Bad(Cause::Short));
+        assert_eq!(verdict(Reading::Code(end), low), ReadingJudgement::Bad(Cause::Open));
+        assert_eq!(verdict(Reading::Code(-end), low), ReadingJudgement::Bad(Cause::OutOfRange));
+        assert_eq!(verdict(Reading::Code(1 - end), low), ReadingJudgement::Bad(Cause::Short));
         // 70 °C is 212.975 Ω; a code is 0.16 mΩ at the low level.
-        assert!(matches!(verdict(code(212.974, low), low), Judgement::Good { .. }));
-        assert_eq!(verdict(code(212.976, low), low), Judgement::Bad(Cause::OverTemperature));
-        assert!(matches!(verdict(code(50.001, low), low), Judgement::Good { .. }));
-        assert_eq!(verdict(code(49.999, low), low), Judgement::Bad(Cause::Short));
+        assert!(matches!(verdict(code(212.974, low), low), ReadingJudgement::Good { .. }));
+        assert_eq!(verdict(code(212.976, low), low), ReadingJudgement::Bad(Cause::OverTemperature));
+        assert!(matches!(verdict(code(50.001, low), low), ReadingJudgement::Good { .. }));
+        assert_eq!(verdict(code(49.999, low), low), ReadingJudgement::Bad(Cause::Short));
     }
 
     #[test]
     fn a_reading_at_the_wrong_level_is_no_reading() {
-        // A high current taken for the low one looks five times too resistive: seen as open, not as hot.
-        assert_eq!(verdict(code(162.0, Level::High), Level::Low), Judgement::Bad(Cause::Open));
-        assert_eq!(verdict(code(162.0, Level::Low), Level::High), Judgement::Bad(Cause::Short));
+        // A high current taken for the low one looks five times too resistive: seen as open, not as
+        // hot.
+        assert_eq!(verdict(code(162.0, Level::High), Level::Low), ReadingJudgement::Bad(Cause::Open));
+        assert_eq!(verdict(code(162.0, Level::Low), Level::High), ReadingJudgement::Bad(Cause::Short));
     }
 
     #[test]
@@ -298,7 +298,7 @@ mod tests {
             Cause::Stale,
             Cause::Unreachable,
             Cause::Stuck,
-            Cause::Upset,
+            Cause::BitFlip,
             Cause::Deadline,
             Cause::Heater,
             Cause::Panic,
@@ -318,16 +318,18 @@ mod tests {
 
     #[test]
     fn a_temperature_that_is_none_is_not_acted_upon() {
-        // A resistor whose coefficient is so small that what is divided by it overflows, which no sound channel has.
+        // A resistor whose coefficient is so small that what is divided by it overflows, which no
+        // sound channel has.
         let tiny = Platinum::linear(1e-3, 1e-38).unwrap();
         let channel = Channel::new(tiny, 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
         let verdict = judge(&LIMITS, &channel, code(175.0, Level::Low), Level::Low);
-        assert_eq!(verdict, Judgement::Bad(Cause::NonFinite));
+        assert_eq!(verdict, ReadingJudgement::Bad(Cause::NonFinite));
     }
 
     #[test]
     fn a_number_on_its_limit_is_still_good() {
-        // All powers of two, so that resistance and temperature are exact: 2⁻¹² Ω a code, T = 2 (R − 128).
+        // All powers of two, so that resistance and temperature are exact: 2⁻¹² Ω a code, T = 2 (R
+        // − 128).
         let platinum = Platinum::linear(128.0, 1.0 / 256.0).unwrap();
         let channel = Channel::new(platinum, 1.0 / 1_048_576.0, 1.0 / 256.0, 1.0 / 64.0).unwrap();
         let limits = Limits {
@@ -337,13 +339,13 @@ mod tests {
             code_max: 8_000_000,
         };
         let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
-        let good = |ohm: f32| Judgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
+        let good = |ohm: f32| ReadingJudgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
         assert_eq!(at(&limits, 260 * 4096), good(260.0));
-        assert_eq!(at(&limits, 260 * 4096 + 1), Judgement::Bad(Cause::Open));
+        assert_eq!(at(&limits, 260 * 4096 + 1), ReadingJudgement::Bad(Cause::Open));
         assert_eq!(at(&limits, 50 * 4096), good(50.0));
-        assert_eq!(at(&limits, 50 * 4096 - 1), Judgement::Bad(Cause::Short));
+        assert_eq!(at(&limits, 50 * 4096 - 1), ReadingJudgement::Bad(Cause::Short));
         let cool = Limits { temperature_max_c: 70.0, ..limits };
         assert_eq!(at(&cool, 163 * 4096), good(163.0));
-        assert_eq!(at(&cool, 163 * 4096 + 1), Judgement::Bad(Cause::OverTemperature));
+        assert_eq!(at(&cool, 163 * 4096 + 1), ReadingJudgement::Bad(Cause::OverTemperature));
     }
 }

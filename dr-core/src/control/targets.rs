@@ -1,17 +1,20 @@
-//! What a drive asks for, judged by its element: powers by what it can give off, set-points by its limits and its model.
+//! Feasibility of a drive: powers against the levels of the element, set-points against its limits
+//! and its model.
 //!
-//! With a model of the gas around it a set-point ΔT takes u_Q = ΔT/ΣR_k in the end (thesis 2.51). What no level reaches is refused;
-//! what is left to either level is told, since a wind that the model does not know eats into it: it raises u_Q.
+//! With a model of the gas around it a set-point ΔT needs u_Q = ΔT/ΣR_k in steady state (thesis
+//! 2.51). A set-point that no level reaches is refused. The margins to both levels are reported,
+//! because a wind that the model does not contain raises u_Q and reduces them.
 
-use super::command::Refusal;
-use super::controller::ElementConfig;
 use super::drive::Drive;
+use super::refusal::Refusal;
+use super::state::ElementConfig;
 use crate::error::{self, ConfigError, Parameter};
 use crate::model::{Reachability, SelfHeating, sliding_margins_w};
 use crate::sensor::Level;
 
-/// How far the power that holds an element's set-point lies from its levels, in W, in the model's own wind. Of random set-points it is
-/// the coldest that comes near the low level and the hottest that comes near the high one.
+/// How far the power that holds an element's set-point lies from its levels, in W, in the model's
+/// own wind. Of random set-points it is the coldest that comes near the low level and the hottest
+/// that comes near the high one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margins {
@@ -31,7 +34,8 @@ pub(super) fn check_power(drive: &Drive, config: &ElementConfig) -> Result<(), C
     Ok(())
 }
 
-/// Set-points must stay under the temperature limit and, where there is a model, within what it says can be held.
+/// Set-points must stay under the temperature limit and, where there is a model, within what it
+/// says can be held.
 pub(super) fn check(
     index: u8,
     drive: &Drive,

@@ -58,7 +58,7 @@ const ALL: [Parameter; 66] = [
     Parameter::PartGain,
     Parameter::PartElement,
     Parameter::Parts,
-    Parameter::EveryTicks,
+    Parameter::OutputIntervalTicks,
     Parameter::ReferenceElement,
     Parameter::SmoothingS,
     Parameter::GasTemperatureC,
@@ -132,17 +132,17 @@ fn every_name_is_its_own_and_says_the_unit_that_the_code_says() {
 #[test]
 fn a_refusal_names_what_is_wrong_and_what_would_be_right() {
     let said = |problem| ConfigError { parameter: Parameter::LowC, problem }.to_string();
-    let between = said(Problem::OutOfRange { least: -1.5, most: 32.25 });
+    let between = said(ParameterProblem::OutOfRange { least: -1.5, most: 32.25 });
     assert_eq!(between, "`low_c` must lie between -1.5 and 32.25");
-    assert!(said(Problem::NotAMultiple { of: 0.125 }).ends_with("multiple of 0.125"));
+    assert!(said(ParameterProblem::NotAMultiple { of: 0.125 }).ends_with("multiple of 0.125"));
     let all = [
         between,
-        said(Problem::NotAMultiple { of: 0.125 }),
-        said(Problem::NotFinite),
-        said(Problem::NotPositive),
-        said(Problem::NotAscending),
-        said(Problem::LockUp),
-        said(Problem::Missing),
+        said(ParameterProblem::NotAMultiple { of: 0.125 }),
+        said(ParameterProblem::NotFinite),
+        said(ParameterProblem::NotPositive),
+        said(ParameterProblem::NotAscending),
+        said(ParameterProblem::LockUp),
+        said(ParameterProblem::Missing),
     ];
     for sentence in &all {
         assert!(sentence.starts_with("`low_c` ") && !sentence.ends_with('.'), "{sentence}");
@@ -156,24 +156,30 @@ fn bounds_are_where_they_say() {
     let problem = |outcome: Result<f32, ConfigError>| outcome.map_err(|error| error.problem);
     let next = |value: f32| f32::from_bits(value.to_bits() + 1);
     let (least, most) = (0.25, 4.0);
-    let outside = Err(Problem::OutOfRange { least, most });
+    let outside = Err(ParameterProblem::OutOfRange { least, most });
     assert_eq!(problem(within(parameter, least, least, most)), Ok(least));
     assert_eq!(problem(within(parameter, most, least, most)), Ok(most));
     assert_eq!(problem(within(parameter, f32::from_bits(least.to_bits() - 1), least, most)), outside);
     assert_eq!(problem(within(parameter, next(most), least, most)), outside);
-    assert_eq!(problem(positive(parameter, 0.0)), Err(Problem::NotPositive));
+    assert_eq!(problem(positive(parameter, 0.0)), Err(ParameterProblem::NotPositive));
     assert_eq!(problem(positive(parameter, next(0.0))), Ok(next(0.0)));
     for none in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let not_finite = Err(Problem::NotFinite);
+        let not_finite = Err(ParameterProblem::NotFinite);
         assert_eq!(problem(finite(parameter, none)), not_finite);
         assert_eq!(problem(positive(parameter, none)), not_finite);
         assert_eq!(problem(within(parameter, none, least, most)), not_finite);
         let pair = |low, high| ascending((Parameter::LowC, low), (Parameter::HighC, high));
-        assert_eq!(pair(none, 1.0), Err(ConfigError { parameter: Parameter::LowC, problem: Problem::NotFinite }));
-        assert_eq!(pair(1.0, none), Err(ConfigError { parameter: Parameter::HighC, problem: Problem::NotFinite }));
+        assert_eq!(
+            pair(none, 1.0),
+            Err(ConfigError { parameter: Parameter::LowC, problem: ParameterProblem::NotFinite })
+        );
+        assert_eq!(
+            pair(1.0, none),
+            Err(ConfigError { parameter: Parameter::HighC, problem: ParameterProblem::NotFinite })
+        );
     }
     let pair = |low, high| ascending((Parameter::LowC, low), (Parameter::HighC, high));
     assert_eq!(pair(1.0, next(1.0)), Ok((1.0, next(1.0))));
-    let same = ConfigError { parameter: Parameter::HighC, problem: Problem::NotAscending };
+    let same = ConfigError { parameter: Parameter::HighC, problem: ParameterProblem::NotAscending };
     assert_eq!(pair(1.0, 1.0), Err(same));
 }

@@ -1,18 +1,21 @@
-//! The geometric mesh of relaxation rates, thesis (2.11).
+//! The logarithmic grid of relaxation rates (diffusive mesh), thesis (2.11).
 //!
-//! ξ_{k+1} = r ξ_k with r = (ξ_K/ξ_1)^{1/(K−1)}, rates in rad/s, ascending. Edges after the thesis: ξ_1 = 2πJ/T and
-//! ξ_K = π/Ts with T the duration of the experiment, J its number of event classes and Ts the sample period.
+//! ξ_{k+1} = r ξ_k with r = (ξ_K/ξ_1)^{1/(K−1)}, rates in rad/s, ascending. Edges after the thesis:
+//! ξ_1 = 2πJ/T and ξ_K = π/Ts with T the duration of the experiment, J its number of event classes
+//! and Ts the sample period.
 //!
-//! Worked out in f64 by `libm` where a configuration is made, so that host and board agree to the bit.
+//! Worked out in f64 by `libm` where a configuration is made, so that host and board agree to the
+//! bit.
 
-use crate::error::{ConfigError, Parameter, Problem};
+use crate::error::{ConfigError, Parameter, ParameterProblem};
 
 /// The mesh's edges for an experiment, rad/s: (2πJ/T, π/Ts).
 pub fn thesis_edges_rad_s(duration_s: f64, sample_period_s: f64, event_classes: u32) -> (f64, f64) {
     (core::f64::consts::TAU * f64::from(event_classes) / duration_s, core::f64::consts::PI / sample_period_s)
 }
 
-/// Rate number `k` (from 0) of a mesh of `order` rates from `first_rad_s` to `last_rad_s`, both included.
+/// Rate number `k` (from 0) of a mesh of `order` rates from `first_rad_s` to `last_rad_s`, both
+/// included.
 pub fn rate_rad_s(first_rad_s: f64, last_rad_s: f64, k: usize, order: usize) -> f64 {
     if k == 0 {
         first_rad_s
@@ -26,14 +29,15 @@ pub fn rate_rad_s(first_rad_s: f64, last_rad_s: f64, k: usize, order: usize) -> 
 /// A mesh of K rates in rad/s.
 ///
 /// # Errors
-/// If an edge is not a finite number greater than zero, or the last does not lie above the first (for K = 1: below it).
+/// If an edge is not a finite number greater than zero, or the last does not lie above the first
+/// (for K = 1: below it).
 pub fn geometric<const K: usize>(first_rad_s: f32, last_rad_s: f32) -> Result<[f32; K], ConfigError> {
     let mut rates = [0.0; K];
     for (k, rate) in rates.iter_mut().enumerate() {
         *rate = rate_rad_s(f64::from(first_rad_s), f64::from(last_rad_s), k, K) as f32;
     }
     if K == 1 && last_rad_s < first_rad_s {
-        return Err(ConfigError { parameter: Parameter::RateRadS, problem: Problem::NotAscending });
+        return Err(ConfigError { parameter: Parameter::RateRadS, problem: ParameterProblem::NotAscending });
     }
     check(&rates)?;
     Ok(rates)
@@ -45,14 +49,15 @@ pub(crate) fn check(rates_rad_s: &[f32]) -> Result<(), ConfigError> {
     for &rate in rates_rad_s {
         crate::error::positive(Parameter::RateRadS, rate)?;
         if rate <= before {
-            return Err(ConfigError { parameter: Parameter::RateRadS, problem: Problem::NotAscending });
+            return Err(ConfigError { parameter: Parameter::RateRadS, problem: ParameterProblem::NotAscending });
         }
         before = rate;
     }
     Ok(())
 }
 
-/// The share of the way to its goal that a relaxation of `rate_rad_s` goes in `time_s`: g = 1 − e^(−ξt), by expm1.
+/// The share of the way to its goal that a relaxation of `rate_rad_s` goes in `time_s`: g = 1 −
+/// e^(−ξt), by expm1.
 ///
 /// Never worked out as `1 − exp`: for ξt = 3e-6 that leaves two digits in f32.
 pub fn gain(rate_rad_s: f64, time_s: f64) -> f64 {

@@ -1,7 +1,8 @@
-//! Diffusive models: a structure with memory as K relaxations on a geometric mesh of rates (thesis ch. 2).
+//! Diffusive models: a structure with memory as K relaxations on a logarithmic grid of rates
+//! (diffusive mesh; thesis ch. 2).
 
+pub mod convection_observer;
 pub mod mesh;
-pub mod network;
 pub mod observer;
 pub mod real;
 pub mod relaxation;
@@ -9,10 +10,11 @@ pub mod self_heating;
 pub mod sliding;
 pub mod symbol;
 
-pub use network::{
-    AlarmConfig, Convection, CrossConfig, FasterConfig, GainsConfig, Look, Network, NetworkState, OwnConfig,
+pub use convection_observer::config::{
+    AlarmConfig, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
-pub use observer::{Observed, Observer, ObserverState};
+pub use convection_observer::{ConvectionEstimate, ConvectionObserver, ConvectionObserverState, TickInput};
+pub use observer::{ObservedPower, Observer, ObserverState};
 pub use real::Real;
 pub use relaxation::{RelaxationState, Relaxations};
 pub use self_heating::{ORDER, SelfHeating, SelfHeatingConfig};

@@ -1,10 +1,13 @@
-//! An observer of a model's states: what an element's structure has stored, followed tick by tick along its measured temperature.
+//! Observer of the states of a model: it estimates the heat stored in the structure of an element
+//! from the measured temperature, tick by tick.
 //!
-//! A copy of the model that is driven by the heating power alone drifts away as soon as the wind differs from the model's. Wind acts
-//! where heating acts (H_v = H_0 / (1 + ΔG H_0)), so the copy is held on the temperature through its input:
+//! A copy of the model that is driven by the heating power alone drifts away as soon as the wind
+//! differs from the model's. Wind acts where heating acts (H_v = H_0 / (1 + ΔG H_0)), so the copy
+//! is held on the temperature through its input:
 //!
 //! ```text
-//! e = (T − T_ref) − Σ z_k,    w = ℓ e + s,    s ← s + μ ℓ e,    x_k ← x_k + g_k (P + w − x_k),    z_k = R_k x_k
+//! e = (T − T_ref) − Σ z_k,    w = ℓ e + s,    s ← s + μ ℓ e
+//! x_k ← x_k + g_k (P + w − x_k),    z_k = R_k x_k
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -16,23 +19,26 @@
 //! | μ = L / 4, L = Ts / (τ + Ts) | share that is added a tick; damped by 0.7 where the structure is slow | |
 //! | −w | the power that another wind than the model's takes away | W |
 //!
-//! For ξ_k Ts ≪ 1 this is a correction of z along η/Γ. It is measured by the response after τ and not by Γ, the slope at once: of a
-//! light chip on a heavy body the chip would take all of it, and forget it by the next tick. The equivalent control of the states, u_eq = Σ ξ_k z_k / Γ (thesis
-//! 2.49), is then what the structure itself takes, slow tail included: equal to the mean power in the model's wind, and the mean
-//! power less it is what any other wind takes.
+//! For ξ_k Ts ≪ 1 this is a correction of z along η/Γ. It is measured by the response after τ and
+//! not by Γ, the slope at once: of a light chip on a heavy body the chip would take all of it, and
+//! forget it by the next tick. The equivalent control of the states, u_eq = Σ ξ_k z_k / Γ (thesis
+//! 2.49), is then the conduction into the structure, slow response included: equal to the mean
+//! power in the model's wind, and the mean power less it is what any other wind takes.
 //!
-//! Limits: resistances must not be negative, and one must be greater than zero. Then the error dies away at any sample period and any
-//! rates: e within some ten τ, but how the heat is shared out among slow poles only as fast as the structure's own transmission zeros
-//! (the closed loop's time constants) allow, since one temperature tells no more at once: it should start near the truth. What the model gets wrong in the steady gain
-//! u_eq gets wrong likewise. `+ − × ÷` on f32 in fixed order.
+//! Limits: resistances must not be negative, and one must be greater than zero. Then the error dies
+//! away at any sample period and any rates: e within some ten τ, but how the heat is shared out
+//! among slow poles only as fast as the structure's own transmission zeros (the closed loop's time
+//! constants) allow, since one temperature contains no more information: the initial state should
+//! be near the truth. A relative error of the steady gain of the model appears as the same error of
+//! u_eq. `+ − × ÷` on f32 in fixed order.
 
+use super::mesh;
 use super::sliding::equivalent_control;
-use super::{Symbol, mesh};
-use crate::error::{self, ConfigError, Parameter, Problem};
-use crate::seal::Seal;
+use super::symbol::Symbol;
+use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
-/// τ: the time in which half of an error of the temperature is made good, s. Well above a tick, so that reading noise is averaged;
-/// below the seconds in which a wind is to be seen.
+/// τ: the time in which half of an error of the temperature is made good, s. Well above a tick, so
+/// that reading noise is averaged; below the seconds in which a wind is to be seen.
 pub const TIME_CONSTANT_S: f32 = 0.5;
 
 /// Least response after τ, K/W: under it a gain would be beyond any power.
@@ -49,16 +55,16 @@ pub struct Observer<const K: usize> {
     adding_w_per_k: f32,
 }
 
-/// What an observer remembers beside the states themselves.
+/// State of an observer, apart from the states of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ObserverState {
     /// s, W.
     pub added_w: f32,
 }
 
-/// What the states say at a tick.
+/// Result of the observer at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Observed {
+pub struct ObservedPower {
     /// u_eq, W.
     pub equivalent_power_w: f32,
     /// w: to be added to the heating power until the next tick, W.
@@ -69,7 +75,8 @@ impl<const K: usize> Observer<K> {
     /// The observer of a symbol on a mesh.
     ///
     /// # Errors
-    /// If a resistance is negative, or none is large enough for the temperature to answer within τ.
+    /// If a resistance is negative, or none is large enough for the temperature to respond within
+    /// τ.
     pub fn new(rates_rad_s: &[f32; K], symbol: &Symbol<K>, sample_period_s: f32) -> Result<Self, ConfigError> {
         mesh::check(rates_rad_s)?;
         error::positive(Parameter::SamplePeriodS, sample_period_s)?;
@@ -80,7 +87,7 @@ impl<const K: usize> Observer<K> {
             response_k_per_w += f64::from(r) * mesh::gain(f64::from(rate), within_s);
         }
         if response_k_per_w < LEAST_RESPONSE_K_PER_W {
-            return Err(ConfigError { parameter: Parameter::ResistanceKPerW, problem: Problem::NotPositive });
+            return Err(ConfigError { parameter: Parameter::ResistanceKPerW, problem: ParameterProblem::NotPositive });
         }
         let gain_w_per_k = 0.5 / response_k_per_w;
         Ok(Self {
@@ -91,29 +98,26 @@ impl<const K: usize> Observer<K> {
         })
     }
 
-    /// Takes all of it into a seal.
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.numbers(&self.rates_rad_s);
-        seal.numbers(&[self.high_frequency_gain_k_per_j, self.gain_w_per_k, self.adding_w_per_k]);
-    }
-
-    /// Looks at the shares `weighted_k` = z_k of the temperature rise that the states amount to, `rise_k` in all, beside the rise that
-    /// was measured. Without a measurement the correction goes on as it was.
+    /// Compares the rise by the states, `rise_k` with the shares `weighted_k` = z_k, with the
+    /// measured rise. Without a measurement the correction stays constant.
     #[inline]
-    pub fn look(
+    pub fn estimate(
         &self,
         state: &mut ObserverState,
         weighted_k: &[f32; K],
         rise_k: f32,
         measured_rise_k: Option<f32>,
-    ) -> Observed {
+    ) -> ObservedPower {
         let error_k = measured_rise_k.map_or(0.0, |measured| measured - rise_k);
         let correction_w = self.gain_w_per_k * error_k + state.added_w;
         state.added_w += self.adding_w_per_k * error_k;
         let equivalent_power_w = equivalent_control(&self.rates_rad_s, weighted_k, self.high_frequency_gain_k_per_j);
-        Observed { equivalent_power_w, correction_w }
+        ObservedPower { equivalent_power_w, correction_w }
     }
 }
+
+crate::fields::fields!(@[const K: usize] Observer<K> { rates_rad_s, high_frequency_gain_k_per_j, gain_w_per_k, adding_w_per_k });
+crate::fields::fields!(ObserverState { added_w });
 
 #[cfg(test)]
 mod tests;

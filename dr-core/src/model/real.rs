@@ -1,8 +1,10 @@
-//! What f32 of the board and f64 of the host have in common: formulas that both need stand once, and round as their number does.
+//! What f32 of the board and f64 of the host have in common: formulas that both need stand once,
+//! and round as their number does.
 
 use core::ops::{Add, Div, Mul, Sub};
 
-/// f32 or f64, with `+ − × ÷` and comparisons only: no functions, so that every body computes the same bits.
+/// f32 or f64, with `+ − × ÷` and comparisons only: no functions, so that every body computes the
+/// same bits.
 pub trait Real:
     Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {

@@ -7,11 +7,12 @@
 //! x_k ← x_k + g_k (u − x_k),    g_k = 1 − e^(−ξ_k Ts)
 //! ```
 //!
-//! **Why compensated.** A slow pole has g ~ 1e-6, and in f32 the increment g(u − x) soon falls under half a unit in the
-//! last place of x: the plain update stalls 1e-4 short of its goal. Kahan's sum carries what each addition lost into the
-//! next one (Higham, *Accuracy and Stability of Numerical Algorithms*, 4.3), for one more f32 and three additions a pole.
-//! Largest error against f64 over 10⁷ random 0/1 samples with ξTs from 3e-6 to 3: under 2e-7 of full scale on every pole
-//! (test `ten_million_random_bits_stay_within_two_ulp_of_f64`).
+//! **Why compensated.** A slow pole has g ~ 1e-6, and in f32 the increment g(u − x) soon falls
+//! under half a unit in the last place of x: the plain update stalls 1e-4 short of its goal.
+//! Kahan's sum carries what each addition lost into the next one (Higham, *Accuracy and Stability
+//! of Numerical Algorithms*, 4.3), for one more f32 and three additions a pole. Largest error
+//! against f64 over 10⁷ random 0/1 samples with ξTs from 3e-6 to 3: under 2e-7 of full scale on
+//! every pole (test `ten_million_random_bits_stay_within_two_ulp_of_f64`).
 
 use super::mesh;
 use crate::error::{self, ConfigError, Parameter};
@@ -42,7 +43,8 @@ impl<const K: usize> Relaxations<K> {
     /// Relaxations at `rates_rad_s` (ascending), stepped every `sample_period_s`.
     ///
     /// # Errors
-    /// Names the rates or the period if they are not finite, greater than zero and, the rates, ascending.
+    /// Names the rates or the period if they are not finite, greater than zero and, the rates,
+    /// ascending.
     pub fn new(rates_rad_s: &[f32; K], sample_period_s: f32) -> Result<Self, ConfigError> {
         mesh::check(rates_rad_s)?;
         error::positive(Parameter::SamplePeriodS, sample_period_s)?;
@@ -89,7 +91,8 @@ impl<const K: usize> Relaxations<K> {
     }
 }
 
-/// Steps P neighbours operation by operation, so that on the board none waits for the result of the instruction before.
+/// Steps P neighbours operation by operation, so that on the board none waits for the result of the
+/// instruction before.
 #[inline]
 fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32; P], input: &[f32; P]) {
     let before = *x;
@@ -101,7 +104,8 @@ fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32;
     *excess = core::array::from_fn(|i| gone[i] - increment[i]);
 }
 
-crate::seal::sealable!(@[const K: usize] Relaxations<K> { gain });
+crate::fields::fields!(@[const K: usize] Relaxations<K> { gain });
+crate::fields::fields!(@[const K: usize] RelaxationState<K> { x, excess });
 
 #[cfg(test)]
 mod tests {

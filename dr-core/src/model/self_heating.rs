@@ -1,12 +1,14 @@
 //! One element's own diffusive model: heating power in, temperature out.
 //!
-//! T = T_ref + Σ R_k x_k, with the x_k driven by the element's heating power. The controller steps it beside the element
-//! and judges set-points by it; order 8 at the most, the rest of the weights being zero.
+//! T = T_ref + Σ R_k x_k, with the x_k driven by the element's heating power. The controller steps
+//! it beside the element and judges set-points by it; order 8 at the most, the rest of the weights
+//! being zero.
 
-use super::symbol::pairwise_sum;
-use super::{Observed, Observer, ObserverState, Reachability, RelaxationState, Relaxations, Symbol, reachability};
+use super::observer::{ObservedPower, Observer, ObserverState};
+use super::relaxation::{RelaxationState, Relaxations};
+use super::sliding::{Reachability, reachability};
+use super::symbol::{Symbol, pairwise_sum};
 use crate::error::{self, ConfigError, Parameter};
-use crate::seal::Seal;
 
 /// Order of the models that the controller carries.
 pub const ORDER: usize = 8;
@@ -23,7 +25,7 @@ pub struct SelfHeatingConfig {
     pub reference_c: f32,
 }
 
-/// A model made ready for one sample period. Immutable.
+/// A model prepared for one sample period. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelfHeating {
     mesh_rad_s: [f32; ORDER],
@@ -48,17 +50,9 @@ impl SelfHeating {
         })
     }
 
-    /// Takes all of it into a seal.
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.numbers(&self.mesh_rad_s);
-        seal.numbers(&[self.sample_period_s, self.reference_c]);
-        seal.numbers(self.relaxations.gain());
-        seal.numbers(self.symbol.r_k_per_w());
-    }
-
     /// Flips a bit of its reference, for fault injection.
-    #[cfg(any(test, feature = "upset"))]
-    pub(crate) fn upset(&mut self, bit: u32) {
+    #[cfg(any(test, feature = "bit-flips"))]
+    pub(crate) fn flip_bit(&mut self, bit: u32) {
         self.reference_c = f32::from_bits(self.reference_c.to_bits() ^ 1 << (bit % 32));
     }
 
@@ -82,13 +76,14 @@ impl SelfHeating {
         Observer::new(&self.mesh_rad_s, &self.symbol, self.sample_period_s)
     }
 
-    /// The states of an element that has had `temperature_c` for long, by a constant power.
+    /// The states of an element in steady state at `temperature_c`.
     pub fn in_balance(&self, temperature_c: f32) -> RelaxationState<ORDER> {
         let power_w = (temperature_c - self.reference_c) / self.symbol.steady_gain_k_per_w();
         RelaxationState { x: [power_w; ORDER], ..RelaxationState::default() }
     }
 
-    /// Holds the states beside a measured temperature in °C, if there is one; to be called before the tick's [`step`](Self::step).
+    /// Holds the states beside a measured temperature in °C, if there is one; to be called before
+    /// the tick's [`step`](Self::step).
     #[inline]
     pub fn observe(
         &self,
@@ -96,10 +91,10 @@ impl SelfHeating {
         remembered: &mut ObserverState,
         state: &RelaxationState<ORDER>,
         measured_c: Option<f32>,
-    ) -> Observed {
+    ) -> ObservedPower {
         let weighted_k = self.symbol.weighted(state);
         let measured_rise_k = measured_c.map(|measured_c| measured_c - self.reference_c);
-        observer.look(remembered, &weighted_k, pairwise_sum(weighted_k), measured_rise_k)
+        observer.estimate(remembered, &weighted_k, pairwise_sum(weighted_k), measured_rise_k)
     }
 
     /// Whether `target_c` can be held between two levels in W.
@@ -107,6 +102,8 @@ impl SelfHeating {
         reachability(self.symbol.steady_gain_k_per_w(), target_c - self.reference_c, power_low_w, power_high_w)
     }
 }
+
+crate::fields::fields!(SelfHeating { mesh_rad_s, sample_period_s, relaxations, symbol, reference_c });
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,9 @@
-//! What a closed loop can reach and how it moves there, read off an open-loop model (thesis 2.42–2.51).
+//! Sliding surface: set-points that a closed loop can reach, and its equivalent control, from an
+//! open-loop model (thesis 2.42–2.51).
 //!
-//! The loop switches between P_off and P_on by the sign of σ = ΔT − y. Sampled infinitely fast it keeps σ = 0, and its mean power is
-//! the equivalent control. With z_k = R_k x_k, the share of pole k in the temperature rise in K:
+//! The loop switches between P_off and P_on by the sign of σ = ΔT − y. Sampled infinitely fast it
+//! keeps σ = 0, and its mean power is the equivalent control. With z_k = R_k x_k, the share of pole
+//! k in the temperature rise in K:
 //!
 //! | quantity | definition | unit |
 //! |---|---|---|
@@ -10,8 +12,9 @@
 //! | equivalent control (2.49) | u_eq = Σ ξ_k z_k / Γ, with Γ = Σ ξ_k R_k | W |
 //! | sliding (2.47) | P_off < u_eq < P_on while σ = 0 | |
 //!
-//! Exact for a linear model; wind lowers ΣR_k, so that a model of still gas answers for still gas. Γ must be greater than zero:
-//! otherwise heating does not begin by warming, and there is no surface on which the loop could slide. What makes a model checks that.
+//! Exact for a linear model; wind lowers ΣR_k, so that a model of quiescent gas holds in quiescent
+//! gas only. Γ must be greater than zero: otherwise heating does not begin by warming, and there is
+//! no surface on which the loop could slide. What makes a model checks that.
 //!
 //! Board and host call the same functions, in f32 and in f64.
 
@@ -38,7 +41,8 @@ pub enum Reachability<R = f32> {
     },
 }
 
-/// Judges a rise of `rise_k` over the reference for a model of `steady_gain_k_per_w` between two levels in W.
+/// Judges a rise of `rise_k` over the reference for a model of `steady_gain_k_per_w` between two
+/// levels in W.
 ///
 /// A set-point on a bound counts as out of reach: the loop would only creep towards it.
 pub fn reachability<R: Real>(steady_gain_k_per_w: R, rise_k: R, power_low_w: R, power_high_w: R) -> Reachability<R> {
@@ -53,10 +57,12 @@ pub fn reachability<R: Real>(steady_gain_k_per_w: R, rise_k: R, power_low_w: R, 
     }
 }
 
-/// u_eq = Σ ξ_k z_k / Γ (thesis 2.49) in W: the power that, held, would keep the rise as it is at this moment.
+/// u_eq = Σ ξ_k z_k / Γ (thesis 2.49) in W: the power that, held, would keep the rise as it is at
+/// this moment.
 ///
-/// `rates_rad_s` are ξ_k, `weighted_k` the states z_k = R_k x_k in K, of equal number; `high_frequency_gain_k_per_j` is Γ and greater
-/// than zero. Summed in the order of the rates: relative rounding is under K ulp where all z_k ≥ 0. Divides once.
+/// `rates_rad_s` are ξ_k, `weighted_k` the states z_k = R_k x_k in K, of equal number;
+/// `high_frequency_gain_k_per_j` is Γ and greater than zero. Summed in the order of the rates:
+/// relative rounding is under K ulp where all z_k ≥ 0. Divides once.
 #[inline]
 pub fn equivalent_control<R: Real>(rates_rad_s: &[R], weighted_k: &[R], high_frequency_gain_k_per_j: R) -> R {
     let mut falling_k_per_s = R::ZERO;
@@ -66,8 +72,8 @@ pub fn equivalent_control<R: Real>(rates_rad_s: &[R], weighted_k: &[R], high_fre
     falling_k_per_s / high_frequency_gain_k_per_j
 }
 
-/// How far the equivalent control is from either level: (u_eq − P_off, P_on − u_eq) in W. The loop slides while both are greater than
-/// zero (thesis 2.47).
+/// How far the equivalent control is from either level: (u_eq − P_off, P_on − u_eq) in W. The loop
+/// slides while both are greater than zero (thesis 2.47).
 #[inline]
 pub fn sliding_margins_w<R: Real>(equivalent_w: R, power_low_w: R, power_high_w: R) -> (R, R) {
     (equivalent_w - power_low_w, power_high_w - equivalent_w)

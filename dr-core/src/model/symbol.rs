@@ -1,7 +1,8 @@
-//! The diffusive symbol: the weights that turn relaxations into a temperature.
+//! The time-constant spectrum (diffusive symbol): the weights that turn relaxations into a
+//! temperature.
 //!
-//! y = Σ R_k x_k  with R_k = η_k/ξ_k in K/W (thesis 2.10 in normalised states). The model is then a Foster network with
-//! resistances R_k and capacitances 1/η_k.
+//! y = Σ R_k x_k  with R_k = η_k/ξ_k in K/W (thesis 2.10 in normalised states). The model is then a
+//! Foster network with resistances R_k and capacitances 1/η_k.
 //!
 //! | quantity | definition | unit |
 //! |---|---|---|
@@ -58,7 +59,8 @@ impl<const K: usize> Symbol<K> {
     }
 }
 
-/// The sum in a fixed order, by halves: it loses less than a running sum, and neighbours do not wait for each other.
+/// The sum in a fixed order, by halves: it loses less than a running sum, and neighbours do not
+/// wait for each other.
 #[inline]
 pub(super) fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
     let mut length = K;
@@ -75,12 +77,13 @@ pub(super) fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
     if K == 0 { 0.0 } else { terms[0] }
 }
 
-crate::seal::sealable!(@[const K: usize] Symbol<K> { r_k_per_w });
+crate::fields::fields!(@[const K: usize] Symbol<K> { r_k_per_w });
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Relaxations, mesh};
+    use crate::model::mesh;
+    use crate::model::relaxation::Relaxations;
 
     #[test]
     fn a_held_power_ends_at_the_steady_gain() {

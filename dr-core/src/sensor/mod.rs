@@ -1,8 +1,7 @@
-//! From ADC codes to resistance, temperature and heating power, and from conductances to the wind.
+//! From ADC codes to resistance, temperature and heating power.
 
 pub mod platinum;
 pub mod reading;
-pub mod wind;
 
 pub use platinum::Platinum;
-pub use reading::{Channel, Input, Level, Reading};
+pub use reading::{Channel, FrontEndInput, Level, Reading};

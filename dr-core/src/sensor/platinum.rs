@@ -5,21 +5,23 @@
 //! | linear (thin film) | R = R0 (1 + αT) | thesis, prototype B: R0 = 175 Ω, α = 0.0031 /°C | −200 … 300 °C |
 //! | IEC 60751 (Callendar–Van Dusen) | R = R0 (1 + AT + BT² + C(T−100)T³), C only for T < 0 | IEC 60751:2008 | −200 … 850 °C |
 //!
-//! T in °C, R in Ω. Both directions use only `+ − × ÷`, so that they may run every tick and give the same bits on
-//! every body. The inverse of IEC 60751 is Newton's method with a fixed number of steps from the linear guess.
+//! T in °C, R in Ω. Both directions use only `+ − × ÷`, so that they may run every tick and give
+//! the same bits on every body. The inverse of IEC 60751 is Newton's method with a fixed number of
+//! steps from the linear guess.
 //!
-//! Accuracy against f64 (test `the_inverse_returns_to_the_temperature`): 0.05 mK within −100 … 150 °C and 0.3 mK up to
-//! the ends of the range, which is what one unit in the last place of an f32 resistance is worth.
+//! Accuracy against f64 (test `the_inverse_returns_to_the_temperature`): 0.05 mK within −100 … 150
+//! °C and 0.3 mK up to the ends of the range, which is what one unit in the last place of an f32
+//! resistance is worth.
 
 use crate::error::{self, ConfigError, Parameter};
-use crate::seal::Seal;
 
 /// Callendar–Van Dusen coefficients of IEC 60751: /°C, /°C², /°C⁴.
 const A: f32 = 3.9083e-3;
 const B: f32 = -5.775e-7;
 const C: f32 = -4.183e-12;
 
-/// Newton's steps. Three reach the last bits from any guess in the range; the fourth costs little and needs no proof.
+/// Newton's steps. Three reach the last bits from any guess in the range; the fourth costs little
+/// and needs no proof.
 const NEWTON_STEPS: usize = 4;
 
 /// The characteristic of one platinum resistor.
@@ -41,7 +43,8 @@ impl Platinum {
     /// A linear film resistor.
     ///
     /// # Errors
-    /// Names the parameter that is not a finite number greater than zero, or a coefficient above 0.01 /°C.
+    /// Names the parameter that is not a finite number greater than zero, or a coefficient above
+    /// 0.01 /°C.
     pub fn linear(resistance_0c_ohm: f32, coefficient_per_c: f32) -> Result<Self, ConfigError> {
         error::positive(Parameter::CoefficientPerC, coefficient_per_c)?;
         error::within(Parameter::CoefficientPerC, coefficient_per_c, 0.0, 0.01)?;
@@ -56,17 +59,7 @@ impl Platinum {
         Ok(Self { resistance_0c_ohm: checked_resistance(resistance_0c_ohm)?, law: Law::Iec60751 })
     }
 
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.number(self.resistance_0c_ohm);
-        match self.law {
-            Law::Linear { coefficient_per_c } => seal.number(coefficient_per_c),
-            Law::Iec60751 => seal.word(u32::MAX),
-        }
-    }
-
-    /// Checks again what came over a link or out of a file, where the constructors were not asked.
+    /// Checks values from a link or a file, which no constructor has checked.
     pub(crate) fn checked(self) -> Result<Self, ConfigError> {
         match self.law {
             Law::Linear { coefficient_per_c } => Self::linear(self.resistance_0c_ohm, coefficient_per_c),
@@ -124,6 +117,9 @@ fn relative_rise(temperature_c: f32) -> (f32, f32) {
         (t * (A + t * B), A + t * (2.0 * B))
     }
 }
+
+crate::fields::fields!(Platinum { resistance_0c_ohm, law });
+crate::fields::fields!(enum Law { 0 Linear { coefficient_per_c }, 1 Iec60751 });
 
 #[cfg(test)]
 mod tests {
@@ -196,12 +192,8 @@ mod tests {
     }
 
     #[test]
-    fn a_seal_tells_resistors_apart() {
-        let of = |platinum: Platinum| {
-            let mut seal = Seal::default();
-            platinum.seal(&mut seal);
-            seal
-        };
+    fn a_checksum_distinguishes_resistors() {
+        let of = |platinum: Platinum| crate::checksum::Checksum::of(&platinum);
         let all = [
             Platinum::iec60751(100.0).unwrap(),
             Platinum::iec60751(1000.0).unwrap(),

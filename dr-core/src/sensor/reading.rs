@@ -1,7 +1,8 @@
 //! One element's reading: from ADC code to resistance and heating power.
 //!
-//! The same resistor heats and senses (theory: thesis ch. 4), so its resistance is R = V/I with the current that flowed
-//! in that sample, and the power it gives off is I²R: it drifts with R(T) and is worked out every tick.
+//! The same resistor heats and senses (theory: thesis ch. 4), so its resistance is R = V/I with the
+//! current that flowed in that sample, and the power it gives off is I²R: it drifts with R(T) and
+//! is worked out every tick.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -10,34 +11,34 @@
 
 use super::platinum::Platinum;
 use crate::error::{self, ConfigError, Parameter};
-use crate::seal::Seal;
 
-/// What the front end has to say of one element in one tick.
+/// Reading of one element in one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reading {
     /// A fresh conversion, two's complement, 24 bit or fewer.
     Code(i32),
-    /// The front end answers, but has converted nothing since the last tick.
+    /// The front end responds, but has converted nothing since the last tick.
     Stale,
-    /// The front end did not answer, or what it said was damaged.
+    /// The front end did not respond, or its data were damaged.
     Missing,
 }
 
-/// What the front end's converters are connected to.
+/// Input of the converters of the front end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Input {
+pub enum FrontEndInput {
     /// The elements.
     #[default]
     Element,
-    /// Nothing: both inputs of each converter are one.
+    /// Both inputs of each converter connected to each other.
     Shorted,
-    /// A voltage that the front end knows, scaled so that it reads [`REFERENCE_CODE`] if all is well.
+    /// A known voltage of the front end, scaled so that it nominally reads [`REFERENCE_CODE`].
     Reference,
 }
 
-/// What [`Input::Reference`] reads if voltage and converter are right: half the scale of a converter of 24 bit.
+/// What [`FrontEndInput::Reference`] reads if voltage and converter are right: half the scale of a
+/// converter of 24 bit.
 pub const REFERENCE_CODE: i32 = 1 << 22;
 
 /// One of the two currents of an element.
@@ -51,7 +52,8 @@ pub enum Level {
     High,
 }
 
-/// How one element is wired: its resistor, its two currents and the ADC's scale. Checked when it is made.
+/// How one element is wired: its resistor, its two currents and the ADC's scale. Checked when it is
+/// made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
@@ -65,8 +67,8 @@ impl Channel {
     /// A channel with `volt_per_code` V a code and its two currents in A.
     ///
     /// # Errors
-    /// Names the parameter that is not greater than zero or absurdly large (1 V a code, 1 A, 1 MΩ at 0 °C: with them no
-    /// power can overflow), or a high current that is not above the low one.
+    /// Names the parameter that is not greater than zero or absurdly large (1 V a code, 1 A, 1 MΩ
+    /// at 0 °C: with them no power can overflow), or a high current that is not above the low one.
     pub fn new(
         platinum: Platinum,
         volt_per_code: f32,
@@ -83,13 +85,6 @@ impl Channel {
 
     pub(crate) fn checked(self) -> Result<Self, ConfigError> {
         Self::new(self.platinum, self.volt_per_code, self.current_low_a, self.current_high_a)
-    }
-
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        self.platinum.seal(seal);
-        seal.numbers(&[self.volt_per_code, self.current_low_a, self.current_high_a]);
     }
 
     /// The resistor's characteristic.
@@ -127,11 +122,19 @@ impl Channel {
         current_a * current_a * resistance_ohm
     }
 
+    /// Heating power in W at a temperature in °C with the current at a level.
+    pub fn power_at_w(&self, temperature_c: f32, level: Level) -> f32 {
+        self.power_w(self.platinum.resistance_ohm(temperature_c), level)
+    }
+
     /// Heating power in W at the low level and a temperature in °C: what an element has in standby.
     pub fn standing_power_w(&self, temperature_c: f32) -> f32 {
-        self.power_w(self.platinum.resistance_ohm(temperature_c), Level::Low)
+        self.power_at_w(temperature_c, Level::Low)
     }
 }
+
+crate::fields::fields!(enum Level { 0 Low, 1 High });
+crate::fields::fields!(Channel { platinum, volt_per_code, current_low_a, current_high_a });
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,9 @@
 //! From the power of every tick to mean power: a cascaded integrator–comb (sinc^M) decimator.
 //!
-//! H(z) = ((1 − z^−R) / (R (1 − z^−1)))^M with order M and ratio R: M moving averages of R ticks, one output in R ticks.
-//! Zeros at every multiple of the output rate, so that what would alias onto the mean is taken out M-fold; a first-order
-//! modulator wants M ≥ 2 (Candy, *Decimation for sigma delta modulation*, IEEE Trans. Commun. 34, 1986).
+//! H(z) = ((1 − z^−R) / (R (1 − z^−1)))^M with order M and ratio R: M moving averages of R ticks,
+//! one output in R ticks. Zeros at every multiple of the output rate, so that what would alias onto
+//! the mean is taken out M-fold; a first-order modulator wants M ≥ 2 (Candy, *Decimation for sigma
+//! delta modulation*, IEEE Trans. Commun. 34, 1986).
 //!
 //! | property | value |
 //! |---|---|
@@ -10,10 +11,10 @@
 //! | length of the response | M (R − 1) + 1 ticks |
 //! | group delay, to the last tick of an output | M (R − 1) / 2 ticks |
 //!
-//! Sums are kept in wrapping integers of 2⁻²⁸ W: a comb then takes off exactly what an integrator took in (Hogenauer,
-//! 1981), which floats would not. Range ±8 W; the last bit is 3.7 nW.
+//! Sums are kept in wrapping integers of 2⁻²⁸ W: a comb then takes off exactly what an integrator
+//! took in (Hogenauer, 1981), which floats would not. Range ±8 W; the last bit is 3.7 nW.
 
-use crate::error::{ConfigError, Parameter, Problem};
+use crate::error::{ConfigError, Parameter, ParameterProblem};
 
 /// Counts a watt.
 const COUNTS_PER_WATT: f32 = 268_435_456.0;
@@ -46,7 +47,8 @@ impl<const M: usize> Decimator<M> {
     /// A decimator that makes one mean of `ratio` ticks.
     ///
     /// # Errors
-    /// If the ratio is 0, or so large that ratio^M times 8 W would not fit the sums (ratio^M > 2³²).
+    /// If the ratio is 0, or so large that ratio^M times 8 W would not fit the sums (ratio^M >
+    /// 2³²).
     pub fn new(ratio: u32) -> Result<Self, ConfigError> {
         let () = Self::IS_PROPER;
         let gain = (0..M).try_fold(1_u64, |gain, _| gain.checked_mul(u64::from(ratio))).unwrap_or(u64::MAX);
@@ -54,7 +56,7 @@ impl<const M: usize> Decimator<M> {
             let most = libm::floor(libm::pow(4_294_967_296.0, 1.0 / M as f64) + 1e-9) as f32;
             return Err(ConfigError {
                 parameter: Parameter::DecimatorRatio,
-                problem: Problem::OutOfRange { least: 1.0, most },
+                problem: ParameterProblem::OutOfRange { least: 1.0, most },
             });
         }
         Ok(Self { ratio, watt_per_count: (1.0 / (gain as f64 * f64::from(COUNTS_PER_WATT))) as f32 })
@@ -65,9 +67,11 @@ impl<const M: usize> Decimator<M> {
         (M as f32) * (self.ratio as f32 - 1.0) / 2.0
     }
 
-    /// Takes in the power of one tick in W; every `ratio` ticks gives the mean in W, once the window is full.
+    /// Takes in the power of one tick in W; every `ratio` ticks gives the mean in W, once the
+    /// window is full.
     pub fn push(&self, state: &mut DecimatorState<M>, power_w: f32) -> Option<f32> {
-        // Adding half a count makes the truncation of the cast a rounding, for the positive values that powers are.
+        // Adding half a count makes the truncation of the cast a rounding, for the positive values
+        // that powers are.
         let mut value = i64::from((power_w * COUNTS_PER_WATT + 0.5) as i32);
         for integrator in &mut state.integrators {
             *integrator = integrator.wrapping_add(value);
@@ -95,7 +99,7 @@ impl<const M: usize> Decimator<M> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::signal::SigmaDelta;
+    use crate::signal::sigma_delta::SigmaDelta;
     use std::vec::Vec;
 
     fn run<const M: usize>(ratio: u32, powers: impl Iterator<Item = f32>) -> Vec<f32> {
@@ -143,7 +147,8 @@ mod tests {
 
     #[test]
     fn a_ramp_comes_out_late_by_the_stated_delay() {
-        // Of a ramp of one count a tick each output is the ramp's value in the middle of its window.
+        // Of a ramp of one count a tick each output is the ramp's value in the middle of its
+        // window.
         let count_w = 1.0 / COUNTS_PER_WATT;
         let decimator = Decimator::<3>::new(9).unwrap();
         let mut state = DecimatorState::default();
@@ -177,6 +182,9 @@ mod tests {
         assert!(Decimator::<2>::new(0).is_err());
         assert!(Decimator::<2>::new(65_536).is_ok());
         assert!(Decimator::<2>::new(65_537).is_err());
-        assert_eq!(Decimator::<3>::new(2_000).unwrap_err().problem, Problem::OutOfRange { least: 1.0, most: 1625.0 });
+        assert_eq!(
+            Decimator::<3>::new(2_000).unwrap_err().problem,
+            ParameterProblem::OutOfRange { least: 1.0, most: 1625.0 }
+        );
     }
 }

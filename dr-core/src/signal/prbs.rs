@@ -1,10 +1,11 @@
-//! Pseudo-random binary sequences from an n-bit Fibonacci shift register with XNOR feedback, n = 2 … 32.
+//! Pseudo-random binary sequences from an n-bit Fibonacci shift register with XNOR feedback, n = 2
+//! … 32.
 //!
-//! Period 2ⁿ − 1. All zeros is a legal seed, all ones the lock-up state. With ω_p the bit clock, the band in which the
-//! sequence is as good as white is ω_p/(2ⁿ−1) ≤ ω ≤ ω_p/2.3 (thesis 2.5). Taps: P. Alfke, Xilinx XAPP052, table 3.
+//! Period 2ⁿ − 1. All zeros is a legal seed, all ones the lock-up state. With ω_p the bit clock,
+//! the band in which the sequence is as good as white is ω_p/(2ⁿ−1) ≤ ω ≤ ω_p/2.3 (thesis 2.5).
+//! Taps: P. Alfke, Xilinx XAPP052, table 3.
 
-use crate::error::{ConfigError, Parameter, Problem};
-use crate::seal::Seal;
+use crate::error::{ConfigError, Parameter, ParameterProblem};
 
 /// Least and greatest register length.
 pub const ORDERS: core::ops::RangeInclusive<u8> = 2..=32;
@@ -66,33 +67,26 @@ pub struct Prbs {
 }
 
 impl Prbs {
-    /// Takes all of it into a seal.
-    #[inline]
-    pub(crate) fn seal(&self, seal: &mut Seal) {
-        seal.word(self.register);
-        seal.word(self.mask);
-        seal.word(self.taps);
-    }
-
     /// An n-bit generator that starts from the low n bits of `seed`.
     ///
     /// # Errors
-    /// If the order is not 2 … 32, or the seed has bits above the n-th, or is the lock-up word of n ones.
+    /// If the order is not 2 … 32, or the seed has bits above the n-th, or is the lock-up word of n
+    /// ones.
     pub fn new(order: u8, seed: u32) -> Result<Self, ConfigError> {
         let taps =
             *order.checked_sub(*ORDERS.start()).and_then(|index| TAPS.get(usize::from(index))).ok_or(ConfigError {
                 parameter: Parameter::PrbsOrder,
-                problem: Problem::OutOfRange { least: 2.0, most: 32.0 },
+                problem: ParameterProblem::OutOfRange { least: 2.0, most: 32.0 },
             })?;
         let mask = u32::MAX >> (32 - u32::from(order));
         if seed > mask {
             return Err(ConfigError {
                 parameter: Parameter::PrbsSeed,
-                problem: Problem::OutOfRange { least: 0.0, most: mask as f32 },
+                problem: ParameterProblem::OutOfRange { least: 0.0, most: mask as f32 },
             });
         }
         if seed == mask {
-            return Err(ConfigError { parameter: Parameter::PrbsSeed, problem: Problem::LockUp });
+            return Err(ConfigError { parameter: Parameter::PrbsSeed, problem: ParameterProblem::LockUp });
         }
         Ok(Self { register: seed, mask, taps })
     }
@@ -103,8 +97,9 @@ impl Prbs {
     }
 
     /// Shifts once; the bit is the one that enters the register.
-    // The bit stays a word until the end: kept as a `bool`, rustc 1.95 at opt-level 2 drops it from the register where this is inlined
-    // into an iterator that chooses between two constants (test `every_way_of_collecting_gives_the_same_bits`).
+    // The bit stays a word until the end: kept as a `bool`, rustc 1.95 at opt-level 2 drops it from
+    // the register where this is inlined into an iterator that chooses between two constants (test
+    // `every_way_of_collecting_gives_the_same_bits`).
     #[inline]
     pub fn step(&mut self) -> bool {
         let bit = !(self.register & self.taps).count_ones() & 1;
@@ -112,6 +107,8 @@ impl Prbs {
         bit == 1
     }
 }
+
+crate::fields::fields!(Prbs { register, mask, taps });
 
 #[cfg(test)]
 mod tests {
@@ -151,7 +148,8 @@ mod tests {
         }
     }
 
-    /// Product of two polynomials over GF(2) modulo x^n + taps (`low` = the polynomial without its leading term).
+    /// Product of two polynomials over GF(2) modulo x^n + taps (`low` = the polynomial without its
+    /// leading term).
     fn multiply(a: u64, b: u64, order: u32, low: u64) -> u64 {
         (0..order).rev().fold(0, |acc, i| {
             let doubled = acc << 1;
@@ -174,10 +172,12 @@ mod tests {
 
     #[test]
     fn every_feedback_polynomial_is_primitive() {
-        // x is of order 2^n − 1 in GF(2)[x]/p exactly if p is primitive, and then the register's period is maximal.
+        // x is of order 2^n − 1 in GF(2)[x]/p exactly if p is primitive, and then the register's
+        // period is maximal.
         for order in 2..=32_u32 {
             let taps = u64::from(TAPS[order as usize - 2]);
-            // Stage s feeds back: characteristic polynomial x^n + Σ x^(n−s), n − s = 0 for the output stage.
+            // Stage s feeds back: characteristic polynomial x^n + Σ x^(n−s), n − s = 0 for the
+            // output stage.
             let low = (0..order).filter(|i| taps >> i & 1 == 1).fold(0, |p, i| p | 1 << (order - 1 - i));
             let period = (1_u64 << order) - 1;
             assert_eq!(power(period, order, low), 1, "order {order}");
@@ -218,8 +218,8 @@ mod tests {
     fn refuses_orders_and_seeds_that_cannot_run() {
         assert_eq!(Prbs::new(1, 0).unwrap_err().parameter, Parameter::PrbsOrder);
         assert_eq!(Prbs::new(33, 0).unwrap_err().parameter, Parameter::PrbsOrder);
-        assert_eq!(Prbs::new(4, 0b1111).unwrap_err().problem, Problem::LockUp);
-        assert_eq!(Prbs::new(32, u32::MAX).unwrap_err().problem, Problem::LockUp);
+        assert_eq!(Prbs::new(4, 0b1111).unwrap_err().problem, ParameterProblem::LockUp);
+        assert_eq!(Prbs::new(32, u32::MAX).unwrap_err().problem, ParameterProblem::LockUp);
         assert_eq!(Prbs::new(4, 16).unwrap_err().parameter, Parameter::PrbsSeed);
     }
 }

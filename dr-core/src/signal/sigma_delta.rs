@@ -2,9 +2,9 @@
 //!
 //! u_{n+1} = u_n + δ − b_n,  b_n = sgn(u_n),  sgn(ρ) = 1 for ρ ≥ 0, else 0   (thesis 2.25)
 //!
-//! In the stationary regime u_n = (u_0 + (n−1)δ) mod 1 − 1 + δ (2.26) and b_n = δ + (u_0+(n−1)δ) mod 1 − (u_0+nδ) mod 1
-//! (2.27): the mean of b is δ, and after m bits their sum is within one of mδ. Valid for 0 ≤ δ ≤ 1, which the caller
-//! checks; outside of it the accumulator would run away.
+//! In the stationary regime u_n = (u_0 + (n−1)δ) mod 1 − 1 + δ (2.26) and b_n = δ + (u_0+(n−1)δ)
+//! mod 1 − (u_0+nδ) mod 1 (2.27): the mean of b is δ, and after m bits their sum is within one of
+//! mδ. Valid for 0 ≤ δ ≤ 1, which the caller checks; outside of it the accumulator would run away.
 
 /// State of a modulator. At rest, u = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -34,7 +34,8 @@ mod tests {
 
     #[test]
     fn follows_the_closed_form_of_the_thesis() {
-        // Multiples of 2^-10 keep every sum exact in f32, so that (2.26) and (2.27) must hold to the bit.
+        // Multiples of 2^-10 keep every sum exact in f32, so that (2.26) and (2.27) must hold to
+        // the bit.
         for delta_1024 in [1_u32, 100, 341, 512, 777, 1023] {
             for start_1024 in [0_u32, 13, 500, 1000] {
                 let delta = f64::from(delta_1024) / 1024.0;

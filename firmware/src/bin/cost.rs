@@ -1,7 +1,9 @@
-//! What the hot paths cost: an image that calls each of them with inputs that cover its ways, for `cargo xtask cost`.
+//! What the hot paths cost: an image that calls each of them with inputs that cover its ways, for
+//! `cargo xtask cost`.
 //!
-//! A kernel is an uninlined function whose name stands in the table of `xtask/src/cost.rs`; all between call and return is counted.
-//! Inputs go through `black_box`, so that the compiler cannot know them. Nothing here is timed: the emulator counts, and needs no clock.
+//! A kernel is an uninlined function whose name stands in the table of `xtask/src/cost.rs`; all
+//! between call and return is counted. Inputs go through `black_box`, so that the compiler cannot
+//! know them. Nothing here is timed: the emulator counts, and needs no clock.
 
 #![no_std]
 #![no_main]
@@ -9,15 +11,18 @@
 use core::hint::black_box;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use dr_core::control::{
-    AnswerConfig, Command, Controller, Drive, ElementConfig, Limits, PartOfHead, Station, Tick, WindCommand, WindTick,
-};
+use dr_core::control::{Controller, Drive, ElementConfig, Limits, Tick};
 use dr_core::model::{
-    AlarmConfig, CrossConfig, GainsConfig, OwnConfig, RelaxationState, Relaxations, SelfHeatingConfig, Symbol, mesh,
+    AlarmConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, RelaxationState, Relaxations,
+    SelfHeatingConfig, Symbol, mesh,
 };
-use dr_core::sensor::wind::{self, Gas, GasLawConfig, Measured, NusseltConfig, Wind, WindState, WindVector};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
+use dr_core::wind::{
+    self, GasLawConfig, GasState, HeadSurface, MeasuredConductance, NusseltConfig, WindCommand, WindEstimate,
+    WindOutputConfig, WindState, WindTick, WindVector,
+};
+use dr_core::{Command, Instrument};
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
@@ -32,8 +37,8 @@ const CURRENT_LOW_A: f32 = 3e-3;
 const CURRENT_HIGH_A: f32 = 16e-3;
 /// Long enough for every drive to change its mind, short enough for a log of every instruction.
 const CONTROL_TICKS: u32 = 400;
-/// An answer to the wind in every one of so many.
-const ANSWER_EVERY: u16 = 10;
+/// Output interval of the wind estimate, ticks.
+const OUTPUT_INTERVAL: u16 = 10;
 
 /// One compensated step of 8 relaxations, and the temperature that they amount to.
 #[unsafe(no_mangle)]
@@ -121,31 +126,42 @@ fn decimator_push(decimator: &Decimator<2>, state: &mut DecimatorState<2>, power
 /// The wind from the conductances of four sectors.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_4_sectors(vector: &WindVector<4>, state: &mut WindState, gas: &Gas, measured: &[Option<Measured>; 4]) -> Wind {
+fn wind_4_sectors(
+    vector: &WindVector<4>,
+    state: &mut WindState,
+    gas: &GasState,
+    measured: &[Option<MeasuredConductance>; 4],
+) -> WindEstimate {
     vector.step(state, gas, measured)
 }
 
 /// The wind from the three that are left, or that are known well.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_3_sectors(vector: &WindVector<4>, state: &mut WindState, gas: &Gas, measured: &[Option<Measured>; 4]) -> Wind {
+fn wind_3_sectors(
+    vector: &WindVector<4>,
+    state: &mut WindState,
+    gas: &GasState,
+    measured: &[Option<MeasuredConductance>; 4],
+) -> WindEstimate {
     // A word of its own keeps the linker from merging it with the function above.
     black_box(vector).step(state, gas, measured)
 }
 
-/// The anemometer's half of a tick: windless network of six elements with all cross-heating, and the wind of four sectors in every tick.
+/// The anemometer's half of a tick: quiescent-gas network of six elements with all cross-heating,
+/// and the wind of four sectors in every tick.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn anemometer_6_elements(station: &mut Station<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
-    station.sense(tick)
+fn anemometer_6_elements(instrument: &mut Instrument<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
+    instrument.sense(tick)
 }
 
-/// The same in ticks without an answer.
+/// The same in ticks without an output.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn anemometer_between_answers(station: &mut Station<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
+fn anemometer_between_outputs(instrument: &mut Instrument<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
     // A word of its own keeps the linker from merging it with the function above.
-    black_box(station).sense(tick)
+    black_box(instrument).sense(tick)
 }
 
 /// Every kernel, or nothing if a configuration is refused.
@@ -196,21 +212,25 @@ fn nusselt() -> NusseltConfig {
     NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes }
 }
 
-/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides, on a sphere of 10 mm in carbon dioxide of 700 Pa and 220 K.
+/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides, on a sphere of 10 mm
+/// in carbon dioxide of 700 Pa and 220 K.
 fn wind() -> Option<()> {
-    let parts = wind::sphere::tetrahedral_sectors(DIAMETER_M);
-    let vector = WindVector::new(&nusselt(), &parts, DIAMETER_M, 0.5).ok()?;
-    let gas = Gas::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
+    let surfaces = wind::sphere::tetrahedral_sectors(DIAMETER_M);
+    let vector = WindVector::new(&nusselt(), &surfaces, DIAMETER_M, 0.5).ok()?;
+    let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut state = WindState::default();
     let mut sign = 1.0;
     for n in 0..12_u8 {
         let speed = f32::from(n);
-        let part = &parts[usize::from(n % 4)];
+        let part = &surfaces[usize::from(n % 4)];
         let direction = [part.axis[0] + 0.3, 0.7 * part.axis[1], part.axis[2] - 0.2];
         let mut measured = vector.conductances(&gas, direction.map(|x| 0.6 * speed * x)).map(|given| {
             let error = 1e-3 * given.conductance_w_k;
             sign = -sign;
-            Some(Measured { conductance_w_k: given.conductance_w_k + sign * error, variance_w2_k2: error * error })
+            Some(MeasuredConductance {
+                conductance_w_k: given.conductance_w_k + sign * error,
+                variance_w2_k2: error * error,
+            })
         });
         black_box(wind_4_sectors(black_box(&vector), &mut state, black_box(&gas), black_box(&measured)));
         let mut uneven = measured;
@@ -229,19 +249,19 @@ fn anemometer() -> Option<()> {
     const PARTS: u8 = 4;
     const CAPACITY_J_K: f32 = 0.12;
     const LOSS_W_K: f32 = 1e-3;
-    const WINDLESS_W_K: f32 = 1.7e-4;
+    const QUIESCENT_W_K: f32 = 1.7e-4;
     const GAS_C: f32 = -53.0;
-    let mut station = Station::<ELEMENTS>::new();
-    let mut tell = |command| station.handle(command).ok();
-    tell(Command::SamplePeriod { sample_period_s: 1e-3 })?;
+    let mut instrument = Instrument::<ELEMENTS>::new();
+    let mut send = |command| instrument.handle(command).ok();
+    send(Command::SamplePeriod { sample_period_s: 1e-3 })?;
     let platinum = Platinum::linear(175.0, 0.0031).ok()?;
     let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
     let limits =
         Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
     for element in 0..ELEMENTS as u8 {
-        tell(Command::Element { element, config: ElementConfig { channel, limits } })?;
-        tell(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } })?;
-        let config = OwnConfig {
+        send(Command::Element { element, config: ElementConfig { channel, limits } })?;
+        send(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } })?;
+        let config = NetworkSelfHeatingConfig {
             // The body's own pole, and others that cost as much and do nothing.
             mesh_rad_s: mesh::geometric(LOSS_W_K / CAPACITY_J_K, 400.0).ok()?,
             r_k_per_w: [1.0 / LOSS_W_K, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -255,51 +275,51 @@ fn anemometer() -> Option<()> {
             },
             alarm: Some(AlarmConfig { smoothing_s: 0.02, threshold_k: 0.01 }),
         };
-        tell(Command::Wind(WindCommand::Own { element, config }))?;
+        send(Command::Wind(WindCommand::SelfHeating { element, config }))?;
     }
     for (from, to) in (0..ELEMENTS as u8).flat_map(|from| (0..ELEMENTS as u8).map(move |to| (from, to))) {
         if from != to {
-            let config = CrossConfig {
+            let config = NetworkCrossHeatingConfig {
                 from,
                 to,
                 mesh_rad_s: mesh::geometric(0.003, 1.0).ok()?,
                 r_k_per_w: [0.0; 4],
                 surface: [1.0; 4],
             };
-            tell(Command::Wind(WindCommand::Cross(config)))?;
+            send(Command::Wind(WindCommand::CrossHeating(config)))?;
         }
     }
     let NusseltConfig { least_reynolds, most_reynolds, amplitudes } = nusselt();
     for (point, amplitudes) in (0_u8..).zip(amplitudes) {
-        tell(Command::Wind(WindCommand::Point { point, amplitudes }))?;
+        send(Command::Wind(WindCommand::NusseltPoint { point, amplitudes }))?;
     }
     for (part, surface) in (0_u8..).zip(wind::sphere::tetrahedral_sectors(DIAMETER_M)) {
-        let config = PartOfHead { element: part, surface, gain: 1.0, windless_w_k: WINDLESS_W_K };
-        tell(Command::Wind(WindCommand::Part { part, config }))?;
+        let config = HeadSurface { element: part, surface, gain: 1.0, windless_w_k: QUIESCENT_W_K };
+        send(Command::Wind(WindCommand::Surface { surface: part, config }))?;
     }
-    tell(Command::Wind(WindCommand::GasLaw(GasLawConfig {
+    send(Command::Wind(WindCommand::GasLaw(GasLawConfig {
         gas_constant_j_kg_k: 188.9,
         least_c: -120.0,
         most_c: 100.0,
         viscosity_pa_s: [11.05e-6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         conductivity_w_m_k: [10.84e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     })))?;
-    tell(Command::Wind(WindCommand::Answer(AnswerConfig {
-        parts: PARTS,
+    send(Command::Wind(WindCommand::Output(WindOutputConfig {
+        surfaces: PARTS,
         diameter_m: DIAMETER_M,
         reynolds: Some([least_reynolds, most_reynolds]),
         direction_error_max_rad: 0.5,
-        every_ticks: ANSWER_EVERY,
+        output_interval_ticks: OUTPUT_INTERVAL,
         reference: None,
         smoothing_s: [1.0, 0.1],
         reference_gas_c: GAS_C,
     })))?;
-    tell(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(GAS_C) }))?;
-    tell(Command::Arm { window_s: 1.0 })?;
-    tell(Command::Start)?;
+    send(Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(GAS_C) }))?;
+    send(Command::Arm { window_s: 1.0 })?;
+    send(Command::Start)?;
 
     let vector = WindVector::new(&nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
-    let gas = Gas::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
+    let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut temperature_c = [-30.0_f32; ELEMENTS];
     let mut heaters = 0_u16;
     for n in 0..CONTROL_TICKS {
@@ -308,20 +328,21 @@ fn anemometer() -> Option<()> {
             Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
         });
         let conductances = vector.conductances(&gas, [3.0, -4.0 + 0.005 * n as f32, 1.0]);
-        let tick = station.tick(black_box(&readings));
+        let tick = instrument.tick(black_box(&readings));
         heaters = tick.heaters.0;
-        let answers = n % u32::from(ANSWER_EVERY) == 0;
-        let sense = if answers { anemometer_6_elements } else { anemometer_between_answers };
-        black_box(sense(black_box(&mut station), black_box(&tick)));
+        let outputs = n % u32::from(OUTPUT_INTERVAL) == 0;
+        let sense = if outputs { anemometer_6_elements } else { anemometer_between_outputs };
+        black_box(sense(black_box(&mut instrument), black_box(&tick)));
         for (i, (temperature, power_w)) in temperature_c.iter_mut().zip(tick.power_w).enumerate() {
-            let wind_w_k = conductances.get(i).map_or(0.0, |of| of.conductance_w_k - WINDLESS_W_K);
+            let wind_w_k = conductances.get(i).map_or(0.0, |of| of.conductance_w_k - QUIESCENT_W_K);
             *temperature += 1e-3 / CAPACITY_J_K * (power_w - (LOSS_W_K + wind_w_k) * (*temperature - GAS_C));
         }
     }
     Some(())
 }
 
-/// The six drives in turn, one an element, each with its model, on simple bodies; readings fail and at last trip the guard.
+/// The six drives in turn, one an element, each with its model, on simple bodies; readings fail and
+/// at last trip the guard.
 fn control<const N: usize>(
     elements: usize,
     observe: bool,

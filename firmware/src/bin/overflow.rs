@@ -1,15 +1,19 @@
-//! Runs out of stack, for `cargo xtask safety`: with the fault entry and the fault handler of the application, and a board that remembers
-//! what was asked of it.
+//! Runs out of stack, for `cargo xtask safety`: with the fault entry and the fault handler of the
+//! application, and a board that remembers the requests of the handler.
 //!
-//! The way is told on the emulator's command line: `call` calls itself without end, `interrupt` has an exception begin where the stack ends.
-//! It ends with the fault's code if the heaters were put low and no static has changed, with 1 otherwise.
+//! The emulator's command line selects the way: `call` calls itself without end, `interrupt` has an
+//! exception begin where the stack ends. It ends with the fault's code if the heaters were put low
+//! and no static has changed, with 1 otherwise.
 
 #![no_std]
 #![no_main]
 
+#[allow(dead_code, reason = "no supply is lost here")]
+#[path = "../crash_memory.rs"]
+mod crash_memory;
 #[path = "../fault_entry.rs"]
 mod fault_entry;
-#[allow(dead_code, reason = "nobody asks here what the life before ended with")]
+#[allow(dead_code, reason = "the crash record is not read here")]
 #[path = "../halt.rs"]
 mod halt;
 #[path = "../board/virtual_log.rs"]
@@ -24,18 +28,19 @@ use defmt as _;
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
-/// What must be found again: as it lies next to the stack in an image without this protection, it would be the first to be lost.
+/// What must be found again: as it lies next to the stack in an image without this protection, it
+/// would be the first to be lost.
 static WITNESS: [AtomicU32; 256] = [const { AtomicU32::new(PATTERN) }; 256];
 const PATTERN: u32 = 0x5EED_CAFE;
 
 /// The exit code that says that all was as it should be.
 const FAULTED: u32 = 102;
 
-/// What the fault handler asks of a board.
+/// The functions of a board that the fault handler calls.
 mod board {
     use super::{PATTERN, WITNESS};
     use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
-    use firmware::past_life::PastLife;
+    use firmware::crash_record::CrashRecord;
     use wire::ResetCause;
 
     static HEATERS_LOW: AtomicBool = AtomicBool::new(false);
@@ -44,7 +49,7 @@ mod board {
         HEATERS_LOW.store(true, Relaxed);
     }
 
-    pub const fn reset_as_remembered(reset: ResetCause, _: &PastLife) -> ResetCause {
+    pub const fn reset_as_remembered(reset: ResetCause, _: &CrashRecord) -> ResetCause {
         reset
     }
 

@@ -1,31 +1,44 @@
-//! The virtual board: the application under `qemu-system-arm -M netduinoplus2`, its front end a link to the host.
+//! The virtual board: the application under `qemu-system-arm -M netduinoplus2`, its front end a
+//! link to the host.
 //!
 //! Two links, chosen by what the host offers:
 //!
-//! - **USART**: USART2 is the host link, as on the sensor board; USART1 brings readings and takes heater levels.
-//! - **FIFO**: if `to-board.fifo` exists in the emulator's folder, everything goes through it and `from-board.fifo` by
-//!   semihosting. Some thirty times faster, for long runs; the bytes are the same.
+//! - **USART**: USART2 is the host link, as on the sensor board; USART1 brings readings and takes
+//!   heater levels.
+//! - **FIFO**: if `to-board.fifo` exists in the emulator's folder, everything goes through it and
+//!   `from-board.fifo` by semihosting. Some thirty times faster, for long runs; the bytes are the
+//!   same.
 //!
-//! What the emulator lacks is left out: no PLL (its RCC does not answer), no DMA, no transmit interrupts (so sending is
-//! polled, which costs nothing there), no watchdog, no cycle counter, no timer: how long the front end is silent the host says.
-//! A reset is a real one: RAM stays, as on the sensor board.
+//! What the emulator lacks is left out: no PLL (its RCC does not respond), no DMA, no transmit
+//! interrupts (so sending is polled, which costs nothing there), no watchdog, no cycle counter, no
+//! timer: the host measures the silence of the front end. A reset is a real one: RAM stays, as on
+//! the sensor board.
 
+mod power;
 mod settings_flash;
 
-pub use settings_flash::SettingsFlash;
+pub use self::{
+    LinkFrontEnd as FrontEnd, LinkIdler as Idler, LinkReceiver as HostReceiver, LinkTransmitter as HostTransmitter,
+    NoWatchdog as Watchdog,
+};
+pub use power::{heaters_low, restart};
+pub use settings_flash::FileFlash as SettingsFlash;
+use settings_flash::FileFlash;
 
-use super::Parts;
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
-use cortex_m::peripheral::SCB;
+use super::parts::BoardParts;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Digest, Heaters, Station, Tick, WindTick};
-use dr_core::sensor::{Input, Reading};
-use firmware::dead_man::DeadMan;
+use dr_core::control::{Heaters, Tick};
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::wind::WindTick;
+use dr_core::{Digest, Instrument};
+use firmware::crash_record::CrashRecord;
+use firmware::dead_man::DeadManCounter;
 use firmware::inbox::Exchange;
 use firmware::outbox::Sequence;
-use firmware::past_life::PastLife;
 use heapless::spsc::Consumer;
+use power::PINS;
 use stm32f4xx_hal::pac::{self, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -36,7 +49,7 @@ use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause
 pub const NAME: &str = "virtual";
 /// For the host.
 pub const KIND: BoardKind = BoardKind::Virtual;
-/// As many as a message can tell of.
+/// As many as a message has room for.
 pub const ELEMENTS: usize = wire::MOST_ELEMENTS;
 /// This board's front end is a link.
 pub const IS_VIRTUAL: bool = true;
@@ -45,15 +58,17 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 
 const BAUD: u32 = 921_600;
 
-/// What would be the heaters' pins.
-static PINS: AtomicU16 = AtomicU16::new(0);
-static DEAD_MAN: DeadMan = DeadMan::new();
-/// One more than the number of the silence that has to be answered; 0 if there is none.
+static DEAD_MAN: DeadManCounter = DeadManCounter::new();
+/// Sequence number of the silence that needs a reply, plus one; 0 if there is none.
 static SILENCE: AtomicU32 = AtomicU32::new(0);
 
 /// Sets up the links.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
-pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: Consumer<'static, Exchange>) -> Parts {
+pub fn init(
+    device: pac::Peripherals,
+    _: &mut cortex_m::Peripherals,
+    exchanges: Consumer<'static, Exchange>,
+) -> BoardParts<LinkFrontEnd, LinkReceiver, LinkTransmitter, NoWatchdog, LinkIdler, FileFlash> {
     let mut rcc = device.RCC.freeze(Config::hsi());
     let gpioa = device.GPIOA.split(&mut rcc);
     let config = SerialConfig::default().baudrate(BAUD.bps());
@@ -67,21 +82,22 @@ pub fn init(device: pac::Peripherals, _: &mut cortex_m::Peripherals, exchanges: 
     host_rx.listen();
 
     let fifos = Fifos::open();
-    Parts {
-        front_end: FrontEnd {
+    BoardParts {
+        front_end: LinkFrontEnd {
             exchanges,
-            answering: 0,
+            replying_to: 0,
             digest: Digest::default(),
-            input: Input::Element,
+            input: FrontEndInput::Element,
             usart: fifos.is_none().then_some((bench_tx, Sequence::new())),
         },
-        host_receiver: HostReceiver(host_rx),
+        host_receiver: LinkReceiver(host_rx),
         host_transmitter: fifos
-            .map_or(HostTransmitter::Usart(host_tx), |fifos| HostTransmitter::Fifo(fifos.from_board)),
-        watchdog: Watchdog,
-        idler: Idler { fifos, buffer: [0; 256] },
+            .map_or(LinkTransmitter::Usart(host_tx), |fifos| LinkTransmitter::Fifo(fifos.from_board)),
+        watchdog: NoWatchdog,
+        idler: LinkIdler { fifos, buffer: [0; 256] },
         settings: settings_flash(),
-        // The emulated RCC does not keep the flags; what outlasts a reset in RAM will tell whether there was one.
+        // The emulated RCC does not keep the flags; the crash record in RAM shows whether there was
+        // a reset.
         reset: ResetCause::Software,
     }
 }
@@ -91,22 +107,17 @@ pub const fn cycles() -> u32 {
     0
 }
 
-/// Puts all heaters at the low level at once.
-pub fn heaters_low() {
-    PINS.store(0, Relaxed);
-}
-
-/// The host counts the time; there is no interrupt to take back.
+/// The host counts the time; there is no interrupt to clear.
 pub const fn acknowledge_dead_man() {}
 
-/// A tick has passed in which the front end said nothing; says whether the dead man's handle bites.
+/// The front end was silent for a tick; returns whether the dead-man timer expires.
 pub fn silence(sequence: u16) -> bool {
     SILENCE.store(u32::from(sequence) + 1, Relaxed);
     DEAD_MAN.tick_passed()
 }
 
 /// Why it started, by what is remembered.
-pub fn reset_as_remembered(_: ResetCause, life: &PastLife) -> ResetCause {
+pub fn reset_as_remembered(_: ResetCause, life: &CrashRecord) -> ResetCause {
     match (life.starts, &life.crash) {
         (1, _) => ResetCause::PowerOn,
         (_, Some(_)) => ResetCause::Software,
@@ -114,40 +125,29 @@ pub fn reset_as_remembered(_: ResetCause, life: &PastLife) -> ResetCause {
     }
 }
 
-/// A new start, with the RAM as it is. The emulator's links stay open.
-pub fn restart() -> ! {
-    heaters_low();
-    SCB::sys_reset()
-}
-
-/// The supply is gone, and comes back: nothing is known of the life before.
-fn lose_power() -> ! {
-    crate::halt::forget();
-    restart()
-}
-
 /// Where the settings are kept.
-pub fn settings_flash() -> SettingsFlash {
-    SettingsFlash::open()
+pub fn settings_flash() -> FileFlash {
+    FileFlash::open()
 }
 
-/// Does itself harm, as it is told.
+/// Provokes a fault.
 #[inline(never)]
 pub fn provoke(what: Provocation) {
     const RAM: usize = 0x2000_0000;
     const RAM_BYTES: u32 = 128 * 1024;
     match what {
-        #[expect(clippy::panic, reason = "it is asked for")]
+        #[expect(clippy::panic, reason = "the host requests it")]
         Provocation::Panic => panic!("as the host has asked"),
         // SAFETY: nothing is there, which is what is wanted: a bus fault, and from it a hard fault.
         Provocation::Fault => drop(unsafe { core::ptr::read_volatile(0xd000_0000 as *const u32) }),
         Provocation::Reset => restart(),
-        Provocation::Upset { offset, bit } if offset < RAM_BYTES && bit < 8 => {
+        Provocation::BitFlip { offset, bit } if offset < RAM_BYTES && bit < 8 => {
             let byte = (RAM + offset as usize) as *mut u8;
-            // SAFETY: none, and that is the point: it stands for a particle that hits this byte. It is in RAM.
+            // SAFETY: none, and that is the point: it stands for a particle that hits this byte. It
+            // is in RAM.
             unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << bit) };
         }
-        Provocation::Upset { .. } => {}
+        Provocation::BitFlip { .. } => {}
         Provocation::CutPower { after_bytes } => settings_flash::cut_after(after_bytes),
     }
 }
@@ -181,7 +181,8 @@ struct Fifos {
 }
 
 impl Fifos {
-    /// Opens them if the host has made them. The order is the host's as well: each side waits for the other.
+    /// Opens them if the host has made them. The order is the host's as well: each side waits for
+    /// the other.
     fn open() -> Option<Self> {
         let open = |name: &core::ffi::CStr, mode: usize| {
             // SAFETY: SYS_OPEN reads a zero-terminated name of the given length.
@@ -196,62 +197,62 @@ impl Fifos {
 }
 
 /// Readings from a queue that the link fills, heater levels back over the link.
-pub struct FrontEnd {
+pub struct LinkFrontEnd {
     exchanges: Consumer<'static, Exchange>,
-    answering: u16,
+    replying_to: u16,
     digest: Digest,
-    input: Input,
-    /// Its own way out. Without it the answers go out with all other messages.
+    input: FrontEndInput,
+    /// Its own transmitter. Without it the replies go out with all other messages.
     usart: Option<(Tx<USART1>, Sequence)>,
 }
 
-impl FrontEnd {
+impl LinkFrontEnd {
     /// The readings of the next exchange, if they have come.
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         let (sequence, readings) = self.exchanges.peek()?;
-        self.answering = *sequence;
+        self.replying_to = *sequence;
         let readings = readings.readings();
         self.exchanges.dequeue();
         Some(readings)
     }
 
-    /// The levels go with the answer.
+    /// The levels are part of the reply.
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
         DEAD_MAN.decided(tick.heaters.0 != 0);
         PINS.store(tick.heaters.0, Relaxed);
         true
     }
 
-    /// What the next readings shall be of goes with the answer, too.
-    pub const fn select(&mut self, input: Input) {
+    /// The input of the next readings is part of the reply as well.
+    pub const fn select(&mut self, input: FrontEndInput) {
         self.input = input;
     }
 
-    /// Answers the exchange with the levels and a digest of all that led to them and followed from them. Gives the answer back if it
-    /// has to go by the host link.
-    pub fn answer(
+    /// Replies to the exchange with the levels and a digest of the state. Returns the reply if it
+    /// must go by the host link.
+    pub fn reply(
         &mut self,
-        station: &Station<ELEMENTS>,
+        instrument: &Instrument<ELEMENTS>,
         tick: &Tick<ELEMENTS>,
         wind: Option<&WindTick>,
     ) -> Option<FromBoard> {
-        station.fold(tick, wind, &mut self.digest);
-        self.tell_levels(self.answering)
+        instrument.digest(tick, wind, &mut self.digest);
+        self.reply_levels(self.replying_to)
     }
 
-    /// Answers a tick of silence with the levels as they have become.
-    pub fn answer_silence(&mut self) -> Option<FromBoard> {
+    /// Replies to a tick of silence with the present levels.
+    pub fn reply_to_silence(&mut self) -> Option<FromBoard> {
         let number = SILENCE.load(Relaxed).checked_sub(1)?;
         SILENCE.store(0, Relaxed);
-        self.tell_levels(number as u16)
+        self.reply_levels(number as u16)
     }
 
-    fn tell_levels(&mut self, to: u16) -> Option<FromBoard> {
+    fn reply_levels(&mut self, to: u16) -> Option<FromBoard> {
         let heaters = Heaters(PINS.load(Relaxed));
-        let answer = FromBoard::Heaters(HeaterFrame { to, heaters, input: self.input, digest: self.digest.value() });
-        let Some((usart, sequence)) = &mut self.usart else { return Some(answer) };
+        let reply = FromBoard::Heaters(HeaterFrame { to, heaters, input: self.input, digest: self.digest.value() });
+        let Some((usart, sequence)) = &mut self.usart else { return Some(reply) };
         let mut buffer = [0; MAX_FRAME];
-        if let Ok(frame) = encode(sequence.next(0), &answer, &mut buffer) {
+        if let Ok(frame) = encode(sequence.next(0), &reply, &mut buffer) {
             // The emulated transmitter is always ready.
             usart.bwrite_all(frame).ok();
         }
@@ -268,7 +269,7 @@ impl FrontEnd {
         Ok(())
     }
 
-    /// The host waits for each answer.
+    /// The host waits for each reply.
     pub const fn overran(&self) -> bool {
         false
     }
@@ -282,9 +283,9 @@ pub fn read_bench_byte() -> Option<u8> {
 }
 
 /// Bytes from the host.
-pub struct HostReceiver(Rx<USART2>);
+pub struct LinkReceiver(Rx<USART2>);
 
-impl HostReceiver {
+impl LinkReceiver {
     /// The next byte that has come.
     pub fn read(&mut self) -> Option<u8> {
         self.0.read().ok()
@@ -292,14 +293,14 @@ impl HostReceiver {
 }
 
 /// Frames to the host.
-pub enum HostTransmitter {
+pub enum LinkTransmitter {
     /// By cable.
     Usart(Tx<USART2>),
     /// By the fast link; its handle.
     Fifo(usize),
 }
 
-impl HostTransmitter {
+impl LinkTransmitter {
     /// Sending is done when `send` comes back.
     pub const fn is_free(&self) -> bool {
         true
@@ -320,28 +321,29 @@ impl HostTransmitter {
     }
 }
 
-/// The emulator has no watchdog; the host's patience stands in for it.
-pub struct Watchdog;
+/// The emulator has no watchdog; a timeout of the host replaces it.
+pub struct NoWatchdog;
 
-impl Watchdog {
+impl NoWatchdog {
     /// Nothing to feed.
     pub const fn feed(&mut self) {}
 }
 
 /// Waits for the host on the fast link, for an interrupt otherwise.
-pub struct Idler {
+pub struct LinkIdler {
     fifos: Option<Fifos>,
     buffer: [u8; 256],
 }
 
-impl Idler {
-    /// Waits; gives what the host has said on the fast link.
+impl LinkIdler {
+    /// Waits; returns the bytes that the host has sent on the fast link.
     pub fn wait(&mut self) -> &[u8] {
         let Some(fifos) = self.fifos else {
             cortex_m::asm::wfi();
             return &[];
         };
-        // SAFETY: SYS_READ writes at most `len` bytes into the buffer and gives the number that it did not.
+        // SAFETY: SYS_READ writes at most `len` bytes into the buffer and gives the number that it
+        // did not.
         let unread = unsafe { syscall!(READ, fifos.to_board, self.buffer.as_mut_ptr(), self.buffer.len()) };
         match self.buffer.len().checked_sub(unread) {
             Some(read) if read > 0 => self.buffer.get(..read).unwrap_or(&[]),

@@ -1,7 +1,8 @@
 //! Words for people, on the emulator's standard output.
 //!
-//! As `defmt-semihosting`, without its panics. Interrupts are off while a word is written. What can still come between is a fault or a
-//! panic, and neither comes back: it begins a word of its own, and the decoder drops the broken one.
+//! As `defmt-semihosting`, without its panics. Interrupts are off while a word is written. What can
+//! still come between is a fault or a panic, and neither comes back: it begins a word of its own,
+//! and the decoder drops the broken one.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
@@ -20,11 +21,13 @@ unsafe impl Sync for Encoder {}
 static ENCODER: Encoder = Encoder(UnsafeCell::new(defmt::Encoder::new()));
 /// Interrupts were on before this word.
 static WERE_ON: AtomicBool = AtomicBool::new(false);
-/// Not opened yet. A file that cannot be opened has the same number, and is tried again with the next word.
+/// Not opened yet. A file that cannot be opened has the same number, and is tried again with the
+/// next word.
 const CLOSED: usize = usize::MAX;
 static FILE: AtomicUsize = AtomicUsize::new(CLOSED);
 
-// SAFETY: `acquire` keeps all others away until `release`, apart from those behind which nobody comes back.
+// SAFETY: `acquire` keeps all others away until `release`, apart from those behind which nobody
+// comes back.
 unsafe impl defmt::Logger for Log {
     fn acquire() {
         let were_on = primask::read().is_active();
@@ -32,7 +35,8 @@ unsafe impl defmt::Logger for Log {
         WERE_ON.store(were_on, Relaxed);
         if FILE.load(Relaxed) == CLOSED {
             let name = c":tt";
-            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length; this one is the standard output.
+            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length; this one is the
+            // standard output.
             FILE.store(unsafe { syscall!(OPEN, name.as_ptr(), nr::open::W_TRUNC, name.count_bytes()) }, Relaxed);
         }
         // SAFETY: interrupts are off.

@@ -4,29 +4,34 @@
 //! V = code · V_ref / (G · 2²³),   V_ref = 4 V (internal),   G = 1
 //! ```
 //!
-//! Source: data sheet SBAS561 (ADS131E04/E06/E08), cross-read with the Linux driver `ti-ads131e08` and its device-tree
-//! binding. Times below are for the 2.048 MHz clock of the board, t_CLK = 488 ns.
+//! Source: data sheet SBAS561 (ADS131E04/E06/E08), cross-read with the Linux driver `ti-ads131e08`
+//! and its device-tree binding. Times below are for the 2.048 MHz clock of the board, t_CLK = 488
+//! ns.
 //!
-//! Start-up ([`Ads131e06::initialise`]): reset, identity, configuration with all inputs shorted inside the chip, every
-//! register read back, the offset of each channel measured, inputs connected and read back again, continuous conversion.
-//! From then on every falling edge of data-ready asks for one [`Ads131e06::read_frame`].
+//! Start-up ([`Ads131e06::initialise`]): reset, identity, configuration with all inputs shorted
+//! inside the chip, every register read back, the offset of each channel measured, inputs connected
+//! and read back again, continuous conversion. From then on every falling edge of data-ready
+//! requires one [`Ads131e06::read_frame`].
 //!
-//! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can be refused: 0.35 mV
-//! (typical) would be 0.2 K at the low current and 0.04 K at the high one, a step at every change of level.
+//! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can
+//! be refused: 0.35 mV (typical) would be 0.2 K at the low current and 0.04 K at the high one, a
+//! step at every change of level.
 //!
-//! Limits: one chip, no daisy chain. The time to decode a byte is kept by waiting, so commands work at any SCLK up to the
-//! chip's 20 MHz; a frame is out before the next one at 4 kSPS from 0.7 MHz on. START pin low, PWDN pin high.
-
-use core::fmt;
+//! Limits: one chip, no daisy chain. The time to decode a byte is kept by waiting, so commands work
+//! at any SCLK up to the chip's 20 MHz; a frame is out before the next one at 4 kSPS from 0.7 MHz
+//! on. START pin low, PWDN pin high.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{Operation, SpiDevice};
 
 use super::tick_plan::DataRate;
-pub use error::Error;
+pub use error::AdcError;
+use register::IDENTITY;
+pub use register::{OFFSET_LIMIT, Register};
 
 mod error;
+mod register;
 
 /// Channels of the chip.
 pub const CHANNELS: usize = 6;
@@ -41,10 +46,9 @@ pub const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
 /// The four bits every status word begins with.
 const STATUS_MARK: u8 = 0b1100;
-/// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six channels.
-const IDENTITY: u8 = 0xD1;
 
-/// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command, and between the last byte and chip select.
+/// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command, and between the last
+/// byte and chip select.
 const DECODE_NS: u32 = 2_000;
 /// Two t_CLK (0.98 µs) that chip select stays high between commands.
 const DESELECTED_US: u32 = 1;
@@ -58,8 +62,6 @@ const RESET_HIGH_US: u32 = 20;
 const REFERENCE_MS: u32 = 200;
 /// Conversions the offset is the mean of: takes 7 µV of noise down to 0.6 µV.
 const OFFSET_CONVERSIONS: i32 = 128;
-/// Largest offset of a healthy channel, 2 mV: the data sheet's typical 0.35 mV with much room.
-pub const OFFSET_LIMIT: i32 = 4_194;
 
 mod command {
     pub const START: u8 = 0x08;
@@ -71,64 +73,10 @@ mod command {
     pub const WREG: u8 = 0x40;
 }
 
-/// The registers that this driver sets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Register {
-    /// Identity, read only.
-    Id,
-    /// Data rate.
-    Config1,
-    /// Test signals.
-    Config2,
-    /// Reference and its buffer.
-    Config3,
-    /// Threshold of the comparators that watch the input pins.
-    Fault,
-    /// Gain and input of a channel, from 0.
-    Channel(u8),
-}
-
-impl Register {
-    const fn address(self) -> u8 {
-        match self {
-            Self::Id => 0x00,
-            Self::Config1 => 0x01,
-            Self::Config2 => 0x02,
-            Self::Config3 => 0x03,
-            Self::Fault => 0x04,
-            Self::Channel(channel) => 0x05 + channel,
-        }
-    }
-
-    /// Bits that read back as they were written.
-    const fn mask(self) -> u8 {
-        match self {
-            // Bit 0 "reads back as either 1 or 0".
-            Self::Config3 => 0xFE,
-            _ => 0xFF,
-        }
-    }
-}
-
-impl fmt::Display for Register {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Id => f.write_str("ID"),
-            Self::Config1 => f.write_str("CONFIG1"),
-            Self::Config2 => f.write_str("CONFIG2"),
-            Self::Config3 => f.write_str("CONFIG3"),
-            Self::Fault => f.write_str("FAULT"),
-            // The data sheet counts channels from 1.
-            Self::Channel(channel) => write!(f, "CH{}SET", channel + 1),
-        }
-    }
-}
-
 /// What a channel's converter is connected to, as its register wants it: powered, gain 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Input {
+pub enum AdcInput {
     /// Its pins: the element.
     Pins = 0x10,
     /// Both on one potential inside the chip.
@@ -137,8 +85,9 @@ pub enum Input {
     Supply = 0x13,
 }
 
-/// Codes that [`Input::Supply`] gives at the board's nominal supplies: half of AVDD (5.0 V) less AVSS on channels 1, 2, 5 and 6, a quarter of DVDD
-/// (3.3 V) on 3 and 4 (data sheet SBAS561, "supply measurement").
+/// Codes that [`AdcInput::Supply`] gives at the board's nominal supplies: half of AVDD (5.0 V) less
+/// AVSS on channels 1, 2, 5 and 6, a quarter of DVDD (3.3 V) on 3 and 4 (data sheet SBAS561,
+/// "supply measurement").
 pub const SUPPLY_CODES: [i32; CHANNELS] = {
     const ANALOG: i32 = (2.5 / VOLT_PER_CODE) as i32;
     const DIGITAL: i32 = (0.825 / VOLT_PER_CODE) as i32;
@@ -148,8 +97,9 @@ pub const SUPPLY_CODES: [i32; CHANNELS] = {
 /// One conversion of all channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Frame {
-    /// Code of each channel, its offset taken off; [`CODE_MAX`] and [`CODE_MIN`] stay what they are.
+pub struct ConversionFrame {
+    /// Code of each channel, its offset taken off; [`CODE_MAX`] and [`CODE_MIN`] stay what they
+    /// are.
     pub codes: [i32; CHANNELS],
     /// Bit i: the positive pin of channel i is outside 5 … 95 % of the supply.
     pub positive_pin_faults: u8,
@@ -171,18 +121,19 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         Self { spi, reset, offsets: [0; CHANNELS] }
     }
 
-    /// Brings the chip from any state to continuous conversion at `rate`. Takes 0.4 s (4 kSPS) or 0.5 s (1 kSPS).
+    /// Brings the chip from any state to continuous conversion at `rate`. Takes 0.4 s (4 kSPS) or
+    /// 0.5 s (1 kSPS).
     ///
     /// # Errors
-    /// Another chip or none, a register that does not hold what was written, an offset beyond [`OFFSET_LIMIT`], or a bus
-    /// or pin that failed. The chip is then not converting.
-    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    /// Another chip or none, a register that does not hold what was written, an offset beyond
+    /// [`OFFSET_LIMIT`], or a bus or pin that failed. The chip is then not converting.
+    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         self.reset(delay)?;
         // After a reset the chip sends data of its own accord, and would take no register command.
         self.command(command::SDATAC, delay)?;
         let identity = self.read_register(Register::Id, delay)?;
         if identity != IDENTITY {
-            return Err(Error::WrongChip { identity });
+            return Err(AdcError::WrongChip { identity });
         }
 
         let common = [
@@ -195,27 +146,28 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         for (register, value) in common {
             self.write_register(register, value, delay)?;
         }
-        self.connect(Input::Shorted, delay)?;
+        self.connect(AdcInput::Shorted, delay)?;
         for (register, value) in common {
             self.verify_register(register, value, delay)?;
         }
-        self.verify_connected(Input::Shorted, delay)?;
+        self.verify_connected(AdcInput::Shorted, delay)?;
 
         delay.delay_ms(REFERENCE_MS);
         self.measure_offsets(rate, delay)?;
 
-        self.connect(Input::Pins, delay)?;
-        self.verify_connected(Input::Pins, delay)?;
+        self.connect(AdcInput::Pins, delay)?;
+        self.verify_connected(AdcInput::Pins, delay)?;
         self.command(command::START, delay)?;
         self.command(command::RDATAC, delay)
     }
 
-    /// Changes the data rate of a chip that converts already. Takes 0.1 ms; the offsets are those of the modulators, and stay.
+    /// Changes the data rate of a chip that converts already. Takes 0.1 ms; the offsets are those
+    /// of the modulators, and stay.
     ///
     /// # Errors
-    /// A register that does not hold what was written, or a bus that failed. The chip is then not converting, or not at
-    /// this rate; another call may find it better.
-    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    /// A register that does not hold what was written, or a bus that failed. The chip is then not
+    /// converting, or not at this rate; another call may find it better.
+    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.write_register(Register::Config1, config1(rate), delay)?;
@@ -224,11 +176,13 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::RDATAC, delay)
     }
 
-    /// Connects all converters of a chip that converts already to something else. Takes 0.2 ms, after which conversions begin anew.
+    /// Connects all converters of a chip that converts already to something else. Takes 0.2 ms,
+    /// after which conversions begin anew.
     ///
     /// # Errors
-    /// A register that does not hold what was written, or a bus that failed. The chip is then not converting; another call may find it better.
-    pub fn select(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    /// A register that does not hold what was written, or a bus that failed. The chip is then not
+    /// converting; another call may find it better.
+    pub fn select(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.connect(input, delay)?;
@@ -237,16 +191,19 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::RDATAC, delay)
     }
 
-    /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select may rise.
+    /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select
+    /// may rise.
     ///
     /// # Errors
-    /// A status word without its mark (the frame is shifted, late, or nobody answers), or a bus that failed.
-    pub fn read_frame(&mut self) -> Result<Frame, Error<SPI::Error>> {
-        // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler is the bus' choice.
+    /// A status word without its mark (the frame is shifted, late, or no chip responds), or a bus
+    /// that failed.
+    pub fn read_frame(&mut self) -> Result<ConversionFrame, AdcError<SPI::Error>> {
+        // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler
+        // is the bus' choice.
         let mut bytes = [0; FRAME_BYTES];
         self.spi
             .transaction(&mut [Operation::TransferInPlace(&mut bytes), Operation::DelayNs(DECODE_NS)])
-            .map_err(Error::Spi)?;
+            .map_err(AdcError::Spi)?;
         let mut frame = parse(&bytes)?;
         for (code, offset) in frame.codes.iter_mut().zip(&self.offsets) {
             if (CODE_MIN + 1..CODE_MAX).contains(code) {
@@ -256,7 +213,8 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         Ok(frame)
     }
 
-    /// Offset of each channel as measured with its inputs shorted; already taken off the codes of every frame.
+    /// Offset of each channel as measured with its inputs shorted; already taken off the codes of
+    /// every frame.
     pub const fn offsets(&self) -> &[i32; CHANNELS] {
         &self.offsets
     }
@@ -266,26 +224,27 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         (self.spi, self.reset)
     }
 
-    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
-        self.reset.set_high().map_err(|_| Error::ResetPin)?;
+    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+        self.reset.set_high().map_err(|_| AdcError::ResetPin)?;
         delay.delay_ms(POWER_ON_MS);
-        self.reset.set_low().map_err(|_| Error::ResetPin)?;
+        self.reset.set_low().map_err(|_| AdcError::ResetPin)?;
         delay.delay_us(RESET_LOW_US);
-        self.reset.set_high().map_err(|_| Error::ResetPin)?;
+        self.reset.set_high().map_err(|_| AdcError::ResetPin)?;
         delay.delay_us(RESET_HIGH_US);
         Ok(())
     }
 
-    fn connect(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    fn connect(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8, delay))
     }
 
-    fn verify_connected(&mut self, input: Input, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    fn verify_connected(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         (0..CHANNELS as u8).try_for_each(|channel| self.verify_register(Register::Channel(channel), input as u8, delay))
     }
 
-    /// Mean code of every channel with its inputs shorted; converts for the purpose and stops again.
-    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
+    /// Mean code of every channel with its inputs shorted; converts for the purpose and stops
+    /// again.
+    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
         self.command(command::START, delay)?;
         // The first conversion after START is settled, and comes after 4.5 conversion periods.
         delay.delay_us(5 * rate.conversion_us());
@@ -302,14 +261,14 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         for (channel, (offset, sum)) in self.offsets.iter_mut().zip(sums).enumerate() {
             let mean = sum / OFFSET_CONVERSIONS;
             if mean.abs() > OFFSET_LIMIT {
-                return Err(Error::Offset { channel: channel as u8, code: mean });
+                return Err(AdcError::Offset { channel: channel as u8, code: mean });
             }
             *offset = mean;
         }
         Ok(())
     }
 
-    fn read_on_demand(&mut self) -> Result<Frame, Error<SPI::Error>> {
+    fn read_on_demand(&mut self) -> Result<ConversionFrame, AdcError<SPI::Error>> {
         let mut bytes = [0; FRAME_BYTES];
         self.spi
             .transaction(&mut [
@@ -318,12 +277,14 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::TransferInPlace(&mut bytes),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(Error::Spi)?;
+            .map_err(AdcError::Spi)?;
         parse(&bytes)
     }
 
-    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), Error<SPI::Error>> {
-        self.spi.transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)]).map_err(Error::Spi)?;
+    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+        self.spi
+            .transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)])
+            .map_err(AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(())
     }
@@ -333,7 +294,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         register: Register,
         value: u8,
         delay: &mut impl DelayNs,
-    ) -> Result<(), Error<SPI::Error>> {
+    ) -> Result<(), AdcError<SPI::Error>> {
         self.spi
             .transaction(&mut [
                 Operation::Write(&[command::WREG | register.address()]),
@@ -344,12 +305,12 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::Write(&[value]),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(Error::Spi)?;
+            .map_err(AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
-    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, Error<SPI::Error>> {
+    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError<SPI::Error>> {
         let mut value = [0];
         self.spi
             .transaction(&mut [
@@ -360,7 +321,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::TransferInPlace(&mut value),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(Error::Spi)?;
+            .map_err(AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(value[0])
     }
@@ -370,10 +331,10 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         register: Register,
         written: u8,
         delay: &mut impl DelayNs,
-    ) -> Result<(), Error<SPI::Error>> {
+    ) -> Result<(), AdcError<SPI::Error>> {
         let read = self.read_register(register, delay)?;
         if (read ^ written) & register.mask() != 0 {
-            return Err(Error::NotKept { register, written, read });
+            return Err(AdcError::NotKept { register, written, read });
         }
         Ok(())
     }
@@ -387,19 +348,20 @@ const fn config1(rate: DataRate) -> u8 {
     }
 }
 
-/// Status: 1100, eight bits for the positive pins, eight for the negative ones, four GPIO; then the channels, high byte first.
-fn parse<E>(bytes: &[u8; FRAME_BYTES]) -> Result<Frame, Error<E>> {
+/// Status: 1100, eight bits for the positive pins, eight for the negative ones, four GPIO; then the
+/// channels, high byte first.
+fn parse<E>(bytes: &[u8; FRAME_BYTES]) -> Result<ConversionFrame, AdcError<E>> {
     let (status, data) = bytes.split_at(3);
     let status = u32::from_be_bytes([0, status[0], status[1], status[2]]);
     if (status >> 20) as u8 != STATUS_MARK {
-        return Err(Error::DamagedFrame { status });
+        return Err(AdcError::DamagedFrame { status });
     }
     let mut codes = [0; CHANNELS];
     for (code, bytes) in codes.iter_mut().zip(data.chunks_exact(3)) {
         // The code in the upper three bytes: shifting it down extends its sign.
         *code = i32::from_be_bytes([bytes[0], bytes[1], bytes[2], 0]) >> 8;
     }
-    Ok(Frame { codes, positive_pin_faults: (status >> 12) as u8, negative_pin_faults: (status >> 4) as u8 })
+    Ok(ConversionFrame { codes, positive_pin_faults: (status >> 12) as u8, negative_pin_faults: (status >> 4) as u8 })
 }
 
 #[cfg(test)]

@@ -4,11 +4,11 @@
 //! written up to = L − NDTR        NDTR counts from L down to 1 and starts anew at L
 //! ```
 //!
-//! L is the buffer's length in bytes, NDTR the stream's register of transfers that remain (RM0090, "DMA stream x number
-//! of data register").
+//! L is the buffer's length in bytes, NDTR the stream's register of transfers that remain (RM0090,
+//! "DMA stream x number of data register").
 //!
-//! Limits: if more than L bytes come between two looks, the older ones are overwritten and nothing here can tell; their
-//! frames' checksums do.
+//! Limits: if more than L bytes come between two looks, the older ones are overwritten and nothing
+//! here can tell; their frames' checksums do.
 
 /// Reading and writing position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,8 @@ impl Circle {
 mod tests {
     use super::*;
 
-    /// The bytes that are read when the stream goes on by these many at a time, as indices of a circle of 8.
+    /// The bytes that are read when the stream goes on by these many at a time, as indices of a
+    /// circle of 8.
     fn read(bursts: &[u16]) -> Vec<Vec<usize>> {
         let (mut circle, mut total) = (Circle::new(8), 0);
         bursts

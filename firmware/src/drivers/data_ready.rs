@@ -1,11 +1,13 @@
-//! Which conversion a data-ready edge belongs to, told by the processor's clock.
+//! Assignment of data-ready edges to conversions by the clock of the processor.
 //!
-//! A tick is a number of conversions ([`TickPlan`](super::tick_plan::TickPlan)), and an edge that nobody saw would make it
-//! longer without a trace. So each conversion has a time at which it is due, one period after the one before:
+//! A tick is a number of conversions ([`TickPlan`](super::tick_plan::TickPlan)), and an edge that
+//! nobody saw would make it longer without a trace. So each conversion has a time at which it is
+//! due, one period after the one before:
 //!
 //! ```text
-//! d_(k+1) = d_k + P + (t_k − d_k)/8    if t_k ≥ d_k        conversion k is lost if it has not been seen by d_k + P
+//! d_(k+1) = d_k + P + (t_k − d_k)/8    if t_k ≥ d_k
 //! d_(k+1) = t_k + P                    if t_k < d_k
+//! conversion k is lost if it has not been seen by d_k + P
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -14,18 +16,22 @@
 //! | d_k | when conversion k is due | processor cycles |
 //! | t_k | when its edge was served | processor cycles |
 //!
-//! An edge is never served before it has come, so an early one is taken for the truth at once, while a late one may only
-//! have waited and moves the due time by an eighth of its lateness. The ADC's clock and the processor's may thus differ
-//! by some percent without anything being taken for lost; the tick keeps following the ADC's.
+//! An edge is never served before it has come, so an early one is taken for the truth at once,
+//! while a late one may only have waited and moves the due time by an eighth of its lateness. The
+//! ADC's clock and the processor's may thus differ by some percent without anything being taken for
+//! lost; the tick keeps following the ADC's.
 //!
-//! Lost conversions still count in their tick, as [`SettledMean::conversion`](super::settled_mean::SettledMean::conversion)
-//! of `None`. That covers both ways of losing them: an edge that was overwritten by the next because it was not served in
-//! time, and an ADC that has fallen silent, for which time then goes on in ticks whose readings are missing.
+//! Lost conversions still count in their tick, as
+//! [`SettledMean::conversion`](super::settled_mean::SettledMean::conversion) of `None`. That covers
+//! both ways of losing them: an edge that was overwritten by the next because it was not served in
+//! time, and an ADC that has fallen silent, for which time then goes on in ticks whose readings are
+//! missing.
 //!
-//! Limits: the cycle counter wraps every 25 s at 168 MHz, so it must be asked at least once in 12 s. An edge that is not
-//! one of the ADC's (a disturbance on the line) counts as a conversion.
+//! Limits: the cycle counter wraps every 25 s at 168 MHz, so it must be polled at least once in 12
+//! s. An edge that is not one of the ADC's (a disturbance on the line) counts as a conversion.
 
-/// Cycles until the first conversion after a start, in periods: the ADC's filter has to fill, 4.5 periods.
+/// Cycles until the first conversion after a start, in periods: the ADC's filter has to fill, 4.5
+/// periods.
 const FIRST: u32 = 5;
 
 /// The expected course of data-ready edges.
@@ -75,7 +81,8 @@ mod tests {
     /// 4 kSPS at 168 MHz.
     const PERIOD: u32 = 42_000;
 
-    /// Serves the edges at these times (in periods) and gives the number of conversions read and lost.
+    /// Serves the edges at these times (in periods) and gives the number of conversions read and
+    /// lost.
     fn served(data_ready: &mut DataReady, times: impl IntoIterator<Item = f64>, start: u32) -> (u32, u32) {
         let (mut read, mut lost) = (0, 0);
         for time in times {
@@ -101,7 +108,8 @@ mod tests {
 
     #[test]
     fn clocks_may_differ_by_some_percent() {
-        // The steady lateness is 8 times the difference of the periods: 0.4 of one, and less than one is not lost.
+        // The steady lateness is 8 times the difference of the periods: 0.4 of one, and less than
+        // one is not lost.
         for ratio in [0.95, 0.999_9, 1.000_1, 1.05] {
             let mut data_ready = DataReady::new(PERIOD, 0);
             assert_eq!(served(&mut data_ready, (0..5_000).map(|k| 4.5 + f64::from(k) * ratio), 0), (5_000, 0));
@@ -117,7 +125,8 @@ mod tests {
 
     #[test]
     fn an_edge_that_was_overwritten_is_counted_once() {
-        // Every tenth edge is served so late that the next has come as well: one service for two conversions.
+        // Every tenth edge is served so late that the next has come as well: one service for two
+        // conversions.
         let mut data_ready = DataReady::new(PERIOD, 0);
         let times = (0..300).filter(|k| k % 10 != 5).map(|k| 4.5 + f64::from(k) + if k % 10 == 6 { 0.3 } else { 0.0 });
         assert_eq!(served(&mut data_ready, times, 0), (270, 30));
@@ -127,7 +136,8 @@ mod tests {
     fn a_silent_adc_loses_its_conversions_at_their_rate() {
         let mut data_ready = DataReady::new(PERIOD, 0);
         served(&mut data_ready, (0..10).map(|k| 4.5 + f64::from(k)), 0);
-        // The last edge came at 13.5 periods. Asked as the health task does, every 200 periods (50 ms).
+        // The last edge came at 13.5 periods. Asked as the health task does, every 200 periods (50
+        // ms).
         let mut lost = 0;
         for beat in 1..=20 {
             let now = 200 * beat * PERIOD;
@@ -151,7 +161,8 @@ mod tests {
     fn an_adc_that_comes_back_is_read_again() {
         let mut data_ready = DataReady::new(PERIOD, 0);
         served(&mut data_ready, [4.5, 5.5], 0);
-        // Silence until 100.2: those due at 6.5 … 98.5 have been overdue for a period or more, 99.5 is read late.
+        // Silence until 100.2: those due at 6.5 … 98.5 have been overdue for a period or more, 99.5
+        // is read late.
         assert_eq!(served(&mut data_ready, (0..50).map(|k| 100.2 + f64::from(k)), 0), (50, 93));
     }
 
@@ -176,7 +187,8 @@ mod tests {
             let mut mean = SettledMean::<1>::new(TickPlan::new(10_000).unwrap());
             served(&mut data_ready, (0..80 + k).map(|n| 4.5 + f64::from(n)), 0);
             let mut ticks: Vec<_> = (0..80 + k).filter_map(|_| mean.conversion(Some(&[7]))).collect();
-            // Two ticks and a period of patience after the last edge, at 83.5 + k. The beat that finds it comes within 50 ms.
+            // Two ticks and a timeout of one period after the last edge, at 83.5 + k. The beat that
+            // finds it comes within 50 ms.
             let now = ((83.5 + f64::from(k) + 81.0) * f64::from(PERIOD)) as u32;
             while data_ready.next(now, false) == Due::Lost {
                 ticks.extend(mean.conversion(None));

@@ -1,10 +1,12 @@
 //! The switches of the two-level current sources, one pin an element: low pin, low current.
 //!
-//! The low level is what the hardware falls back to without any program: every pin has an external pull-down, so a board
-//! in reset, in its bootloader or with a dead processor heats with the sensing current only (about 1.5 mW an element).
-//! This module keeps that direction: a wrong request or a pin that fails ends with everything low that can be put low.
+//! The low level is what the hardware falls back to without any program: every pin has an external
+//! pull-down, so a board in reset, in its bootloader or with a dead processor heats with the
+//! sensing current only (about 1.5 mW an element). This module keeps that direction: a wrong
+//! request or a pin that fails ends with everything low that can be put low.
 //!
-//! Limits: a pin is written, not read back. That the current really follows is seen by the guard in the voltage.
+//! Limits: a pin is written, not read back. That the current really follows is seen by the guard in
+//! the voltage.
 
 use core::fmt;
 
@@ -13,7 +15,8 @@ use embedded_hal::digital::OutputPin;
 
 /// The pins of `N` elements, element 0 first.
 ///
-/// One pin type for all: HAL pins are made alike by erasing their number (`pin.erase()`), which costs no `dyn`.
+/// One pin type for all: HAL pins are made alike by erasing their number (`pin.erase()`), which
+/// costs no `dyn`.
 #[derive(Debug)]
 pub struct HeaterPins<P, const N: usize> {
     pins: [P; N],
@@ -32,11 +35,12 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
 
     /// Puts bit i of `heaters` on the pin of element i.
     ///
-    /// Pins that fall are written before pins that rise, so that the supply never carries more than the larger of the two
-    /// patterns.
+    /// Pins that fall are written before pins that rise, so that the supply never carries more than
+    /// the larger of the two patterns.
     ///
     /// # Errors
-    /// A bit without an element, or a pin that failed. In both cases all pins that can be are low afterwards.
+    /// A bit without an element, or a pin that failed. In both cases all pins that can be are low
+    /// afterwards.
     pub fn apply(&mut self, heaters: Heaters) -> Result<(), HeaterError<P::Error>> {
         let applied = self.try_apply(heaters.0);
         if applied.is_err() {
@@ -80,7 +84,7 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
 pub enum HeaterError<E> {
     /// A bit is set beyond the last element.
     NoSuchElement {
-        /// What was asked for.
+        /// The requested level.
         bits: u16,
         /// Elements that there are.
         elements: usize,
@@ -89,7 +93,7 @@ pub enum HeaterError<E> {
     Pin {
         /// The element whose pin it is, from 0.
         element: usize,
-        /// What its driver says.
+        /// Error of its driver.
         error: E,
     },
 }

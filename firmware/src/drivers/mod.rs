@@ -1,10 +1,12 @@
-//! Drivers of the sensor board, written against embedded-hal 1.0 so that they build and are tested on the host.
+//! Drivers of the sensor board, written against embedded-hal 1.0 so that they build and are tested
+//! on the host.
 //!
-//! From the ADC to the controller: [`ads131e06`] reads one conversion of all six elements, [`data_ready`] notices those
-//! that were lost, [`settled_mean`] makes one [`dr_core::sensor::reading::Reading`] an element and tick of the conversions
-//! that [`tick_plan`] has counted, and [`heater_pins`] puts the controller's decision on the current sources. [`circle`]
-//! finds the host's bytes in the receiver's buffer, [`reset_flags`] says why the board started. The circuit around them is
-//! in `docs/hardware.md`.
+//! From the ADC to the controller: [`ads131e06`] reads one conversion of all six elements,
+//! [`data_ready`] notices those that were lost, [`settled_mean`] makes one
+//! [`dr_core::sensor::reading::Reading`] an element and tick of the conversions that [`tick_plan`]
+//! has counted, and [`heater_pins`] puts the controller's decision on the current sources.
+//! [`circle`] finds the host's bytes in the receiver's buffer, [`reset_flags`] says why the board
+//! started. The circuit around them is in `docs/hardware.md`.
 
 pub mod ads131e06;
 pub mod circle;

@@ -1,8 +1,9 @@
 //! Why the processor started, from the flags of its reset controller.
 //!
-//! Several flags are set at a time: every reset pulls the reset pin and so sets the pin's flag, and a rising supply sets
-//! that of the brown-out detector too (RM0090, "RCC clock control & status register"). The order below looks for the most
-//! particular first. The flags outlast a reset and are cleared by the firmware, so they speak of the last one only.
+//! Several flags are set at a time: every reset pulls the reset pin and so sets the pin's flag, and
+//! a rising supply sets that of the brown-out detector too (RM0090, "RCC clock control & status
+//! register"). The order below looks for the most particular first. The flags outlast a reset and
+//! are cleared by the firmware, so they speak of the last one only.
 
 use wire::ResetCause;
 
@@ -13,7 +14,7 @@ const INDEPENDENT_WATCHDOG: u32 = 1 << 29;
 const WINDOW_WATCHDOG: u32 = 1 << 30;
 const BROWN_OUT: u32 = 1 << 25;
 
-/// The cause that RCC_CSR tells of.
+/// The reset cause in RCC_CSR.
 pub const fn cause(csr: u32) -> ResetCause {
     const fn any(csr: u32, flags: u32) -> bool {
         csr & flags != 0
@@ -50,7 +51,8 @@ mod tests {
 
     #[test]
     fn other_bits_of_the_register_say_nothing() {
-        // The slow oscillator is on and ready, and the flag of the low-power reset, which is not in use.
+        // The slow oscillator is on and ready, and the flag of the low-power reset, which is not in
+        // use.
         assert_eq!(cause(0x8000_0003), ResetCause::Unknown);
     }
 }

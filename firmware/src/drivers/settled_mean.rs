@@ -10,15 +10,17 @@
 //! | c_j | code of the j-th conversion after the level was set | code |
 //! | m | settled conversions that arrived | 1 |
 //!
-//! The first three are discarded in every tick, also when the level stays as it was: the noise and the delay of a reading
-//! then do not depend on the decisions before it. Sums are exact integers; the mean is rounded to the nearest code, a half
-//! away from zero, so that the rounding has no sign of its own.
+//! The first three are discarded in every tick, also when the level stays as it was: the noise and
+//! the delay of a reading then do not depend on the decisions before it. Sums are exact integers;
+//! the mean is rounded to the nearest code, a half away from zero, so that the rounding has no sign
+//! of its own.
 //!
-//! A conversion at the end of the ADC's range is not a voltage but a bound, and a mean over it would look healthy. One
-//! such conversion therefore makes the whole tick's code that end of the range, and the guard can see it.
+//! A conversion at the end of the ADC's range is not a voltage but a bound, and a mean over it
+//! would look healthy. One such conversion therefore makes the whole tick's code that end of the
+//! range, and the guard can see it.
 //!
-//! Limits: the mean belongs to the middle of its window, (m + 2)/2 conversions before the tick's end (the filter's own
-//! delay of 1.5 conversions included), and not to the tick's end itself.
+//! Limits: the mean belongs to the middle of its window, (m + 2)/2 conversions before the tick's
+//! end (the filter's own delay of 1.5 conversions included), and not to the tick's end itself.
 
 use dr_core::sensor::reading::Reading;
 
@@ -43,8 +45,9 @@ impl<const N: usize> SettledMean<N> {
 
     /// Takes what one data-ready brought and, on the last one of the tick, gives the readings.
     ///
-    /// `None` stands for a conversion that was lost on the way (SPI error, damaged frame): time has passed, but it adds
-    /// nothing. A tick that has lost all its settled conversions reads [`Reading::Missing`].
+    /// `None` stands for a conversion that was lost on the way (SPI error, damaged frame): time has
+    /// passed, but it adds nothing. A tick that has lost all its settled conversions reads
+    /// [`Reading::Missing`].
     pub fn conversion(&mut self, codes: Option<&[i32; N]>) -> Option<[Reading; N]> {
         self.seen += 1;
         if self.seen > SETTLING_CONVERSIONS

@@ -1,8 +1,9 @@
 //! How many conversions make one tick, and at which data rate.
 //!
-//! n = T_s · f_DR must be a whole number, because the tick *is* n data-ready edges; and n ≥ 4, because the ADC's sinc³
-//! filter remembers three conversions and only the fourth after a change of level knows nothing of the level before
-//! (ADS131E0x data sheet, "Input signal step": settled data on the fourth data-ready).
+//! n = T_s · f_DR must be a whole number, because the tick *is* n data-ready edges; and n ≥ 4,
+//! because the ADC's sinc³ filter remembers three conversions and only the fourth after a change of
+//! level knows nothing of the level before (ADS131E0x data sheet, "Input signal step": settled data
+//! on the fourth data-ready).
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -10,11 +11,12 @@
 //! | f_DR | data rate of the ADC | conversions/s |
 //! | n | conversions in a tick | 1 |
 //!
-//! 4 kSPS is taken for ticks under 100 ms: the three conversions that are discarded then cost 0.75 ms. From 100 ms on,
-//! 1 kSPS throws away 3 % of the tick at most and asks the processor for a quarter of the transfers. The period is an
-//! integer number of microseconds, so that no rounding decides whether it fits.
+//! 4 kSPS is taken for ticks under 100 ms: the three conversions that are discarded then cost 0.75
+//! ms. From 100 ms on, 1 kSPS throws away 3 % of the tick at most and asks the processor for a
+//! quarter of the transfers. The period is an integer number of microseconds, so that no rounding
+//! decides whether it fits.
 
-use dr_core::{ConfigError, Parameter, Problem};
+use dr_core::{ConfigError, Parameter, ParameterProblem};
 
 /// Conversions that the filter needs to forget the level before: the order of its sinc.
 pub const SETTLING_CONVERSIONS: u32 = 3;
@@ -29,7 +31,8 @@ const SHORTEST_TICK_US: u32 = (SETTLING_CONVERSIONS + 1) * UNIT_US;
 /// Longest tick, µs: the controller takes none above 10 s.
 const LONGEST_TICK_US: u32 = 10_000_000;
 
-/// Relative distance of neighbouring f32, 2⁻²³: what is nearer than this to a whole number of microseconds was meant so.
+/// Relative distance of neighbouring f32, 2⁻²³: what is nearer than this to a whole number of
+/// microseconds was meant so.
 const F32_RESOLUTION: f64 = 1.0 / 8_388_608.0;
 
 /// The data rates in use; both deliver 24 bit.
@@ -86,10 +89,11 @@ impl TickPlan {
     /// Plans ticks of `sample_period_s` s, as commands carry it.
     ///
     /// # Errors
-    /// As [`new`](Self::new); what is no whole number of microseconds within what an f32 can tell is no multiple either.
+    /// As [`new`](Self::new); what is no whole number of microseconds within what an f32 can tell
+    /// is no multiple either.
     pub fn from_seconds(sample_period_s: f32) -> Result<Self, ConfigError> {
         if !sample_period_s.is_finite() {
-            return Err(refused(Problem::NotFinite));
+            return Err(refused(ParameterProblem::NotFinite));
         }
         let exact_us = f64::from(sample_period_s) * 1e6;
         // The cast saturates: what is out of range stays so.
@@ -114,18 +118,18 @@ impl TickPlan {
 
     /// Time after the tick's last data-ready by which the new level must have settled, µs.
     ///
-    /// Each conversion looks back over three conversion periods, so the first that counts, the fourth, begins to look one
-    /// period after the edge that ended the tick before.
+    /// Each conversion looks back over three conversion periods, so the first that counts, the
+    /// fourth, begins to look one period after the edge that ended the tick before.
     pub const fn deadline_us(self) -> u32 {
         self.rate.conversion_us()
     }
 }
 
-const OUT_OF_RANGE: Problem =
-    Problem::OutOfRange { least: SHORTEST_TICK_US as f32 * 1e-6, most: LONGEST_TICK_US as f32 * 1e-6 };
-const NOT_A_MULTIPLE: Problem = Problem::NotAMultiple { of: UNIT_US as f32 * 1e-6 };
+const OUT_OF_RANGE: ParameterProblem =
+    ParameterProblem::OutOfRange { least: SHORTEST_TICK_US as f32 * 1e-6, most: LONGEST_TICK_US as f32 * 1e-6 };
+const NOT_A_MULTIPLE: ParameterProblem = ParameterProblem::NotAMultiple { of: UNIT_US as f32 * 1e-6 };
 
-const fn refused(problem: Problem) -> ConfigError {
+const fn refused(problem: ParameterProblem) -> ConfigError {
     ConfigError { parameter: Parameter::SamplePeriodS, problem }
 }
 
@@ -191,8 +195,8 @@ mod tests {
             (0.0, OUT_OF_RANGE),
             (-0.01, OUT_OF_RANGE),
             (1e6, OUT_OF_RANGE),
-            (f32::NAN, Problem::NotFinite),
-            (f32::INFINITY, Problem::NotFinite),
+            (f32::NAN, ParameterProblem::NotFinite),
+            (f32::INFINITY, ParameterProblem::NotFinite),
         ] {
             assert_eq!(TickPlan::from_seconds(sample_period_s), Err(refused(problem)), "{sample_period_s}");
         }

@@ -1,26 +1,26 @@
-//! What a self-test has found, between the task that tests and the one that keeps it.
+//! Findings of a self-test on their way from the control task to the settings server.
 
-use dr_core::control::Finding;
+use dr_core::control::SelfTestFinding;
 use wire::settings::TestRecord;
 use wire::{Identity, List, Name};
 
 /// The findings of the last self-test that are not kept yet.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Findings {
+pub struct PendingFindings {
     firmware: Name,
     starts: u32,
     unix_s: Option<u32>,
-    waiting: List<Finding>,
+    waiting: List<SelfTestFinding>,
 }
 
-impl Findings {
+impl PendingFindings {
     /// None yet, of this board.
     pub fn of(identity: &Identity) -> Self {
         Self { firmware: identity.firmware.clone(), starts: identity.starts, unix_s: None, waiting: List::new() }
     }
 
     /// Those of a test that is over, in place of what is left of an earlier one.
-    pub fn take(&mut self, unix_s: Option<u32>, findings: &[Finding]) {
+    pub fn take(&mut self, unix_s: Option<u32>, findings: &[SelfTestFinding]) {
         self.unix_s = unix_s;
         self.waiting.clear();
         // There is room for as many as any instrument has elements.
@@ -45,9 +45,9 @@ mod tests {
         let (board, reset) = (BoardKind::Sensor, ResetCause::PowerOn);
         let identity =
             Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash: None };
-        let mut findings = Findings::of(&identity);
+        let mut findings = PendingFindings::of(&identity);
         assert_eq!(findings.take_one(), None);
-        let of = |element| Finding { element, of: 2, ..Finding::default() };
+        let of = |element| SelfTestFinding { element, of: 2, ..SelfTestFinding::default() };
         findings.take(None, &[of(0), of(1)]);
         findings.take(Some(7), &[of(1), of(0)]);
         let next =

@@ -1,20 +1,23 @@
 //! Flash in which an interrupted erase is known, and finished before anything is read.
 //!
-//! A sector whose erase was cut short may hold anything: its old content in part, or bits that read one way today and another way tomorrow.
-//! Nothing in the sector itself can tell. So whoever is to be erased is written down before, in the last bytes of the sector before it (of
-//! the last sector for the first), and crossed out after. Sectors appear smaller by these [`NOTES`] bytes.
+//! A sector whose erase was cut short may hold anything: its old content in part, or bits that read
+//! one way today and another way tomorrow. Nothing in the sector itself can tell. So whoever is to
+//! be erased is written down before, in the last bytes of the sector before it (of the last sector
+//! for the first), and crossed out after. Sectors appear smaller by these [`NOTES`] bytes.
 //!
 //! ```text
 //! sector ──► | what the map sees … | begun done | begun done | …
 //! ```
 //!
-//! A note is two words, `begun` and `done`, which are written by clearing their bits. `begun` counts only when it is nearly all clear, since the
-//! erase waits for it, and a flipped bit must not erase anything; `done` counts sooner. At a start every sector with a note that
-//! is begun and not done is erased again, unless the note stands in a sector that is to be erased itself: that one may hold anything, notes as
-//! well. Only one sector is erased at a time, so that this decides between any two.
+//! A note is two words, `begun` and `done`, which are written by clearing their bits. `begun`
+//! counts only when it is nearly all clear, since the erase waits for it, and a flipped bit must
+//! not erase anything; `done` counts sooner. At a start every sector with a note that is begun and
+//! not done is erased again, unless the note stands in a sector that is to be erased itself: that
+//! one may hold anything, notes as well. Only one sector is erased at a time, so that this decides
+//! between any two.
 //!
-//! Notes are used up one by one and come back when their sector is erased. After [`SLOTS`] of them, which only as many cuts of the supply in a row
-//! can bring about, an erase goes unnoted.
+//! Notes are used up one by one and come back when their sector is erased. After [`SLOTS`] of them,
+//! which only as many cuts of the supply in a row can bring about, an erase goes unnoted.
 
 use embedded_storage::nor_flash as blocking;
 use embedded_storage::nor_flash::NorFlash;
@@ -36,7 +39,8 @@ pub const fn usable<F: NorFlash>() -> usize {
     F::ERASE_SIZE - NOTES
 }
 
-/// The flash, with notes. Blocking inside, and what the map wants outside: its futures are ready at once.
+/// The flash, with notes. Blocking inside, and what the map wants outside: its futures are ready at
+/// once.
 pub struct Guarded<F> {
     flash: F,
 }
@@ -98,7 +102,8 @@ impl<F: NorFlash> Guarded<F> {
         self.flash.write(Self::note(sector, slot) + word as u32, &[0; WORD])
     }
 
-    /// The note in a sector that says of the one after it that its erase has begun and has not ended.
+    /// The note in a sector that says of the one after it that its erase has begun and has not
+    /// ended.
     fn unfinished(&mut self, sector: u32) -> Result<Option<usize>, F::Error> {
         self.find(sector, |(begun, done)| begun >= BEGUN && done < DONE)
     }

@@ -1,4 +1,5 @@
-//! Flash in RAM whose supply can be cut at any byte: it can only clear bits, erases by sectors, and leaves behind what a real one might.
+//! Flash in RAM whose supply can be cut at any byte: it can only clear bits, erases by sectors, and
+//! leaves behind what a real one might.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 

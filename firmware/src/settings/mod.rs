@@ -1,24 +1,24 @@
-//! What an instrument keeps in its flash, over resets and while its supply is gone.
+//! Settings in flash: they survive resets and loss of power.
 //!
 //! | file | what |
 //! |---|---|
-//! | `guarded.rs` | flash in which an erase that the supply did not see through is finished at the next start |
+//! | `guarded.rs` | flash in which an interrupted erase is finished at the next start |
 //! | `store.rs` | values under keys, in three sectors that take turns |
-//! | `clerk.rs` | answers a host's requests, and says what an instrument is to be told at its start |
-//! | `findings.rs` | what a self-test has found, on its way to the flash |
-//! | `busy.rs` | who may write when: never while the instrument runs |
+//! | `server.rs` | carries out a host's requests, and returns the stored settings for a set-up |
+//! | `findings.rs` | findings of a self-test on their way to the flash |
+//! | `standby_lock.rs` | excludes writing while the instrument runs |
 //!
 //! The numbers of the keys and the bytes of the values are in [`wire::settings`].
 
-pub mod busy;
-pub mod clerk;
 pub mod findings;
 pub mod guarded;
+pub mod server;
+pub mod standby_lock;
 pub mod store;
 
-pub use busy::Busy;
-pub use clerk::Clerk;
-pub use findings::Findings;
+pub use findings::PendingFindings;
+pub use server::SettingsServer;
+pub use standby_lock::StandbyLock;
 pub use store::{Store, StoreError};
 
 #[cfg(test)]

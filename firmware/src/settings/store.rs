@@ -1,13 +1,16 @@
 //! Values under keys, over the map of the crate sequential-storage.
 //!
-//! Each write appends an item to the sector in use; a later item of a key stands in for an earlier one. A full sector is closed, the next one taken,
-//! and what of the one after that is still in force is copied over before it is erased: so sectors take turns and wear alike. Each item
-//! carries a CRC-32 (Castagnoli) of key and value and a CRC-16 of its length: what was cut short, or has rotted, is no item, and the one before it
-//! is in force. Forgetting is writing an empty value, as atomic as any other write.
+//! Each write appends an item to the sector in use; a later item of a key stands in for an earlier
+//! one. A full sector is closed, the next one taken, and what of the one after that is still in
+//! force is copied over before it is erased: so sectors take turns and wear alike. Each item
+//! carries a CRC-32 (Castagnoli) of key and value and a CRC-16 of its length: what was cut short,
+//! or has rotted, is no item, and the one before it is in force. Forgetting is writing an empty
+//! value, as atomic as any other write.
 //!
-//! To notice rot all the same, a sum over all keys and values is kept beside them (key 0), with what it is to be once the write that follows is
-//! through: if what is found has neither sum, [`Store::is_whole`] says so. (The last value
-//! of all is the exception: rotten it looks as if its write had been cut short.)
+//! To notice rot all the same, a sum over all keys and values is kept beside them (key 0), with
+//! what it is to be once the write that follows is through: if what is found has neither sum,
+//! [`Store::is_whole`] says so. (The last value of all is the exception: rotten it looks as if its
+//! write had been cut short.)
 
 use super::guarded::{Guarded, usable};
 use core::future::Future;
@@ -17,7 +20,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use embedded_storage::nor_flash::NorFlash;
 use sequential_storage::cache::Cache;
 use sequential_storage::map::{MapConfig, MapStorage};
-use wire::settings::{KeyNumber, MOST_VALUE, Value};
+use wire::settings::{KeyNumber, MOST_VALUE, SettingValue};
 
 /// Keys that an instrument may have: of a head of 16 elements with everything there is.
 pub const MOST_KEYS: usize = 208;
@@ -53,7 +56,7 @@ pub enum StoreError {
 
 /// One key of the index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Entry {
+struct StoredEntry {
     key: KeyNumber,
     /// Of the value; 0 once it is forgotten.
     length: u16,
@@ -63,14 +66,15 @@ struct Entry {
 pub struct Store<F: NorFlash> {
     map: Map<F>,
     /// Ascending.
-    index: heapless::Vec<Entry, MOST_KEYS>,
+    index: heapless::Vec<StoredEntry, MOST_KEYS>,
     sum: u32,
     whole: bool,
     buffer: [u8; BUFFER],
 }
 
 impl<F: NorFlash> Store<F> {
-    /// What one sector holds, without the marks at its ends: so much may be in force at once, that it can be copied over.
+    /// What one sector holds, without the marks at its ends: so much may be in force at once, that
+    /// it can be copied over.
     const ROOM: usize = usable::<F>() - 16 - Self::SUMS_ITEM;
     const SUMS_ITEM: usize = 8 + 12;
 
@@ -105,15 +109,15 @@ impl<F: NorFlash> Store<F> {
         let mut items = ready(map.fetch_all_items(buffer))?.map_err(|_| StoreError::Flash)?;
         while let Some((key, value)) = ready(items.next::<&[u8]>(buffer))?.map_err(|_| StoreError::Flash)? {
             if key != SUMS {
-                set(&mut self.index, Entry { key, length: value.len() as u16 })?;
+                set(&mut self.index, StoredEntry { key, length: value.len() as u16 })?;
             }
         }
         self.sum = 0;
         let mut lost = false;
         for i in 0..self.index.len() {
-            let Some(&Entry { key, length: walked }) = self.index.get(i) else { break };
-            // Where a sector's mark has rotted, the walk over all items meets some that a search for their key does not: what is
-            // listed is what can be read.
+            let Some(&StoredEntry { key, length: walked }) = self.index.get(i) else { break };
+            // Where a sector's mark has rotted, the walk over all items meets some that a search
+            // for their key does not: what is listed is what can be read.
             let (length, sum) = self.fetch(key)?.map_or((0, 0), |value| (value.len() as u16, sum(key, value)));
             if let Some(entry) = self.index.get_mut(i) {
                 entry.length = length;
@@ -147,9 +151,9 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If the flash does not give it back.
-    pub fn read(&mut self, key: KeyNumber) -> Result<Option<Value>, StoreError> {
+    pub fn read(&mut self, key: KeyNumber) -> Result<Option<SettingValue>, StoreError> {
         let value = self.fetch(key)?;
-        Ok(value.filter(|value| !value.is_empty()).and_then(|value| Value::from_slice(value).ok()))
+        Ok(value.filter(|value| !value.is_empty()).and_then(|value| SettingValue::from_slice(value).ok()))
     }
 
     /// Keeps a value, which is not empty. One that is kept already costs nothing.
@@ -161,16 +165,17 @@ impl<F: NorFlash> Store<F> {
         if old == Some(value) || (old.is_none() && value.is_empty()) {
             return Ok(());
         }
-        let taken: usize = self.index.iter().filter(|entry| entry.key != key).map(Entry::size).sum();
+        let taken: usize = self.index.iter().filter(|entry| entry.key != key).map(StoredEntry::size).sum();
         let free = Self::ROOM.saturating_sub(taken);
-        let entry = Entry { key, length: value.len() as u16 };
+        let entry = StoredEntry { key, length: value.len() as u16 };
         if entry.size() > free || (self.index.is_full() && !self.index.iter().any(|entry| entry.key == key)) {
             return Err(StoreError::Full { free: free.saturating_sub(OVERHEAD) });
         }
         let sum = self.sum.wrapping_sub(self.sum_of(key)?).wrapping_add(sum(key, value));
         let mut sums = [0; 8];
         sums.iter_mut().zip(self.sum.to_le_bytes().into_iter().chain(sum.to_le_bytes())).for_each(|(to, of)| *to = of);
-        // What is not whole stays so until everything is written anew: its sum is not the one that it should have.
+        // What is not whole stays so until everything is written anew: its sum is not the one that
+        // it should have.
         if self.whole {
             self.put(SUMS, &sums)?;
         }
@@ -187,7 +192,8 @@ impl<F: NorFlash> Store<F> {
         self.write(key, &[])
     }
 
-    /// Forgets all values, one by one; what is not whole, or has no room left even for that, by erasing everything.
+    /// Forgets all values, one by one; what is not whole, or has no room left even for that, by
+    /// erasing everything.
     ///
     /// # Errors
     /// If the flash does not take it.
@@ -231,14 +237,14 @@ impl<F: NorFlash> Store<F> {
     }
 }
 
-impl Entry {
+impl StoredEntry {
     /// Bytes in flash.
     const fn size(&self) -> usize {
         (OVERHEAD + self.length as usize).next_multiple_of(4)
     }
 }
 
-fn set(index: &mut heapless::Vec<Entry, MOST_KEYS>, entry: Entry) -> Result<(), StoreError> {
+fn set(index: &mut heapless::Vec<StoredEntry, MOST_KEYS>, entry: StoredEntry) -> Result<(), StoreError> {
     match index.binary_search_by_key(&entry.key, |known| known.key) {
         Ok(at) => index.get_mut(at).map(|known| *known = entry).ok_or(StoreError::Flash),
         // More keys than any firmware writes: it is something else.

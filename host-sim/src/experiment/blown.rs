@@ -1,9 +1,10 @@
-//! What blows on top of a `[[wind]]`'s mean, as it is written. Ranges are the simulated wind's to judge.
+//! What blows on top of a `[[wind]]`'s mean, as it is written. Ranges are the simulated wind's to
+//! judge.
 
 use serde::Deserialize;
 
-use crate::sensor::{DustDevil, Gust, Sine, Spectrum, Swing, Turbulence};
-use crate::toml_file::{FileError, Source};
+use crate::sensor::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, Turbulence};
+use recording::toml_file::{FileError, TomlSource};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,7 +13,7 @@ pub(super) struct SwingTable {
     frequency_hz: f64,
 }
 
-impl From<SwingTable> for Swing {
+impl From<SwingTable> for DirectionSwing {
     fn from(SwingTable { amplitude_deg, frequency_hz }: SwingTable) -> Self {
         Self { amplitude_deg, frequency_hz }
     }
@@ -88,7 +89,7 @@ enum SpectrumName {
 
 impl TurbulenceTable {
     /// Refuses scales of another spectrum under `key`.
-    pub fn turbulence(self, source: &Source, key: &str) -> Result<Turbulence, FileError> {
+    pub fn turbulence(self, source: &TomlSource, key: &str) -> Result<Turbulence, FileError> {
         let of = match self.spectrum {
             None => "turbulence without a `spectrum`",
             Some(SpectrumName::VonKarman) => "spectrum \"von-karman\"",

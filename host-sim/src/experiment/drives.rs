@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
-use super::Grid;
+use super::grid::TickGrid;
 use super::table::{ChangeTable, DriveTable};
-use crate::head::{Element, Head};
-use crate::toml_file::{FileError, suggest};
+use anemometry::head::{Head, HeadElement};
+use recording::text::suggest;
+use recording::toml_file::FileError;
 
 /// Between which temperatures the gas is, °C: the same twice for one that does not swing.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +19,8 @@ pub(super) struct GasRange {
 }
 
 impl GasRange {
-    /// As a sentence has it, without unit. Rounded, as a sum of two written numbers may have a tail of digits.
+    /// As a sentence has it, without unit. Rounded, as a sum of two written numbers may have a tail
+    /// of digits.
     fn words(self) -> String {
         let tidy = |celsius: f64| (celsius * 1e9).round() / 1e9;
         if self.coldest_c == self.hottest_c {
@@ -30,7 +32,8 @@ impl GasRange {
 
 /// What elements do from a tick on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
+pub struct DriveChange {
+    /// The first sample period of the new drives.
     pub tick: u32,
     /// Place of the element in the head, and its new drive. The others go on.
     pub drives: Vec<(usize, Drive)>,
@@ -38,7 +41,7 @@ pub struct Change {
 
 /// One drive an element of the head, in its order; one without is passive.
 pub(super) fn of_all(
-    grid: &Grid,
+    grid: &TickGrid,
     tables: &BTreeMap<String, DriveTable>,
     head: &Head,
     gas: GasRange,
@@ -52,13 +55,13 @@ pub(super) fn of_all(
 
 /// The changes of an experiment of `ticks`.
 pub(super) fn changes(
-    grid: &Grid,
+    grid: &TickGrid,
     tables: &[ChangeTable],
     head: &Head,
     gas: GasRange,
     ticks: u32,
-) -> Result<Vec<Change>, FileError> {
-    let mut changes: Vec<Change> = Vec::with_capacity(tables.len());
+) -> Result<Vec<DriveChange>, FileError> {
+    let mut changes: Vec<DriveChange> = Vec::with_capacity(tables.len());
     for (index, table) in tables.iter().enumerate() {
         let key = format!("changes[{index}]");
         let start_key = format!("{key}.start_s");
@@ -78,14 +81,14 @@ pub(super) fn changes(
         if table.drives.is_empty() {
             return Err(grid.source.refuse(&key, "changes nothing: give it `drives`, one line an element"));
         }
-        changes.push(Change { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas)? });
+        changes.push(DriveChange { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas)? });
     }
     Ok(changes)
 }
 
 /// The drives of a table, by their elements' places in the head.
 fn named(
-    grid: &Grid,
+    grid: &TickGrid,
     key: &str,
     tables: &BTreeMap<String, DriveTable>,
     head: &Head,
@@ -104,7 +107,13 @@ fn named(
 }
 
 /// One drive, whose key in the file is `key`.
-fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas: GasRange) -> Result<Drive, FileError> {
+fn drive(
+    grid: &TickGrid,
+    key: &str,
+    table: &DriveTable,
+    element: &HeadElement,
+    gas: GasRange,
+) -> Result<Drive, FileError> {
     let source = grid.source;
     let set_point = |key: &str, celsius: f64| {
         // Above the gas at every time.
@@ -126,8 +135,8 @@ fn drive(grid: &Grid, key: &str, table: &DriveTable, element: &Element, gas: Gas
         DriveTable::Passive => Drive::Passive,
         DriveTable::Level(level) => Drive::Level((*level).into()),
         &DriveTable::PowerW(power_w) => {
-            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more power. In a gas that swings both levels
-            // have to do at every time.
+            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more
+            // power. In a gas that swings both levels have to do at every time.
             let least = element.power_w(gas.hottest_c, Level::Low);
             let most = element.power_w(gas.coldest_c, Level::High);
             if !(least..=most).contains(&power_w) {

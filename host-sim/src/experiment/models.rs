@@ -1,6 +1,8 @@
-//! How the elements heat themselves under an experiment's conditions: what its set-points are judged by.
+//! How the elements heat themselves under an experiment's conditions: what its set-points are
+//! judged by.
 //!
-//! A model belongs to gas, pressure and whatever else surrounds an element, and so to an experiment rather than to a head. The file:
+//! A model belongs to gas, pressure and whatever else surrounds an element, and so to an experiment
+//! rather than to a head. The file:
 //!
 //! | table | keys |
 //! |---|---|
@@ -8,7 +10,8 @@
 //! | `[kinds.…]` | the model of every element of that kind |
 //! | `[elements.NAME]` | the model of one element, in place of its kind's |
 //!
-//! Each model is `reference_c`, and `mesh_rad_s` and `r_k_per_w` of 8 each. An element without one is not judged.
+//! Each model is `reference_c`, and `mesh_rad_s` and `r_k_per_w` of 8 each. An element without one
+//! is not judged.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,8 +20,9 @@ use dr_core::ConfigError;
 use dr_core::model::{ORDER, SelfHeating, SelfHeatingConfig};
 use serde::Deserialize;
 
-use crate::head::Head;
-use crate::toml_file::{FileError, Source, suggest};
+use anemometry::head::Head;
+use recording::text::suggest;
+use recording::toml_file::{FileError, TomlSource};
 
 /// Which period does not matter for what is checked here.
 const ANY_PERIOD_S: f32 = 0.01;
@@ -26,7 +30,8 @@ const ANY_PERIOD_S: f32 = 0.01;
 /// Checked models.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Models {
-    pub source: Source,
+    /// The file, which errors name.
+    pub source: TomlSource,
     /// For which gas they hold.
     pub conditions: String,
     /// One an element of the head, in its order.
@@ -34,14 +39,24 @@ pub struct Models {
 }
 
 impl Models {
+    /// Reads a file of models for the elements of a head.
+    ///
+    /// # Errors
+    /// File, line and what is wrong.
     pub fn read(path: &Path, head: &Head) -> Result<Self, FileError> {
-        Self::from_source(Source::read(path)?, head)
+        Self::from_source(TomlSource::read(path)?, head)
     }
 
-    pub fn from_source(source: Source, head: &Head) -> Result<Self, FileError> {
+    /// Checks models for the elements of a head.
+    ///
+    /// # Errors
+    /// File, line and what is wrong.
+    pub fn from_source(source: TomlSource, head: &Head) -> Result<Self, FileError> {
         let table: ModelsTable = source.parse()?;
+        // What is made from a model names elements as its columns do.
+        let is_of = |name: &str, element: &str| recording::in_columns(name) == recording::in_columns(element);
         let known = head.names();
-        if let Some(unknown) = table.elements.keys().find(|name| !known.contains(&name.as_str())) {
+        if let Some(unknown) = table.elements.keys().find(|name| !known.iter().any(|known| is_of(name, known))) {
             let sentence =
                 format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
             return Err(source.refuse(&format!("elements.{unknown}"), sentence));
@@ -55,8 +70,12 @@ impl Models {
             table.checked(&source, &format!("kinds.{kind}")).map(|model| (kind.clone(), model))
         };
         let kinds: BTreeMap<_, _> = table.kinds.iter().map(checked).collect::<Result<_, _>>()?;
-        let of_element = |element: &crate::head::Element| match table.elements.get(&element.name) {
-            Some(own) => own.checked(&source, &format!("elements.{}", element.name)).map(Some),
+        let of_element = |element: &anemometry::head::HeadElement| match table
+            .elements
+            .iter()
+            .find(|(name, _)| is_of(name, &element.name))
+        {
+            Some((name, own)) => own.checked(&source, &format!("elements.{name}")).map(Some),
             None => Ok(element.kind.as_ref().and_then(|kind| kinds.get(kind)).copied()),
         };
         let elements = head.elements.iter().map(of_element).collect::<Result<_, _>>()?;
@@ -83,7 +102,7 @@ struct ModelTable {
 }
 
 impl ModelTable {
-    fn checked(&self, source: &Source, key: &str) -> Result<SelfHeatingConfig, FileError> {
+    fn checked(&self, source: &TomlSource, key: &str) -> Result<SelfHeatingConfig, FileError> {
         let config = SelfHeatingConfig {
             mesh_rad_s: self.mesh_rad_s.map(|rate| rate as f32),
             r_k_per_w: self.r_k_per_w.map(|resistance| resistance as f32),
@@ -106,6 +125,9 @@ impl ModelTable {
 
 #[cfg(test)]
 mod tests {
+    use diffusive::model::reduce::board;
+    use diffusive::model::testing;
+
     use super::*;
 
     fn path(name: &str) -> std::path::PathBuf {
@@ -113,9 +135,9 @@ mod tests {
     }
 
     fn with(from: &str, to: &str) -> Result<Models, String> {
-        let mut source = Source::read(&path("models/sphere-b-mars-still.toml")).unwrap();
+        let mut source = TomlSource::read(&path("models/sphere-b-mars-still.toml")).unwrap();
         assert!(source.text.contains(from), "{from}");
-        source = Source { path: "m.toml".into(), text: source.text.replacen(from, to, 1) };
+        source = TomlSource { path: "m.toml".into(), text: source.text.replacen(from, to, 1) };
         Models::from_source(source, &Head::read(&path("sphere-b.toml")).unwrap()).map_err(|error| error.to_string())
     }
 
@@ -177,5 +199,23 @@ mod tests {
             assert!(sentence.contains(expected), "{to}: {sentence}");
             assert!(!sentence.contains('\n'));
         }
+    }
+
+    #[test]
+    fn the_table_of_a_reduced_model_is_read() {
+        let mut model = testing::model(&[0.0025, 0.01, 105.0], &[587.1, 89.4, 0.4]);
+        model.inputs[0] = "power_w_sector2".to_owned();
+        model.outputs[0].name = "temperature_c_sector2".to_owned();
+        model.pairs[0].input.clone_from(&model.inputs[0]);
+        model.pairs[0].output.clone_from(&model.outputs[0].name);
+        model.provenance.records = vec!["a \"fine\" record.csv".to_owned()];
+        let head = Head::read(&path("sphere-b.toml")).unwrap();
+        let text = board::toml(&model, "all").unwrap();
+        let read = Models::from_source(TomlSource { path: "m.toml".into(), text }, &head).unwrap();
+        let second = read.elements[1].unwrap();
+        assert_eq!(second.reference_c, 20.0);
+        assert_eq!(second.mesh_rad_s, [0.0025, 0.01, 105.0, 210.0, 420.0, 840.0, 1680.0, 3360.0]);
+        assert_eq!(second.r_k_per_w, [587.1, 89.4, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(read.elements.iter().flatten().count(), 1);
     }
 }

@@ -1,4 +1,5 @@
-//! Many winds of all directions and speeds, one after the other: what a calibration needs, and what it is judged by.
+//! Many winds of all directions and speeds, one after the other: what a calibration needs, and what
+//! it is judged by.
 //!
 //! `[sweep]` stands in place of `[[wind]]`:
 //!
@@ -12,15 +13,16 @@
 //! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
 //!
-//! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the labels `still`, `wind 1`, `wind 2` …
+//! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the
+//! labels `still`, `wind 1`, `wind 2` …
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Deserialize;
 
-use super::Grid;
+use super::grid::TickGrid;
 use crate::sensor::WindEntry;
-use crate::toml_file::FileError;
+use recording::toml_file::FileError;
 
 const SPEEDS_M_S: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 const MOST_WINDS: u32 = 10_000;
@@ -37,19 +39,19 @@ pub(super) struct SweepTable {
     still_s: f64,
     #[serde(default)]
     stem_cone_deg: f64,
-    plane: Option<Plane>,
+    plane: Option<SweepPlane>,
     seed: Option<u64>,
 }
 
 /// In which the winds lie.
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-enum Plane {
+enum SweepPlane {
     Level,
 }
 
 /// The entries of an experiment of `ticks`; winds that would begin after its end are left out.
-pub(super) fn entries(grid: &Grid, table: &SweepTable, seed: u64, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
     let source = grid.source;
     source.within("sweep.winds", f64::from(table.winds), 1.0..=f64::from(MOST_WINDS), "")?;
     source.within("sweep.least_m_s", table.least_m_s, SPEEDS_M_S, "m/s")?;
@@ -75,7 +77,7 @@ pub(super) fn entries(grid: &Grid, table: &SweepTable, seed: u64, ticks: u32) ->
         let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(draw.share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
-            if table.plane == Some(Plane::Level) {
+            if table.plane == Some(SweepPlane::Level) {
                 break 0.0;
             }
             let z = 2.0 * draw.share() - 1.0;
@@ -106,12 +108,12 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Experiment;
-    use crate::toml_file::Source;
+    use crate::experiment::Experiment;
+    use recording::toml_file::TomlSource;
 
     fn with(sweep: &str) -> Result<Experiment, String> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/still-gas.toml");
-        let mut source = Source::read(&path).unwrap();
+        let mut source = TomlSource::read(&path).unwrap();
         let wind = source.text.find("[[wind]]").unwrap();
         source.text = format!("{}[sweep]\n{sweep}\n", &source.text[..wind]);
         Experiment::from_source(source).map_err(|error| error.to_string())
@@ -132,7 +134,8 @@ mod tests {
                 *mean += v / wind.speed_m_s / winds.len() as f64;
             }
         }
-        // Three standard errors of a mean of components; what is left out above pulls z down by 0.03.
+        // Three standard errors of a mean of components; what is left out above pulls z down by
+        // 0.03.
         assert!(mean.iter().all(|mean| mean.abs() < 3.0 / (3.0 * 500.0_f64).sqrt() + 0.03), "{mean:?}");
         let slow = winds.iter().filter(|wind| wind.speed_m_s < 13.0_f64.sqrt()).count();
         assert!((200..300).contains(&slow), "half of them are below the geometric mean: {slow}");

@@ -8,8 +8,9 @@ use serde::Deserialize;
 
 use super::blown::{DustDevilTable, GustTable, SineTable, SwingTable, TurbulenceTable};
 use super::sweep::SweepTable;
-use crate::sensor::{Fault, GasSwing, Imperfections, Species, WindEntry};
-use crate::toml_file::{FileError, Source};
+use crate::sensor::{GasSwing, Imperfections, ResistorFault, WindEntry};
+use anemometry::gas::Species;
+use recording::toml_file::{FileError, TomlSource};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +20,8 @@ pub(super) struct ExperimentTable {
     pub models: Option<PathBuf>,
     #[serde(default)]
     pub observe: bool,
+    pub wind_output: Option<WindOutputTable>,
+    /// Name of `wind_output` before version 0.2.
     pub answer: Option<AnswerTable>,
     pub sample_period_s: f64,
     pub duration_s: f64,
@@ -44,11 +47,27 @@ pub(super) struct ExperimentTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct AnswerTable {
+pub(super) struct WindOutputTable {
     pub bandwidth_hz: Option<f64>,
-    pub every_s: Option<f64>,
+    pub interval_s: Option<f64>,
     #[serde(default)]
     pub fixed: bool,
+}
+
+/// The older table of the same meaning.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnswerTable {
+    bandwidth_hz: Option<f64>,
+    every_s: Option<f64>,
+    #[serde(default)]
+    fixed: bool,
+}
+
+impl From<AnswerTable> for WindOutputTable {
+    fn from(AnswerTable { bandwidth_hz, every_s, fixed }: AnswerTable) -> Self {
+        Self { bandwidth_hz, interval_s: every_s, fixed }
+    }
 }
 
 #[derive(Deserialize)]
@@ -218,8 +237,9 @@ impl WindTable {
         gust.into_iter().chain(self.dust_devil.as_ref().map(|devil| ("dust_devil.time_s", devil.time_s)))
     }
 
-    /// An entry without a label is called after its number, so that every event of a recording has a name.
-    pub fn entry(self, index: usize, source: &Source) -> Result<WindEntry, FileError> {
+    /// An entry without a label is called after its number, so that every event of a recording has
+    /// a name.
+    pub fn entry(self, index: usize, source: &TomlSource) -> Result<WindEntry, FileError> {
         let turbulence = self.turbulence.map(|table| table.turbulence(source, &format!("wind[{index}].turbulence")));
         Ok(WindEntry {
             start_s: self.start_s,
@@ -251,7 +271,7 @@ pub(super) enum FaultName {
     Shorted,
 }
 
-impl From<FaultName> for Fault {
+impl From<FaultName> for ResistorFault {
     fn from(name: FaultName) -> Self {
         match name {
             FaultName::Open => Self::Open,

@@ -3,7 +3,11 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 
 use super::*;
-use crate::sensor::{GasSwing, Sine, Spectrum, Swing, Turbulence};
+use crate::sensor::{DirectionSwing, GasSwing, Sine, Spectrum, Turbulence};
+use std::path::Path;
+
+use dr_core::control::Drive;
+use recording::toml_file::TomlSource;
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name)
@@ -41,7 +45,7 @@ azimuth_deg = 90.0
 turbulence = { intensity = 0.15, correlation_time_s = 1.5 }
 "#;
     assert!(text.contains(from), "{from}");
-    let mut source = Source { path: path("test.toml"), text: text.replacen(from, to, 1) };
+    let mut source = TomlSource { path: path("test.toml"), text: text.replacen(from, to, 1) };
     source.text.push('\n');
     Experiment::from_source(source).map_err(|error| {
         let text = error.to_string();
@@ -225,7 +229,7 @@ fn what_blows_on_top_of_a_mean_is_read() {
     assert_eq!((gust.start_s, gust.duration_s, gust.rise_m_s), (1.0, 2.5, 3.0));
     assert_eq!((gust.azimuth_deg, gust.elevation_deg), (None, Some(10.0)));
     assert_eq!(entry.sine, Some(Sine { amplitude_m_s: 1.0, frequency_hz: 0.5 }));
-    assert_eq!(entry.swing, Some(Swing { amplitude_deg: 20.0, frequency_hz: 0.1 }));
+    assert_eq!(entry.swing, Some(DirectionSwing { amplitude_deg: 20.0, frequency_hz: 0.1 }));
     let devil = entry.dust_devil.unwrap();
     assert_eq!((devil.time_s, devil.miss_m, devil.core_radius_m, devil.swirl_m_s), (4.0, -3.0, 5.0, 10.0));
     assert_eq!((devil.inflow_m_s, devil.travel_m_s, devil.travel_azimuth_deg), (0.0, Some(6.0), None));
@@ -290,7 +294,7 @@ fn a_gas_may_be_as_cold_as_the_manual_says() {
 fn an_experiment_without_wind_is_told_how_to_ask_for_still_gas() {
     let source = with("", "").unwrap().source;
     let text = source.text[..source.text.find("[[wind]]").unwrap()].to_owned();
-    let sentence = Experiment::from_source(Source { text, ..source }).unwrap_err().to_string();
+    let sentence = Experiment::from_source(TomlSource { text, ..source }).unwrap_err().to_string();
     assert!(
         sentence
             .contains("`wind` is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas"),
@@ -314,7 +318,7 @@ fn faults_name_their_element() {
 #[test]
 fn a_damaged_file_is_refused_or_read_but_never_panics() {
     let source = with("", "").unwrap().source;
-    let read = |text: String| Experiment::from_source(Source { text, ..source.clone() });
+    let read = |text: String| Experiment::from_source(TomlSource { text, ..source.clone() });
     for at in (0..source.text.len()).step_by(7) {
         let _ = read(source.text[..at].to_owned());
         for junk in ["=", "\"", "[", "-", "nan ", "ü"] {
@@ -333,8 +337,8 @@ fn changes_and_currents_are_read_and_checked() {
     let found =
         changed(&(change(2.0, "core2 = \"passive\"") + &change(4.5, "sector1 = { temperature_c = -30.0 }"))).unwrap();
     let exact = [
-        Change { tick: 200, drives: vec![(5, Drive::Passive)] },
-        Change { tick: 450, drives: vec![(0, Drive::Temperature { target_c: -30.0 })] },
+        DriveChange { tick: 200, drives: vec![(5, Drive::Passive)] },
+        DriveChange { tick: 450, drives: vec![(0, Drive::Temperature { target_c: -30.0 })] },
     ];
     assert_eq!(found.changes, exact);
     let refused = |text: String| changed(&text).unwrap_err();
@@ -427,7 +431,33 @@ fn drives_must_do_in_all_of_the_gas_that_swings() {
 fn a_swing_on_a_head_that_nothing_simulates_is_checked_too() {
     let swing = GasSwing { amplitude_k: -1.0, period_s: 60.0, start_s: 0.0 };
     let mut experiment = with("", "").unwrap();
-    (experiment.head.sensor, experiment.gas_swing) = (None, Some(swing));
+    (experiment.construction, experiment.gas_swing) = (None, Some(swing));
     let sentence = experiment.check_conditions().unwrap_err().to_string();
     assert!(sentence.contains("`gas.swing.amplitude_k` is -1"), "{sentence}");
+}
+
+#[test]
+fn the_wind_output_is_read_by_its_name_and_by_the_older_one() {
+    let with = |table: &str| {
+        let mut source = TomlSource::read(&path("wind/sphere-b/winds.toml")).unwrap();
+        source.text = source.text.replacen("[gas]", &format!("{table}\n\n[gas]"), 1);
+        source.text =
+            source.text.replacen("head = \"", "head = \"../../../tests/fixtures/sphere-b-calibrated.toml\" # \"", 1);
+        Experiment::from_source(source).map_err(|error| error.to_string())
+    };
+    let new = with("[wind_output]\nbandwidth_hz = 5.0\ninterval_s = 0.02\nfixed = true").unwrap();
+    let old = with("[answer]\nbandwidth_hz = 5.0\nevery_s = 0.02\nfixed = true").unwrap();
+    assert_eq!(new.wind_output, old.wind_output);
+    let output = new.wind_output.unwrap();
+    assert_eq!((output.bandwidth_hz, output.fixed), (5.0, true));
+    for (table, expected) in [
+        ("[wind_output]\ninterval_s = -1.0", "`wind_output.interval_s` is -1 s"),
+        ("[answer]\nevery_s = -1.0", "`answer.every_s` is -1 s"),
+        ("[wind_output]\nbandwidth_hz = 100.0", "`wind_output.bandwidth_hz` is 100 Hz: it must lie between"),
+        ("[wind_output]\nevery_s = 0.02", "unknown key `every_s`"),
+        ("[answer]\n\n[wind_output]", "`answer` is given besides [wind_output]"),
+    ] {
+        let sentence = with(table).unwrap_err();
+        assert!(sentence.contains(expected) && sentence.contains("winds.toml, line "), "{sentence}");
+    }
 }

@@ -1,7 +1,8 @@
 //! The wind of an experiment: entry by entry, or as the runs of a car in a linear tunnel.
 //!
-//! In a linear tunnel the air rests and a car carries the sensor along a straight track, so that slow winds are known as exactly as
-//! the car's speed. `[tunnel]` says what the car does, in place of `[[wind]]`:
+//! In a linear tunnel the air rests and a car carries the sensor along a straight track, so that
+//! slow winds are known as exactly as the car's speed. `[tunnel]` describes what the car does, in
+//! place of `[[wind]]`:
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
@@ -12,16 +13,17 @@
 //! | `order_seed` | | each time round the speeds come in another order, drawn with this seed; without it as they are written |
 //! | `azimuth_deg`, `elevation_deg` | ° | into which the air goes, seen from the car, when it runs forward; 180 and 0 if not given: x looks forward |
 //!
-//! It becomes ordinary entries with the labels `forward 7.5 m/min`, `back 7.5 m/min` and `rest`, which are the event classes of an
-//! identification. A run ends with the last whole sample period that fits on the track.
+//! It becomes ordinary entries with the labels `forward 7.5 m/min`, `back 7.5 m/min` and `rest`,
+//! which are the event classes of an identification. A run ends with the last whole sample period
+//! that fits on the track.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::Grid;
+use super::grid::TickGrid;
 use super::table::{TunnelTable, WindTable};
 use crate::sensor::WindEntry;
-use crate::toml_file::FileError;
+use recording::toml_file::FileError;
 
 const HIGHEST_SPEED_M_S: f64 = 100.0;
 /// More would be a mistake of units rather than an experiment.
@@ -30,7 +32,7 @@ const REST: &str = "rest";
 
 /// The entries of an experiment of `ticks`.
 pub(super) fn entries(
-    grid: &Grid,
+    grid: &TickGrid,
     wind: Vec<WindTable>,
     tunnel: Option<TunnelTable>,
     ticks: u32,
@@ -49,7 +51,7 @@ pub(super) fn entries(
     }
 }
 
-fn held(grid: &Grid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+fn held(grid: &TickGrid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
     let source = grid.source;
     let duration_s = grid.time_s(ticks);
     let mut entries = Vec::with_capacity(tables.len());
@@ -83,7 +85,7 @@ struct Run {
 }
 
 struct Car<'a> {
-    grid: &'a Grid<'a>,
+    grid: &'a TickGrid<'a>,
     runs: Vec<Run>,
     pause_ticks: u64,
     first_pause_ticks: u64,
@@ -93,7 +95,7 @@ struct Car<'a> {
 }
 
 impl<'a> Car<'a> {
-    fn new(grid: &'a Grid<'a>, table: &TunnelTable) -> Result<Self, FileError> {
+    fn new(grid: &'a TickGrid<'a>, table: &TunnelTable) -> Result<Self, FileError> {
         let source = grid.source;
         let track_m = source.positive("tunnel.track_m", table.track_m, "m")?;
         let key = "tunnel.speeds_m_min";
@@ -204,8 +206,8 @@ impl<'a> Car<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Experiment;
-    use crate::toml_file::Source;
+    use crate::experiment::Experiment;
+    use recording::toml_file::TomlSource;
 
     fn with(tunnel: &str) -> Result<Experiment, String> {
         let text = format!(
@@ -213,7 +215,7 @@ mod tests {
              [gas]\nspecies = \"air\"\npressure_pa = 24000.0\ntemperature_c = 21.0\n\n[tunnel]\n{tunnel}\n"
         );
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/tunnel.toml");
-        Experiment::from_source(Source { path, text }).map_err(|error| error.to_string())
+        Experiment::from_source(TomlSource { path, text }).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -222,7 +224,7 @@ mod tests {
         let seen: Vec<_> = experiment.wind.iter().map(|entry| (entry.start_s, entry.label.as_str())).collect();
         // 5 m at 7.5 m/min are 40 s, as published.
         let expected = ["forward 7.5 m/min", "rest", "back 7.5 m/min", "rest"];
-        let expected: Vec<_> = (0..8).map(|k| (40.0 * f64::from(k), expected[k as usize % 4])).collect();
+        let expected: Vec<_> = (0..8_u8).map(|k| (40.0 * f64::from(k), expected[usize::from(k) % 4])).collect();
         assert_eq!(seen, expected);
         // The sensor's x looks forward: the air comes from there, and from behind on the way back.
         let [forward, back] = [0, 2].map(|k| experiment.wind[k].mean_m_s());

@@ -1,19 +1,24 @@
 //! The firmware on an emulated Cortex-M4F: `qemu-system-arm -M netduinoplus2`, in lock-step.
 //!
-//! Two ways to it ([`Path`]): `Usart`, which is what a cable would carry, and `Fifo`, the same messages through named
-//! pipes, many times faster. Emulator and this thread are kept on one core: each waits for the other all the time, and
-//! waking up on another core costs more than the work.
+//! Two ways to it ([`EmulatorLink`]): `Usart`, which is what a cable would carry, and `Fifo`, the
+//! same messages through named pipes, many times faster. Emulator and this thread are kept on one
+//! core: each waits for the other all the time, and waking up on another core costs more than the
+//! work.
 
 mod process;
 mod stream;
 
-use super::link::{Link, Persistence, Stream};
-use super::lock_step::packed;
-use super::{Account, Body, InstrumentError, Keeper, TickReport, why_it_started};
-use dr_core::control::{Command, Finding, Heaters, Reply};
-use dr_core::sensor::{Input, Reading};
+use super::error::InstrumentError;
+use super::link::{BoardLink, BoardStream, RetryPolicy};
+use super::lock_step::{LockStepController, packed};
+use super::observation::{LinkReport, TickReport};
+use super::port::SettingsPort;
+use super::reset_cause::why_it_started;
+use dr_core::control::{Heaters, SelfTestFinding};
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::{Command, Reply};
 use process::Process;
-use std::path::Path as FilePath;
+use std::path::Path;
 use std::time::Duration;
 pub use stream::Pipe;
 use wire::{FromBoard, HeaterFrame, Identity, Provocation, SettingsReply, SettingsRequest, Status, ToBoard};
@@ -23,7 +28,7 @@ const ATTEND_EVERY: u32 = 256;
 
 /// How to talk to the emulated board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Path {
+pub enum EmulatorLink {
     /// A pair of named pipes.
     #[default]
     Fifo,
@@ -33,14 +38,14 @@ pub enum Path {
 
 /// The links of the emulated board.
 struct Links {
-    host: Link<Pipe>,
+    host: BoardLink<Pipe>,
     /// Its own only where the front end has a USART of its own.
-    bench: Option<Link<Pipe>>,
+    bench: Option<BoardLink<Pipe>>,
 }
 
 impl Links {
     /// Readings and levels go this way.
-    fn bench(&mut self) -> &mut Link<Pipe> {
+    fn bench(&mut self) -> &mut BoardLink<Pipe> {
         self.bench.as_mut().unwrap_or(&mut self.host)
     }
 }
@@ -54,9 +59,9 @@ pub struct Emulated {
     answer: Option<HeaterFrame>,
     sample: Option<TickReport>,
     status: Option<Status>,
-    input: Input,
-    findings: Vec<Finding>,
-    /// Who it has become by a start that nobody here asked for.
+    input: FrontEndInput,
+    findings: Vec<SelfTestFinding>,
+    /// Its identity after a start that this host did not request.
     reborn: Option<Identity>,
     /// Exchanges since the host link was last read.
     unattended: u32,
@@ -67,28 +72,29 @@ impl Emulated {
     ///
     /// # Errors
     /// If there is no emulator or no firmware, or if it does not answer.
-    pub fn start(firmware: &FilePath, path: Path) -> Result<Self, InstrumentError> {
+    pub fn start(firmware: &Path, path: EmulatorLink) -> Result<Self, InstrumentError> {
         Self::start_with(firmware, path, None)
     }
 
-    /// The same with settings that last from run to run: in this file, which is made if there is none.
+    /// The same with settings that last from run to run: in this file, which is made if there is
+    /// none.
     ///
     /// # Errors
     /// As [`start`](Self::start), and if the file is no flash.
-    pub fn start_with(firmware: &FilePath, path: Path, flash: Option<&FilePath>) -> Result<Self, InstrumentError> {
+    pub fn start_with(firmware: &Path, path: EmulatorLink, flash: Option<&Path>) -> Result<Self, InstrumentError> {
         let mut process = Process::prepare(firmware)?;
         if let Some(flash) = flash {
             process.keep_settings_in(flash)?;
         }
         let mut links = match path {
-            Path::Fifo => Links { host: Link::new(process.start_with_fifos()?), bench: None },
-            Path::Usart => {
+            EmulatorLink::Fifo => Links { host: BoardLink::new(process.start_with_fifos()?), bench: None },
+            EmulatorLink::Usart => {
                 let (host, bench) = process.start_with_usarts()?;
-                Links { host: Link::new(host), bench: Some(Link::new(bench)) }
+                Links { host: BoardLink::new(host), bench: Some(BoardLink::new(bench)) }
             }
         };
-        let identity = process.patiently(|patience| links.host.hello(patience)).map_err(|error| match error {
-            InstrumentError::Silent(patience) => InstrumentError::Mute { firmware: firmware.to_owned(), patience },
+        let identity = process.until_timeout(|timeout| links.host.hello(timeout)).map_err(|error| match error {
+            InstrumentError::Silent(timeout) => InstrumentError::Mute { firmware: firmware.to_owned(), timeout },
             other => other,
         })?;
         // What is kept may ask for fewer, and here each tick's sample is waited for.
@@ -101,7 +107,7 @@ impl Emulated {
             answer: None,
             sample: None,
             status: None,
-            input: Input::Element,
+            input: FrontEndInput::Element,
             findings: Vec::new(),
             reborn: None,
             unattended: 0,
@@ -116,12 +122,12 @@ impl Emulated {
         Ok(self.links.host.stream_mut().write_all(bytes)?)
     }
 
-    /// Waits no longer than so for any answer: where boards are expected that never answer again.
-    pub const fn be_patient_for(&mut self, patience: Duration) {
-        self.process.set_patience(patience);
+    /// Timeout of any answer: shorter where boards are expected that never answer again.
+    pub const fn set_timeout(&mut self, timeout: Duration) {
+        self.process.set_timeout(timeout);
     }
 
-    /// The board's last word on its health.
+    /// The board's last status.
     pub fn status(&self) -> Option<&Status> {
         self.status.as_ref()
     }
@@ -134,7 +140,7 @@ impl Emulated {
         self.links.bench().send(&ToBoard::Provoke(what)).map(drop)
     }
 
-    /// A tick passes in which the front end says nothing; gives the levels as they stand then.
+    /// Lets a tick pass without readings; returns the levels as they stand then.
     ///
     /// # Errors
     /// If the board is gone, or answers something else.
@@ -148,7 +154,7 @@ impl Emulated {
     /// If it does not.
     pub fn reborn(&mut self) -> Result<Identity, InstrumentError> {
         while self.reborn.is_none() {
-            let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
+            let message = self.process.until_timeout(|timeout| self.links.host.receive(timeout))?;
             self.hear(message);
         }
         self.forget();
@@ -156,18 +162,20 @@ impl Emulated {
         Ok(self.identity.clone())
     }
 
-    /// Asks something of the settings while the supply fails after so many more bytes of writing (an erase counts as 16). Says whether it has failed: the
-    /// board has started anew then, as if it had just been switched on.
+    /// Sends a request about settings while the supply fails after so many more bytes of writing
+    /// (an erase counts as 16). Returns whether it has failed: the board has started anew then, as
+    /// if it had just been switched on.
     ///
     /// # Errors
     /// If the board is gone, or refuses.
     pub fn ask_with_a_cut(&mut self, after_bytes: u32, request: &SettingsRequest) -> Result<bool, InstrumentError> {
-        // What it has said before is taken by then: whoever says who he is after that has started anew.
+        // Earlier messages are taken by then: an identity after that means that the board has
+        // started anew.
         self.ask_settings(&SettingsRequest::Read { key: 0 })?;
         self.provoke(Provocation::CutPower { after_bytes })?;
         let asked = self.links.host.send(&ToBoard::Settings(request.clone()))?;
         loop {
-            match self.process.patiently(|patience| self.links.host.receive(patience))? {
+            match self.process.until_timeout(|timeout| self.links.host.receive(timeout))? {
                 FromBoard::Setting(answer) if answer.to == asked => {
                     answer.result.map_err(InstrumentError::Settings)?;
                     self.provoke(Provocation::CutPower { after_bytes: u32::MAX })?;
@@ -183,8 +191,9 @@ impl Emulated {
         }
     }
 
-    /// Asks for no samples: what is left of an exchange is readings, levels and digest. For runs of millions of ticks of
-    /// which only the digest is wanted, by [`exchange_levels`](Self::exchange_levels).
+    /// Turns samples off: what is left of an exchange is readings, levels and digest. For runs of
+    /// millions of ticks of which only the digest is wanted, by
+    /// [`exchange_levels`](Self::exchange_levels).
     ///
     /// # Errors
     /// If the board is gone.
@@ -204,8 +213,8 @@ impl Emulated {
         self.ask(readings).map_err(|error| self.process.explain(error))
     }
 
-    /// Takes what has come by the host link, waiting for nothing. Left alone, a link fills up with status messages within
-    /// ten seconds, and the emulator stands still until somebody reads them.
+    /// Reads what has come by the host link, waiting for nothing. Left alone, a link fills up with
+    /// status messages within ten seconds, and the emulator stands still until somebody reads them.
     fn attend(&mut self) -> Result<(), InstrumentError> {
         self.unattended = 0;
         loop {
@@ -225,7 +234,7 @@ impl Emulated {
     fn answered(&mut self, message: &ToBoard) -> Result<HeaterFrame, InstrumentError> {
         let asked = self.links.bench().send(message)?;
         let answer = loop {
-            let message = self.process.patiently(|patience| self.links.bench().receive(patience))?;
+            let message = self.process.until_timeout(|timeout| self.links.bench().receive(timeout))?;
             self.hear(message);
             if let Some(answer) = self.answer.take() {
                 break answer;
@@ -252,7 +261,7 @@ impl Emulated {
                     )))
                 };
             }
-            let message = self.process.patiently(|patience| self.links.host.receive(patience))?;
+            let message = self.process.until_timeout(|timeout| self.links.host.receive(timeout))?;
             self.hear(message);
             self.still_the_same()?;
             self.unattended = 0;
@@ -266,7 +275,7 @@ impl Emulated {
 
     /// What was of the life before.
     fn forget(&mut self) {
-        (self.answer, self.sample, self.status, self.input) = (None, None, None, Input::Element);
+        (self.answer, self.sample, self.status, self.input) = (None, None, None, FrontEndInput::Element);
         self.findings.clear();
     }
 
@@ -276,9 +285,10 @@ impl Emulated {
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
             FromBoard::Status(status) => self.status = Some(status),
             FromBoard::Tested(finding) => self.findings.push(finding),
-            // Changes of state are in every sample; the rest answers questions that an exchange does not ask.
+            // Changes of state are in every sample; the rest answers questions that an exchange
+            // does not ask.
             FromBoard::Event(_) | FromBoard::Reply { .. } | FromBoard::Setting(_) => {}
-            // A board says who it is when it starts, and whenever it is asked.
+            // A board sends its identity when it starts, and whenever it is requested.
             FromBoard::Identity(identity) => {
                 if identity.starts != self.identity.starts {
                     self.reborn = Some(identity);
@@ -288,21 +298,21 @@ impl Emulated {
     }
 }
 
-impl Keeper for Emulated {
+impl SettingsPort for Emulated {
     fn firmware(&self) -> &str {
         &self.identity.firmware
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
         let mut aside = Vec::new();
-        let once = Persistence { tries: 1, each: self.process.patience() };
+        let once = RetryPolicy { tries: 1, timeout: self.process.timeout() };
         let reply = self.links.host.ask(request, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
     }
 }
 
-impl Body for Emulated {
+impl LockStepController for Emulated {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -310,7 +320,7 @@ impl Body for Emulated {
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.
-        let once = Persistence { tries: 1, each: self.process.patience() };
+        let once = RetryPolicy { tries: 1, timeout: self.process.timeout() };
         let reply = self.links.host.command(command, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))
@@ -321,11 +331,11 @@ impl Body for Emulated {
         self.sample(answer.heaters).map_err(|error| self.process.explain(error))
     }
 
-    fn input(&self) -> Input {
+    fn input(&self) -> FrontEndInput {
         self.input
     }
 
-    fn findings(&mut self) -> Vec<Finding> {
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         std::mem::take(&mut self.findings)
     }
 
@@ -333,15 +343,16 @@ impl Body for Emulated {
         self.digest
     }
 
-    fn finish(mut self: Box<Self>) -> Result<Account, InstrumentError> {
+    fn finish(mut self: Box<Self>) -> Result<LinkReport, InstrumentError> {
         if self.links.bench.is_some() {
-            // What the board has still to write is written when it answers; by one link for all it comes before the end in any case.
+            // What the board has still to write is written when it answers; by one link for all it
+            // comes before the end in any case.
             let _ = self.ask_settings(&SettingsRequest::Check);
         }
         // The front end's link: the board looks there whatever it is doing.
         let sent = self.links.bench().send(&ToBoard::Finish { code: 0 });
         sent.map_err(|error| self.process.explain(error))?;
         let log = self.process.wait()?;
-        Ok(Account { link: self.links.host.counters(), status: self.status, log })
+        Ok(LinkReport { link: self.links.host.counters(), status: self.status, log })
     }
 }

@@ -1,17 +1,19 @@
 //! The controller in this process: the fastest body, and the one that the others are held against.
 
-use super::lock_step::packed;
-use super::{Account, Body, InstrumentError, TickReport};
-use dr_core::control::{Command, Digest, Finding, Reply, Station};
-use dr_core::sensor::{Input, Reading};
+use super::error::InstrumentError;
+use super::lock_step::{LockStepController, packed};
+use super::observation::{LinkReport, TickReport};
+use dr_core::control::SelfTestFinding;
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::{Command, Digest, Instrument, Reply};
 use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
 
 /// dr-core's controller and anemometer, called directly.
 pub struct InProcess {
     identity: Identity,
-    station: Station<MOST_ELEMENTS>,
+    station: Instrument<MOST_ELEMENTS>,
     digest: Digest,
-    findings: Vec<Finding>,
+    findings: Vec<SelfTestFinding>,
 }
 
 impl Default for InProcess {
@@ -35,24 +37,24 @@ impl InProcess {
                 starts: 1,
                 crash: None,
             },
-            station: Station::new(),
+            station: Instrument::new(),
             digest: Digest::default(),
             findings: Vec::new(),
         }
     }
 
     /// The station itself, for what happens to it beside commands and readings.
-    pub fn station_mut(&mut self) -> &mut Station<MOST_ELEMENTS> {
+    pub fn station_mut(&mut self) -> &mut Instrument<MOST_ELEMENTS> {
         &mut self.station
     }
 
-    /// What an element's model says its temperature is, °C.
+    /// Temperature of an element by its model, °C.
     pub fn model_temperature_c(&self, element: usize) -> Option<f32> {
         self.station.controller().model_temperature_c(element)
     }
 }
 
-impl Body for InProcess {
+impl LockStepController for InProcess {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -69,19 +71,19 @@ impl Body for InProcess {
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
         let tick = self.station.tick(&packed(readings)?.readings());
         let wind = self.station.sense(&tick);
-        self.station.fold(&tick, wind.as_ref(), &mut self.digest);
+        self.station.digest(&tick, wind.as_ref(), &mut self.digest);
         if let Some(test) = self.station.take_self_test() {
             self.findings.extend_from_slice(test.findings());
         }
-        let told = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
-        told.ok_or_else(|| InstrumentError::Protocol("a tick is told by another message".to_owned()))
+        let report = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
+        report.ok_or_else(|| InstrumentError::Protocol("a tick is reported by another message".to_owned()))
     }
 
-    fn input(&self) -> Input {
+    fn input(&self) -> FrontEndInput {
         self.station.input()
     }
 
-    fn findings(&mut self) -> Vec<Finding> {
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         std::mem::take(&mut self.findings)
     }
 
@@ -89,7 +91,7 @@ impl Body for InProcess {
         self.digest.value()
     }
 
-    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
-        Ok(Account::default())
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
+        Ok(LinkReport::default())
     }
 }

@@ -1,7 +1,8 @@
-//! A conversation with a board: messages out, messages in, and patience.
+//! A conversation with a board: messages out, messages in, and how long to wait for them.
 
-use super::InstrumentError;
-use dr_core::control::{Command, Refusal, Reply};
+use super::error::InstrumentError;
+use dr_core::control::Refusal;
+use dr_core::{Command, Reply};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 use wire::{
@@ -9,28 +10,32 @@ use wire::{
     VERSION,
 };
 
-/// How long a board may take to answer. Half a minute of emulation on a busy machine is still not an error.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+/// How long a board may take to answer. Half a minute of emulation on a busy machine is still not
+/// an error.
+pub const TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How long to wait for an answer to a hello before asking again: a board drops what comes while it starts.
+/// How long to wait for an answer to a hello before asking again: a board drops what comes while it
+/// starts.
 const HELLO_EVERY: Duration = Duration::from_millis(50);
 
-/// How often a command is sent before its board counts as gone, and how long each waits for an answer.
+/// How often a command is sent before its board counts as gone, and how long each attempt waits for
+/// an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Persistence {
+pub struct RetryPolicy {
     /// At least 1.
     pub tries: u32,
-    /// Patience of each.
-    pub each: Duration,
+    /// Timeout of each.
+    pub timeout: Duration,
 }
 
 /// A way to a board.
-pub trait Stream {
+pub trait BoardStream {
     /// Reads what has come, waiting for it at most so long.
     ///
     /// # Errors
-    /// [`ErrorKind::TimedOut`] if nothing has come, [`ErrorKind::UnexpectedEof`] if the other end is gone.
-    fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize>;
+    /// [`ErrorKind::TimedOut`] if nothing has come, [`ErrorKind::UnexpectedEof`] if the other end
+    /// is gone.
+    fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize>;
 
     /// Writes all of it.
     ///
@@ -40,7 +45,7 @@ pub trait Stream {
 }
 
 /// A conversation over a stream.
-pub struct Link<S> {
+pub struct BoardLink<S> {
     stream: S,
     sequence: u16,
     receiver: Receiver,
@@ -49,8 +54,8 @@ pub struct Link<S> {
     taken: usize,
 }
 
-impl<S: Stream> Link<S> {
-    /// A conversation in which nothing has been said.
+impl<S: BoardStream> BoardLink<S> {
+    /// A conversation that has not begun.
     pub fn new(stream: S) -> Self {
         Self { stream, sequence: 0, receiver: Receiver::new(), buffer: Box::new([0; 4096]), read: 0, taken: 0 }
     }
@@ -82,9 +87,10 @@ impl<S: Stream> Link<S> {
     /// The next message, waiting for it at most so long.
     ///
     /// # Errors
-    /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Version`] if the board speaks another version.
-    pub fn receive(&mut self, patience: Duration) -> Result<FromBoard, InstrumentError> {
-        let deadline = Instant::now() + patience;
+    /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Version`] if the board
+    /// speaks another version.
+    pub fn receive(&mut self, timeout: Duration) -> Result<FromBoard, InstrumentError> {
+        let deadline = Instant::now() + timeout;
         loop {
             while self.taken < self.read {
                 let byte = self.buffer[self.taken];
@@ -102,7 +108,7 @@ impl<S: Stream> Link<S> {
             self.taken = 0;
             self.read = 0;
             self.read = match self.stream.read_within(&mut self.buffer[..], left) {
-                Err(error) if error.kind() == ErrorKind::TimedOut => return Err(InstrumentError::Silent(patience)),
+                Err(error) if error.kind() == ErrorKind::TimedOut => return Err(InstrumentError::Silent(timeout)),
                 // A signal, such as Ctrl-C: whoever asked for the run looks after it.
                 Err(error) if error.kind() == ErrorKind::Interrupted => 0,
                 other => other?,
@@ -110,12 +116,12 @@ impl<S: Stream> Link<S> {
         }
     }
 
-    /// Says hello until the board answers.
+    /// Sends hello until the board answers.
     ///
     /// # Errors
     /// As [`receive`](Self::receive).
-    pub fn hello(&mut self, patience: Duration) -> Result<Identity, InstrumentError> {
-        let deadline = Instant::now() + patience;
+    pub fn hello(&mut self, timeout: Duration) -> Result<Identity, InstrumentError> {
+        let deadline = Instant::now() + timeout;
         loop {
             self.send(&ToBoard::Hello)?;
             let next = Instant::now() + HELLO_EVERY;
@@ -129,26 +135,27 @@ impl<S: Stream> Link<S> {
                 }
             }
             if Instant::now() >= deadline {
-                return Err(InstrumentError::Silent(patience));
+                return Err(InstrumentError::Silent(timeout));
             }
         }
     }
 
     /// Sends a command and waits for its reply; what else comes meanwhile goes to `aside`.
     ///
-    /// A command whose reply does not come is sent again, under a new number: under the old one the board would drop it,
-    /// if it was only the reply that got lost. Doing a command twice leaves the board as doing it once; a second `Start`
-    /// or `Acknowledge` is refused, which then says that the first one was carried out, and is answered `Done`.
+    /// A command whose reply does not come is sent again, under a new number: under the old one the
+    /// board would drop it, if it was only the reply that got lost. Doing a command twice leaves
+    /// the board as doing it once; a second `Start` or `Acknowledge` is refused, which then says
+    /// that the first one was carried out, and is answered `Done`.
     ///
     /// # Errors
     /// If the command is refused, or the board does not answer.
     pub fn command(
         &mut self,
         command: Command,
-        persistence: Persistence,
+        retries: RetryPolicy,
         aside: &mut dyn FnMut(FromBoard),
     ) -> Result<Reply, InstrumentError> {
-        self.converse(&ToBoard::Command(command), persistence, aside, |message, again| match message {
+        self.converse(&ToBoard::Command(command), retries, aside, |message, again| match message {
             FromBoard::Reply { to, result } => Some((
                 *to,
                 match *result {
@@ -160,17 +167,18 @@ impl<S: Stream> Link<S> {
         })
     }
 
-    /// Asks something of the settings and waits for the answer, as [`command`](Self::command) does: whatever is asked twice does no harm.
+    /// Sends a request about settings and waits for the answer, as [`command`](Self::command) does:
+    /// a repeated request does no harm.
     ///
     /// # Errors
     /// If it is refused, or the board does not answer.
     pub fn ask(
         &mut self,
         request: &SettingsRequest,
-        persistence: Persistence,
+        retries: RetryPolicy,
         aside: &mut dyn FnMut(FromBoard),
     ) -> Result<SettingsReply, InstrumentError> {
-        self.converse(&ToBoard::Settings(request.clone()), persistence, aside, |message, _| match message {
+        self.converse(&ToBoard::Settings(request.clone()), retries, aside, |message, _| match message {
             FromBoard::Setting(SettingsAnswer { to, result }) => {
                 Some((*to, result.clone().map_err(InstrumentError::Settings)))
             }
@@ -178,20 +186,21 @@ impl<S: Stream> Link<S> {
         })
     }
 
-    /// Sends a message until it is answered. `answer` gives the number that a message answers and what it says, if it is an
-    /// answer of this kind; it is told whether the message was sent more than once.
+    /// Sends a message until it is answered. `answer` gives the number that a message answers and
+    /// what it says, if it is an answer of this kind; it is told whether the message was sent more
+    /// than once.
     fn converse<T>(
         &mut self,
         message: &ToBoard,
-        persistence: Persistence,
+        retries: RetryPolicy,
         aside: &mut dyn FnMut(FromBoard),
         answer: impl Fn(&FromBoard, bool) -> Option<(u16, Result<T, InstrumentError>)>,
     ) -> Result<T, InstrumentError> {
         let mut first = None;
-        for _ in 0..persistence.tries {
+        for _ in 0..retries.tries {
             let last = self.send(message)?;
             let first = *first.get_or_insert(last);
-            let deadline = Instant::now() + persistence.each;
+            let deadline = Instant::now() + retries.timeout;
             loop {
                 match self.receive(deadline.saturating_duration_since(Instant::now())) {
                     Ok(message) => match answer(&message, last != first) {
@@ -210,11 +219,12 @@ impl<S: Stream> Link<S> {
                 }
             }
         }
-        Err(InstrumentError::Silent(persistence.each * persistence.tries))
+        Err(InstrumentError::Silent(retries.timeout * retries.tries))
     }
 }
 
-/// Whether a command that was sent more than once was refused because it had been carried out already.
+/// Whether a command that was sent more than once was refused because it had been carried out
+/// already.
 fn shows_it_done(command: Command, refusal: &Refusal) -> bool {
     matches!(
         (command, refusal),

@@ -1,17 +1,22 @@
-//! A controller and the simulated sensor, tick by tick: whatever the speed of either, the run is the same.
+//! A controller and the simulated sensor, tick by tick: whatever the speed of either, the run is
+//! the same.
 //!
 //! ```text
-//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1}) ──► sensor advances to t_{n+1}
+//! tick n:  codes at t_n ──► body ──► sample n, levels held over [t_n, t_{n+1})
+//!                                                      └──► sensor advances to t_{n+1}
 //! ```
 
-use super::{Account, Instrument, InstrumentError, Observation, TickReport};
-use crate::sensor::{Sensor, Truth};
-use dr_core::control::{Command, Finding, Reply};
-use dr_core::sensor::{Input, Reading};
+use super::error::InstrumentError;
+use super::observation::{LinkReport, Observation, TickReport};
+use super::port::InstrumentPort;
+use crate::sensor::{Sensor, SensorTruth};
+use dr_core::control::SelfTestFinding;
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::{Command, Reply};
 use wire::{Identity, MOST_ELEMENTS, Readings};
 
-/// A controller that is given readings and answers with levels.
-pub trait Body {
+/// A controller that takes readings and returns levels.
+pub trait LockStepController {
     /// Who it is.
     fn identity(&self) -> &Identity;
 
@@ -24,27 +29,28 @@ pub trait Body {
     /// One tick; an element of which there is no reading has none.
     ///
     /// # Errors
-    /// If the body cannot be reached, or if there are more readings than any instrument has elements.
+    /// If the body cannot be reached, or if there are more readings than any instrument has
+    /// elements.
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError>;
 
     /// What the next readings shall be of.
-    fn input(&self) -> Input {
-        Input::Element
+    fn input(&self) -> FrontEndInput {
+        FrontEndInput::Element
     }
 
-    /// What self-tests have found since this was last asked, one entry an element.
-    fn findings(&mut self) -> Vec<Finding> {
+    /// What self-tests have found since the last call, one entry an element.
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         Vec::new()
     }
 
-    /// Digest of all that the controller knows, over all ticks since the start of the run.
+    /// Digest of the whole state of the controller, over all ticks since the start of the run.
     fn digest(&self) -> u64;
 
     /// Ends the conversation.
     ///
     /// # Errors
     /// If the body does not end well.
-    fn finish(self: Box<Self>) -> Result<Account, InstrumentError>;
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError>;
 }
 
 /// Readings as they travel.
@@ -58,7 +64,7 @@ pub struct LockStep<B> {
     sensor: Sensor,
 }
 
-impl<B: Body> LockStep<B> {
+impl<B: LockStepController> LockStep<B> {
     /// Puts the two together.
     pub fn new(body: B, sensor: Sensor) -> Self {
         Self { body: Box::new(body), sensor }
@@ -74,13 +80,13 @@ impl<B: Body> LockStep<B> {
         &mut self.body
     }
 
-    /// What is really so at the end of the last tick.
-    pub fn truth(&self) -> Truth {
+    /// The true state at the end of the last tick.
+    pub fn truth(&self) -> SensorTruth {
         self.sensor.truth()
     }
 }
 
-impl<B: Body> Instrument for LockStep<B> {
+impl<B: LockStepController> InstrumentPort for LockStep<B> {
     fn identity(&self) -> &Identity {
         self.body.identity()
     }
@@ -97,14 +103,14 @@ impl<B: Body> Instrument for LockStep<B> {
         Ok(Observation {
             sample,
             equivalent_power_w,
-            answer: wind,
-            wind_m_s: Some(self.sensor.wind_m_s()),
+            wind,
+            true_wind_m_s: Some(self.sensor.wind_m_s()),
             gas_temperature_c: self.sensor.gas_swings().then(|| self.sensor.gas_temperature_c()),
             extrapolated: self.sensor.wind_extrapolated(),
         })
     }
 
-    fn findings(&mut self) -> Vec<Finding> {
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         self.body.findings()
     }
 
@@ -112,7 +118,7 @@ impl<B: Body> Instrument for LockStep<B> {
         Some(self.body.digest())
     }
 
-    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
         self.body.finish()
     }
 }

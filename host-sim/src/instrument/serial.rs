@@ -1,12 +1,16 @@
 //! The sensor board at a serial port: real sensor, real time.
 //!
-//! A cable loses and garbles, so commands are repeated until they are answered (see [`Link::command`]), and samples are
-//! taken by their ticks: what is missing shows as a gap. A board that falls silent, starts anew or is unplugged ends the
-//! run with an error.
+//! A cable loses and garbles, so commands are repeated until they are answered (see
+//! [`BoardLink::command`]), and samples are taken by their ticks: what is missing shows as a gap. A
+//! board that falls silent, starts anew or is unplugged ends the run with an error.
 
-use super::link::{Link, Persistence, Stream};
-use super::{Account, Instrument, InstrumentError, Keeper, Observation, TickReport, why_it_started};
-use dr_core::control::{Command, Finding, Reply, RunState};
+use super::error::InstrumentError;
+use super::link::{BoardLink, BoardStream, RetryPolicy};
+use super::observation::{LinkReport, Observation, TickReport};
+use super::port::{InstrumentPort, SettingsPort};
+use super::reset_cause::why_it_started;
+use dr_core::control::{RunState, SelfTestFinding};
+use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -17,23 +21,24 @@ use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard}
 pub const BAUD: u32 = 921_600;
 
 /// A board that starts up answers within a second.
-const HELLO_PATIENCE: Duration = Duration::from_secs(3);
+const HELLO_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// A command is answered within milliseconds: whoever waits for a second has lost something.
-const PERSISTENCE: Persistence = Persistence { tries: 3, each: Duration::from_secs(1) };
+const RETRIES: RetryPolicy = RetryPolicy { tries: 3, timeout: Duration::from_secs(1) };
 
-/// What is asked of the settings may have to wait for a sector to be erased, or for a head to be told.
-const SETTINGS_PERSISTENCE: Persistence = Persistence { tries: 3, each: Duration::from_secs(3) };
+/// A request about settings may have to wait for a sector to be erased, or for a head to be set up.
+const SETTINGS_RETRIES: RetryPolicy = RetryPolicy { tries: 3, timeout: Duration::from_secs(3) };
 
-/// A board that says nothing for so long, and for a few ticks, is gone: it sends its status each second.
+/// A board that sends nothing for so long, and for a few ticks, is gone: it sends its status each
+/// second.
 const SILENCE: Duration = Duration::from_secs(3);
 const SILENT_TICKS: f32 = 3.0;
 
 /// How long the status of the end may take, which comes each second.
-const STATUS_PATIENCE: Duration = Duration::from_millis(1500);
+const STATUS_TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// How long the system may take to accept a frame.
-const WRITE_PATIENCE: Duration = Duration::from_secs(1);
+const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A port, as a stream.
 pub struct Port(TTYPort);
@@ -47,9 +52,9 @@ impl Port {
     }
 }
 
-impl Stream for Port {
-    fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        self.0.set_timeout(patience)?;
+impl BoardStream for Port {
+    fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        self.0.set_timeout(timeout)?;
         match self.0.read(buffer).map_err(Self::gone)? {
             0 => Err(Self::gone(io::Error::new(ErrorKind::UnexpectedEof, "end of file"))),
             read => Ok(read),
@@ -57,17 +62,17 @@ impl Stream for Port {
     }
 
     fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.set_timeout(WRITE_PATIENCE)?;
+        self.0.set_timeout(WRITE_TIMEOUT)?;
         self.0.write_all(bytes).map_err(Self::gone)
     }
 }
 
-/// What the board has said by itself.
+/// What the board has sent by itself.
 #[derive(Default)]
 struct Heard {
     samples: VecDeque<TickReport>,
     status: Option<Status>,
-    findings: Vec<Finding>,
+    findings: Vec<SelfTestFinding>,
     /// Of the life in which the conversation began.
     starts: Option<u32>,
     restarted: bool,
@@ -82,8 +87,9 @@ impl Heard {
                 self.status = Some(status);
             }
             FromBoard::Tested(finding) => self.findings.push(finding),
-            // Changes of state are in every sample; a reply that comes now is the second to a repeated command.
-            // A board says who it is when it starts, and whenever it is asked.
+            // Changes of state are in every sample; a reply that comes now is the second to a
+            // repeated command. A board sends its identity when it starts, and whenever it is
+            // requested.
             FromBoard::Identity(identity) => {
                 self.restarted |= self.starts.is_some_and(|starts| starts != identity.starts)
             }
@@ -109,7 +115,7 @@ impl Heard {
 
 /// A board at a port.
 pub struct Serial {
-    link: Link<Port>,
+    link: BoardLink<Port>,
     identity: Identity,
     heard: Heard,
     silence: Duration,
@@ -119,23 +125,23 @@ impl Serial {
     /// Opens a port and asks who is there.
     ///
     /// # Errors
-    /// If the port cannot be opened, or nobody answers that speaks our version.
+    /// If the port cannot be opened, or no board of our version answers.
     pub fn open(device: &str) -> Result<Self, InstrumentError> {
         let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| InstrumentError::Port {
             device: device.to_owned(),
             reason: error.to_string(),
             ports: known_ports(),
         })?;
-        let mut link = Link::new(Port(port));
+        let mut link = BoardLink::new(Port(port));
         // Ends whatever the board may have taken for the beginning of a frame.
         link.stream_mut().write_all(&[0])?;
-        let identity = link.hello(HELLO_PATIENCE)?;
+        let identity = link.hello(HELLO_TIMEOUT)?;
         let heard = Heard { starts: Some(identity.starts), ..Heard::default() };
         Ok(Self { link, identity, heard, silence: SILENCE })
     }
 }
 
-impl Instrument for Serial {
+impl InstrumentPort for Serial {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -146,7 +152,7 @@ impl Instrument for Serial {
             // Another host may have asked for fewer.
             link.send(&ToBoard::Telemetry { every: 1 })?;
         }
-        let reply = link.command(command, PERSISTENCE, &mut |message| heard.take(message))?;
+        let reply = link.command(command, RETRIES, &mut |message| heard.take(message))?;
         match command {
             Command::Start => heard.begin(reply),
             Command::SamplePeriod { sample_period_s } => {
@@ -164,14 +170,14 @@ impl Instrument for Serial {
                 return Ok(Observation {
                     sample,
                     equivalent_power_w,
-                    answer: wind,
-                    wind_m_s: None,
+                    wind,
+                    true_wind_m_s: None,
                     gas_temperature_c: None,
                     extrapolated: false,
                 });
             }
             if self.heard.restarted {
-                let identity = self.link.hello(HELLO_PATIENCE)?;
+                let identity = self.link.hello(HELLO_TIMEOUT)?;
                 return Err(InstrumentError::Restarted(why_it_started(&identity)));
             }
             if Instant::now() >= deadline {
@@ -183,7 +189,7 @@ impl Instrument for Serial {
         }
     }
 
-    fn findings(&mut self) -> Vec<Finding> {
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         std::mem::take(&mut self.heard.findings)
     }
 
@@ -191,15 +197,16 @@ impl Instrument for Serial {
         None
     }
 
-    fn finish(mut self: Box<Self>) -> Result<Account, InstrumentError> {
+    fn finish(mut self: Box<Self>) -> Result<LinkReport, InstrumentError> {
         match self.command(Command::Stop) {
-            // A tripped board has its heaters low already, and stays tripped until somebody has looked.
+            // A tripped board has its heaters low already, and stays tripped until somebody has
+            // looked.
             Ok(_) | Err(InstrumentError::Refused(_)) => {}
             Err(error) => return Err(error),
         }
         // The status of the end counts everything; should it get lost, the one before will do.
         let before = self.heard.status.clone();
-        let deadline = Instant::now() + STATUS_PATIENCE;
+        let deadline = Instant::now() + STATUS_TIMEOUT;
         while self.heard.status == before && Instant::now() < deadline {
             match self.link.receive(deadline.saturating_duration_since(Instant::now())) {
                 Ok(message) => self.heard.take(message),
@@ -207,18 +214,18 @@ impl Instrument for Serial {
                 Err(error) => return Err(error),
             }
         }
-        Ok(Account { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
+        Ok(LinkReport { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
     }
 }
 
-impl Keeper for Serial {
+impl SettingsPort for Serial {
     fn firmware(&self) -> &str {
         &self.identity.firmware
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
         let Self { link, heard, .. } = self;
-        link.ask(request, SETTINGS_PERSISTENCE, &mut |message| heard.take(message))
+        link.ask(request, SETTINGS_RETRIES, &mut |message| heard.take(message))
     }
 }
 

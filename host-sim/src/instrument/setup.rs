@@ -1,20 +1,24 @@
-//! What an instrument is told before a run, in the order in which it has to be told.
+//! Setting an instrument up for a run, command by command in the order that it needs.
 
-use super::{Instrument, InstrumentError};
-use dr_core::control::{Command, Drive, ElementConfig, GuardConfig, Refusal, Reply, Trip, WindCommand};
+use super::error::InstrumentError;
+use super::port::InstrumentPort;
+use dr_core::control::{Drive, ElementConfig, GuardConfig, Refusal, Trip};
 use dr_core::model::SelfHeatingConfig;
+use dr_core::wind::WindCommand;
+use dr_core::{Command, Reply};
 
-/// What a host sends before it asks for heat: time enough for the next command to be repeated until it arrives.
+/// Sent before any command that heats: time enough for the next command to be repeated until it
+/// arrives.
 pub const ARM: Command = Command::Arm { window_s: 30.0 };
 
-/// Everything that an instrument has to know of an experiment.
+/// The set-up of an instrument for a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
+pub struct InstrumentSetup {
     /// Length of a tick, s.
     pub sample_period_s: f32,
-    /// Patience of the guard.
+    /// Limits of the guard.
     pub guard: GuardConfig,
-    /// Whether the models are held on what is measured, and told of.
+    /// Whether the observers run on what is measured, and the samples carry their powers.
     pub observe: bool,
     /// The elements, in order.
     pub elements: Vec<ElementSetup>,
@@ -38,9 +42,10 @@ pub struct ElementSetup {
 /// Brings an instrument from whatever it does to running this set-up.
 ///
 /// # Errors
-/// The first command that is refused; the instrument is in standby then, or tripped as it was before.
-pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, InstrumentError> {
-    tell(instrument, setup)?;
+/// The first command that is refused; the instrument is in standby then, or tripped as it was
+/// before.
+pub fn start(instrument: &mut dyn InstrumentPort, setup: &InstrumentSetup) -> Result<Reply, InstrumentError> {
+    configure(instrument, setup)?;
     instrument.command(ARM)?;
     Ok(match instrument.command(Command::Start)? {
         // It runs, but what it said got lost: that much is known here as well.
@@ -53,7 +58,7 @@ pub fn start(instrument: &mut dyn Instrument, setup: &Setup) -> Result<Reply, In
 ///
 /// # Errors
 /// As [`start`].
-pub fn tell(instrument: &mut dyn Instrument, setup: &Setup) -> Result<(), InstrumentError> {
+pub fn configure(instrument: &mut dyn InstrumentPort, setup: &InstrumentSetup) -> Result<(), InstrumentError> {
     let board = usize::from(instrument.identity().elements);
     if setup.elements.len() > board {
         return Err(InstrumentError::TooManyElements { head: setup.elements.len(), board });
@@ -82,7 +87,7 @@ pub fn tell(instrument: &mut dyn Instrument, setup: &Setup) -> Result<(), Instru
 ///
 /// # Errors
 /// If the instrument cannot be reached.
-pub fn acknowledge(instrument: &mut dyn Instrument) -> Result<(), InstrumentError> {
+pub fn acknowledge(instrument: &mut dyn InstrumentPort) -> Result<(), InstrumentError> {
     match instrument.command(Command::Acknowledge) {
         Ok(_) | Err(InstrumentError::Refused(Refusal::NotTripped)) => Ok(()),
         Err(error) => Err(error),
@@ -90,7 +95,7 @@ pub fn acknowledge(instrument: &mut dyn Instrument) -> Result<(), InstrumentErro
 }
 
 /// How many set-points a model has judged, and how many none could.
-fn judged(setup: &Setup) -> Reply {
+fn judged(setup: &InstrumentSetup) -> Reply {
     let (with, without): (Vec<_>, Vec<_>) = (setup.elements.iter())
         .filter(|element| element.drive.target_range_c().is_some())
         .partition(|element| element.model.is_some());
@@ -98,7 +103,7 @@ fn judged(setup: &Setup) -> Reply {
 }
 
 /// A trip in words.
-pub fn tripped(trip: Trip, setup: &Setup) -> InstrumentError {
+pub fn tripped(trip: Trip, setup: &InstrumentSetup) -> InstrumentError {
     let names: Vec<&str> = setup.elements.iter().map(|element| &*element.name).collect();
     InstrumentError::Tripped { cause: trip.cause.name(), element: place(trip, &names) }
 }
@@ -114,7 +119,7 @@ pub fn place(trip: Trip, names: &[&str]) -> String {
 }
 
 /// Names the element that a refusal is about, which the instrument knows by number only.
-pub fn name_element(refusal: &Refusal, setup: &Setup) -> Option<String> {
+pub fn name_element(refusal: &Refusal, setup: &InstrumentSetup) -> Option<String> {
     let element = match *refusal {
         Refusal::NoSuchElement { element }
         | Refusal::NotConfigured { element }

@@ -1,87 +1,180 @@
-//! What self-tests have found, as tables and as JSON.
+//! Results of self-tests: one that is just over, and those that a board has kept. Each is a table
+//! for people, and JSON.
+
+use std::fmt;
 
 use dr_core::control::guard::Cause;
-use dr_core::control::{Finding, SelfTestPlan};
-use serde_json::{Value, json};
+use dr_core::control::{SelfTestFinding, SelfTestPlan};
+use serde::{Serialize, Serializer};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 use wire::settings::TestRecord;
 
-use crate::table::columns;
+use recording::text::columns;
 
 /// A self-test that is over.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Who was tested.
+pub struct SelfTestReport {
+    /// Name and version of the firmware that was tested.
     pub firmware: String,
+    /// The pulse, and the date.
     pub plan: SelfTestPlan,
     /// One entry an element.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<SelfTestFinding>,
+    /// Names of the elements, as far as they are known.
+    pub names: Vec<String>,
 }
 
-impl Report {
-    /// What is wrong in one clause; nothing if all is well.
+impl SelfTestReport {
+    /// What is wrong in one clause; nothing if the test has passed.
     pub fn faults(&self) -> Option<String> {
         faults(self.findings.iter())
     }
+}
 
-    /// For people.
-    pub fn table(&self, names: &[String]) -> String {
+impl fmt::Display for SelfTestReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let heat = match self.plan.pulse_s.filter(|_| self.findings.iter().any(|finding| finding.response.is_some())) {
             Some(pulse_s) => format!("each element heated for {pulse_s} s"),
             None => "nothing heated".to_owned(),
         };
         let when = self.plan.unix_s.map_or_else(String::new, |unix_s| format!(", {}", date(unix_s)));
-        format!("{}{when}: {heat}\n\n{}", self.firmware, table(names, self.findings.iter()))
-    }
-
-    /// For programs.
-    pub fn json(&self, names: &[String]) -> Value {
-        let findings = self.findings.iter().map(|finding| of_finding(name(names, finding), finding));
-        json!({
-            "firmware": self.firmware,
-            "date": self.plan.unix_s.map(date),
-            "pulse_s": self.plan.pulse_s,
-            "well": self.faults().is_none(),
-            "elements": findings.collect::<Vec<_>>(),
-        })
+        write!(f, "{}{when}: {heat}\n\n{}", self.firmware, table(&self.names, self.findings.iter()))
     }
 }
 
-/// What is wrong with some elements in one clause; nothing if all is well.
-pub fn faults<'a>(findings: impl ExactSizeIterator<Item = &'a Finding>) -> Option<String> {
+impl Serialize for SelfTestReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct TestJson<'a> {
+            firmware: &'a str,
+            date: Option<String>,
+            pulse_s: Option<f32>,
+            #[serde(rename = "well")]
+            pass: bool,
+            elements: Vec<FindingJson>,
+        }
+        let json = TestJson {
+            firmware: &self.firmware,
+            date: self.plan.unix_s.map(date),
+            pulse_s: self.plan.pulse_s,
+            pass: self.faults().is_none(),
+            elements: self.findings.iter().map(|finding| FindingJson::of(&self.names, finding)).collect(),
+        };
+        json.serialize(serializer)
+    }
+}
+
+/// The self-tests that a board has kept, the findings of each together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredSelfTests {
+    /// One an element and test.
+    pub records: Vec<TestRecord>,
+    /// Names of the elements, as far as they are known.
+    pub names: Vec<String>,
+}
+
+impl StoredSelfTests {
+    /// What is wrong in one clause; nothing if all tests have passed.
+    pub fn faults(&self) -> Option<String> {
+        faults(self.records.iter().map(|record| &record.finding))
+    }
+
+    fn tests(&self) -> impl Iterator<Item = &[TestRecord]> {
+        let same =
+            |a: &TestRecord, b: &TestRecord| (a.unix_s, a.starts, &a.firmware) == (b.unix_s, b.starts, &b.firmware);
+        self.records.chunk_by(same)
+    }
+}
+
+impl fmt::Display for StoredSelfTests {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, test) in self.tests().enumerate() {
+            let heading =
+                test.first().map_or_else(String::new, |record| format!("{}, {}", record.firmware, when(record)));
+            let gap = if place > 0 { "\n" } else { "" };
+            write!(f, "{gap}{heading}\n\n{}", table(&self.names, test.iter().map(|record| &record.finding)))?;
+        }
+        Ok(())
+    }
+}
+
+impl Serialize for StoredSelfTests {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct StoredJson<'a> {
+            tests: Vec<StoredTestJson<'a>>,
+        }
+        #[derive(Serialize)]
+        struct StoredTestJson<'a> {
+            firmware: Option<&'a str>,
+            date: Option<String>,
+            starts: Option<u32>,
+            #[serde(rename = "well")]
+            pass: bool,
+            elements: Vec<FindingJson>,
+        }
+        let tests = self.tests().map(|test| {
+            let first = test.first();
+            StoredTestJson {
+                firmware: first.map(|record| record.firmware.as_str()),
+                date: first.and_then(|record| record.unix_s).map(date),
+                starts: first.map(|record| record.starts),
+                pass: faults(test.iter().map(|record| &record.finding)).is_none(),
+                elements: test.iter().map(|record| FindingJson::of(&self.names, &record.finding)).collect(),
+            }
+        });
+        StoredJson { tests: tests.collect() }.serialize(serializer)
+    }
+}
+
+/// One element's finding as JSON has it.
+#[derive(Serialize)]
+struct FindingJson {
+    element: String,
+    faults: Vec<&'static str>,
+    cause: Option<&'static str>,
+    offset_v: Option<f32>,
+    reference: Option<f32>,
+    temperature_c: Option<f32>,
+    noise_k: Option<f32>,
+    response: Option<PulseResponseJson>,
+}
+
+/// What a pulse of heat did, as JSON has it.
+#[derive(Serialize)]
+struct PulseResponseJson {
+    rise_k: f32,
+    expected_k: Option<f32>,
+    ratio: Option<f32>,
+    gap_k: Option<f32>,
+}
+
+impl FindingJson {
+    fn of(names: &[String], finding: &SelfTestFinding) -> Self {
+        Self {
+            element: name(names, finding),
+            faults: finding.faults.iter().map(dr_core::control::SelfTestFault::name).collect(),
+            cause: finding.cause.map(Cause::name),
+            offset_v: finding.offset_v,
+            reference: finding.reference,
+            temperature_c: finding.temperature_c,
+            noise_k: finding.noise_k,
+            response: finding.response.map(|response| PulseResponseJson {
+                rise_k: response.rise_k,
+                expected_k: response.expected_k,
+                ratio: response.ratio,
+                gap_k: response.gap_k,
+            }),
+        }
+    }
+}
+
+/// What is wrong with some elements in one clause; nothing if all have passed.
+fn faults<'a>(findings: impl ExactSizeIterator<Item = &'a SelfTestFinding>) -> Option<String> {
     let all = findings.len();
     let wrong = findings.filter(|finding| !finding.faults.is_none()).count();
     (wrong > 0).then(|| format!("faults in {wrong} of {all} elements"))
-}
-
-/// The tests that a board remembers, for people: those of one test together.
-pub fn stored_table(records: &[TestRecord], names: &[String]) -> String {
-    let tests = records.chunk_by(same_test).map(|test| {
-        let heading = test.first().map_or_else(String::new, |record| format!("{}, {}", record.firmware, when(record)));
-        format!("{heading}\n\n{}", table(names, test.iter().map(|record| &record.finding)))
-    });
-    tests.collect::<Vec<_>>().join("\n")
-}
-
-/// The same for programs.
-pub fn stored_json(records: &[TestRecord], names: &[String]) -> Value {
-    let tests = records.chunk_by(same_test).map(|test| {
-        let elements = test.iter().map(|record| of_finding(name(names, &record.finding), &record.finding));
-        let first = test.first();
-        json!({
-            "firmware": first.map(|record| record.firmware.as_str()),
-            "date": first.and_then(|record| record.unix_s).map(date),
-            "starts": first.map(|record| record.starts),
-            "well": faults(test.iter().map(|record| &record.finding)).is_none(),
-            "elements": elements.collect::<Vec<_>>(),
-        })
-    });
-    json!({ "tests": tests.collect::<Vec<_>>() })
-}
-
-fn same_test(a: &TestRecord, b: &TestRecord) -> bool {
-    (a.unix_s, a.starts, &a.firmware) == (b.unix_s, b.starts, &b.firmware)
 }
 
 /// When a board was tested, as far as it knows.
@@ -92,7 +185,7 @@ pub fn when(record: &TestRecord) -> String {
 const HEADER: [&str; 10] =
     ["element", "verdict", "offset", "reference", "at rest", "noise", "rise", "expected", "response", "levels"];
 
-fn row(name: String, finding: &Finding) -> Vec<String> {
+fn row(name: String, finding: &SelfTestFinding) -> Vec<String> {
     let none = || "–".to_owned();
     let of = |value: Option<f32>, write: fn(f32) -> String| value.map_or_else(none, write);
     let response = finding.response;
@@ -110,53 +203,31 @@ fn row(name: String, finding: &Finding) -> Vec<String> {
     ]
 }
 
-fn of_finding(name: String, finding: &Finding) -> Value {
-    let faults: Vec<&str> = finding.faults.iter().map(dr_core::control::Fault::name).collect();
-    let response = finding.response.map(|response| {
-        json!({
-            "rise_k": response.rise_k,
-            "expected_k": response.expected_k,
-            "ratio": response.ratio,
-            "gap_k": response.gap_k,
-        })
-    });
-    json!({
-        "element": name,
-        "faults": faults,
-        "cause": finding.cause.map(Cause::name),
-        "offset_v": finding.offset_v,
-        "reference": finding.reference,
-        "temperature_c": finding.temperature_c,
-        "noise_k": finding.noise_k,
-        "response": response,
-    })
-}
-
-/// What is wrong with an element, or that it is well.
-pub fn verdict(finding: &Finding) -> String {
+/// What is wrong with an element, or `pass`.
+pub fn verdict(finding: &SelfTestFinding) -> String {
     match (finding.faults.is_none(), finding.cause) {
-        (true, _) => "well".to_owned(),
+        (true, _) => "pass".to_owned(),
         (false, Some(cause)) => format!("{} ({})", finding.faults, cause.name()),
         (false, None) => finding.faults.to_string(),
     }
 }
 
-fn name(names: &[String], finding: &Finding) -> String {
+fn name(names: &[String], finding: &SelfTestFinding) -> String {
     names.get(usize::from(finding.element)).cloned().unwrap_or_else(|| format!("element {}", finding.element))
 }
 
 /// A date in words of RFC 3339.
-pub fn date(unix_s: u32) -> String {
+fn date(unix_s: u32) -> String {
     let time = OffsetDateTime::from_unix_timestamp(unix_s.into()).unwrap_or(OffsetDateTime::UNIX_EPOCH);
     time.format(&Rfc3339).unwrap_or_else(|_| unix_s.to_string())
 }
 
-/// An element a line. The last line says whether all is well.
-fn table<'a>(names: &[String], findings: impl ExactSizeIterator<Item = &'a Finding> + Clone) -> String {
+/// An element a line. The last line is the verdict on all.
+fn table<'a>(names: &[String], findings: impl ExactSizeIterator<Item = &'a SelfTestFinding> + Clone) -> String {
     let mut lines = vec![HEADER.map(str::to_owned).to_vec()];
     lines.extend(findings.clone().map(|finding| row(name(names, finding), finding)));
     // Two words, the rest are numbers.
     let right: Vec<usize> = (2..HEADER.len()).collect();
-    let verdict = faults(findings).unwrap_or_else(|| "all is well".to_owned());
+    let verdict = faults(findings).unwrap_or_else(|| "pass".to_owned());
     format!("{}\n{verdict}\n", columns(&lines, &right))
 }

@@ -1,18 +1,21 @@
-//! A body that takes heat and loses it: a thermal network with the elements that heat it and the surfaces that the wind cools.
+//! A body that takes heat and loses it: a thermal network with the elements that heat it and the
+//! surfaces that the wind cools.
 //!
-//! The bodies themselves are in [`sphere_a`](super::sphere_a), [`sphere_b`](super::sphere_b) and [`rems`](super::rems); they build the
-//! network and name what is in it. Everything after that is the same for all of them and is here: wind into conductances, powers into
-//! temperatures, and the account of where the heat went.
+//! The bodies themselves are in [`sphere_a`](super::sphere_a), [`sphere_b`](super::sphere_b) and
+//! [`rems`](super::rems); they build the network and name what is in it. Everything after that is
+//! the same for all of them and is here: wind into conductances, powers into temperatures, and the
+//! account of where the heat went.
 
-use super::SensorError;
-use super::convection::Convection;
-use super::gas::{Gas, ZERO_CELSIUS_K};
-use super::network::{BoundaryId, Network, RadiatorId};
+use super::convection::BodyConvection;
+use super::error::SensorError;
+use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
+use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
-/// Properties of the gas are made anew when its temperature has moved by more than this, K: some 5e-5 of a conductance.
+/// Properties of the gas are made anew when its temperature has moved by more than this, K: some
+/// 5e-5 of a conductance.
 const SAME_PROPERTIES_K: f64 = 0.01;
 
 /// A surface as a body describes it.
@@ -28,7 +31,8 @@ pub struct Surface {
     pub element: Option<usize>,
 }
 
-/// Mean heat flows over an interval, W. Of a surface: what is given to the gas, radiated, and conducted to the inside.
+/// Mean heat flows over an interval, W. Of a surface: what is given to the gas, radiated, and
+/// conducted to the inside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flows {
     pub power_w: Vec<f64>,
@@ -47,11 +51,11 @@ struct Balance {
 }
 
 #[derive(Clone, Debug)]
-pub struct Body {
-    network: Network,
-    convection: Convection,
+pub struct ThermalBody {
+    network: ThermalNetwork,
+    convection: BodyConvection,
     /// As the convection has it: the temperature of the links may be a little ahead.
-    gas: Gas,
+    gas: IdealGas,
     /// Node of every element.
     elements: Vec<usize>,
     surfaces: Vec<Surface>,
@@ -69,17 +73,17 @@ pub struct Body {
     before: Vec<Balance>,
 }
 
-impl Body {
-    /// Gives a network its surfaces, in a gas and among surroundings of its temperature. They are in the order in which `convection` counts
-    /// them.
+impl ThermalBody {
+    /// Gives a network its surfaces, in a gas and among surroundings of its temperature. They are
+    /// in the order in which `convection` counts them.
     pub fn new(
-        mut network: Network,
+        mut network: ThermalNetwork,
         elements: Vec<usize>,
         surfaces: Vec<Surface>,
         support: BoundaryId,
-        convection: Convection,
-        gas: &Gas,
-    ) -> Body {
+        convection: BodyConvection,
+        gas: &IdealGas,
+    ) -> ThermalBody {
         let gas_k = gas.temperature_k;
         let own_rate_per_s = network.stiffest_rate_per_s();
         let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
@@ -89,7 +93,7 @@ impl Body {
         };
         let radiators = surfaces.iter().map(radiate).collect();
         let each = vec![0.0; surfaces.len()];
-        Body {
+        ThermalBody {
             convection,
             gas: *gas,
             gas_links,
@@ -114,12 +118,12 @@ impl Body {
     }
 
     /// Refuses a gas to which the convection could not follow.
-    pub fn check_gas(&self, gas: &Gas) -> Result<(), SensorError> {
+    pub fn check_gas(&self, gas: &IdealGas) -> Result<(), SensorError> {
         self.convection.check(gas)
     }
 
-    /// The gas's temperature from now on, at the same pressure; the next [`Body::set_wind`] makes conductances of it. The surroundings to
-    /// which surfaces radiate stay as they were.
+    /// The gas's temperature from now on, at the same pressure; the next [`ThermalBody::set_wind`]
+    /// makes conductances of it. The surroundings to which surfaces radiate stay as they were.
     pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
         for link in &self.gas_links {
             self.network.set_boundary_temperature(*link, temperature_k);
@@ -137,7 +141,8 @@ impl Body {
     }
 
     fn apply_conductance(&mut self) {
-        // It widens the circles of the surfaces only, which are slow; the sum of both rates bounds all.
+        // It widens the circles of the surfaces only, which are slow; the sum of both rates bounds
+        // all.
         self.convection_rate_per_s = 0.0;
         for ((surface, link), &conductance) in self.surfaces.iter().zip(&self.gas_links).zip(&self.conductance_w_k) {
             self.network.set_boundary_conductance(*link, conductance);
@@ -151,15 +156,15 @@ impl Body {
         self.convection.extrapolated(wind_m_s)
     }
 
-    /// Integrates over `interval_s`. `power_w` tells the heat of an element from its number and temperature in °C and is asked at
-    /// the start of every substep.
+    /// Integrates over `interval_s`. `power_w` gives the heat of an element from its number and
+    /// temperature in °C and is asked at the start of every substep.
     pub fn advance(&mut self, interval_s: f64, power_w: impl Fn(usize, f64) -> f64) {
         for i in 0..self.surfaces.len() {
             self.before[i] = self.balance(i);
         }
         let support_before_j = self.network.boundary_heat_j(self.support);
         self.flows.power_w.fill(0.0);
-        let substeps = Network::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s);
+        let substeps = ThermalNetwork::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s);
         let step_s = interval_s / substeps as f64;
         for _ in 0..substeps {
             for (i, &node) in self.elements.iter().enumerate() {
@@ -182,8 +187,8 @@ impl Body {
         self.flows.support_w = (self.network.boundary_heat_j(self.support) - support_before_j) / interval_s;
     }
 
-    /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on temperature a little, and its
-    /// heat flows.
+    /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on
+    /// temperature a little, and its heat flows.
     pub fn settle(&mut self, power_w: impl Fn(usize, f64) -> f64) {
         // A resistor's power changes by 0.4 % a kelvin: each round gains two digits at least.
         for _ in 0..10 {
@@ -217,6 +222,7 @@ impl Body {
     }
 
     /// Heat stored in the whole body and its rod, J, up to a constant.
+    #[cfg(test)]
     pub fn stored_heat_j(&self) -> f64 {
         self.network.stored_heat_j()
     }
@@ -248,16 +254,17 @@ impl Body {
 
 #[cfg(test)]
 pub(super) mod testing {
-    use super::Body;
+    use super::ThermalBody;
 
-    /// Heat given less heat that left and heat that stayed, of the heat given, after ticks of some seconds.
+    /// Heat given less heat that left and heat that stayed, of the heat given, after ticks of some
+    /// seconds.
     ///
-    /// `weather` sets wind and gas by a phase, and `power_w` has an element's heat while all are high or low by turns of three ticks: every path
-    /// carries a changing flow.
+    /// `weather` sets wind and gas by a phase, and `power_w` has an element's heat while all are
+    /// high or low by turns of three ticks: every path carries a changing flow.
     pub fn imbalance(
-        body: &mut Body,
+        body: &mut ThermalBody,
         (ticks, tick_s): (u32, f64),
-        weather: impl Fn(&mut Body, f64),
+        weather: impl Fn(&mut ThermalBody, f64),
         power_w: impl Fn(usize, bool) -> f64,
     ) -> f64 {
         let start = body.stored_heat_j();

@@ -1,72 +1,68 @@
-//! The simulated front end: two-level currents into platinum resistors, and the converter that reads their voltage.
+//! The simulated front end: two-level currents into platinum resistors, and the converter that
+//! reads their voltage.
 //!
 //! ```text
 //! P    = I² R(T)                                      heat in the resistor, W
 //! code = round((I R(T) + e) / q), held to ±full scale,    e ~ N(0, σ²) V,   q = volt per code
 //! ```
 //!
-//! The true resistors and currents differ from the nominal ones by seeded errors, drawn once: R0, its temperature coefficient and
-//! either current of every element, each normal with the standard deviation asked for. The controller only knows the nominal values.
+//! The true resistors and currents differ from the nominal ones by seeded errors, drawn once: R0,
+//! its temperature coefficient and either current of every element, each normal with the standard
+//! deviation asked for. The controller only knows the nominal values.
 //!
-//! Faults: an open element drives its current source to the rail, so the code is positive full scale; a shorted one leaves only the
-//! noise. Neither takes any heat.
+//! Faults: an open element drives its current source to the rail, so the code is positive full
+//! scale; a shorted one leaves only the noise. Neither takes any heat.
 //!
-//! Limits: no settling of the currents, no reference drift, no correlation between channels; ideal 24-bit steps.
+//! Limits: no settling of the currents, no reference drift, no correlation between channels; ideal
+//! 24-bit steps.
 
 use dr_core::sensor::platinum::Platinum;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::SensorError;
+use anemometry::head::{NominalElement, PlatinumKind};
+
+use super::error::SensorError;
 
 /// Codes of a 24-bit two's complement converter.
 pub const HIGHEST_CODE: i32 = 0x7F_FFFF;
 pub const LOWEST_CODE: i32 = -0x80_0000;
 
-/// Nominal characteristic of a platinum resistor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlatinumKind {
-    /// R = R0 (1 + αT).
-    Linear { resistance_0c_ohm: f64, coefficient_per_c: f64 },
-    /// IEC 60751; has no coefficient to be in error.
-    Iec60751 { resistance_0c_ohm: f64 },
-}
-
-/// Nominal values of one element and its two currents.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElementConfig {
-    pub platinum: PlatinumKind,
-    pub current_low_a: f64,
-    pub current_high_a: f64,
-}
-
-/// Imperfections of the front end; all zero by default. Errors are standard deviations in percent of the nominal value.
+/// Imperfections of the front end; all zero by default. Errors are standard deviations in percent
+/// of the nominal value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Imperfections {
+    /// Noise of the converter's input, V rms.
     pub noise_v_rms: f64,
+    /// Of R0, %.
     pub resistance_error_percent: f64,
+    /// Of its temperature coefficient, %.
     pub coefficient_error_percent: f64,
+    /// Of either current, %.
     pub current_error_percent: f64,
 }
 
+/// How a resistor breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum ResistorFault {
+    /// No current flows.
     Open,
+    /// No voltage is left.
     Shorted,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Element {
+struct FrontEndChannel {
     platinum: Platinum,
     /// Low and high.
     current_a: [f64; 2],
-    fault: Option<Fault>,
+    fault: Option<ResistorFault>,
 }
 
 #[derive(Clone, Debug)]
-pub struct FrontEnd {
-    elements: Vec<Element>,
+pub struct SimulatedFrontEnd {
+    elements: Vec<FrontEndChannel>,
     code_per_volt: f64,
     noise_v_rms: f64,
     noise: ChaCha8Rng,
@@ -74,15 +70,15 @@ pub struct FrontEnd {
     noise_v: Vec<f64>,
 }
 
-impl FrontEnd {
+impl SimulatedFrontEnd {
     /// `tolerances` draws the errors of the elements, `noise` the noise of every sample.
     pub fn new(
-        elements: &[ElementConfig],
+        elements: &[NominalElement],
         volt_per_code: f64,
         imperfections: &Imperfections,
         mut tolerances: ChaCha8Rng,
         noise: ChaCha8Rng,
-    ) -> Result<FrontEnd, SensorError> {
+    ) -> Result<SimulatedFrontEnd, SensorError> {
         if !(volt_per_code.is_finite() && volt_per_code > 0.0) {
             return Err(SensorError::out_of_range("volt_per_code", volt_per_code, "more than 0"));
         }
@@ -91,9 +87,9 @@ impl FrontEnd {
         for (i, element) in elements.iter().enumerate() {
             // All four are always drawn, so that asking for one error does not change the others.
             let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut tolerances));
-            made.push(Element::new(element, imperfections, errors, i)?);
+            made.push(FrontEndChannel::new(element, imperfections, errors, i)?);
         }
-        Ok(FrontEnd {
+        Ok(SimulatedFrontEnd {
             noise_v: vec![0.0; made.len()],
             elements: made,
             code_per_volt: 1.0 / volt_per_code,
@@ -112,14 +108,15 @@ impl FrontEnd {
         current_a * current_a * element.resistance_ohm(temperature_c)
     }
 
-    /// Converts the voltage of every element into `codes`; bit i of `heaters` is element i at its high level. Draws fresh noise.
+    /// Converts the voltage of every element into `codes`; bit i of `heaters` is element i at its
+    /// high level. Draws fresh noise.
     pub fn sample(&mut self, temperature_c: &[f64], heaters: u16, codes: &mut [i32]) {
         let all = self.elements.iter().zip(temperature_c).zip(codes).zip(&mut self.noise_v);
         for (i, (((element, &temperature_c), code), noise_v)) in all.enumerate() {
             let volt = match element.fault {
                 None => element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c),
-                Some(Fault::Open) => f64::INFINITY,
-                Some(Fault::Shorted) => 0.0,
+                Some(ResistorFault::Open) => f64::INFINITY,
+                Some(ResistorFault::Shorted) => 0.0,
             };
             let noise: f64 = StandardNormal.sample(&mut self.noise);
             *noise_v = self.noise_v_rms * noise;
@@ -127,14 +124,14 @@ impl FrontEnd {
         }
     }
 
-    /// What the converters would have made of a voltage that amounts to `code`, at the last sample, with that sample's noise: neither has an offset, nor is its scale
-    /// in error.
+    /// What the converters would have made of a voltage that amounts to `code`, at the last sample,
+    /// with that sample's noise: neither has an offset, nor is its scale in error.
     pub fn codes_without_elements(&self, code: i32) -> Vec<i32> {
         let code = f64::from(code);
         self.noise_v.iter().map(|noise_v| code_of(code + noise_v * self.code_per_volt)).collect()
     }
 
-    pub fn set_fault(&mut self, element: usize, fault: Option<Fault>) {
+    pub fn set_fault(&mut self, element: usize, fault: Option<ResistorFault>) {
         self.elements[element].fault = fault;
     }
 }
@@ -160,13 +157,13 @@ impl Imperfections {
     }
 }
 
-impl Element {
+impl FrontEndChannel {
     fn new(
-        nominal: &ElementConfig,
+        nominal: &NominalElement,
         imperfections: &Imperfections,
         [resistance, coefficient, low, high]: [f64; 4],
         index: usize,
-    ) -> Result<Element, SensorError> {
+    ) -> Result<FrontEndChannel, SensorError> {
         let (low_a, high_a) = (nominal.current_low_a, nominal.current_high_a);
         if !(low_a > 0.0 && low_a < high_a && high_a.is_finite()) {
             return Err(SensorError::Currents { element: index, low_a, high_a });
@@ -182,7 +179,7 @@ impl Element {
         }
         .map_err(|source| SensorError::Platinum { element: index, source })?;
         let current_error = imperfections.current_error_percent;
-        Ok(Element {
+        Ok(FrontEndChannel {
             platinum,
             current_a: [low_a * off_by(current_error, low), high_a * off_by(current_error, high)],
             fault: None,
@@ -200,7 +197,7 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
 
     const VOLT_PER_CODE: f64 = 4.0 / 8_388_608.0;
-    const NOMINAL: ElementConfig = ElementConfig {
+    const NOMINAL: NominalElement = NominalElement {
         platinum: PlatinumKind::Linear { resistance_0c_ohm: 175.0, coefficient_per_c: 0.0031 },
         current_low_a: 3e-3,
         current_high_a: 16e-3,
@@ -208,12 +205,12 @@ mod tests {
     const ELEMENTS: usize = 6;
     const ALL_HIGH: u16 = 0x3F;
 
-    fn front_end(imperfections: Imperfections, seed: u64) -> FrontEnd {
+    fn front_end(imperfections: Imperfections, seed: u64) -> SimulatedFrontEnd {
         let (tolerances, noise) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(seed + 1000));
-        FrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
+        SimulatedFrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
     }
 
-    fn sample(front_end: &mut FrontEnd, temperature_c: f64, heaters: u16) -> [i32; ELEMENTS] {
+    fn sample(front_end: &mut SimulatedFrontEnd, temperature_c: f64, heaters: u16) -> [i32; ELEMENTS] {
         let mut codes = [0; ELEMENTS];
         front_end.sample(&[temperature_c; ELEMENTS], heaters, &mut codes);
         codes
@@ -267,8 +264,8 @@ mod tests {
     #[test]
     fn an_open_element_reads_full_scale_and_a_shorted_one_nothing() {
         let mut front_end = front_end(Imperfections { noise_v_rms: 1.5e-6, ..Imperfections::default() }, 1);
-        front_end.set_fault(0, Some(Fault::Open));
-        front_end.set_fault(1, Some(Fault::Shorted));
+        front_end.set_fault(0, Some(ResistorFault::Open));
+        front_end.set_fault(1, Some(ResistorFault::Shorted));
         for heaters in [0, ALL_HIGH] {
             let codes = sample(&mut front_end, -23.0, heaters);
             assert_eq!(codes[0], HIGHEST_CODE);
@@ -302,15 +299,17 @@ mod tests {
 
     #[test]
     fn refuses_impossible_values_by_name() {
-        let new = |element: ElementConfig, imperfections: Imperfections| {
+        let new = |element: NominalElement, imperfections: Imperfections| {
             let rng = || ChaCha8Rng::seed_from_u64(1);
-            FrontEnd::new(&[element; ELEMENTS], VOLT_PER_CODE, &imperfections, rng(), rng()).unwrap_err().to_string()
+            SimulatedFrontEnd::new(&[element; ELEMENTS], VOLT_PER_CODE, &imperfections, rng(), rng())
+                .unwrap_err()
+                .to_string()
         };
-        let swapped = ElementConfig { current_low_a: 17e-3, ..NOMINAL };
+        let swapped = NominalElement { current_low_a: 17e-3, ..NOMINAL };
         assert!(new(swapped, Imperfections::default()).contains("current"));
         let noise = Imperfections { noise_v_rms: f64::NAN, ..Imperfections::default() };
         assert!(new(NOMINAL, noise).contains("front_end.noise_v_rms"));
         let platinum = PlatinumKind::Linear { resistance_0c_ohm: -1.0, coefficient_per_c: 0.0031 };
-        assert!(new(ElementConfig { platinum, ..NOMINAL }, Imperfections::default()).contains("resistance_0c_ohm"));
+        assert!(new(NominalElement { platinum, ..NOMINAL }, Imperfections::default()).contains("resistance_0c_ohm"));
     }
 }

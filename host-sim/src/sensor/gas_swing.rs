@@ -10,23 +10,27 @@
 //! | P | `period_s` | s |
 //! | t_start | `start_s` | s |
 //!
-//! What follows it: the temperature that every surface gives its heat to, and the properties of the gas at constant pressure, density,
-//! viscosity, conductivity and heat capacity, in the convection. What does not: the surroundings that the surfaces radiate to and the
-//! support stay at their own temperatures, as walls of a tunnel do that are heavier than its gas.
+//! What follows it: the temperature that every surface gives its heat to, and the properties of the
+//! gas at constant pressure, density, viscosity, conductivity and heat capacity, in the convection.
+//! What does not: the surroundings that the surfaces radiate to and the support stay at their own
+//! temperatures, as walls of a tunnel do that are heavier than its gas.
 //!
-//! Limits: one temperature everywhere in the gas, held over each sample period as the wind is; convection answers at once.
+//! Limits: one temperature everywhere in the gas, held over each sample period as the wind is;
+//! convection answers at once.
 
 use std::f64::consts::TAU;
 
-use super::SensorError;
+use super::error::SensorError;
 
 /// Shortest period in sample periods: a sine that is held in fewer steps would be another swing.
 const LEAST_SAMPLE_PERIODS: f64 = 20.0;
 
 /// How a gas's temperature swings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct GasSwing {
+    /// Amplitude about the mean, K.
     pub amplitude_k: f64,
+    /// Period, s.
     pub period_s: f64,
     /// Before, the gas stands still.
     pub start_s: f64,

@@ -11,18 +11,20 @@
 //! | g_ij, g_b | conductance to another node, to a body of fixed temperature T_b | W/K |
 //! | c_r = ε σ A | radiation to surroundings at T_r | W/K⁴ |
 //!
-//! Integrated by the classical Runge–Kutta method of order four in substeps that follow the stiffest rate of the network. What a link
-//! takes from one node it gives to the other in the same expression, and the heat that leaves is summed with the weights of the
-//! method itself, so energy is kept to rounding whatever the substep.
+//! Integrated by the classical Runge–Kutta method of order four in substeps that follow the
+//! stiffest rate of the network. What a link takes from one node it gives to the other in the same
+//! expression, and the heat that leaves is summed with the weights of the method itself, so energy
+//! is kept to rounding whatever the substep.
 //!
-//! Limits: constant capacities, conductances and fixed temperatures within a step; nodes without gradient inside.
+//! Limits: constant capacities, conductances and fixed temperatures within a step; nodes without
+//! gradient inside.
 
-/// Largest product of substep and stiffest rate: the method then misses some 0.5⁵/120 = 3e-4 of what the fastest transient moves in a
-/// substep, and much less of all slower ones.
+/// Largest product of substep and stiffest rate: the method then misses some 0.5⁵/120 = 3e-4 of
+/// what the fastest transient moves in a substep, and much less of all slower ones.
 const LARGEST_RATE_STEP: f64 = 0.5;
 
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct ThermalLink {
     a: usize,
     b: usize,
     conductance_w_k: f64,
@@ -45,13 +47,14 @@ struct Radiator {
 /// All ways that heat can take.
 #[derive(Clone, Debug, Default)]
 struct Paths {
-    links: Vec<Link>,
+    links: Vec<ThermalLink>,
     boundaries: Vec<Boundary>,
     radiators: Vec<Radiator>,
 }
 
 impl Paths {
-    /// Adds to `heat_w` what flows into every node at `temperature_k`, and reports what leaves the network.
+    /// Adds to `heat_w` what flows into every node at `temperature_k`, and reports what leaves the
+    /// network.
     #[inline(always)]
     fn flow(
         &self,
@@ -88,7 +91,7 @@ pub struct BoundaryId(usize);
 pub struct RadiatorId(usize);
 
 #[derive(Clone, Debug, Default)]
-pub struct Network {
+pub struct ThermalNetwork {
     temperature_k: Vec<f64>,
     capacity_j_k: Vec<f64>,
     inverse_capacity_k_j: Vec<f64>,
@@ -102,9 +105,9 @@ pub struct Network {
     change_k: Vec<f64>,
 }
 
-impl Network {
-    pub fn new() -> Network {
-        Network::default()
+impl ThermalNetwork {
+    pub fn new() -> ThermalNetwork {
+        ThermalNetwork::default()
     }
 
     /// Adds a node and returns its number.
@@ -122,7 +125,7 @@ impl Network {
 
     pub fn link(&mut self, a: usize, b: usize, conductance_w_k: f64) {
         assert!(a != b && a.max(b) < self.len(), "a link joins two nodes");
-        self.paths.links.push(Link { a, b, conductance_w_k });
+        self.paths.links.push(ThermalLink { a, b, conductance_w_k });
     }
 
     /// Joins a node to a body of fixed temperature.
@@ -154,10 +157,6 @@ impl Network {
         self.temperature_k.len()
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.temperature_k.is_empty()
-    }
-
     pub fn temperature_k(&self, node: usize) -> f64 {
         self.temperature_k[node]
     }
@@ -167,6 +166,7 @@ impl Network {
     }
 
     /// Σ C T, J, up to a constant.
+    #[cfg(test)]
     pub fn stored_heat_j(&self) -> f64 {
         self.capacity_j_k.iter().zip(&self.temperature_k).map(|(c, t)| c * t).sum()
     }
@@ -181,8 +181,9 @@ impl Network {
         self.radiator_heat_j[radiator.0]
     }
 
-    /// An upper bound of the network's fastest rate, 1/s: Gershgorin's circles of C^−½ G C^−½, which has the rates as eigenvalues.
-    /// A small capacity on a large one is bounded closely; circles of C⁻¹ G would give twice its rate.
+    /// An upper bound of the network's fastest rate, 1/s: Gershgorin's circles of C^−½ G C^−½,
+    /// which has the rates as eigenvalues. A small capacity on a large one is bounded closely;
+    /// circles of C⁻¹ G would give twice its rate.
     pub fn stiffest_rate_per_s(&self) -> f64 {
         let mut circle: Vec<f64> =
             self.total_conductance_w_k().iter().zip(&self.inverse_capacity_k_j).map(|(g, c)| g * c).collect();
@@ -195,7 +196,8 @@ impl Network {
         circle.into_iter().fold(0.0, f64::max)
     }
 
-    /// Number of equal substeps in which `interval_s` can be integrated if no rate exceeds `stiffest_rate_per_s`.
+    /// Number of equal substeps in which `interval_s` can be integrated if no rate exceeds
+    /// `stiffest_rate_per_s`.
     pub fn substeps(interval_s: f64, stiffest_rate_per_s: f64) -> usize {
         (interval_s * stiffest_rate_per_s / LARGEST_RATE_STEP).ceil().max(1.0) as usize
     }
@@ -217,7 +219,8 @@ impl Network {
 
     /// One Runge–Kutta step of `step_s` with the powers held. `power_w` has one entry a node.
     pub fn step(&mut self, step_s: f64, power_w: &[f64]) {
-        // Weight of each stage in the mean slope, and how far from the start the *next* stage is taken.
+        // Weight of each stage in the mean slope, and how far from the start the *next* stage is
+        // taken.
         const STAGES: [(f64, f64); 4] = [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)];
         let n = self.temperature_k.len();
         assert_eq!(power_w.len(), n, "one power a node");
@@ -247,7 +250,8 @@ impl Network {
         }
     }
 
-    /// Sets all temperatures to the steady state under `power_w`, by Newton's method (one step would do without radiation).
+    /// Sets all temperatures to the steady state under `power_w`, by Newton's method (one step
+    /// would do without radiation).
     pub fn settle(&mut self, power_w: &[f64]) {
         for _ in 0..20 {
             let mut residual_w = power_w.to_vec();
@@ -307,8 +311,8 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     /// Two bodies, one on a cold wall, one in a gas: every kind of path but radiation.
-    fn linear_network() -> Network {
-        let mut network = Network::new();
+    fn linear_network() -> ThermalNetwork {
+        let mut network = ThermalNetwork::new();
         let chip = network.add_node(3e-3, 260.0);
         let body = network.add_node(0.118, 250.0);
         let core = network.add_node(0.075, 240.0);
@@ -319,7 +323,7 @@ mod tests {
         network
     }
 
-    fn with_radiation() -> Network {
+    fn with_radiation() -> ThermalNetwork {
         let mut network = linear_network();
         network.radiate(1, 0.03 * 5.670374419e-8 * 8e-5, 220.0);
         network
@@ -345,11 +349,12 @@ mod tests {
         let duration_s = 0.01;
         let exact = (system * duration_s).exp()
             * DVector::from_iterator(n + 1, (0..n).map(|i| network.temperature_k(i)).chain([1.0]));
-        let substeps = Network::substeps(duration_s, network.stiffest_rate_per_s());
+        let substeps = ThermalNetwork::substeps(duration_s, network.stiffest_rate_per_s());
         for _ in 0..substeps {
             network.step(duration_s / substeps as f64, &power);
         }
-        // The chip starts 10 K from its equilibrium; the first substep misses 3e-4 of the 4 K that it moves, and forgets half of it.
+        // The chip starts 10 K from its equilibrium; the first substep misses 3e-4 of the 4 K that
+        // it moves, and forgets half of it.
         for i in 0..n {
             assert!((network.temperature_k(i) - exact[i]).abs() < 1.2e-3, "node {i}");
         }
@@ -409,12 +414,12 @@ mod tests {
     #[test]
     fn substeps_follow_the_stiffest_rate() {
         let network = linear_network();
-        // The chip: 0.5 W/K on 3 mJ/K with 0.118 J/K behind it. Its true rate is 0.5 (1/3e-3 + 1/0.118); the bound has to lie
-        // above, and less than a fifth.
+        // The chip: 0.5 W/K on 3 mJ/K with 0.118 J/K behind it. Its true rate is 0.5 (1/3e-3 +
+        // 1/0.118); the bound has to lie above, and less than a fifth.
         let rate = 0.5 * (1.0 / 3e-3 + 1.0 / 0.118);
         let bound = network.stiffest_rate_per_s();
         assert!((1.0..1.2).contains(&(bound / rate)), "{bound} for {rate}");
-        assert_eq!(Network::substeps(0.01, bound), 4);
-        assert_eq!(Network::substeps(1e-4, bound), 1);
+        assert_eq!(ThermalNetwork::substeps(0.01, bound), 4);
+        assert_eq!(ThermalNetwork::substeps(1e-4, bound), 1);
     }
 }

@@ -1,4 +1,5 @@
-//! The reference: a small platinum film on its own in the stream near a sphere, that measures the gas.
+//! The reference: a small platinum film on its own in the stream near a sphere, that measures the
+//! gas.
 //!
 //! ```text
 //! C dT/dt = P + G (T_gas − T) + ε σ A (T_surroundings⁴ − T⁴)          lag C / G
@@ -11,17 +12,19 @@
 //! | to the gas | 0.43 mW/K in 5 m/s of CO₂ at 1000 Pa and 220 K | derived: by its [correlation](super::convection::film); 0.15 mW/K without wind |
 //! | emissivity | 0.03 | assumed: gilded, as the spheres: bare polyimide would read 8 % of the way from the gas to the surroundings |
 //!
-//! It lags by 2.3 s in 5 m/s, 6.4 s without wind. Element and surface are both called `reference`; the element is the last of its head.
+//! It lags by 2.3 s in 5 m/s, 6.4 s without wind. Element and surface are both called `reference`;
+//! the element is the last of its head.
 //!
-//! Limits: no heat through its wires; it neither warms the sphere's gas nor stands in the sphere's wake; one temperature all over.
+//! Limits: no heat through its wires; it neither warms the sphere's gas nor stands in the sphere's
+//! wake; one temperature all over.
 
-use super::SensorError;
 use super::body::Surface;
-use super::construction::{Part, check};
-use super::convection::Convection;
+use super::convection::BodyConvection;
 use super::convection::film::Film;
-use super::gas::Gas;
-use super::network::Network;
+use super::element::{SensorElement, check};
+use super::error::SensorError;
+use super::network::ThermalNetwork;
+use anemometry::gas::IdealGas;
 
 /// Its name in a head.
 pub const NAME: &str = "reference";
@@ -42,15 +45,16 @@ impl Default for Reference {
 }
 
 impl Reference {
-    /// Puts it beside a body, as its last element and its last surface; returns the convection of both.
+    /// Puts it beside a body, as its last element and its last surface; returns the convection of
+    /// both.
     pub(super) fn beside(
         &self,
-        network: &mut Network,
+        network: &mut ThermalNetwork,
         elements: &mut Vec<usize>,
         surfaces: &mut Vec<Surface>,
-        convection: Convection,
-        gas: &Gas,
-    ) -> Result<Convection, SensorError> {
+        convection: BodyConvection,
+        gas: &IdealGas,
+    ) -> Result<BodyConvection, SensorError> {
         let positive = [
             ("reference.length_m", self.length_m),
             ("reference.width_m", self.width_m),
@@ -68,11 +72,11 @@ impl Reference {
             element: Some(elements.len()),
         });
         elements.push(node);
-        Ok(Convection::Beside(Box::new(convection), film))
+        Ok(BodyConvection::Beside(Box::new(convection), film))
     }
 }
 
 /// The element.
-pub(super) fn part() -> Part {
-    Part { name: NAME.to_owned(), normal: None }
+pub(super) fn element() -> SensorElement {
+    SensorElement { name: NAME.to_owned(), normal: None }
 }

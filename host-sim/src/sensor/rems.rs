@@ -1,8 +1,9 @@
-//! A transducer of the REMS type as a thermal network: three cards at 120° on a boom, four silicon dice a card.
+//! A transducer of the REMS type as a thermal network: three cards at 120° on a boom, four silicon
+//! dice a card.
 //!
 //! ```text
-//!   gas ── die ── leg ── card ── head of the boom ── shank, 3 cells ── support at a fixed temperature
-//!           │      │       │           │                 │
+//!   gas ── die ── leg ── card ── head of the boom ── shank, 3 cells ── support at a fixed
+//!           │      │       │           │                 │             temperature
 //!        the next die     gas      gas, resistor        gas
 //!        and leg of the card, a ring of four
 //! ```
@@ -24,28 +25,29 @@
 //! | shade | 0.3 | assumed: share of the speed that is left in reverse; published is that head-on cools more |
 //! | front to rear | 0.10 | assumed: upstream dice 10 % more of the layer, downstream ones 10 % less |
 //!
-//! Elements: `card1-die1` … `card3-die4`, `boom` (a Pt100 in the head). Surfaces: the dice, the cards, the head, the cells of the shank.
-//! The boom lies along x with its tip at +x, cards 1, 2 and 3 look towards 90° (up), 210° and 330° around it. The azimuth of a wind is
-//! yaw and its elevation pitch; head-on is a wind that goes towards azimuth 180°. Dice 1 and 2 of a card are the pair at the tip, 3 and
-//! 4 that at the root; 1 and 4 lie on the same side.
+//! Elements: `card1-die1` … `card3-die4`, `boom` (a Pt100 in the head). Surfaces: the dice, the
+//! cards, the head, the cells of the shank. The boom lies along x with its tip at +x, cards 1, 2
+//! and 3 look towards 90° (up), 210° and 330° around it. The azimuth of a wind is yaw and its
+//! elevation pitch; head-on is a wind that goes towards azimuth 180°. Dice 1 and 2 of a card are
+//! the pair at the tip, 3 and 4 that at the root; 1 and 4 lie on the same side.
 //!
-//! Limits: those of the [convection](super::convection::boom), free convection at one overheat among them; cards warm each other only
-//! through the head; no temperature dependence of the parts.
+//! Limits: those of the [convection](super::convection::boom), free convection at one overheat
+//! among them; cards warm each other only through the head; no temperature dependence of the parts.
 
-use super::SensorError;
-use super::body::{Body, Surface};
-use super::construction::{Part, check};
-use super::convection::Convection;
-use super::convection::boom::{Boom, CARDS, DICE, DICE_PER_CARD, Shape, card_normal};
-use super::gas::Gas;
-use super::network::Network;
-use super::rod::Rod;
+use super::body::{Surface, ThermalBody};
+use super::convection::BodyConvection;
+use super::convection::boom::{Boom, BoomShape, CARDS, DICE, DICE_PER_CARD, card_normal};
+use super::element::{SensorElement, check};
+use super::error::SensorError;
+use super::network::ThermalNetwork;
+use super::rod::SupportRod;
+use anemometry::gas::IdealGas;
 
 /// What the transducer is made of; the default is the one of the head of this file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Construction {
+pub struct RemsConstruction {
     /// Sizes, and what the wind does with them.
-    pub shape: Shape,
+    pub shape: BoomShape,
     pub die_capacity_j_k: f64,
     pub die_to_leg_w_k: f64,
     pub die_to_die_w_k: f64,
@@ -60,10 +62,10 @@ pub struct Construction {
     pub shank_capacity_j_k: f64,
 }
 
-impl Default for Construction {
-    fn default() -> Construction {
-        Construction {
-            shape: Shape {
+impl Default for RemsConstruction {
+    fn default() -> RemsConstruction {
+        RemsConstruction {
+            shape: BoomShape {
                 die_side_m: 1.5e-3,
                 die_thickness_m: 0.25e-3,
                 card_length_m: 45e-3,
@@ -92,16 +94,16 @@ impl Default for Construction {
     }
 }
 
-impl Construction {
-    pub(super) fn body(&self, gas: &Gas, support_k: f64) -> Result<Body, SensorError> {
+impl RemsConstruction {
+    pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
         self.check()?;
-        let mut network = Network::new();
+        let mut network = ThermalNetwork::new();
         let gas_k = gas.temperature_k;
         let dice = [(); DICE].map(|()| network.add_node(self.die_capacity_j_k, gas_k));
         let legs = [(); DICE].map(|()| network.add_node(self.leg_capacity_j_k, gas_k));
         let cards = [(); CARDS].map(|()| network.add_node(self.card_capacity_j_k, gas_k));
         let head = network.add_node(self.head_capacity_j_k, gas_k);
-        let shank = Rod {
+        let shank = SupportRod {
             conductance_w_k: self.shank_w_k,
             capacity_j_k: self.shank_capacity_j_k,
             cells: self.shape.shank_cells,
@@ -137,8 +139,8 @@ impl Construction {
         surfaces.push(bare("head".to_owned(), head, Some(DICE)));
         surfaces.extend(cells.iter().enumerate().map(|(i, &cell)| bare(format!("shank{}", i + 1), cell, None)));
         let elements = dice.into_iter().chain([head]).collect();
-        let convection = Convection::Boom(Boom::new(gas, &self.shape)?);
-        Ok(Body::new(network, elements, surfaces, support, convection, gas))
+        let convection = BodyConvection::Boom(Boom::new(gas, &self.shape)?);
+        Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -180,9 +182,9 @@ fn die_name(i: usize) -> String {
 }
 
 /// The elements.
-pub(super) fn parts() -> Vec<Part> {
-    let dice = (0..CARDS * DICE_PER_CARD).map(|i| Part::facing(die_name(i), card_normal(i / DICE_PER_CARD)));
-    dice.chain([Part::inside("boom".to_owned())]).collect()
+pub(super) fn elements() -> Vec<SensorElement> {
+    let dice = (0..CARDS * DICE_PER_CARD).map(|i| SensorElement::facing(die_name(i), card_normal(i / DICE_PER_CARD)));
+    dice.chain([SensorElement::inside("boom".to_owned())]).collect()
 }
 
 #[cfg(test)]

@@ -1,22 +1,30 @@
 //! A rod between a sensor and its support: the stem of a sphere, the boom of REMS.
 //!
-//! Cells of equal length: whole conductances between them, half a cell (so twice the conductance) at either end.
+//! Cells of equal length: whole conductances between them, half a cell (so twice the conductance)
+//! at either end.
 
-use super::network::{BoundaryId, Network};
+use super::network::{BoundaryId, ThermalNetwork};
 
 /// A rod as a whole.
 #[derive(Clone, Copy, Debug)]
-pub struct Rod {
+pub struct SupportRod {
     /// From one end to the other.
     pub conductance_w_k: f64,
     pub capacity_j_k: f64,
     pub cells: usize,
 }
 
-impl Rod {
-    /// Adds it, at temperatures between `near_k` and that of the support. The nodes of `near` share its near end; without any it is
-    /// free there. Returns the cells from there to the support, and the way into the support.
-    pub fn add(&self, network: &mut Network, near: &[usize], near_k: f64, support_k: f64) -> (Vec<usize>, BoundaryId) {
+impl SupportRod {
+    /// Adds it, at temperatures between `near_k` and that of the support. The nodes of `near` share
+    /// its near end; without any it is free there. Returns the cells from there to the support, and
+    /// the way into the support.
+    pub fn add(
+        &self,
+        network: &mut ThermalNetwork,
+        near: &[usize],
+        near_k: f64,
+        support_k: f64,
+    ) -> (Vec<usize>, BoundaryId) {
         let count = self.cells;
         let cell_w_k = self.conductance_w_k * count as f64;
         let cells: Vec<usize> = (0..count)

@@ -1,9 +1,10 @@
-//! Prototype A as a thermal network: two silver hemispheres, a packaged platinum resistor on each, two core heaters, a stem.
+//! Prototype A as a thermal network: two silver hemispheres, a packaged platinum resistor on each,
+//! two core heaters, a stem.
 //!
 //! ```text
-//!   gas ── hemisphere 1 ── ceramic 1 ── film 1        and the same with 2; the hemispheres touch along
-//!             │   ╲                                   their seam and radiate to surroundings at gas
-//!             │    hemisphere 2 …                     temperature
+//!   gas ── hemisphere 1 ── ceramic 1 ── film 1     and the same with 2; the hemispheres touch
+//!             │   ╲                                along their seam and radiate to surroundings
+//!             │    hemisphere 2 …                  at gas temperature
 //!          core 1 ══ core 2
 //!               ╲    ╱
 //!            stem, 8 cells ── support at a fixed temperature
@@ -24,33 +25,36 @@
 //! | stem | 2.0 mW/K, 0.3 J/K | assumed: thicker than sphere B's 1.2 mW/K, for the wires of the packaged parts; 8 cells |
 //! | emissivity | 0.03 | sputtered gold, as for sphere B |
 //!
-//! What heats and senses is the film. Between it and the silver, which the wind sees, are two resistances and the chip's own heat: at
-//! 20 mW the film stands 2.7 K above the silver (2.5 K of glue and 0.2 K of ceramic). A loop that holds the film lets the silver follow
-//! the wind through these, so its power answers with the time constants of the silver on the glue besides that of the film. That is the
-//! difference from sphere B, whose bare chip is soldered and which has one significant pole.
+//! What heats and senses is the film. Between it and the silver, which the wind sees, are two
+//! resistances and the chip's own heat: at 20 mW the film stands 2.7 K above the silver (2.5 K of
+//! glue and 0.2 K of ceramic). A loop that holds the film lets the silver follow the wind through
+//! these, so its power answers with the time constants of the silver on the glue besides that of
+//! the film. That is the difference from sphere B, whose bare chip is soldered and which has one
+//! significant pole.
 //!
-//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`, and a [`reference`](mod@reference) where the
-//! head has one. Surfaces: the two hemispheres, looking along +x and −x; the
-//! stem is along −z.
+//! Elements: `hemisphere1`, `hemisphere2` (the films), `core1`, `core2`, and a
+//! [`reference`](mod@reference) where the head has one. Surfaces: the two hemispheres, looking
+//! along +x and −x; the stem is along −z.
 //!
-//! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the chips lose nothing to the gas inside,
-//! the stem nothing to the wind; no temperature dependence of the parts.
+//! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the
+//! chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of
+//! the parts.
 
 use std::f64::consts::PI;
 
-use super::SensorError;
-use super::body::{Body, Surface};
-use super::construction::{Part, check};
-use super::convection::Convection;
+use super::body::{Surface, ThermalBody};
+use super::convection::BodyConvection;
 use super::convection::hemispheres::{AXES, HEMISPHERES, Hemispheres};
-use super::gas::Gas;
-use super::network::Network;
+use super::element::{SensorElement, check};
+use super::error::SensorError;
+use super::network::ThermalNetwork;
 use super::reference::{self, Reference};
-use super::rod::Rod;
+use super::rod::SupportRod;
+use anemometry::gas::IdealGas;
 
 /// What the sphere is made of; the default is prototype A.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Construction {
+pub struct SphereAConstruction {
     pub diameter_m: f64,
     pub hemisphere_capacity_j_k: f64,
     pub film_capacity_j_k: f64,
@@ -69,9 +73,9 @@ pub struct Construction {
     pub reference: Option<Reference>,
 }
 
-impl Default for Construction {
-    fn default() -> Construction {
-        Construction {
+impl Default for SphereAConstruction {
+    fn default() -> SphereAConstruction {
+        SphereAConstruction {
             diameter_m: 0.01,
             hemisphere_capacity_j_k: 0.282,
             film_capacity_j_k: 1e-3,
@@ -91,10 +95,10 @@ impl Default for Construction {
     }
 }
 
-impl Construction {
-    pub(super) fn body(&self, gas: &Gas, support_k: f64) -> Result<Body, SensorError> {
+impl SphereAConstruction {
+    pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
         self.check()?;
-        let mut network = Network::new();
+        let mut network = ThermalNetwork::new();
         let gas_k = gas.temperature_k;
         let mut pair = |capacity_j_k| [(); HEMISPHERES].map(|()| network.add_node(capacity_j_k, gas_k));
         let hemispheres = pair(self.hemisphere_capacity_j_k);
@@ -108,7 +112,8 @@ impl Construction {
         }
         network.link(hemispheres[0], hemispheres[1], self.hemisphere_to_hemisphere_w_k);
         network.link(cores[0], cores[1], self.core_to_core_w_k);
-        let stem = Rod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
+        let stem =
+            SupportRod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
         let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
 
         let surface = |i: usize| Surface {
@@ -121,11 +126,11 @@ impl Construction {
         };
         let mut surfaces = (0..HEMISPHERES).map(surface).collect();
         let mut elements = films.into_iter().chain(cores).collect();
-        let mut convection = Convection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
+        let mut convection = BodyConvection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
         if let Some(reference) = &self.reference {
             convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
         }
-        Ok(Body::new(network, elements, surfaces, support, convection, gas))
+        Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -149,31 +154,32 @@ impl Construction {
 }
 
 /// The elements of a sphere with or without a reference.
-pub(super) fn parts(construction: &Construction) -> Vec<Part> {
-    let hemispheres = AXES.iter().enumerate().map(|(i, &axis)| Part::facing(format!("hemisphere{}", i + 1), axis));
-    let cores = (0..HEMISPHERES).map(|i| Part::inside(format!("core{}", i + 1)));
-    hemispheres.chain(cores).chain(construction.reference.map(|_| reference::part())).collect()
+pub(super) fn elements(construction: &SphereAConstruction) -> Vec<SensorElement> {
+    let hemispheres =
+        AXES.iter().enumerate().map(|(i, &axis)| SensorElement::facing(format!("hemisphere{}", i + 1), axis));
+    let cores = (0..HEMISPHERES).map(|i| SensorElement::inside(format!("core{}", i + 1)));
+    hemispheres.chain(cores).chain(construction.reference.map(|_| reference::element())).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sensor::body::testing::imbalance;
-    use crate::sensor::gas::{Species, ZERO_CELSIUS_K};
+    use anemometry::gas::{Species, ZERO_CELSIUS_K};
 
-    fn mars() -> Gas {
-        Gas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
+    fn mars() -> IdealGas {
+        IdealGas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
     }
 
-    fn body() -> Body {
-        Construction::default().body(&mars(), 230.0).unwrap()
+    fn body() -> ThermalBody {
+        SphereAConstruction::default().body(&mars(), 230.0).unwrap()
     }
 
     #[test]
     fn heat_in_is_heat_out_and_heat_stored() {
         let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
         let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
-        let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+        let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
         let imbalance = imbalance(&mut body(), (50_000, 0.01), weather, power_w);
         assert!(imbalance.abs() < 1e-10, "{imbalance}");
     }
@@ -216,16 +222,16 @@ mod tests {
         let mut body = body();
         body.set_wind([0.0, 1.0, 0.0]);
         let total: f64 = body.conductance_w_k().iter().sum();
-        let time_constant_s = 2.0 * Construction::default().hemisphere_capacity_j_k / total;
+        let time_constant_s = 2.0 * SphereAConstruction::default().hemisphere_capacity_j_k / total;
         assert!((400.0..480.0).contains(&time_constant_s), "{time_constant_s}");
     }
 
     #[test]
     fn refuses_an_impossible_construction_by_name() {
-        let bad = Construction { ceramic_to_hemisphere_w_k: -1.0, ..Construction::default() };
+        let bad = SphereAConstruction { ceramic_to_hemisphere_w_k: -1.0, ..SphereAConstruction::default() };
         let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
         assert!(error.contains("ceramic_to_hemisphere_w_k"), "{error}");
-        let bad = Construction { emissivity: 1.5, ..Construction::default() };
+        let bad = SphereAConstruction { emissivity: 1.5, ..SphereAConstruction::default() };
         assert!(bad.body(&mars(), 230.0).unwrap_err().to_string().contains("emissivity"));
     }
 }

@@ -1,4 +1,5 @@
-//! Prototype B as a thermal network: four silver sectors, a platinum chip on each, two core heaters, a support stem.
+//! Prototype B as a thermal network: four silver sectors, a platinum chip on each, two core
+//! heaters, a support stem.
 //!
 //! ```text
 //!   gas ── sector 1 ── chip 1        sectors 1 and 2 face core 1, sectors 3 and 4 core 2;
@@ -22,32 +23,34 @@
 //! | stem | 1.2 mW/K, 0.2 J/K | assumed; from the cores to the support in 8 cells |
 //! | emissivity | 0.03 | sputtered gold |
 //!
-//! The element that heats and senses is the chip on a sector, and the board itself in the core. What a chip reads right after a period
-//! at the high level lies above its sector by power times contact (20 mK here). A one-bit loop turns part of that into an offset of
-//! the mean: up to 9 mK at 100 Hz; glued with 20 µm of silver epoxy (0.5 W/K) it would be 25 mK.
+//! The element that heats and senses is the chip on a sector, and the board itself in the core.
+//! What a chip reads right after a period at the high level lies above its sector by power times
+//! contact (20 mK here). A one-bit loop turns part of that into an offset of the mean: up to 9 mK
+//! at 100 Hz; glued with 20 µm of silver epoxy (0.5 W/K) it would be 25 mK.
 //!
-//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a [`reference`](mod@reference) where the
-//! head has one. Surfaces: the four sectors.
+//! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a
+//! [`reference`](mod@reference) where the head has one. Surfaces: the four sectors.
 //!
-//! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of the parts.
+//! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature
+//! dependence of the parts.
 
 use std::f64::consts::PI;
 
-use super::SensorError;
-use super::body::{Body, Surface};
-use super::construction::{Part, check};
-use super::convection::Convection;
+use super::body::{Surface, ThermalBody};
+use super::convection::BodyConvection;
 use super::convection::sectors::{SECTORS, Sectors, sector_axis};
-use super::gas::Gas;
-use super::network::Network;
+use super::element::{SensorElement, check};
+use super::error::SensorError;
+use super::network::ThermalNetwork;
 use super::reference::{self, Reference};
-use super::rod::Rod;
+use super::rod::SupportRod;
+use anemometry::gas::IdealGas;
 
 const CORES: usize = 2;
 
 /// What the sphere is made of; the default is prototype B.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Construction {
+pub struct SphereBConstruction {
     pub diameter_m: f64,
     pub sector_capacity_j_k: f64,
     pub chip_capacity_j_k: f64,
@@ -64,9 +67,9 @@ pub struct Construction {
     pub reference: Option<Reference>,
 }
 
-impl Default for Construction {
-    fn default() -> Construction {
-        Construction {
+impl Default for SphereBConstruction {
+    fn default() -> SphereBConstruction {
+        SphereBConstruction {
             diameter_m: 0.01,
             sector_capacity_j_k: 0.118,
             chip_capacity_j_k: 4.7e-3,
@@ -84,10 +87,10 @@ impl Default for Construction {
     }
 }
 
-impl Construction {
-    pub(super) fn body(&self, gas: &Gas, support_k: f64) -> Result<Body, SensorError> {
+impl SphereBConstruction {
+    pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
         self.check()?;
-        let mut network = Network::new();
+        let mut network = ThermalNetwork::new();
         let gas_k = gas.temperature_k;
         let sectors: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.sector_capacity_j_k, gas_k));
         let chips: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.chip_capacity_j_k, gas_k));
@@ -100,7 +103,8 @@ impl Construction {
             }
         }
         network.link(cores[0], cores[1], self.core_to_core_w_k);
-        let stem = Rod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
+        let stem =
+            SupportRod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
         let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
 
         let area_m2 = PI * self.diameter_m * self.diameter_m / SECTORS as f64;
@@ -114,11 +118,11 @@ impl Construction {
         };
         let mut surfaces = (0..SECTORS).map(surface).collect();
         let mut elements = chips.into_iter().chain(cores).collect();
-        let mut convection = Convection::Sectors(Box::new(Sectors::new(gas, self.diameter_m)?));
+        let mut convection = BodyConvection::Sectors(Box::new(Sectors::new(gas, self.diameter_m)?));
         if let Some(reference) = &self.reference {
             convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
         }
-        Ok(Body::new(network, elements, surfaces, support, convection, gas))
+        Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -140,10 +144,10 @@ impl Construction {
 }
 
 /// The elements of a sphere with or without a reference.
-pub(super) fn parts(construction: &Construction) -> Vec<Part> {
-    let sectors = (0..SECTORS).map(|i| Part::facing(format!("sector{}", i + 1), sector_axis(i)));
-    let cores = (0..CORES).map(|i| Part::inside(format!("core{}", i + 1)));
-    sectors.chain(cores).chain(construction.reference.map(|_| reference::part())).collect()
+pub(super) fn elements(construction: &SphereBConstruction) -> Vec<SensorElement> {
+    let sectors = (0..SECTORS).map(|i| SensorElement::facing(format!("sector{}", i + 1), sector_axis(i)));
+    let cores = (0..CORES).map(|i| SensorElement::inside(format!("core{}", i + 1)));
+    sectors.chain(cores).chain(construction.reference.map(|_| reference::element())).collect()
 }
 
 #[cfg(test)]
@@ -151,30 +155,31 @@ mod tests {
     use super::*;
     use crate::sensor::body::STEFAN_BOLTZMANN;
     use crate::sensor::body::testing::imbalance;
-    use crate::sensor::gas::{Species, ZERO_CELSIUS_K};
+    use anemometry::gas::{Species, ZERO_CELSIUS_K};
 
-    fn mars() -> Gas {
-        Gas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
+    fn mars() -> IdealGas {
+        IdealGas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
     }
 
-    fn body() -> Body {
-        Construction::default().body(&mars(), 230.0).unwrap()
+    fn body() -> ThermalBody {
+        SphereBConstruction::default().body(&mars(), 230.0).unwrap()
     }
 
     #[test]
     fn heat_in_is_heat_out_and_heat_stored() {
         let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
         let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
-        let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+        let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
         let imbalance = imbalance(&mut body(), (100_000, 0.01), weather, power_w);
         assert!(imbalance.abs() < 1e-10, "{imbalance}");
     }
 
     #[test]
     fn heat_in_is_heat_out_and_heat_stored_in_a_swinging_gas_and_with_a_reference() {
-        let construction = Construction { reference: Some(Reference::default()), ..Construction::default() };
+        let construction =
+            SphereBConstruction { reference: Some(Reference::default()), ..SphereBConstruction::default() };
         let mut body = construction.body(&mars(), 230.0).unwrap();
-        let weather = |body: &mut Body, phase: f64| {
+        let weather = |body: &mut ThermalBody, phase: f64| {
             body.set_gas_temperature_k(220.0 + 15.0 * (0.3 * phase).sin());
             body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
         };
@@ -225,30 +230,33 @@ mod tests {
     #[test]
     fn the_stem_conducts_what_it_should() {
         // Only core 1 is heated and nothing leaves through the gas: all heat goes down the stem.
-        let mut body = Construction { emissivity: 0.0, ..Construction::default() }.body(&mars(), 230.0).unwrap();
+        let mut body =
+            SphereBConstruction { emissivity: 0.0, ..SphereBConstruction::default() }.body(&mars(), 230.0).unwrap();
         body.set_conductance_w_k(&[0.0; SECTORS]);
         body.settle(|i, _| if i == SECTORS { 0.012 } else { 0.0 });
         body.advance(0.01, |i, _| if i == SECTORS { 0.012 } else { 0.0 });
         let flows = body.flows();
         assert!((flows.support_w - 0.012).abs() < 1e-9);
-        // The mean of the two cores drives it: 12 mW over 1.2 mW/K is 10 K, the symmetric half-links see exactly the mean.
+        // The mean of the two cores drives it: 12 mW over 1.2 mW/K is 10 K, the symmetric
+        // half-links see exactly the mean.
         let mean_core = 0.5 * (body.element_temperature_c(4) + body.element_temperature_c(5)) + ZERO_CELSIUS_K;
         assert!((mean_core - 240.0).abs() < 1e-6, "{mean_core}");
     }
 
     #[test]
     fn a_free_sector_cools_with_the_published_time_constant() {
-        // Silver sphere in still gas of 1 m/s or less: C/G = 4 · 0.118 / (1.2 to 1.4 mW/K), 340–400 s.
+        // Silver sphere in still gas of 1 m/s or less: C/G = 4 · 0.118 / (1.2 to 1.4 mW/K), 340–400
+        // s.
         let mut body = body();
         body.set_wind([1.0, 0.0, 0.0]);
         let total: f64 = body.conductance_w_k().iter().sum();
-        let time_constant_s = 4.0 * Construction::default().sector_capacity_j_k / total;
+        let time_constant_s = 4.0 * SphereBConstruction::default().sector_capacity_j_k / total;
         assert!((340.0..=400.0).contains(&time_constant_s), "{time_constant_s}");
     }
 
     #[test]
     fn refuses_an_impossible_construction_by_name() {
-        let bad = Construction { chip_contact_w_k: 0.0, ..Construction::default() };
+        let bad = SphereBConstruction { chip_contact_w_k: 0.0, ..SphereBConstruction::default() };
         let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
         assert!(error.contains("chip_contact_w_k"), "{error}");
     }

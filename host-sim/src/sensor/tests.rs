@@ -1,6 +1,8 @@
 //! Tests of a sensor as a whole.
 
 use super::*;
+use anemometry::gas::Species;
+use anemometry::head::{NominalElement, PlatinumKind};
 
 mod gas_swing;
 
@@ -29,9 +31,9 @@ fn config() -> SensorConfig {
 /// The sensor of a head of the project in the gas that it was made for.
 fn of_head(name: &str) -> SensorConfig {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../heads/{name}.toml"));
-    let head = crate::head::Head::read(&path).unwrap();
+    let head = anemometry::head::Head::read(&path).unwrap();
     let mars = SensorConfig {
-        construction: head.sensor.unwrap(),
+        construction: super::construction_of(&head).unwrap().unwrap(),
         elements: head.elements.iter().map(|element| element.nominal).collect(),
         volt_per_code: head.volt_per_code,
         ..SensorConfig::default()
@@ -114,7 +116,8 @@ fn the_truth_of_every_sensor_balances_over_a_gusty_run() {
         let balance = given - left - (stored(&sensor) - before);
         // Rounding of what is stored from absolute zero on: 100 to 3400 J.
         assert!((balance / given).abs() < 1e-8, "{name}: {balance} J of {given} J");
-        // Heat inside a surface and what leaves it: all of them together, as conduction between surfaces cancels.
+        // Heat inside a surface and what leaves it: all of them together, as conduction between
+        // surfaces cancels.
         assert_eq!(sensor.surface_names().count(), sensor.truth().surface_temperature_c.len());
     }
 }
@@ -170,8 +173,8 @@ fn a_wind_head_on_takes_most_heat_from_the_sector_it_meets() {
 #[test]
 fn a_fault_appears_at_its_tick() {
     let faults = vec![
-        TimedFault { element: 4, fault: Fault::Shorted, start_s: 0.05 },
-        TimedFault { element: 1, fault: Fault::Open, start_s: 0.03 },
+        TimedFault { element: 4, fault: ResistorFault::Shorted, start_s: 0.05 },
+        TimedFault { element: 1, fault: ResistorFault::Open, start_s: 0.03 },
     ];
     let mut sensor = Sensor::new(&SensorConfig { faults, ..SensorConfig::default() }).unwrap();
     let mut open = Vec::new();
@@ -195,7 +198,7 @@ fn refuses_bad_configurations_by_name() {
     assert!(message(SensorConfig { pressure_pa: 5.0, ..still() }).contains("gas.pressure_pa"));
     assert!(message(SensorConfig { gas_temperature_c: -200.0, ..still() }).contains("gas.temperature_c"));
     assert!(message(SensorConfig { support_temperature_c: -300.0, ..still() }).contains("support.temperature_c"));
-    let faults = vec![TimedFault { element: 6, fault: Fault::Open, start_s: 0.0 }];
+    let faults = vec![TimedFault { element: 6, fault: ResistorFault::Open, start_s: 0.0 }];
     assert!(message(SensorConfig { faults, ..still() }).contains("faults[0].element"));
     let rems = Construction::named("rems").unwrap();
     let sentence = message(SensorConfig { construction: rems, ..still() });

@@ -10,10 +10,15 @@
 //!
 //! [[setting]]
 //! key = "guard"
-//! value.Command.Guard = { missing_limit_ticks = 5, unreachable_limit_ticks = 3000, stuck_limit_ticks = 200 }
+//!
+//! [setting.value.Command.Guard]
+//! missing_limit_ticks = 5
+//! unreachable_limit_ticks = 3000
+//! stuck_limit_ticks = 200
 //! ```
 //!
-//! Values are those of the wire protocol by their names there. Numbers are the shortest decimals that lead back to the same bits.
+//! Values are those of the wire protocol by their names there. Numbers are the shortest decimals
+//! that lead back to the same bits.
 
 use std::collections::BTreeMap;
 
@@ -22,24 +27,24 @@ use wire::Setting;
 use wire::settings::KeyNumber;
 
 use super::names;
-use crate::toml_file::{FileError, Source};
+use recording::toml_file::{FileError, TomlSource};
 
 /// Version of the file. Another one is refused.
 pub const VERSION: u32 = 1;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct SettingsTable {
     version: u32,
     /// What it was read from; for people.
     firmware: String,
     #[serde(default)]
-    setting: Vec<Entry>,
+    setting: Vec<SettingEntry>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Entry {
+struct SettingEntry {
     key: String,
     value: Setting,
 }
@@ -49,28 +54,28 @@ struct Entry {
 /// # Errors
 /// If it cannot be written as TOML.
 pub fn to_toml(firmware: &str, settings: &BTreeMap<KeyNumber, Setting>) -> Result<String, toml::ser::Error> {
-    let setting = settings.iter().map(|(&key, value)| Entry { key: names::of(key), value: value.clone() });
-    toml::to_string(&Table { version: VERSION, firmware: firmware.to_owned(), setting: setting.collect() })
+    let setting = settings.iter().map(|(&key, value)| SettingEntry { key: names::of(key), value: value.clone() });
+    toml::to_string(&SettingsTable { version: VERSION, firmware: firmware.to_owned(), setting: setting.collect() })
 }
 
 /// Reads it.
 ///
 /// # Errors
 /// File, line and what is wrong.
-pub fn from_source(source: &Source) -> Result<BTreeMap<KeyNumber, Setting>, FileError> {
+pub fn from_source(source: &TomlSource) -> Result<BTreeMap<KeyNumber, Setting>, FileError> {
     #[derive(Deserialize)]
-    struct Head {
+    struct StoredHead {
         version: u32,
     }
-    let Head { version } = source.parse()?;
+    let StoredHead { version } = source.parse()?;
     if version != VERSION {
         return Err(source.refuse("version", format!("is {version}: this program reads version {VERSION}")));
     }
-    let table: Table = source.parse()?;
+    let table: SettingsTable = source.parse()?;
     let mut settings = BTreeMap::new();
-    for (i, Entry { key, value }) in table.setting.into_iter().enumerate() {
+    for (i, SettingEntry { key, value }) in table.setting.into_iter().enumerate() {
         let place = format!("setting[{i}].key");
-        let number = value.key().map(wire::settings::Key::number);
+        let number = value.key().map(wire::settings::SettingKey::number);
         let Some(number) = number else {
             return Err(source.refuse(&place, "has a command that sets nothing up"));
         };
@@ -91,26 +96,26 @@ pub fn from_source(source: &Source) -> Result<BTreeMap<KeyNumber, Setting>, File
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::head::Head;
+    use anemometry::head::Head;
 
     fn sphere_b() -> BTreeMap<KeyNumber, Setting> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
-        let head = Head::from_source(Source::read(&path).unwrap()).unwrap();
+        let head = Head::from_source(TomlSource::read(&path).unwrap()).unwrap();
         let mut settings = BTreeMap::new();
-        super::super::of_head(&head, 0.001, &mut settings).unwrap();
+        crate::settings::of_head(&head, 0.001, &mut settings).unwrap();
         names::set(&mut settings, "name", "north \"mast\" ° 1").unwrap();
         settings
     }
 
-    fn source(text: String) -> Source {
-        Source { path: "settings.toml".into(), text }
+    fn source(text: String) -> TomlSource {
+        TomlSource { path: "settings.toml".into(), text }
     }
 
     #[test]
     fn a_whole_head_comes_back_bit_for_bit() {
         let settings = sphere_b();
         assert!(settings.len() > 80, "{}", settings.len());
-        super::super::rehearse(&settings).unwrap();
+        crate::settings::rehearse(&settings).unwrap();
         let text = to_toml("anemo", &settings).unwrap();
         let back = from_source(&source(text)).unwrap();
         assert_eq!(back.len(), settings.len());
@@ -135,9 +140,14 @@ mod tests {
         // Right as a file, but nothing that an instrument would take.
         let mut wrong = sphere_b();
         names::set(&mut wrong, "sample_period_s", "100").unwrap();
-        assert!(super::super::rehearse(&wrong).unwrap_err().starts_with("sample_period_s: "));
+        assert!(crate::settings::rehearse(&wrong).unwrap_err().to_string().starts_with("sample_period_s: "));
         wrong.retain(|&key, _| key != 0x1000);
         names::set(&mut wrong, "sample_period_s", "0.001").unwrap();
-        assert!(super::super::rehearse(&wrong).unwrap_err().starts_with("element.1: element 0 has no configuration"));
+        assert!(
+            crate::settings::rehearse(&wrong)
+                .unwrap_err()
+                .to_string()
+                .starts_with("element.1: element 0 has no configuration")
+        );
     }
 }

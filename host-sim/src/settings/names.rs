@@ -1,12 +1,16 @@
-//! Names of settings, as people write them: `guard`, `element.3`, `cross.0-2`, and of the plain ones among them how a value is written.
+//! Names of settings, as people write them: `guard`, `element.3`, `cross.0-2`, and of the plain
+//! ones among them how a value is written.
 
 use std::collections::BTreeMap;
 
-use dr_core::control::{Command, GuardConfig, WindCommand};
-use wire::settings::{Key, KeyNumber, Kind};
+use dr_core::Command;
+use dr_core::control::GuardConfig;
+use dr_core::wind::WindCommand;
+use wire::settings::{KeyNumber, SettingKey, SettingKind};
 use wire::{Name, Setting};
 
-use crate::toml_file::suggest;
+use super::error::SettingsError;
+use recording::text::suggest;
 
 /// Keys that `set` takes with a value.
 pub const PLAIN: [&str; 9] = [
@@ -23,20 +27,20 @@ pub const PLAIN: [&str; 9] = [
 
 /// The name of a key, or its number if this program does not know it.
 pub fn of(number: KeyNumber) -> String {
-    let Some(Key { kind, which }) = Key::of_number(number) else { return format!("{number:#06x}") };
+    let Some(SettingKey { kind, which }) = SettingKey::of_number(number) else { return format!("{number:#06x}") };
     let name = kind.name();
     match kind {
-        Kind::Element
-        | Kind::Model
-        | Kind::Drive
-        | Kind::Own
-        | Kind::Point
-        | Kind::Part
-        | Kind::Tested
-        | Kind::TestedAtStart => {
+        SettingKind::Element
+        | SettingKind::Model
+        | SettingKind::Drive
+        | SettingKind::SelfHeating
+        | SettingKind::NusseltPoint
+        | SettingKind::Surface
+        | SettingKind::Tested
+        | SettingKind::TestedAtStart => {
             format!("{name}.{which}")
         }
-        Kind::Faster | Kind::Cross => format!("{name}.{}-{}", which >> 4, which & 15),
+        SettingKind::FasterGains | SettingKind::CrossHeating => format!("{name}.{}-{}", which >> 4, which & 15),
         _ if which == 0 => name.to_owned(),
         _ => format!("{name}.{which}"),
     }
@@ -52,30 +56,32 @@ pub fn number(name: &str) -> Option<KeyNumber> {
         }
         None => which.parse().ok()?,
     };
-    let kind = Kind::ALL.into_iter().find(|known| known.name() == kind)?;
-    let number = Key { kind, which }.number();
+    let kind = SettingKind::ALL.into_iter().find(|known| known.name() == kind)?;
+    let number = SettingKey { kind, which }.number();
     (of(number) == name).then_some(number)
 }
 
 /// Whether a key belongs to a head, and goes with it.
 pub fn is_of_head(number: KeyNumber) -> bool {
-    Key::of_number(number).is_some_and(|key| (Kind::Element..Kind::Gas).contains(&key.kind))
+    SettingKey::of_number(number).is_some_and(|key| (SettingKind::Element..SettingKind::Gas).contains(&key.kind))
 }
 
 /// Whether a key is of what the board writes by itself.
 pub fn is_the_boards(number: KeyNumber) -> bool {
-    Key::of_number(number).is_some_and(|key| matches!(key.kind, Kind::Tested | Kind::TestedAtStart))
+    SettingKey::of_number(number)
+        .is_some_and(|key| matches!(key.kind, SettingKind::Tested | SettingKind::TestedAtStart))
 }
 
 /// Changes a plain setting.
 ///
 /// # Errors
-/// A sentence: what is wrong with key or value, and what would be right.
-pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) -> Result<(), String> {
+/// What is wrong with key or value, and what would be right.
+pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) -> Result<(), SettingsError> {
     let setting = match key {
-        "name" => Setting::Name(Name::try_from(value).map_err(|_| {
-            format!("name: {value:?} has {} bytes, and a name has {} at the most", value.len(), Name::new().capacity())
-        })?),
+        "name" => {
+            let long = |_| SettingsError::LongName { name: value.to_owned(), most: Name::new().capacity() };
+            Setting::Name(Name::try_from(value).map_err(long)?)
+        }
         "telemetry_every" => Setting::TelemetryEvery(parse(key, value, "a whole number of ticks from 0 to 65535")?),
         "sample_period_s" => {
             Setting::Command(Command::SamplePeriod { sample_period_s: parse(key, value, "a number of seconds")? })
@@ -101,15 +107,16 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
     Ok(())
 }
 
-fn unknown(key: &str) -> String {
+fn unknown(key: &str) -> SettingsError {
     if number(key).is_some_and(is_of_head) {
-        return format!("`{key}` is not set by itself: `anemo settings set --head FILE` sets a whole head");
+        return SettingsError::OfAHead(key.to_owned());
     }
-    format!("unknown key `{key}`; {}", suggest(key, PLAIN))
+    SettingsError::UnknownKey { key: key.to_owned(), hint: suggest(key, PLAIN) }
 }
 
-fn parse<T: std::str::FromStr>(key: &str, value: &str, right: &str) -> Result<T, String> {
-    value.parse().map_err(|_| format!("{key}: {value:?} is not {right}"))
+fn parse<T: std::str::FromStr>(key: &str, value: &str, right: &'static str) -> Result<T, SettingsError> {
+    let wrong = |_| SettingsError::NotAValue { key: key.to_owned(), value: value.to_owned(), right };
+    value.parse().map_err(wrong)
 }
 
 fn guard(settings: &BTreeMap<KeyNumber, Setting>) -> GuardConfig {
@@ -120,7 +127,11 @@ fn guard(settings: &BTreeMap<KeyNumber, Setting>) -> GuardConfig {
     kept.unwrap_or_default()
 }
 
-fn gas(settings: &BTreeMap<KeyNumber, Setting>, new_pa: Option<f32>, new_c: Option<f32>) -> Result<Setting, String> {
+fn gas(
+    settings: &BTreeMap<KeyNumber, Setting>,
+    new_pa: Option<f32>,
+    new_c: Option<f32>,
+) -> Result<Setting, SettingsError> {
     let kept = settings.values().find_map(|setting| match setting {
         Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })) => {
             Some((*pressure_pa, *temperature_c))
@@ -128,7 +139,7 @@ fn gas(settings: &BTreeMap<KeyNumber, Setting>, new_pa: Option<f32>, new_c: Opti
         _ => None,
     });
     let pressure_pa = new_pa.or(kept.map(|(pressure_pa, _)| pressure_pa));
-    let pressure_pa = pressure_pa.ok_or("gas.temperature_c: set gas.pressure_pa first")?;
+    let pressure_pa = pressure_pa.ok_or(SettingsError::NoPressure)?;
     let temperature_c = new_c.or(kept.and_then(|(_, temperature_c)| temperature_c));
     Ok(Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })))
 }
@@ -139,9 +150,9 @@ mod tests {
 
     #[test]
     fn every_key_has_a_name_that_leads_back_to_it() {
-        for kind in Kind::ALL {
+        for kind in SettingKind::ALL {
             for which in [0, 1, 15, 0x2f] {
-                let number = Key { kind, which }.number();
+                let number = SettingKey { kind, which }.number();
                 assert_eq!(super::number(&of(number)), Some(number), "{}", of(number));
             }
         }
@@ -153,7 +164,7 @@ mod tests {
     #[test]
     fn what_cannot_be_set_is_said_with_what_can() {
         let mut settings = BTreeMap::new();
-        let mut refused = |key: &str, value: &str| set(&mut settings, key, value).unwrap_err();
+        let mut refused = |key: &str, value: &str| set(&mut settings, key, value).unwrap_err().to_string();
         assert_eq!(refused("nmae", "x"), "unknown key `nmae`; did you mean `name`?");
         assert!(refused("element.0", "x").contains("set --head FILE"));
         assert!(refused("name", &"x".repeat(33)).contains("has 33 bytes, and a name has 32"));

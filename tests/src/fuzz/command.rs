@@ -1,7 +1,7 @@
 //! A host that says anything, and a front end that reads anything.
 //!
-//! The first byte: odd, the station knows nothing; even, it has been set up with three elements of prototype B, and runs. Then one step after the
-//! other, by the remainder of its first byte by 4:
+//! The first byte: odd, the station knows nothing; even, it has been set up with three elements of
+//! prototype B, and runs. Then one step after the other, by the remainder of its first byte by 4:
 //!
 //! | | what | bytes |
 //! |---|---|---|
@@ -13,7 +13,8 @@
 
 use super::bytes::Bytes;
 use super::watched::{ELEMENTS, Watched};
-use dr_core::control::{Command, Drive, ElementConfig, Limits};
+use dr_core::Command;
+use dr_core::control::{Drive, ElementConfig, Limits};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 
 /// The target.

@@ -1,5 +1,5 @@
-//! Damage to an input, drawn from a seed: what libFuzzer does too, but the same every time, and with the words that tables, TOML and JSON
-//! stumble over.
+//! Damage to an input, drawn from a seed: what libFuzzer does too, but the same every time, and
+//! with the words that tables, TOML and JSON stumble over.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};

@@ -1,11 +1,11 @@
 //! Any text as an experiment with one of the shipped heads.
 
-use super::{said, said_of};
+use super::sentences::{said, said_of};
 use dr_core::control::{Heaters, RunState};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::{Instrument as _, LockStep};
-use host_sim::toml_file::Source;
+use host_sim::instrument::{InstrumentPort as _, LockStep};
+use recording::toml_file::TomlSource;
 
 /// Ticks of those that can be run at all.
 const TICKS: u32 = 5;
@@ -19,7 +19,7 @@ pub fn run(bytes: &[u8]) -> bool {
     if !stays_here(text) {
         return false;
     }
-    let source = Source { path: crate::file("experiments/tried.toml"), text: text.to_owned() };
+    let source = TomlSource { path: crate::file("experiments/tried.toml"), text: text.to_owned() };
     match Experiment::from_source(source) {
         // The head's file may be the one that is meant.
         Err(error) => {
@@ -65,7 +65,7 @@ fn make_use_of(experiment: &Experiment) {
         let sample = seen.sample;
         assert!(sample.state == RunState::Running || sample.heaters == Heaters(0));
         assert_eq!(sample.heaters.0 & !sample.valid, 0, "heated without a valid reading");
-        let wind_m_s = seen.wind_m_s.unwrap_or_default();
+        let wind_m_s = seen.true_wind_m_s.unwrap_or_default();
         assert!(wind_m_s.iter().all(|part| part.is_finite()), "{wind_m_s:?}");
         let all_c = instrument.truth().element_temperature_c;
         assert!(all_c.iter().all(|c| c.is_finite()), "{all_c:?}");

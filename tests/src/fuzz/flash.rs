@@ -1,12 +1,13 @@
-//! A flash of settings that is written and then rots: whatever is found, the clerk goes through all of it, tells only what can be read, and can
-//! begin anew.
+//! A flash of settings that is written and then rots: whatever is found, the clerk goes through all
+//! of it, tells only what can be read, and can begin anew.
 //!
-//! Steps by the remainder of their first byte by 4: 0 and 1 keep a value (key, length, bytes), 2 forgets one (key), 3 damages the flash
-//! (place, length, one byte that is written over each). Then the flash is opened.
+//! Steps by the remainder of their first byte by 4: 0 and 1 keep a value (key, length, bytes), 2
+//! forgets one (key), 3 damages the flash (place, length, one byte that is written over each). Then
+//! the flash is opened.
 
 use super::bytes::Bytes;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use firmware::settings::clerk::{Clerk, Next};
+use firmware::settings::server::{Next, SettingsServer};
 use firmware::settings::store::{MOST_KEYS, Store};
 use wire::settings::MOST_VALUE;
 use wire::{SettingsReply, SettingsRequest};
@@ -99,18 +100,18 @@ fn step(bytes: &mut Bytes<'_>, flash: &mut Ram, is_damaged: &mut bool) -> Option
 }
 
 fn looked_through(flash: Ram) -> bool {
-    let mut clerk = Clerk::new(flash.clone());
+    let mut clerk = SettingsServer::new(flash.clone());
     let (mut told, mut pieces, mut last) = (false, 0, None);
     clerk.begin();
     loop {
         let number = match clerk.next_piece() {
-            Next::Tell(number, setting) => {
-                assert_eq!(setting.key().map(wire::settings::Key::number), Some(number));
+            Next::Apply(number, setting) => {
+                assert_eq!(setting.key().map(wire::settings::SettingKey::number), Some(number));
                 told = true;
                 number
             }
-            Next::Leave(number, why) => {
-                super::said(&why.to_string());
+            Next::Skip(number, why) => {
+                super::sentences::said(&why.to_string());
                 number
             }
             Next::Done { taken, left } => {
@@ -126,7 +127,7 @@ fn looked_through(flash: Ram) -> bool {
     }
     // Whatever it is, it can be erased, and is whole and empty then.
     clerk.start_anew(|| flash);
-    assert_eq!(clerk.answer(0, &SettingsRequest::ForgetAll).result, Ok(SettingsReply::Done));
+    assert_eq!(clerk.answer(0, &SettingsRequest::EraseAll).result, Ok(SettingsReply::Done));
     assert_eq!(clerk.answer(0, &SettingsRequest::Check).result, Ok(SettingsReply::Done));
     assert_eq!(clerk.answer(0, &SettingsRequest::Next { after: None }).result, Ok(SettingsReply::Nothing));
     told

@@ -1,11 +1,13 @@
 //! Bytes that come over a link, from either side.
 //!
-//! The first byte says what the others are: odd, a stream as it comes; even, the message of one frame, which is framed here without the code
-//! under test. With a checksum before it a fuzzer would never get to see a message.
+//! The first byte says what the others are: odd, a stream as it comes; even, the message of one
+//! frame, which is framed here without the code under test. With a checksum before it a fuzzer
+//! would never get to see a message.
 
 use crate::{cobs_of, crc_of};
 use serde::{Serialize, de::DeserializeOwned};
-use wire::{FromBoard, MAX_FRAME, Receiver, ToBoard, VERSION, encode, frame::decode};
+use wire::frame::decode;
+use wire::{FromBoard, MAX_FRAME, Receiver, ToBoard, VERSION, encode};
 
 /// The target.
 ///
@@ -64,7 +66,8 @@ fn framed<T: Serialize + DeserializeOwned>(message: &[u8]) -> bool {
     match received {
         Some(received) => {
             assert_eq!((received.sequence, received.repeated, counters.messages), (sequence, false, 1));
-            // Lengths and tags may be written with more bytes than they need, and come out with fewer.
+            // Lengths and tags may be written with more bytes than they need, and come out with
+            // fewer.
             assert!(comes_out_again(sequence, &received.message).len() <= frame.len());
             true
         }
@@ -77,7 +80,8 @@ fn framed<T: Serialize + DeserializeOwned>(message: &[u8]) -> bool {
     }
 }
 
-/// Whatever was received fits into a frame, and that frame means the same: its bytes do, since a number may be none.
+/// Whatever was received fits into a frame, and that frame means the same: its bytes do, since a
+/// number may be none.
 fn comes_out_again<T: Serialize + DeserializeOwned>(sequence: u16, message: &T) -> Vec<u8> {
     let (mut once, mut twice) = ([0; MAX_FRAME], [0; MAX_FRAME]);
     let frame = encode(sequence, message, &mut once).expect("no message is longer than a frame").to_vec();

@@ -1,11 +1,11 @@
 //! Any text as a head, and as the models of a head's elements.
 
-use super::said_of;
-use dr_core::control::{Command, Station};
+use super::sentences::said_of;
+use anemometry::head::Head;
+use dr_core::{Command, Instrument};
 use host_sim::experiment::models::Models;
-use host_sim::head::Head;
 use host_sim::settings::{file, of_head, rehearse};
-use host_sim::toml_file::Source;
+use recording::toml_file::TomlSource;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use wire::MOST_ELEMENTS;
@@ -23,7 +23,7 @@ const SAMPLE_PERIOD_S: f64 = 0.01;
 /// If something does not hold.
 pub fn run(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
-    let source = Source { path: NAME.into(), text: text.to_owned() };
+    let source = TomlSource { path: NAME.into(), text: text.to_owned() };
     let models = Models::from_source(source.clone(), &SPHERE);
     match &models {
         Err(error) => said_of(NAME, &error.to_string()),
@@ -44,7 +44,7 @@ pub fn run(bytes: &[u8]) -> bool {
 
 /// A controller takes what the file's check has let through.
 fn is_taken(head: &Head) {
-    let mut station = Station::<MOST_ELEMENTS>::new();
+    let mut station = Instrument::<MOST_ELEMENTS>::new();
     station.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S as f32 }).expect("a period as any");
     station.handle(Command::Guard(head.guard_config(SAMPLE_PERIOD_S))).expect("any guard is taken");
     for (element, of) in (0_u8..).zip(&head.elements) {
@@ -60,14 +60,15 @@ fn is_taken(head: &Head) {
 /// What a board would keep of it is written as a file and read as the same.
 fn is_kept(head: &Head) {
     let mut settings = BTreeMap::new();
-    if let Err(sentence) = of_head(head, SAMPLE_PERIOD_S, &mut settings) {
-        return super::said(&sentence);
+    if let Err(error) = of_head(head, SAMPLE_PERIOD_S, &mut settings) {
+        return super::sentences::said(&error.to_string());
     }
     let text = file::to_toml("a firmware", &settings).expect("any setting can be written");
-    let read = file::from_source(&Source { path: "settings.toml".into(), text });
+    let read = file::from_source(&TomlSource { path: "settings.toml".into(), text });
     assert_eq!(read.as_ref(), Ok(&settings));
-    if let Err(sentence) = rehearse(&settings) {
-        super::said(&sentence);
+    if let Err(error) = rehearse(&settings) {
+        let sentence = error.to_string();
+        super::sentences::said(&sentence);
         assert!(
             head.calibration.is_some(),
             "a head without a calibration has nothing that could be refused: {sentence}"

@@ -11,10 +11,13 @@
 //! | [`head`] | a head, or the models of its elements | a controller takes its elements; what is kept of it is read as the same |
 //! | [`experiment`] | an experiment | it can be set up, or one sentence says why not |
 //!
-//! And whatever is refused is refused in one sentence. Each target says whether it has taken anything at all.
+//! And whatever is refused is refused in one sentence. Each target says whether it has taken
+//! anything at all.
 //!
-//! The same functions serve twice. `--test fuzz` gives them the corpus (`fuzz/corpus/`), a fixed number of damaged copies of it, and what libFuzzer
-//! once found (`fuzz/found/`), in a few seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and keeps them there.
+//! The same functions serve twice. `--test all fuzz::` gives them the corpus (`fuzz/corpus/`), a
+//! fixed number of damaged copies of it, and what libFuzzer once found (`fuzz/found/`), in a few
+//! seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and
+//! keeps them there.
 
 mod bytes;
 pub mod command;
@@ -25,6 +28,7 @@ pub mod frame;
 pub mod head;
 pub mod model;
 pub mod record;
+mod sentences;
 pub mod settings;
 pub mod watched;
 
@@ -48,15 +52,3 @@ pub const TARGETS: [Target; 8] = [
     Target { name: "record", run: record::run },
     Target { name: "settings", run: settings::run },
 ];
-
-/// A refusal is one sentence that can be shown as it is.
-fn said(sentence: &str) {
-    assert!(!sentence.trim().is_empty(), "a refusal without a word");
-    assert!(!sentence.contains(char::is_control), "more than one line: {sentence:?}");
-}
-
-/// A refusal of a file names the file.
-fn said_of(name: &str, sentence: &str) {
-    said(sentence);
-    assert!(sentence.contains(name), "of which file? {sentence:?}");
-}

@@ -1,9 +1,11 @@
-//! Any text as a model: refused in one sentence, or a model that is written and read as the same, and can be run, drawn, reduced and exported.
+//! Any text as a model: refused in one sentence, or a model that is written and read as the same,
+//! and can be run, drawn, reduced and exported.
 
-use super::said;
-use host_sim::model::export::{Part, table};
-use host_sim::model::{Forward, Model, reduce};
-use host_sim::plot::model::page;
+use super::sentences::said;
+use diffusive::model::PairClass;
+use diffusive::model::export::table;
+use diffusive::model::{Forward, Model, reduce};
+use plot::model::figure;
 
 /// Work that grows with a model's size says nothing of whether it is sound.
 const LONGEST_TEXT: usize = 20_000;
@@ -16,8 +18,8 @@ const LONGEST_DELAY: usize = 1_000;
 pub fn run(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     match Model::from_json(text) {
-        Err(sentence) => {
-            said(&sentence);
+        Err(error) => {
+            said(&error.to_string());
             false
         }
         Ok(model) => {
@@ -39,11 +41,11 @@ fn make_use_of(model: &Model) {
         let mut row = outputs.clone();
         (0..5).for_each(|_| motion.row(&inputs, 0, 20.0, &mut row));
     }
-    page(model, &[]).ok();
+    figure(model, &[]).svg();
     reduce::reduce(model, 2, reduce::Rates::Free).ok();
     for pair in &model.pairs {
         let name = format!("{}:{}", pair.input, pair.output);
-        if let Ok(part) = Part::find(model, Some(&name), Some(&model.classes[0])) {
+        if let Ok(part) = PairClass::find(model, Some(&name), Some(&model.classes[0])) {
             table::cauer_table(&part).ok();
             table::symbol_table(&part).ok();
             table::response_table(&part, 20).ok();

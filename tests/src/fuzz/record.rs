@@ -1,9 +1,10 @@
-//! Any bytes as a recording, in Parquet if they begin as such and in CSV if not: blocks of finite numbers that agree with the survey, twice the
-//! same, or one sentence. Columns are found by their headings, and again by names.
+//! Any bytes as a recording, in Parquet if they begin as such and in CSV if not: blocks of finite
+//! numbers that agree with the survey, twice the same, or one sentence. Columns are found by their
+//! headings, and again by names.
 
-use super::said_of;
-use host_sim::identify::record::{RecordError, Selection, Source as _, Stream};
-use host_sim::recording::{Reader, RecordingError, Values};
+use super::sentences::said_of;
+use diffusive::identify::record::{RecordError, RecordSource as _, RecordStream, Selection};
+use recording::{ColumnValues, RecordingError, RecordingReader};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -27,7 +28,8 @@ pub fn run(bytes: &[u8]) -> bool {
             said_of(name, &error.to_string());
         }
         let read = [Selection::default(), named()].map(|selection| blocks(&path, &selection));
-        // A file that is written over is flushed to the disk by some file systems, which takes longer than all the rest.
+        // A file that is written over is flushed to the disk by some file systems, which takes
+        // longer than all the rest.
         std::fs::remove_file(&path).expect("it has just been written");
         read.iter().filter_map(|read| read.as_ref().err()).for_each(|error| said_of(name, &error.to_string()));
         read.iter().any(Result::is_ok)
@@ -46,13 +48,13 @@ fn named() -> Selection {
 
 /// All columns as they are.
 fn columns(path: &Path) -> Result<(), RecordingError> {
-    let mut reader = Reader::open(path)?;
+    let mut reader = RecordingReader::open(path)?;
     let names = reader.names().to_vec();
     while let Some(chunk) = reader.next_chunk()? {
         assert!(chunk.iter().map(|column| &column.name).eq(&names));
         for column in &chunk {
             assert_eq!(column.values.len(), chunk[0].values.len());
-            if let Values::Words(words) = &column.values {
+            if let ColumnValues::Words(words) = &column.values {
                 assert!(words.stretches().map(|(from, to, _)| to - from).sum::<usize>() == words.len());
             }
         }
@@ -62,7 +64,7 @@ fn columns(path: &Path) -> Result<(), RecordingError> {
 
 /// The columns that an identification reads.
 fn blocks(path: &Path, selection: &Selection) -> Result<(), RecordError> {
-    let mut stream = Stream::open(path, selection)?;
+    let mut stream = RecordStream::open(path, selection)?;
     let mut sums = Vec::new();
     for _ in 0..2 {
         let (mut rows, mut sum) = (0, 0.0);

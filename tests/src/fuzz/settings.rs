@@ -1,10 +1,10 @@
-//! What is kept of settings: a value behind its key's number (two bytes, little-endian), as it comes from a flash or over a link; and the same
-//! bytes as a file of settings.
+//! What is kept of settings: a value behind its key's number (two bytes, little-endian), as it
+//! comes from a flash or over a link; and the same bytes as a file of settings.
 
 use super::bytes::Bytes;
-use super::{said, said_of};
+use super::sentences::{said, said_of};
 use host_sim::settings::{content, file, names, rehearse};
-use host_sim::toml_file::Source;
+use recording::toml_file::TomlSource;
 use std::collections::BTreeMap;
 use wire::Setting;
 
@@ -26,7 +26,7 @@ fn value(bytes: &[u8]) -> bool {
             false
         }
         Ok(setting) => {
-            assert_eq!(setting.key().map(wire::settings::Key::number), Some(number));
+            assert_eq!(setting.key().map(wire::settings::SettingKey::number), Some(number));
             assert_eq!(names::number(&names::of(number)), Some(number), "{setting:?}");
             // Its bytes are compared, since a number may be none.
             let kept = setting.value().expect("no setting is longer than a value");
@@ -39,19 +39,20 @@ fn value(bytes: &[u8]) -> bool {
     }
 }
 
-/// Written as a file and read again, all bits are as they were; but for numbers that are none, of which nobody keeps the bits.
+/// Written as a file and read again, all bits are as they were; but for numbers that are none, of
+/// which nobody keeps the bits.
 fn goes_through_a_file(settings: &BTreeMap<u16, Setting>) {
     let text = file::to_toml("a firmware", settings).expect("any setting can be written");
-    let read = file::from_source(&Source { path: "settings.toml".into(), text: text.clone() });
+    let read = file::from_source(&TomlSource { path: "settings.toml".into(), text: text.clone() });
     let read = read.unwrap_or_else(|error| panic!("{error}: {text}"));
     assert!(&read == settings || file::to_toml("a firmware", &read).as_deref() == Ok(&text), "{text}");
-    if let Err(sentence) = rehearse(settings) {
-        said(&sentence);
+    if let Err(error) = rehearse(settings) {
+        said(&error.to_string());
     }
 }
 
 fn text(text: &str) -> bool {
-    match file::from_source(&Source { path: "settings.toml".into(), text: text.to_owned() }) {
+    match file::from_source(&TomlSource { path: "settings.toml".into(), text: text.to_owned() }) {
         Err(error) => {
             said_of("settings.toml", &error.to_string());
             false

@@ -1,22 +1,25 @@
-//! A station that is watched: whatever it is told and given, what has to hold is looked at after every tick and every command.
+//! A station that is watched: whatever it is told and given, what has to hold is looked at after
+//! every tick and every command.
 //!
-//! **After a tick.** A heater is at its high level only while the instrument runs, or alone in a self-test, and only if its element's reading of that very tick is one
-//! that a resistor as it was configured can have within its limits; that is worked out here in f64 from the commands that were taken. Of every
-//! valid reading temperature and power are numbers, and so is a wind that is not said to have failed.
+//! **After a tick.** A heater is at its high level only while the instrument runs, or alone in a
+//! self-test, and only if its element's reading of that very tick is one that a resistor as it was
+//! configured can have within its limits; that is worked out here in f64 from the commands that
+//! were taken. Of every valid reading temperature and power are numbers, and so is a wind that is
+//! not said to have failed.
 //!
 //! **After a command.** One that was refused has changed nothing.
 
-use dr_core::control::{
-    Cause, Command, Doubts, ElementConfig, Heaters, Refusal, Reply, RunState, SelfTestPlan, Station, Tick, Trip,
-};
+use dr_core::control::{Cause, ElementConfig, Heaters, Refusal, RunState, SelfTestPlan, Tick, Trip};
 use dr_core::sensor::{Level, Reading};
+use dr_core::wind::QualityFlags;
+use dr_core::{Command, Instrument, Reply};
 
 /// How many elements the watched station has room for.
 pub const ELEMENTS: usize = 3;
 
 /// The station, and what is known of it from outside.
 pub struct Watched {
-    station: Station<ELEMENTS>,
+    station: Instrument<ELEMENTS>,
     /// What each element was last configured as.
     configs: [Option<ElementConfig>; ELEMENTS],
     /// Levels since the last tick, at which the next readings are taken.
@@ -32,11 +35,11 @@ impl Default for Watched {
 impl Watched {
     /// One that knows nothing yet.
     pub fn new() -> Self {
-        Self { station: Station::new(), configs: [None; ELEMENTS], levels: Heaters(0) }
+        Self { station: Instrument::new(), configs: [None; ELEMENTS], levels: Heaters(0) }
     }
 
     /// To look at.
-    pub const fn station(&self) -> &Station<ELEMENTS> {
+    pub const fn station(&self) -> &Instrument<ELEMENTS> {
         &self.station
     }
 
@@ -45,7 +48,8 @@ impl Watched {
         self.levels
     }
 
-    /// The code of an element at this share of the way between its limits of resistance, at the level that it has.
+    /// The code of an element at this share of the way between its limits of resistance, at the
+    /// level that it has.
     pub fn code(&self, element: usize, share: f64) -> i32 {
         let Some(config) = self.config(element) else { return 0 };
         let level = if self.levels.is_high(element) { Level::High } else { Level::Low };
@@ -72,9 +76,10 @@ impl Watched {
         let told = self.station.handle(command);
         match (&told, command) {
             (Err(refusal), _) => {
-                super::said(&refusal.to_string());
-                // A flipped bit that a command brings to light is the one thing that a refusal changes: it trips.
-                let is_upset = self.station.controller().upsets() > before.controller().upsets();
+                super::sentences::said(&refusal.to_string());
+                // A flipped bit that a command brings to light is the one thing that a refusal
+                // changes: it trips.
+                let is_upset = self.station.controller().bit_flips() > before.controller().bit_flips();
                 assert!(
                     is_upset || same(&self.station, &before),
                     "{command:?} was refused ({refusal}) and yet changed something"
@@ -82,12 +87,12 @@ impl Watched {
                 if is_upset {
                     assert!(matches!(
                         self.station.controller().state(),
-                        RunState::Tripped(Trip { cause: Cause::Upset, .. })
+                        RunState::Tripped(Trip { cause: Cause::BitFlip, .. })
                     ));
                 }
             }
             (Ok(_), Command::Clear) => self.configs = [None; ELEMENTS],
-            (Ok(_), Command::Acknowledge) if matches!(state, RunState::Tripped(Trip { cause: Cause::Upset, .. })) => {
+            (Ok(_), Command::Acknowledge) if matches!(state, RunState::Tripped(Trip { cause: Cause::BitFlip, .. })) => {
                 self.configs = [None; ELEMENTS];
             }
             (Ok(_), Command::Element { element, config }) => {
@@ -111,7 +116,7 @@ impl Watched {
 
     /// Flips a bit somewhere inside; whether there was one to flip.
     pub fn upset(&mut self, which: usize, element: usize, bit: u32) -> bool {
-        self.station.upset(which, element, bit).is_some()
+        self.station.flip_bit(which, element, bit).is_some()
     }
 
     /// Both halves of a tick.
@@ -129,8 +134,9 @@ impl Watched {
         for heats in [RunState::Running, RunState::Testing] {
             assert!(before == heats || tick.state != heats, "it began to heat by itself: {tick:?}");
         }
-        if matches!(tick.state, RunState::Tripped(Trip { cause: Cause::Upset, .. })) {
-            // What it knows is wrong, and so may be what it tells; until that is acknowledged it heats nothing.
+        if matches!(tick.state, RunState::Tripped(Trip { cause: Cause::BitFlip, .. })) {
+            // What it knows is wrong, and so may be what it tells; until that is acknowledged it
+            // heats nothing.
             assert_eq!(tick.heaters, Heaters(0), "heated after an upset");
             self.levels = tick.heaters;
             return tick;
@@ -158,7 +164,7 @@ impl Watched {
             let (temperature_c, power_w) = (tick.temperature_c[i], tick.power_w[i]);
             assert!(temperature_c.is_finite() && power_w.is_finite() && power_w >= 0.0, "{tick:?}");
         }
-        if let Some(wind) = wind.filter(|wind| !wind.doubts.has(Doubts::FAILED)) {
+        if let Some(wind) = wind.filter(|wind| !wind.quality_flags.has(QualityFlags::FAILED)) {
             let told = wind.wind;
             assert!(told.wind_m_s.iter().chain([&told.speed_m_s]).all(|number| number.is_finite()), "{wind:?}");
         }
@@ -188,6 +194,6 @@ pub fn volt_per_code(config: &ElementConfig) -> f64 {
 }
 
 /// Equal, or of the same words where a number is none and so not equal to itself.
-fn same(a: &Station<ELEMENTS>, b: &Station<ELEMENTS>) -> bool {
+fn same(a: &Instrument<ELEMENTS>, b: &Instrument<ELEMENTS>) -> bool {
     a == b || format!("{a:?}") == format!("{b:?}")
 }

@@ -1,16 +1,18 @@
-//! The firmware's parts in this process: receiver, inbox, station, dead man's handle and memory of past lives, put together as its tasks are.
+//! The firmware's parts in this process: receiver, inbox, station, dead man's handle and memory of
+//! past lives, put together as its tasks are.
 
 use super::Subject;
-use dr_core::control::{Cause, Command, Heaters, Reply};
+use dr_core::control::{Cause, Heaters};
 use dr_core::sensor::Reading;
-use firmware::dead_man::DeadMan;
-use firmware::inbox::{Errand, Exchange, Inbox, Questions, Request};
-use firmware::past_life::{PastLife, end_of};
+use dr_core::{Command, Reply};
+use firmware::crash_record::{CrashRecord, end_of};
+use firmware::dead_man::DeadManCounter;
+use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::{Account, Body, InstrumentError, TickReport};
+use host_sim::instrument::{InstrumentError, LinkReport, LockStepController, TickReport};
 use std::collections::BTreeMap;
-use wire::settings::{KeyNumber, Value};
+use wire::settings::{KeyNumber, SettingValue};
 use wire::{
     BoardKind, Crash, CrashKind, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Receiver, ResetCause,
     SettingsRefusal, ToBoard,
@@ -23,10 +25,10 @@ pub struct Bench<'a> {
     receiver: Receiver,
     inbox: Inbox<'a>,
     requests: Consumer<'a, Request>,
-    dead_man: DeadMan,
+    dead_man: DeadManCounter,
     bitten: bool,
     pins: Heaters,
-    past: PastLife,
+    past: CrashRecord,
     /// Its time goes on when somebody asks for it.
     asked_s: u32,
 }
@@ -34,9 +36,9 @@ pub struct Bench<'a> {
 /// Lends such a board.
 pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
     let (mut requests, mut exchanges, questions) =
-        (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Questions::new());
+        (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), TelemetryRequests::new());
     // It keeps no settings: what is asked of them waits for ever.
-    let mut errands = Queue::<Errand, 2>::new();
+    let mut errands = Queue::<SettingsJob, 2>::new();
     let ((request_in, requests), (exchange_in, _)) = (requests.split(), exchanges.split());
     take(Bench {
         identity: Identity {
@@ -52,10 +54,10 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
         receiver: Receiver::new(),
         inbox: Inbox::new(request_in, exchange_in, errands.split().0, &questions, false),
         requests,
-        dead_man: DeadMan::new(),
+        dead_man: DeadManCounter::new(),
         bitten: false,
         pins: Heaters::default(),
-        past: PastLife::FIRST,
+        past: CrashRecord::FIRST,
         asked_s: 0,
     })
 }
@@ -63,9 +65,9 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
 impl Bench<'_> {
     /// As the start of the firmware does it.
     fn start_anew(&mut self, reset: ResetCause) {
-        self.past = PastLife::after(&self.past.record(), reset);
+        self.past = CrashRecord::after(&self.past.record(), reset);
         (self.body, self.receiver) = (InProcess::new(), Receiver::new());
-        (self.dead_man, self.bitten, self.pins) = (DeadMan::new(), false, Heaters::default());
+        (self.dead_man, self.bitten, self.pins) = (DeadManCounter::new(), false, Heaters::default());
         while self.requests.dequeue().is_some() {}
         if let Some(cause) = self.past.trip(reset) {
             self.body.station_mut().trip(cause);
@@ -81,7 +83,7 @@ impl Bench<'_> {
     }
 }
 
-impl Body for Bench<'_> {
+impl LockStepController for Bench<'_> {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -108,8 +110,8 @@ impl Body for Bench<'_> {
         self.body.digest()
     }
 
-    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
-        Ok(Account::default())
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
+        Ok(LinkReport::default())
     }
 }
 
@@ -145,20 +147,20 @@ impl Subject for Bench<'_> {
             Provocation::Fault => self.crash(CrashKind::Fault),
             Provocation::Reset => self.start_anew(ResetCause::Pin),
             // Memory and flash have ways of their own.
-            Provocation::Upset { .. } | Provocation::CutPower { .. } => {}
+            Provocation::BitFlip { .. } | Provocation::CutPower { .. } => {}
         }
         Ok(())
     }
 
     fn upset(&mut self, which: usize, element: usize, bit: u32) -> Result<bool, InstrumentError> {
-        Ok(self.body.station_mut().upset(which, element, bit).is_some())
+        Ok(self.body.station_mut().flip_bit(which, element, bit).is_some())
     }
 
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError> {
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError> {
         Err(keeps_none())
     }
 
-    fn store_with_a_cut(&mut self, _: KeyNumber, _: Value, _: u32) -> Result<bool, InstrumentError> {
+    fn store_with_a_cut(&mut self, _: KeyNumber, _: SettingValue, _: u32) -> Result<bool, InstrumentError> {
         Err(keeps_none())
     }
 }

@@ -1,23 +1,26 @@
 //! One fault after the other to an instrument that runs, and what came of them.
 //!
-//! Every fault must end in one of three ways: the readings are told as they are again while the instrument runs on (`correct`), it trips, or, of
-//! what comes over the link, it is dropped and counted. Whatever else happens fails the campaign, and so does a heater that is on
-//! against the invariant at any tick on the way.
+//! Every fault must end in one of three ways: the readings are told as they are again while the
+//! instrument runs on (`correct`), it trips, or, of what comes over the link, it is dropped and
+//! counted. Whatever else happens fails the campaign, and so does a heater that is on against the
+//! invariant at any tick on the way.
 
 use super::fault::Fault;
 use super::judge::Judge;
 use super::{Kind, Subject};
 use crate::{readings, sensor};
-use dr_core::control::{Cause, Command, Finding, Heaters, Reply, RunState};
+use dr_core::control::{Cause, Heaters, RunState, SelfTestFinding};
+use dr_core::{Command, Reply};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::{Account, Body, Instrument, InstrumentError, Observation};
+use host_sim::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStepController, Observation};
 use host_sim::sensor::Sensor;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::collections::BTreeMap;
 use wire::{Identity, LinkCounters};
 
-/// Ticks in a row that have to be told as they are before a fault counts as over: more than there are elements, whose models are looked at in turn.
+/// Ticks in a row that have to be told as they are before a fault counts as over: more than there
+/// are elements, whose models are looked at in turn.
 const WELL_TICKS: u32 = 20;
 
 /// What came of all faults of a kind.
@@ -31,8 +34,8 @@ pub struct Row {
     pub trips: BTreeMap<&'static str, u32>,
     /// Frames that the link dropped and counted.
     pub dropped: u32,
-    /// Ticks from the first that was wrong until the element's heater was low for good, at most; of those that tripped. All heaters, where it is
-    /// not one element's fault.
+    /// Ticks from the first that was wrong until the element's heater was low for good, at most; of
+    /// those that tripped. All heaters, where it is not one element's fault.
     pub ticks_to_safe: u32,
 }
 
@@ -55,7 +58,8 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
         lab.tick(|_| ()).expect("a healthy instrument runs");
     }
     let mut row = Row { kind, faults, correct: 0, trips: BTreeMap::new(), dropped: 0, ticks_to_safe: 0 };
-    // How many ticks that takes hangs on the machine: where it is not needed, the campaign is the same every time.
+    // How many ticks that takes hangs on the machine: where it is not needed, the campaign is the
+    // same every time.
     let before = kind.is_counted().then(|| lab.counted());
     for n in 0..faults {
         let fault = Fault::draw(kind, experiment.head.elements.len(), &mut random);
@@ -73,7 +77,8 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
             Ended::Reset => {
                 row.correct += 1;
                 lab.start();
-                // A self-test of its start may have ended by that: the first reading is still of something else then.
+                // A self-test of its start may have ended by that: the first reading is still of
+                // something else then.
                 lab.tick(|_| ()).ok();
             }
         }
@@ -106,7 +111,8 @@ impl<S: Subject> Lab<'_, S> {
         host_sim::run::start(self.experiment, &mut AsInstrument(self.subject)).expect("the experiment is not refused");
     }
 
-    /// One tick, its readings changed on the way; whether all were told as they are, or else the trip.
+    /// One tick, its readings changed on the way; whether all were told as they are, or else the
+    /// trip.
     fn tick(&mut self, change: impl FnOnce(&mut [dr_core::sensor::Reading])) -> Result<bool, Cause> {
         let mut given = readings(&self.sensor);
         change(&mut given);
@@ -119,7 +125,8 @@ impl<S: Subject> Lab<'_, S> {
         }
     }
 
-    /// The supply fails while a setting is written: it is the old one or the new one then, and no heater is on before or after.
+    /// The supply fails while a setting is written: it is the old one or the new one then, and no
+    /// heater is on before or after.
     fn lose_power(&mut self, fault: &Fault, what: &str) -> Ended {
         self.subject.command(Command::Stop).expect("it can always be stopped");
         assert_eq!((self.tick(|_| ()), self.judge.levels()), (Ok(false), Heaters(0)), "{what}: stopped");
@@ -144,7 +151,7 @@ impl<S: Subject> Lab<'_, S> {
             self.subject.hear(&bytes).expect("the link takes anything");
         }
         if kind == Kind::Upset {
-            let places = dr_core::control::controller::upset::UPSETS;
+            let places = dr_core::control::controller::bit_flips::FLIPPABLE;
             let mut which = fault.bits as usize % places;
             while !self.subject.upset(which, fault.element, fault.bits / 64).expect("it is there") {
                 which = (which + 1) % places;
@@ -209,7 +216,7 @@ fn is_wrong(fault: &Fault, t: u32) -> bool {
 /// A subject as that to which commands are given.
 pub(super) struct AsInstrument<'a, S: ?Sized>(pub &'a mut S);
 
-impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
+impl<S: LockStepController + ?Sized> InstrumentPort for AsInstrument<'_, S> {
     fn identity(&self) -> &Identity {
         self.0.identity()
     }
@@ -222,7 +229,7 @@ impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
         Err(InstrumentError::Protocol("it is only set up this way".to_owned()))
     }
 
-    fn findings(&mut self) -> Vec<Finding> {
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
         Vec::new()
     }
 
@@ -230,8 +237,8 @@ impl<S: Body + ?Sized> Instrument for AsInstrument<'_, S> {
         None
     }
 
-    fn finish(self: Box<Self>) -> Result<Account, InstrumentError> {
-        Ok(Account::default())
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
+        Ok(LinkReport::default())
     }
 }
 

@@ -1,6 +1,7 @@
 //! What can go wrong: kinds, and faults of a kind as a seed draws them.
 
-use dr_core::control::{Command, Drive, GuardConfig};
+use dr_core::Command;
+use dr_core::control::{Drive, GuardConfig};
 use dr_core::sensor::{Level, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
@@ -101,13 +102,15 @@ impl Kind {
     /// Ticks after which it must have shown.
     pub const fn window_ticks(self) -> u32 {
         match self {
-            // The heads' limit, and what the loop takes to ask for the level at which the code is impossible.
+            // The heads' limit, and what the loop takes to ask for the level at which the code is
+            // impossible.
             Self::StuckCode => 400,
             _ => 60,
         }
     }
 
-    /// What a link has to count of each such fault; whatever comes of `Replayed` is the controller's to refuse.
+    /// What a link has to count of each such fault; whatever comes of `Replayed` is the
+    /// controller's to refuse.
     pub const fn is_counted(self) -> bool {
         matches!(
             self,

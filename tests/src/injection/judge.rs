@@ -1,8 +1,11 @@
-//! Who judges: from the readings that were given and the levels that came back, and from nothing else.
+//! Who judges: from the readings that were given and the levels that came back, and from nothing
+//! else.
 //!
-//! **The invariant.** A heater is at its high level only if a valid reading of its element younger than two ticks was judged. Here: levels that
-//! stand after tick n may be high only for elements whose reading of tick n, or of the tick before it if n was silent, is one that
-//! a resistor of this head can have within its limits, at the level at which it was read. And never while the instrument says that it does not run.
+//! **The invariant.** A heater is at its high level only if a valid reading of its element younger
+//! than two ticks was judged. Here: levels that stand after tick n may be high only for elements
+//! whose reading of tick n, or of the tick before it if n was silent, is one that a resistor of
+//! this head can have within its limits, at the level at which it was read. And never while the
+//! instrument says that it does not run.
 
 use dr_core::control::{Heaters, RunState};
 use dr_core::sensor::Reading;
@@ -42,7 +45,8 @@ impl Element {
         if let Some(coefficient_per_c) = self.coefficient_per_c {
             return (ratio - 1.0) / coefficient_per_c;
         }
-        // IEC 60751: R(t)/R(0) = 1 + A t + B t² + C (t − 100) t³, the last term below 0 °C only. Rises over the whole range, hence by halves.
+        // IEC 60751: R(t)/R(0) = 1 + A t + B t² + C (t − 100) t³, the last term below 0 °C only.
+        // Rises over the whole range, hence by halves.
         let (mut low_c, mut high_c) = (-300.0, 1000.0);
         for _ in 0..60 {
             let c: f64 = 0.5 * (low_c + high_c);

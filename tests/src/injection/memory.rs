@@ -15,12 +15,12 @@ use wire::Provocation;
 /// First address of the RAM.
 const RAM: u64 = 0x2000_0000;
 
-/// How deep the stack is while the firmware waits for its host: the frames of its start and of `idle` on the fast link, and
-/// on the slow one that of the interrupt that brings the flip.
+/// How deep the stack is while the firmware waits for its host: the frames of its start and of
+/// `idle` on the fast link, and on the slow one that of the interrupt that brings the flip.
 const LIVE_STACK_BYTES: u64 = 1024;
 
-/// What in its statics' names says that only the virtual board has them: its ways to the host, which simulate, and pins and dead man's handle, which
-/// are no memory on a board.
+/// What in its statics' names says that only the virtual board has them: its ways to the host,
+/// which simulate, and pins and dead man's handle, which are no memory on a board.
 const SIMULATION: [&str; 6] =
     ["virtual_board", "virtual_log", "_idler", "idle_bench", "bench_bench", "host_transmitter"];
 
@@ -116,7 +116,7 @@ impl Memory {
             || format!("{:+}", at as i64 - self.stack_top as i64),
             |of| format!("{}+{}", of.name, at - of.at.start),
         );
-        Flip { harm: Provocation::Upset { offset: (at - RAM) as u32, bit }, what: format!("{what}.{bit}") }
+        Flip { harm: Provocation::BitFlip { offset: (at - RAM) as u32, bit }, what: format!("{what}.{bit}") }
     }
 
     /// The address of a byte of a region.

@@ -1,5 +1,6 @@
-//! Fault injection: something goes wrong in front of the front end, on the link, or in the memory of an instrument that runs, and somebody who
-//! knows nothing of its firmware judges what becomes of the heaters.
+//! Fault injection: something goes wrong in front of the front end, on the link, or in the memory
+//! of an instrument that runs, and somebody who knows nothing of its firmware judges what becomes
+//! of the heaters.
 //!
 //! ```text
 //! sensor ──► fault ──► readings ──► subject ──► levels ──► sensor

@@ -2,14 +2,14 @@
 
 use dr_core::control::Heaters;
 use host_sim::instrument::emulated::Emulated;
-use host_sim::instrument::{Body, InstrumentError};
+use host_sim::instrument::{InstrumentError, LockStepController};
 use host_sim::settings::read_all;
 use std::collections::BTreeMap;
-use wire::settings::{KeyNumber, Value};
+use wire::settings::{KeyNumber, SettingValue};
 use wire::{LinkCounters, Provocation, SettingsRequest};
 
 /// A running instrument to which things can happen.
-pub trait Subject: Body {
+pub trait Subject: LockStepController {
     /// A tick passes in which the front end says nothing; the levels as they stand then.
     ///
     /// # Errors
@@ -44,13 +44,19 @@ pub trait Subject: Body {
     ///
     /// # Errors
     /// If it cannot be reached, or keeps none.
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError>;
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError>;
 
-    /// Stores a setting while the supply fails after so many bytes. Whether it has failed: all may have been written by then.
+    /// Stores a setting while the supply fails after so many bytes. Whether it has failed: all may
+    /// have been written by then.
     ///
     /// # Errors
     /// If it cannot be reached, or keeps none.
-    fn store_with_a_cut(&mut self, key: KeyNumber, value: Value, after_bytes: u32) -> Result<bool, InstrumentError>;
+    fn store_with_a_cut(
+        &mut self,
+        key: KeyNumber,
+        value: SettingValue,
+        after_bytes: u32,
+    ) -> Result<bool, InstrumentError>;
 }
 
 impl Subject for Emulated {
@@ -68,7 +74,7 @@ impl Subject for Emulated {
 
     fn harm(&mut self, harm: Provocation) -> Result<(), InstrumentError> {
         self.provoke(harm)?;
-        if !matches!(harm, Provocation::Upset { .. }) {
+        if !matches!(harm, Provocation::BitFlip { .. }) {
             self.reborn()?;
         }
         Ok(())
@@ -79,13 +85,18 @@ impl Subject for Emulated {
         Ok(false)
     }
 
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, Value>, InstrumentError> {
+    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError> {
         let (kept, is_whole) = read_all(self)?;
         let all = kept.into_iter().map(|kept| (kept.number, kept.value)).collect();
         is_whole.then_some(all).ok_or_else(|| InstrumentError::Protocol("it has lost some of what it kept".to_owned()))
     }
 
-    fn store_with_a_cut(&mut self, key: KeyNumber, value: Value, after_bytes: u32) -> Result<bool, InstrumentError> {
+    fn store_with_a_cut(
+        &mut self,
+        key: KeyNumber,
+        value: SettingValue,
+        after_bytes: u32,
+    ) -> Result<bool, InstrumentError> {
         self.ask_with_a_cut(after_bytes, &SettingsRequest::Store { key, value })
     }
 }

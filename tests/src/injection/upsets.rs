@@ -1,16 +1,19 @@
 //! Bits that flip anywhere in the emulated board's RAM, one a board, and what came of each.
 //!
-//! Every flip hits a board of its own that runs, between two ticks: while it waits for its host. From then on a twin in this process is given the same
-//! readings; the two say the same to the bit, so that whatever the board says else is the flip's doing. The judge of the heaters knows nothing of the twin.
+//! Every flip hits a board of its own that runs, between two ticks: while it waits for its host.
+//! From then on a twin in this process is given the same readings; the two say the same to the bit,
+//! so that whatever the board says else is the flip's doing. The judge of the heaters knows nothing
+//! of the twin.
 
 use super::judge::Judge;
 use super::memory::{Flip, Memory, Region};
 use crate::readings;
-use dr_core::control::{Command, RunState};
+use dr_core::Command;
+use dr_core::control::RunState;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::emulated::{Emulated, Path as Way};
+use host_sim::instrument::emulated::{Emulated, EmulatorLink as Way};
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::{Body, InstrumentError, TickReport};
+use host_sim::instrument::{InstrumentError, LockStepController, TickReport};
 use host_sim::sensor::Sensor;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -21,7 +24,8 @@ use std::time::Duration;
 /// How long a board is watched after a flip, before it is told to stop.
 const WATCHED_TICKS: u32 = 120;
 
-/// A board that has not answered for so long does not answer any more. One that does takes less than a millisecond.
+/// A board that has not answered for so long does not answer any more. One that does takes less
+/// than a millisecond.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 /// What came of a flip. Of two the later one counts.
@@ -29,7 +33,8 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 pub enum End {
     /// It ran on, said what its twin said, and stopped when it was told to.
     AsBefore,
-    /// It ran on, but some messages did not come: they are numbered, so that whoever waits for them knows.
+    /// It ran on, but some messages did not come: they are numbered, so that whoever waits for them
+    /// knows.
     Dropped,
     /// It heated as its twin did, and told another wind.
     WrongWind,
@@ -43,9 +48,11 @@ pub enum End {
     Tripped(&'static str),
     /// It started anew, heaters low, and was in this state then.
     Restarted(&'static str),
-    /// It says nothing any more to readings; of ticks without readings it still hears, and the dead man's handle lowers its heaters.
+    /// It says nothing any more to readings; of ticks without readings it still hears, and the dead
+    /// man's handle lowers its heaters.
     DeadMan,
-    /// It says nothing any more, or nothing that answers. The emulator has neither watchdog nor the timer of the dead man's handle.
+    /// It says nothing any more, or nothing that answers. The emulator has neither watchdog nor the
+    /// timer of the dead man's handle.
     NoAnswer,
 }
 
@@ -81,7 +88,7 @@ pub fn warm(experiment: &Experiment, ticks: u32) -> Sensor {
     sensor
 }
 
-fn start(experiment: &Experiment, body: &mut dyn Body) {
+fn start(experiment: &Experiment, body: &mut dyn LockStepController) {
     host_sim::run::start(experiment, &mut super::campaign::AsInstrument(body)).expect("the experiment is not refused");
 }
 
@@ -125,7 +132,8 @@ struct Trial {
     twin: InProcess,
     sensor: Sensor,
     judge: Judge,
-    /// Ticks in which something else was told than the twin told, how many of these had a mark of it, and the last of them.
+    /// Ticks in which something else was told than the twin told, how many of these had a mark of
+    /// it, and the last of them.
     wrong: (u32, u32, u32),
     /// Why there was no answer.
     error: String,
@@ -144,7 +152,7 @@ impl Trial {
         let mut twin = InProcess::new();
         start(experiment, &mut board);
         start(experiment, &mut twin);
-        board.be_patient_for(PATIENCE);
+        board.set_timeout(PATIENCE);
         Self { board, twin, sensor, judge: Judge::new(experiment), wrong: (0, 0, 0), error: String::new() }
     }
 
@@ -157,7 +165,7 @@ impl Trial {
     fn run_well(&mut self, ticks: u32) {
         for _ in 0..ticks {
             let given = readings(&self.sensor);
-            let [told, twins] = [&mut self.board as &mut dyn Body, &mut self.twin]
+            let [told, twins] = [&mut self.board as &mut dyn LockStepController, &mut self.twin]
                 .map(|body| body.exchange(&given).expect("a healthy instrument runs"));
             assert_eq!(told, twins, "board and twin say the same");
             assert_eq!(told.sample.state, RunState::Running);
@@ -247,9 +255,10 @@ impl Trial {
         if told == twins {
             return End::AsBefore;
         }
-        // Another doubt than the twin's, or errors that are beyond belief at so few degrees of freedom.
+        // Another doubt than the twin's, or errors that are beyond belief at so few degrees of
+        // freedom.
         let is_marked = told.wind.as_ref().zip(twins.wind.as_ref()).is_some_and(|(told, twins)| {
-            told.doubts != twins.doubts || (told.chi_square > 30.0 && twins.chi_square < 30.0)
+            told.quality_flags != twins.quality_flags || (told.chi_square > 30.0 && twins.chi_square < 30.0)
         });
         self.wrong = (self.wrong.0 + 1, self.wrong.1 + u32::from(is_marked), t);
         if told.sample.heaters != twins.sample.heaters {

@@ -12,7 +12,8 @@ pub enum Excitation {
     Prbs { rows_per_bit: usize },
     /// A random telegraph: two levels, switched in every row with probability 1/`mean_rows`.
     Telegraph { mean_rows: f64 },
-    /// Levels drawn evenly between the lowest and the highest, each held for `least_rows` to `most_rows`.
+    /// Levels drawn evenly between the lowest and the highest, each held for `least_rows` to
+    /// `most_rows`.
     Steps { least_rows: usize, most_rows: usize },
     /// The highest level from the first row on.
     Step,
@@ -88,7 +89,8 @@ mod tests {
         assert!(input.iter().all(|&u| u == 1.0 || u == 5.0));
         let bits: Vec<f64> = input.chunks(3).map(|held| (held[0] - 3.0) / 2.0).collect();
         assert!(input.chunks(3).all(|held| held.iter().all(|u| *u == held[0])));
-        // Of 10 000 fair and independent bits mean and correlations have standard deviation 0.01; five of them.
+        // Of 10 000 fair and independent bits mean and correlations have standard deviation 0.01;
+        // five of them.
         assert!(bits.iter().sum::<f64>().abs() / 1e4 < 0.05);
         for lag in 1..30 {
             let sum: f64 = bits.iter().zip(&bits[lag..]).map(|(a, b)| a * b).sum();

@@ -1,19 +1,22 @@
-//! A heat-flux sensor under a heater film: part of its signal follows the heat at once, and all of it comes late.
+//! A heat-flux sensor under a heater film: part of its signal follows the heat at once, and all of
+//! it comes late.
 //!
-//! The film lies on a plate of capacity c that is one end of a Foster network (R_k, ξ_k). A share s of the film's heat passes the sensor
-//! directly, the rest warms the plate first, so that the flux behind the plate is
+//! The film lies on a plate of capacity c that is one end of a Foster network (R_k, ξ_k). A share s
+//! of the film's heat passes the sensor directly, the rest warms the plate first, so that the flux
+//! behind the plate is
 //!
 //! ```text
 //! q = u − (1 − s) c dT/dt,    dT/dt = Σ ξ_k R_k (u − x_k),    c = 1/Σ ξ_k R_k
 //! ⇒ q = s u + (1 − s) Σ w_k x_k,    w_k = ξ_k R_k / Σ ξ_j R_j
 //! ```
 //!
-//! with x_k the normalised states: a feed-through of s W/W, and weights that add up to 1 − s, since all heat leaves in the end. The
-//! sensor's electronics answer `dead_time_rows` rows late.
+//! with x_k the normalised states: a feed-through of s W/W, and weights that add up to 1 − s, since
+//! all heat leaves in the end. The sensor's electronics answer `dead_time_rows` rows late.
 
 use super::foster::{Foster, FosterRecord, Poles};
 
-/// A record of the flux in W for the film's heat in W; `plate` gives the network, excitation, start and noise.
+/// A record of the flux in W for the film's heat in W; `plate` gives the network, excitation, start
+/// and noise.
 ///
 /// The record's names are those of a temperature: read W for K.
 pub fn flux(plate: &Foster, direct_share: f64, dead_time_rows: usize) -> FosterRecord {
@@ -46,8 +49,9 @@ mod tests {
         let temperature = plate.simulate();
         assert_eq!(record.input_w, temperature.input_w);
         let gamma: f64 = temperature.rates_rad_s.iter().zip(&temperature.resistances_k_per_w).map(|(a, b)| a * b).sum();
-        // Balance over the record: ∫u − ∫q = (1 − s) c (T_end − T_0). The trapezoidal rule misses half a row of every jump of s · 60 mW,
-        // up and down in turn, which leaves 4.5e-5 J at the most, and h²/12 of the slopes' jumps.
+        // Balance over the record: ∫u − ∫q = (1 − s) c (T_end − T_0). The trapezoidal rule misses
+        // half a row of every jump of s · 60 mW, up and down in turn, which leaves 4.5e-5 J at the
+        // most, and h²/12 of the slopes' jumps.
         let heat: f64 = record.input_w[..3999].iter().sum::<f64>() * 0.005;
         let out: f64 = record.clean_c.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).sum::<f64>() * 0.005;
         let stored = 0.7 / gamma * (temperature.clean_c[3999] - 20.0);

@@ -1,11 +1,12 @@
-//! Relaxations in parallel, a Foster network: a diffusive model with every detail known, and what a measurement makes of it.
+//! Relaxations in parallel, a Foster network: a diffusive model with every detail known, and what a
+//! measurement makes of it.
 //!
 //! ```text
 //! dx_k/dt = ξ_k (u(t − d) − x_k),    y = offset + Σ R_k x_k + D u(t − d)
 //! ```
 //!
-//! with rates ξ_k in rad/s, resistances R_k and feed-through D in K/W, and a dead time d of whole rows. Thesis (2.10) in normalised
-//! states, stepped exactly.
+//! with rates ξ_k in rad/s, resistances R_k and feed-through D in K/W, and a dead time d of whole
+//! rows. Thesis (2.10) in normalised states, stepped exactly.
 
 use dr_core::model::mesh;
 
@@ -19,7 +20,8 @@ pub enum Poles {
         rates_rad_s: Vec<f64>,
         resistances_k_per_w: Vec<f64>,
     },
-    /// Rates are drawn one from each of `count` equal parts of ln ξ, off the parts' borders; resistances from 3 to 30 K/W over ln R.
+    /// Rates are drawn one from each of `count` equal parts of ln ξ, off the parts' borders;
+    /// resistances from 3 to 30 K/W over ln R.
     Random {
         count: usize,
         slowest_rad_s: f64,
@@ -33,7 +35,8 @@ pub enum Poles {
 pub enum Start {
     /// Nothing has been heated before.
     Rest,
-    /// Every state lies somewhere between the input's levels, and earlier inputs are still on their way through the dead time.
+    /// Every state lies somewhere between the input's levels, and earlier inputs are still on their
+    /// way through the dead time.
     Anywhere,
 }
 
@@ -139,10 +142,10 @@ impl Foster {
 }
 
 impl FosterRecord {
-    /// Columns `time_s`, `power_w:x`, `temperature_c:x`.
+    /// Columns `time_s`, `power_w_x`, `temperature_c_x`.
     pub fn write(&self, path: &std::path::Path) -> std::io::Result<()> {
         let columns =
-            [("power_w:x", Column::Numbers(&self.input_w)), ("temperature_c:x", Column::Numbers(&self.output_c))];
+            [("power_w_x", Column::Numbers(&self.input_w)), ("temperature_c_x", Column::Numbers(&self.output_c))];
         write_csv(path, self.sample_period_s, &columns)
     }
 }

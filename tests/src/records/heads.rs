@@ -1,12 +1,15 @@
-//! Several heads on one body: each warms itself quickly and its neighbours slowly, and each stands in a wind of its own.
+//! Several heads on one body: each warms itself quickly and its neighbours slowly, and each stands
+//! in a wind of its own.
 //!
 //! ```text
-//! C_h dT_i/dt = P_i − G_i(wind) (T_i − T_gas) − G_body (T_i − T_body) − G_side Σ_neighbours (T_i − T_j)
+//! C_h dT_i/dt = P_i − G_i(wind) (T_i − T_gas) − G_body (T_i − T_body)
+//!               − G_side Σ_neighbours (T_i − T_j)
 //! C_b dT_b/dt = G_body Σ_i (T_i − T_body) − G_support (T_body − T_gas)
 //! ```
 //!
-//! The heads stand in a ring, so that neighbours are alike and the one across is further. Linear, hence the answers to all heads'
-//! heat at once are the sum of the answers to each alone; heat is reciprocal, hence the answer of i to j is that of j to i in the same wind.
+//! The heads stand in a ring, so that neighbours are alike and the one across is further. Linear,
+//! hence the answers to all heads' heat at once are the sum of the answers to each alone; heat is
+//! reciprocal, hence the answer of i to j is that of j to i in the same wind.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -151,10 +154,10 @@ pub struct HeadsRecord {
 }
 
 impl HeadsRecord {
-    /// Columns `time_s`, `power_w:<i>` …, `temperature_c:<i>` …, `event`; heads are counted from 0.
+    /// Columns `time_s`, `power_w_<i>` …, `temperature_c_<i>` …, `event`; heads are counted from 0.
     pub fn write(&self, path: &std::path::Path) -> std::io::Result<()> {
         let names: Vec<(String, String)> =
-            (0..self.power_w.len()).map(|head| (format!("power_w:{head}"), format!("temperature_c:{head}"))).collect();
+            (0..self.power_w.len()).map(|head| (format!("power_w_{head}"), format!("temperature_c_{head}"))).collect();
         let powers =
             names.iter().zip(&self.power_w).map(|((name, _), values)| (name.as_str(), Column::Numbers(values)));
         let temperatures =
@@ -199,7 +202,8 @@ mod tests {
 
     #[test]
     fn all_heated_alike_the_heads_share_one_balance() {
-        // By symmetry nothing flows from side to side: P = G_w T + G_b (T − T_b), 4 G_b (T − T_b) = G_s T_b.
+        // By symmetry nothing flows from side to side: P = G_w T + G_b (T − T_b), 4 G_b (T − T_b) =
+        // G_s T_b.
         let gain: f64 = quiet().simulate().steady_gain_k_per_w[0].row(0).sum();
         let through = (1.0 / 2e-3 + 4.0 / 6e-3_f64).recip();
         assert!((gain - (1e-3 + through).recip()).abs() < 1e-9);
@@ -209,7 +213,8 @@ mod tests {
     fn each_wind_is_a_feedback_of_its_own() {
         let record = Heads { rows: 1, ..Heads::two_in_winds() }.simulate();
         for (gain, conductances) in record.steady_gain_k_per_w.iter().zip(&record.conductance_w_per_k) {
-            // T = H0 (P − ΔG T), hence H^−1 = H0^−1 + ΔG, also for the part of the network that is looked at.
+            // T = H0 (P − ΔG T), hence H^−1 = H0^−1 + ΔG, also for the part of the network that is
+            // looked at.
             let inverse = |gain: &DMatrix<f64>| gain.clone().try_inverse().unwrap();
             let found = inverse(gain) - inverse(&record.steady_gain_k_per_w[0]);
             let expected = DMatrix::from_diagonal(&DVector::from_column_slice(conductances));

@@ -1,4 +1,5 @@
-//! Simulated records for tests of identification: what a thermal experiment would have measured, with the truth beside it.
+//! Simulated records for tests of identification: what a thermal experiment would have measured,
+//! with the truth beside it.
 //!
 //! | module | simulates |
 //! |---|---|
@@ -8,8 +9,9 @@
 //! | [`heads`] | several heads on one body that warm each other, each in its own wind |
 //! | [`flux`] | a heat-flux sensor: a share of the heat passes at once, the rest as the plate warms, all of it late |
 //!
-//! Every record follows one convention: row n holds the outputs at n·Ts and the inputs over [n, n + 1)·Ts. Thermal networks are
-//! stepped exactly ([`network`]), so what an identification leaves above the noise is its own. All are seeded.
+//! Every record follows one convention: row n holds the outputs at n·Ts and the inputs over [n, n +
+//! 1)·Ts. Thermal networks are stepped exactly ([`network`]), so what an identification leaves
+//! above the noise is its own. All are seeded.
 
 pub mod excitation;
 pub mod flux;

@@ -5,7 +5,8 @@
 //! T(t + h) = Φ T(t) + Γ [P; T_gas],    [Φ Γ; 0 1] = exp([A B; 0 0] h)
 //! ```
 //!
-//! C in J/K, G in W/K, P in W, T in °C. Exact for powers and a gas temperature that are held over the step h (Van Loan 1978).
+//! C in J/K, G in W/K, P in W, T in °C. Exact for powers and a gas temperature that are held over
+//! the step h (Van Loan 1978).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,7 +14,8 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Debug, Clone)]
 pub struct Network {
     capacity_j_per_k: DVector<f64>,
-    /// Conductances between nodes: negative off the diagonal, on it what leaves the node, to the gas too.
+    /// Conductances between nodes: negative off the diagonal, on it what leaves the node, to the
+    /// gas too.
     conductance_w_per_k: DMatrix<f64>,
     to_gas_w_per_k: DVector<f64>,
 }
@@ -50,7 +52,8 @@ impl Network {
         self.to_gas_w_per_k[node] += conductance_w_per_k;
     }
 
-    /// Takes a node's gas for something else that is held at 0 °C: it is cooled as before, but no longer by the gas.
+    /// Takes a node's gas for something else that is held at 0 °C: it is cooled as before, but no
+    /// longer by the gas.
     pub fn shelter(&mut self, node: usize) {
         self.to_gas_w_per_k[node] = 0.0;
     }
@@ -59,7 +62,8 @@ impl Network {
         self.capacity_j_per_k.len()
     }
 
-    /// Steady rise of every node (row) per watt into every node (column), K/W. Symmetric: heat is reciprocal.
+    /// Steady rise of every node (row) per watt into every node (column), K/W. Symmetric: heat is
+    /// reciprocal.
     ///
     /// # Panics
     /// If some node loses its heat nowhere.
@@ -87,7 +91,8 @@ impl Network {
         self.to_gas_w_per_k.dot(temperatures_c)
     }
 
-    /// The exact step with the powers of the first `heated` nodes as inputs, and the gas temperature as the last.
+    /// The exact step with the powers of the first `heated` nodes as inputs, and the gas
+    /// temperature as the last.
     pub fn step(&self, heated: usize, period_s: f64) -> Step {
         let (nodes, inputs) = (self.nodes(), heated + 1);
         let mut generator = DMatrix::zeros(nodes + inputs, nodes + inputs);
@@ -167,7 +172,8 @@ mod tests {
         let loss = network.loss_w(&temperatures);
         network.step(1, h).advance(&mut temperatures, &DVector::from_vec(vec![0.03, 0.0]));
         let gained = (network.heat_j(&temperatures) - before) / h;
-        // h times the greatest rate, 0.6/s, is 6e-5 of the largest flow, 0.2 W; the difference of 6.6 J adds 1e-15/h.
+        // h times the greatest rate, 0.6/s, is 6e-5 of the largest flow, 0.2 W; the difference of
+        // 6.6 J adds 1e-15/h.
         assert!((gained - (0.03 - loss)).abs() < 2e-5, "{gained}");
     }
 

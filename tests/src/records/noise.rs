@@ -9,7 +9,8 @@ use super::Random;
 pub struct Noise {
     /// Standard deviation.
     pub sigma: f64,
-    /// Correlation from row to row, φ in e_n = φ e_{n−1} + √(1 − φ²) σ w_n with w_n white; 0 is white noise.
+    /// Correlation from row to row, φ in e_n = φ e_{n−1} + √(1 − φ²) σ w_n with w_n white; 0 is
+    /// white noise.
     pub correlation: f64,
     /// Readings are rounded to whole multiples of this; 0: not at all.
     pub quantum: f64,

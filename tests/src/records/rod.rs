@@ -1,13 +1,15 @@
 //! A heated head on a cooled rod, in winds that switch: the experiment for wind as feedback.
 //!
-//! A chain of one head and 30 pieces of rod. Wind j changes one thing, the conductance G_j from head to gas:
+//! A chain of one head and 30 pieces of rod. Wind j changes one thing, the conductance G_j from
+//! head to gas:
 //!
 //! ```text
 //! C dT_0/dt = u − G_j (T_0 − T_gas) − (heat into the rod),    ΔG_j = G_j − G_0
 //! ```
 //!
-//! so that in the wind the head answers by H_j = H_0/(1 + ΔG_j H_0), and 1/H_j(0) − 1/H_0(0) = ΔG_j exactly. The rod loses heat at its
-//! sides and its end. None of this is a diffusive model of few poles.
+//! so that in the wind the head answers by H_j = H_0/(1 + ΔG_j H_0), and 1/H_j(0) − 1/H_0(0) = ΔG_j
+//! exactly. The rod loses heat at its sides and its end. None of this is a diffusive model of few
+//! poles.
 
 use nalgebra::DVector;
 
@@ -78,7 +80,8 @@ pub struct Rod {
 }
 
 impl Default for Rod {
-    /// Three winds, 20 to 40 s each, an hour at 20 Hz, PRBS of 10 Hz, 5 mK of white noise, gas at 18 °C.
+    /// Three winds, 20 to 40 s each, an hour at 20 Hz, PRBS of 10 Hz, 5 mK of white noise, gas at
+    /// 18 °C.
     fn default() -> Self {
         Self {
             winds_w_per_k: vec![6e-4, 1.4e-3, 2.2e-3],
@@ -155,11 +158,11 @@ impl Rod {
 }
 
 impl RodRecord {
-    /// Columns `time_s`, `power_w:head`, `temperature_c:head`, `gas_c`, `event`.
+    /// Columns `time_s`, `power_w_head`, `temperature_c_head`, `gas_c`, `event`.
     pub fn write(&self, path: &std::path::Path) -> std::io::Result<()> {
         let columns = [
-            ("power_w:head", Column::Numbers(&self.power_w)),
-            ("temperature_c:head", Column::Numbers(&self.temperature_c)),
+            ("power_w_head", Column::Numbers(&self.power_w)),
+            ("temperature_c_head", Column::Numbers(&self.temperature_c)),
             ("gas_c", Column::Numbers(&self.gas_c)),
             ("event", Column::Labels(&self.class, &self.labels)),
         ];
@@ -173,13 +176,15 @@ mod tests {
 
     #[test]
     fn the_steady_gain_is_that_of_a_cooled_rod() {
-        // Murray-Gardner fin with a cooled end: y0 (y_end + y0 tanh mL)/(y0 + y_end tanh mL), y0 = √(g/r), mL = √(g r), g = sides, r = rod.
+        // Murray-Gardner fin with a cooled end: y0 (y_end + y0 tanh mL)/(y0 + y_end tanh mL), y0 =
+        // √(g/r), mL = √(g r), g = sides, r = rod.
         let (y0, ml) =
             ((SIDES_W_PER_K / ROD_RESISTANCE_K_PER_W).sqrt(), (SIDES_W_PER_K * ROD_RESISTANCE_K_PER_W).sqrt());
         let fin = y0 * (END_W_PER_K + y0 * ml.tanh()) / (y0 + END_W_PER_K * ml.tanh());
         for wind in [6e-4, 2.2e-3] {
             let gain = network(wind).steady_gain_k_per_w()[(0, 0)];
-            // Thirty pieces for a continuum: losses of 3e-4 W/K sit half a piece, 11.7 K/W, too far out.
+            // Thirty pieces for a continuum: losses of 3e-4 W/K sit half a piece, 11.7 K/W, too far
+            // out.
             assert!((gain * (wind + fin) - 1.0).abs() < 3.5e-3, "{gain} for {}", 1.0 / (wind + fin));
         }
     }
@@ -192,8 +197,8 @@ mod tests {
             // An inverse of condition 1e3
             assert!((found - conductance).abs() < 1e-14);
         }
-        // And in motion: the strongest wind is the reference's network with −ΔG (T − T_gas) added to its heat, up to what the feedback
-        // misses by being held for a row of 0.2 ms.
+        // And in motion: the strongest wind is the reference's network with −ΔG (T − T_gas) added
+        // to its heat, up to what the feedback misses by being held for a row of 0.2 ms.
         let still = Rod {
             winds_w_per_k: vec![6e-4],
             rows_per_wind: [4000, 4000],

@@ -1,7 +1,9 @@
-//! A rod that is recorded no longer than it takes to settle, and a second record on which a model of the first must prove itself.
+//! A rod that is recorded no longer than it takes to settle, and a second record on which a model
+//! of the first must prove itself.
 //!
-//! From rest, so that a method which frees the initial state without need has the slow drift to confuse with it. The second record is
-//! driven by random steps that last long enough to ask for the slowest relaxation.
+//! From rest, so that a method which frees the initial state without need has the slow drift to
+//! confuse with it. The second record is driven by random steps that last long enough to ask for
+//! the slowest relaxation.
 
 use super::rod::{Gas, Rod, RodRecord, network};
 use super::{Excitation, Noise};

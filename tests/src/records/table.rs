@@ -1,4 +1,5 @@
-//! Columns of a simulated record as CSV: `time_s` first, numbers with the fewest digits that give the same f64 back.
+//! Columns of a simulated record as CSV: `time_s` first, numbers with the fewest digits that give
+//! the same f64 back.
 
 use std::io::{BufWriter, Write as _};
 use std::path::Path;

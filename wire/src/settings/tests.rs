@@ -1,10 +1,12 @@
 use super::*;
 use dr_core::control::{
-    AnswerConfig, Cause, Drive, ElementConfig, Faults, Finding, GuardConfig, Limits, PartOfHead, Response,
+    Cause, Drive, ElementConfig, GuardConfig, Limits, PulseResponse, SelfTestFaults, SelfTestFinding,
 };
-use dr_core::model::{AlarmConfig, CrossConfig, FasterConfig, GainsConfig, OwnConfig, SelfHeatingConfig};
-use dr_core::sensor::wind::{CardConfig, GasLawConfig, PartConfig};
+use dr_core::model::{
+    AlarmConfig, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, SelfHeatingConfig,
+};
 use dr_core::sensor::{Channel, Platinum};
+use dr_core::wind::{CardConfig, GasLawConfig, HeadSurface, SurfaceConfig, WindOutputConfig};
 
 extern crate std;
 use std::vec::Vec;
@@ -17,8 +19,9 @@ fn one_of_each() -> Vec<Setting> {
     let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 5e-7, 0.003, 0.016).unwrap();
     let limits =
         Limits { resistance_min_ohm: 100.0, resistance_max_ohm: 300.0, temperature_max_c: 70.0, code_max: 8_388_607 };
-    let surface = PartConfig { axis: [1.0; 3], corner: [2.0; 3], area_m2: 3.0, means: [4.0; 5], threefold: [5.0; 3] };
-    let own = OwnConfig {
+    let surface =
+        SurfaceConfig { axis: [1.0; 3], corner: [2.0; 3], area_m2: 3.0, means: [4.0; 5], threefold: [5.0; 3] };
+    let own = NetworkSelfHeatingConfig {
         mesh_rad_s: [1.0; 8],
         r_k_per_w: [2.0; 8],
         surface: [3.0; 8],
@@ -26,7 +29,8 @@ fn one_of_each() -> Vec<Setting> {
         gains: GAINS,
         alarm: Some(AlarmConfig { smoothing_s: 5.0, threshold_k: 6.0 }),
     };
-    let cross = CrossConfig { from: 1, to: 2, mesh_rad_s: [1.0; 4], r_k_per_w: [2.0; 4], surface: [3.0; 4] };
+    let cross =
+        NetworkCrossHeatingConfig { from: 1, to: 2, mesh_rad_s: [1.0; 4], r_k_per_w: [2.0; 4], surface: [3.0; 4] };
     let card = CardConfig {
         mean: [1.0; 12],
         difference: [2.0; 12],
@@ -43,17 +47,17 @@ fn one_of_each() -> Vec<Setting> {
         viscosity_pa_s: [4.0; 7],
         conductivity_w_m_k: [5.0; 7],
     };
-    let answer = AnswerConfig {
-        parts: 4,
+    let answer = WindOutputConfig {
+        surfaces: 4,
         diameter_m: 1.0,
         reynolds: Some([2.0; 2]),
         direction_error_max_rad: 3.0,
-        every_ticks: 4,
+        output_interval_ticks: 4,
         reference: Some(5),
         smoothing_s: [6.0; 2],
         reference_gas_c: 7.0,
     };
-    let part = PartOfHead { element: 3, surface, gain: 1.0, windless_w_k: 2.0 };
+    let part = HeadSurface { element: 3, surface, gain: 1.0, windless_w_k: 2.0 };
     let model = SelfHeatingConfig { mesh_rad_s: [1.0; 8], r_k_per_w: [2.0; 8], reference_c: 3.0 };
     let commands = [
         Command::SamplePeriod { sample_period_s: 0.01 },
@@ -62,14 +66,14 @@ fn one_of_each() -> Vec<Setting> {
         Command::Element { element: 1, config: ElementConfig { channel, limits } },
         Command::Model { element: 2, model },
         Command::Drive { element: 3, drive: Drive::Passive },
-        Command::Wind(WindCommand::Own { element: 4, config: own }),
-        Command::Wind(WindCommand::Faster(FasterConfig { element: 1, set: 2, until_s: 3.0, gains: GAINS })),
-        Command::Wind(WindCommand::Cross(cross)),
-        Command::Wind(WindCommand::Point { point: 31, amplitudes: [1.0; 6] }),
-        Command::Wind(WindCommand::Part { part: 3, config: part }),
+        Command::Wind(WindCommand::SelfHeating { element: 4, config: own }),
+        Command::Wind(WindCommand::FasterGains(FasterGainsConfig { element: 1, set: 2, until_s: 3.0, gains: GAINS })),
+        Command::Wind(WindCommand::CrossHeating(cross)),
+        Command::Wind(WindCommand::NusseltPoint { point: 31, amplitudes: [1.0; 6] }),
+        Command::Wind(WindCommand::Surface { surface: 3, config: part }),
         Command::Wind(WindCommand::Card(card)),
         Command::Wind(WindCommand::GasLaw(gas_law)),
-        Command::Wind(WindCommand::Answer(answer)),
+        Command::Wind(WindCommand::Output(answer)),
         Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }),
     ];
     let name = Name::try_from("a name that has all 32 characters").unwrap_or_default();
@@ -79,11 +83,11 @@ fn one_of_each() -> Vec<Setting> {
 
 /// What the board writes by itself.
 fn records() -> Vec<Setting> {
-    let response = Response { rise_k: 1.0, expected_k: Some(2.0), ratio: Some(3.0), gap_k: Some(4.0) };
-    let finding = Finding {
+    let response = PulseResponse { rise_k: 1.0, expected_k: Some(2.0), ratio: Some(3.0), gap_k: Some(4.0) };
+    let finding = SelfTestFinding {
         element: 5,
         of: 6,
-        faults: Faults(7),
+        faults: SelfTestFaults(7),
         offset_v: Some(8.0),
         reference: Some(9.0),
         cause: Some(Cause::Open),
@@ -102,11 +106,11 @@ const STEP: usize = if cfg!(miri) { 64 } else { 1 };
 #[test]
 fn each_comes_out_as_it_went_in_and_nowhere_else() {
     let settings = [one_of_each(), records()].concat();
-    assert_eq!(settings.len(), Kind::ALL.len());
+    assert_eq!(settings.len(), SettingKind::ALL.len());
     let mut before = 0;
-    for (setting, kind) in settings.iter().zip(Kind::ALL) {
+    for (setting, kind) in settings.iter().zip(SettingKind::ALL) {
         let key = setting.key().unwrap();
-        assert_eq!((key.kind, Key::of_number(key.number())), (kind, Some(key)));
+        assert_eq!((key.kind, SettingKey::of_number(key.number())), (kind, Some(key)));
         assert!(key.number() > before, "in the order in which they are told");
         before = key.number();
         let value = setting.value().unwrap();

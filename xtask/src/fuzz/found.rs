@@ -1,4 +1,5 @@
-//! What libFuzzer has found of a target, hundreds of small inputs, as one file that a clone brings along.
+//! What libFuzzer has found of a target, hundreds of small inputs, as one file that a clone brings
+//! along.
 
 use crate::shell;
 use anyhow::{Context, Result};
@@ -22,7 +23,8 @@ pub fn unpack(archive: &Path, folder: &Path) -> Result<()> {
     tar::Archive::new(GzDecoder::new(file)).unpack(folder).with_context(|| archive.display().to_string())
 }
 
-/// Packs inputs in the order of their names, without times or owners: the same inputs are the same bytes. Gives how many those are.
+/// Packs inputs in the order of their names, without times or owners: the same inputs are the same
+/// bytes. Gives how many those are.
 pub fn pack(inputs: &[PathBuf], archive: &Path) -> Result<u64> {
     let folder = archive.parent().context("an archive lies in a folder")?;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;

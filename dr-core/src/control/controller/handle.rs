@@ -1,9 +1,12 @@
-//! What a controller does when it is told something.
+//! How a controller carries out commands.
 
-use super::{Cause, Controller, Element, ElementConfig, ElementState, RunState, Trip};
-use crate::control::command::{Command, LONGEST_ARMED_S, Refusal, Reply};
+use super::{ControlledElement, Controller, ElementState};
+use crate::command::{Command, LONGEST_ARMED_S, Reply};
 use crate::control::drive::Drive;
-use crate::control::self_test::{SelfTestPlan, plan};
+use crate::control::guard::{Cause, Trip};
+use crate::control::refusal::Refusal;
+use crate::control::self_test::plan::{self, SelfTestPlan};
+use crate::control::state::{ElementConfig, Heaters, RunState};
 use crate::control::targets;
 use crate::error::{self, Parameter};
 use crate::model::SelfHeating;
@@ -12,16 +15,16 @@ impl<const N: usize> Controller<N> {
     /// Carries out a command.
     ///
     /// # Errors
-    /// Says why not, and changes nothing.
+    /// Returns the reason, and changes nothing.
     pub fn handle(&mut self, command: Command) -> Result<Reply, Refusal> {
-        if let Some(trip) = self.look_everywhere_for_upsets() {
-            // Sealed with the command, it would not be found any more.
-            self.fall(trip);
-            self.seal_states();
+        if let Some(trip) = self.verify_everything() {
+            // An update of the checksums would hide the flipped bit.
+            self.enter_tripped(trip);
+            self.update_state_checksum();
             return Err(Refusal::Tripped(trip));
         }
         let reply = self.carry_out(command)?;
-        self.seal_all();
+        self.update_checksums();
         Ok(reply)
     }
 
@@ -36,7 +39,7 @@ impl<const N: usize> Controller<N> {
                 let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
                 self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
                 self.armed_ticks = 0;
-                // Their gains were for the old period.
+                // Their gains were computed for the old period.
                 for element in self.elements.iter_mut().flatten() {
                     (element.model, element.observer) = (None, None);
                 }
@@ -58,7 +61,7 @@ impl<const N: usize> Controller<N> {
                     channel: config.channel.checked().map_err(invalid)?,
                     limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
                 };
-                *slot = Some(Element { config, model: None, observer: None, drive: Drive::Passive });
+                *slot = Some(ControlledElement { config, model: None, observer: None, drive: Drive::Passive });
                 self.configured = self.configured.max(index + 1);
             }
             Command::Model { element, model } => {
@@ -81,7 +84,7 @@ impl<const N: usize> Controller<N> {
                 (self.state, self.armed_ticks) = (RunState::Standby, 0);
             }
             Command::Acknowledge => match self.state {
-                RunState::Tripped(Trip { cause: Cause::Upset, .. }) => self.forget(),
+                RunState::Tripped(Trip { cause: Cause::BitFlip, .. }) => self.forget(),
                 RunState::Tripped(_) => self.state = RunState::Standby,
                 RunState::Standby | RunState::Running | RunState::Testing => return Err(Refusal::NotTripped),
             },
@@ -92,9 +95,9 @@ impl<const N: usize> Controller<N> {
         Ok(Reply::Done)
     }
 
-    /// All but the count of upsets.
+    /// Clears everything except the count of bit flips.
     fn forget(&mut self) {
-        *self = Self { upsets: self.upsets, ..Self::new() };
+        *self = Self { bit_flips: self.bit_flips, ..Self::new() };
     }
 
     fn arm(&mut self, window_s: f32) -> Result<(), Refusal> {
@@ -130,7 +133,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Length of a self-test's pulse; 0 without one.
-    pub(in crate::control) fn pulse_ticks(&self, plan: &SelfTestPlan) -> Result<u32, Refusal> {
+    pub(crate) fn pulse_ticks(&self, plan: &SelfTestPlan) -> Result<u32, Refusal> {
         let sample_period_s = self.sample_period_s.ok_or(Refusal::NoSamplePeriod)?;
         plan.pulse_ticks(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })
     }
@@ -156,12 +159,13 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    fn element_mut(&mut self, element: u8) -> Result<&mut Element, Refusal> {
+    fn element_mut(&mut self, element: u8) -> Result<&mut ControlledElement, Refusal> {
         let slot = self.elements.get_mut(usize::from(element)).ok_or(Refusal::NoSuchElement { element })?;
         slot.as_mut().ok_or(Refusal::NotConfigured { element })
     }
 
-    /// Gives every model its observer, or takes it away. All or none: a model that cannot be observed changes nothing.
+    /// Gives every model its observer, or takes it away. All or none: a model that cannot be
+    /// observed changes nothing.
     fn observe(&mut self, on: bool) -> Result<(), Refusal> {
         self.in_standby()?;
         let mut elements = self.elements;
@@ -219,7 +223,7 @@ impl<const N: usize> Controller<N> {
             };
         }
         self.states = states;
-        self.tick = 0;
+        (self.tick, self.levels) = (0, Heaters(0));
         (self.state, self.armed_ticks) = (RunState::Running, 0);
         Ok(Reply::Started { judged, unjudged })
     }

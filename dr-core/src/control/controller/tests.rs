@@ -1,20 +1,22 @@
 extern crate std;
 
 use super::*;
-use crate::control::{Command, Digest, Refusal, Reply};
+use crate::control::Refusal;
+use crate::control::guard::Limits;
 use crate::error::Parameter;
 use crate::model::SelfHeatingConfig;
 use crate::model::mesh;
 use crate::sensor::Platinum;
+use crate::{Command, Digest, Reply};
 use std::vec::Vec;
 
 mod arming;
+mod bit_flips;
 mod elements;
+mod messages;
 mod observing;
 mod powers;
 mod probes;
-mod upsets;
-mod words;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 
@@ -65,12 +67,13 @@ fn running(drives: [Drive; 2]) -> Controller<2> {
 }
 
 /// A first-order body per element: 600 K/W, 2 s.
-struct Body {
+#[derive(Clone)]
+struct TestBody {
     temperature_c: [f32; 2],
     heaters: Heaters,
 }
 
-impl Body {
+impl TestBody {
     fn readings(&self) -> [Reading; 2] {
         [0, 1].map(|i| code(self.temperature_c[i], self.heaters.is_high(i)))
     }
@@ -86,7 +89,7 @@ impl Body {
 #[test]
 fn holds_a_temperature_and_reports_the_power_it_takes() {
     let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
-    let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+    let mut body = TestBody { temperature_c: [-50.0; 2], heaters: Heaters::default() };
     let (mut energy, mut heat) = (0.0, 0.0);
     for n in 0..20_000 {
         let tick = controller.tick(&body.readings());
@@ -191,7 +194,7 @@ fn unreachable_set_points_are_refused_by_the_model() {
 }
 
 #[test]
-fn a_model_loaded_after_the_drive_is_asked_at_the_start() {
+fn a_model_loaded_after_the_drive_is_checked_at_the_start() {
     let mut controller = Controller::<1>::new();
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
@@ -259,11 +262,11 @@ fn two_runs_of_the_same_experiment_are_the_same_run() {
     let mut controller = running(drives);
     let mut digests = Vec::new();
     for _ in 0..2 {
-        let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+        let mut body = TestBody { temperature_c: [-50.0; 2], heaters: Heaters::default() };
         let mut digest = Digest::default();
         for _ in 0..1000 {
             let tick = controller.tick(&body.readings());
-            controller.fold(&tick, &mut digest);
+            controller.digest(&tick, &mut digest);
             body.live(&tick);
         }
         digests.push(digest.value());
@@ -358,7 +361,8 @@ fn a_new_drive_starts_afresh_and_with_full_patience() {
     let first = bits(&mut controller, &mut heaters);
     controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: prbs }).unwrap();
-    // 60 mW is more than the high level gives: 15 ticks of it are borne, and after a new drive 15 more.
+    // 60 mW is more than the high level gives: 15 ticks of it are borne, and after a new drive 15
+    // more.
     controller.handle(Command::Drive { element: 1, drive: Drive::Power { power_w: 0.06 } }).unwrap();
     assert_eq!(bits(&mut controller, &mut heaters), first);
 }
@@ -382,16 +386,18 @@ fn the_digest_sees_every_part_of_the_state() {
     let tick = controller.tick(&[code(-40.0, false); 2]);
     let digest = |controller: &Controller<2>, tick: &Tick<2>| {
         let mut digest = Digest::default();
-        controller.fold(tick, &mut digest);
+        controller.digest(tick, &mut digest);
         digest.value()
     };
     let plain = digest(&controller, &tick);
-    let changes: [fn(&mut ElementState); 11] = [
+    let mut changed = controller;
+    changed.levels = Heaters(0b10);
+    assert_ne!(digest(&changed, &tick), plain, "levels");
+    let changes: [fn(&mut ElementState); 10] = [
         |state| state.temperature_c += 1e-3,
         |state| state.resistance_ohm += 1e-3,
         |state| state.absent_ticks += 1,
         |state| state.saturated_ticks += 1,
-        |state| state.level = Level::High,
         |state| state.drive.modulator.accumulator += 1e-3,
         |state| state.drive.register = Some(crate::signal::Prbs::new(9, 6).unwrap()),
         |state| state.drive.ticks_left += 1,
@@ -404,7 +410,8 @@ fn the_digest_sees_every_part_of_the_state() {
         change(&mut changed.states[1]);
         assert_ne!(digest(&changed, &tick), plain, "change {i}");
     }
-    // What an observer remembers counts while there is one; without, a run has the digest that it always had.
+    // What an observer remembers counts while there is one; without, a run has the digest that it
+    // always had.
     let mut changed = controller;
     changed.states[1].observer.added_w += 1e-9;
     assert_eq!(digest(&changed, &tick), plain);
@@ -434,15 +441,17 @@ fn a_code_that_never_changes_trips_a_driven_element() {
         controller.handle(Command::Drive { element: place, drive }).unwrap();
     }
     start(&mut controller).unwrap();
-    // Both stand still; the second as it was read at the high level. A code that comes again after another begins anew.
+    // Both stand still; the second as it was read at the high level. A code that comes again after
+    // another begins anew.
     let tick = |controller: &mut Controller<2>, second_c: f32| {
-        let read_high = controller.states[1].level == Level::High;
+        let read_high = controller.levels.is_high(1);
         controller.tick(&[code(-40.0, false), code(second_c, read_high)])
     };
     for n in 0..60 {
         assert_eq!(tick(&mut controller, if n % 20 == 0 { -31.0 } else { -30.0 }).trip, None, "tick {n}");
     }
     let trips: Vec<_> = (0..25).filter_map(|n| tick(&mut controller, -30.0).trip.map(|trip| (n, trip))).collect();
-    // Since the change at tick 40 the code has been the same from tick 41 on: 18 times at the end of the loop.
+    // Since the change at tick 40 the code has been the same from tick 41 on: 18 times at the end
+    // of the loop.
     assert_eq!(trips, [(2, Trip::of(1, Cause::Stuck))]);
 }

@@ -1,32 +1,37 @@
-//! What a self-test finds of one element, and what it makes of it.
+//! Findings of a self-test for one element, and the bounds of a pass.
 
 use crate::control::guard::Cause;
 use core::fmt;
 
-/// Largest offset of a converter, as a part of what the low current gives on the element at 0 °C: 0.1 K.
+/// Largest offset of a converter, as a part of what the low current gives on the element at 0 °C:
+/// 0.1 K.
 pub const OFFSET_MOST: f32 = 4e-4;
-/// Largest error of the converter's scale, told by a voltage that the front end knows.
+/// Largest error of the scale of the converter, from a known voltage of the front end.
 pub const REFERENCE_ERROR_MOST: f32 = 0.03;
-/// Largest noise of a reading at the low level, K rms: some twenty times that of the sensor board at its quickest.
+/// Largest noise of a reading at the low level, K rms: some twenty times that of the sensor board
+/// at its fastest rate.
 pub const NOISE_MOST_K: f32 = 0.1;
-/// The measured response to a pulse over the expected one. Wind changes a short pulse by little; a half-open lead or another element by much.
+/// The measured response to a pulse over the expected one. Wind changes a short pulse by little; a
+/// half-open lead or another element by much.
 pub const RESPONSE: [f32; 2] = [0.7, 1.4];
-/// Largest difference of the temperatures by the two levels, K: three times that of resistors of 0.1 %, as bought.
+/// Largest difference of the temperatures by the two levels, K: three times that of resistors of
+/// 0.1 %, as bought.
 pub const GAP_MOST_K: f32 = 1.0;
 /// A rise is none if it is under so many standard errors.
 pub const SIGNIFICANT: f32 = 5.0;
 
-/// Of one element.
+/// Finding for one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Finding {
+pub struct SelfTestFinding {
     /// Which, from 0.
     pub element: u8,
-    /// How many elements were looked at.
+    /// Number of elements tested.
     pub of: u8,
-    /// What is wrong.
-    pub faults: Faults,
-    /// Voltage that is read with the inputs shorted, V, beyond what is taken off already; none if nothing was read.
+    /// Faults found.
+    pub faults: SelfTestFaults,
+    /// Voltage that is read with the inputs shorted, V, beyond what is taken off already; none if
+    /// nothing was read.
     pub offset_v: Option<f32>,
     /// The front end's reference voltage, as read over what it should be; none if nothing was read.
     pub reference: Option<f32>,
@@ -36,36 +41,38 @@ pub struct Finding {
     pub temperature_c: Option<f32>,
     /// Noise of a reading at the low level, K rms.
     pub noise_k: Option<f32>,
-    /// What a pulse of heat did; none if there was none.
-    pub response: Option<Response>,
+    /// Response to the pulse; none without a pulse.
+    pub response: Option<PulseResponse>,
 }
 
-/// What a pulse of heat did to an element.
+/// Response of an element to a pulse of heat.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Response {
+pub struct PulseResponse {
     /// Rise between the first and the last reading at the high level, K.
     pub rise_k: f32,
     /// The same by the element's model, if it has one.
     pub expected_k: Option<f32>,
-    /// Measured response over expected one, by least squares over the whole pulse; none without a model.
+    /// Measured response over expected one, by least squares over the whole pulse; none without a
+    /// model.
     pub ratio: Option<f32>,
-    /// What the high level reads beyond the low one, less what the model expects of the first tick, K; none without a model.
+    /// What the high level reads beyond the low one, less what the model expects of the first tick,
+    /// K; none without a model.
     pub gap_k: Option<f32>,
 }
 
-/// What is wrong with an element: a set.
+/// A set of faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Faults(pub u16);
+pub struct SelfTestFaults(pub u16);
 
-/// One thing that can be wrong.
+/// A fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Fault {
-    /// The converter does not answer with its inputs shorted, or its offset is too large.
+pub enum SelfTestFault {
+    /// The converter does not respond with its inputs shorted, or its offset is too large.
     Offset,
-    /// It does not answer with its reference voltage, or that is off.
+    /// It does not respond with its reference voltage, or the voltage is wrong.
     Reference,
     /// The element cannot be read: `cause` says why.
     Continuity,
@@ -85,7 +92,7 @@ pub enum Fault {
     Interrupted,
 }
 
-impl Fault {
+impl SelfTestFault {
     /// All of them.
     pub const ALL: [Self; 10] = [
         Self::Offset,
@@ -117,16 +124,16 @@ impl Fault {
     }
 }
 
-impl Faults {
+impl SelfTestFaults {
     /// Adds one where something is so.
-    pub(super) const fn add_if(&mut self, is_so: bool, fault: Fault) {
+    pub(crate) const fn add_if(&mut self, is_so: bool, fault: SelfTestFault) {
         if is_so {
             self.0 |= 1 << fault as u8;
         }
     }
 
     /// Whether one is among them.
-    pub const fn has(self, fault: Fault) -> bool {
+    pub const fn has(self, fault: SelfTestFault) -> bool {
         self.0 >> fault as u8 & 1 == 1
     }
 
@@ -136,12 +143,12 @@ impl Faults {
     }
 
     /// Those there are.
-    pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL.into_iter().filter(move |&fault| self.has(fault))
+    pub fn iter(self) -> impl Iterator<Item = SelfTestFault> {
+        SelfTestFault::ALL.into_iter().filter(move |&fault| self.has(fault))
     }
 }
 
-impl fmt::Display for Faults {
+impl fmt::Display for SelfTestFaults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_none() {
             return f.write_str("none");

@@ -1,32 +1,36 @@
-//! The self-test: is everything as it should be, before anyone relies on it?
+//! The self-test of converters, elements, heaters and leads.
 //!
 //! ```text
-//! inputs shorted ──► offsets      a known voltage ──► references      elements, low level ──► continuity, noise
-//!                                                     each element in turn, a pulse of the high level ──► heater, leads, levels
+//! inputs shorted ──► offsets
+//! a known voltage ──► references
+//! elements, low level ──► continuity, noise
+//! each element in turn, a pulse of the high level ──► heater, leads, levels
 //! ```
 //!
-//! It looks at what the front end reads and says what the front end shall read next, and which element the controller shall heat. What
-//! heats is the controller's own: it takes the wish only in [`RunState::Testing`], for which it has to be armed, only as long as the plan
-//! says, and only for an element with a valid reading.
+//! The self-test processes the readings and selects the next input of the front end and the element
+//! to be heated. The controller heats only in [`RunState::Testing`], for which it must be armed,
+//! only for the planned time, and only an element with a valid reading.
 //!
-//! Here it goes from tick to tick and takes in what it sees, by the phases of [`plan`]; `judge` makes verdicts of it, by the bounds in [`finding`].
+//! This file steps through the phases of [`plan`] and accumulates the readings; `judge` compares
+//! the results with the bounds in [`finding`].
 
 pub mod finding;
 mod judge;
 pub mod plan;
 mod sums;
 
-pub use finding::{Fault, Faults, Finding, Response};
+pub use finding::{PulseResponse, SelfTestFault, SelfTestFaults, SelfTestFinding};
 pub use plan::SelfTestPlan;
 
-use super::controller::{Controller, Probe, RunState, Tick};
-use super::guard::{Cause, Judgement};
+use super::controller::Controller;
+use super::guard::{Cause, ReadingJudgement};
+use super::state::{Probe, RunState, Tick};
 use crate::model::{ORDER, RelaxationState};
-use crate::sensor::{Input, Level, Reading};
+use crate::sensor::{FrontEndInput, Level, Reading};
 use plan::{Phase, SETTLING_TICKS};
 use sums::{Pulse, Quiet};
 
-/// A self-test, while it goes on and when it is over.
+/// A self-test, in progress or finished.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelfTest<const N: usize> {
     plan: SelfTestPlan,
@@ -35,9 +39,9 @@ pub struct SelfTest<const N: usize> {
     phase: Phase,
     /// Ticks of the phase that are over.
     at: u32,
-    findings: [Finding; N],
+    findings: [SelfTestFinding; N],
     quiet: [Quiet; N],
-    /// Why an element was not read, the last time that it was not.
+    /// Cause of the last missing reading of each element.
     absent: [Option<Cause>; N],
     pulses: [Pulse; N],
     model: RelaxationState<ORDER>,
@@ -46,7 +50,7 @@ pub struct SelfTest<const N: usize> {
 }
 
 impl<const N: usize> Default for SelfTest<N> {
-    /// One that is over, and has looked at nothing.
+    /// A finished self-test without findings.
     fn default() -> Self {
         Self {
             plan: SelfTestPlan { pulse_s: None, unix_s: None },
@@ -54,7 +58,7 @@ impl<const N: usize> Default for SelfTest<N> {
             elements: 0,
             phase: Phase::Done,
             at: 0,
-            findings: [Finding::default(); N],
+            findings: [SelfTestFinding::default(); N],
             quiet: [Quiet::default(); N],
             absent: [None; N],
             pulses: [Pulse::default(); N],
@@ -65,30 +69,30 @@ impl<const N: usize> Default for SelfTest<N> {
 }
 
 impl<const N: usize> SelfTest<N> {
-    /// Begins one of so many elements, with pulses of so many ticks, or none.
-    pub(super) fn begin(&mut self, plan: SelfTestPlan, pulse_ticks: u32, elements: usize) {
+    /// Begins a self-test of `elements` elements, with pulses of `pulse_ticks` ticks, or none.
+    pub(crate) fn begin(&mut self, plan: SelfTestPlan, pulse_ticks: u32, elements: usize) {
         // In place: it is large for a stack.
         (self.plan, self.pulse_ticks, self.elements) = (plan, pulse_ticks, elements as u8);
         (self.phase, self.at) = (Phase::Offsets, 0);
         for (element, finding) in (0..).zip(&mut self.findings) {
-            *finding = Finding { element, of: self.elements, ..Finding::default() };
+            *finding = SelfTestFinding { element, of: self.elements, ..SelfTestFinding::default() };
         }
         self.quiet.iter_mut().for_each(|quiet| *quiet = Quiet::default());
         self.absent = [None; N];
     }
 
-    /// Leaves it.
-    pub(super) const fn leave(&mut self) {
+    /// Aborts the self-test.
+    pub(crate) const fn leave(&mut self) {
         self.phase = Phase::Done;
     }
 
-    /// What the front end is to read next.
-    pub(super) const fn input(&self) -> Input {
+    /// The input that the front end is to read next.
+    pub(crate) const fn input(&self) -> FrontEndInput {
         self.phase.input()
     }
 
-    /// What the controller is to do in the coming tick beside its guard's work.
-    pub(super) const fn probe(&self) -> Probe {
+    /// The request to the controller for the coming tick.
+    pub(crate) const fn probe(&self) -> Probe {
         match self.phase {
             Phase::Heating(element) if self.at < self.pulse_ticks => Probe::Pulse(element),
             // The last reading of a pulse is guarded as the others.
@@ -97,23 +101,23 @@ impl<const N: usize> SelfTest<N> {
         }
     }
 
-    /// Whether there is nothing left to do.
-    pub(super) const fn is_over(&self) -> bool {
+    /// Whether the self-test has finished.
+    pub(crate) const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Done)
     }
 
-    /// When somebody says that it was begun, s since 1970.
+    /// Start time given by the host, s since 1970.
     pub const fn unix_s(&self) -> Option<u32> {
         self.plan.unix_s
     }
 
-    /// What it has found, one entry an element.
-    pub fn findings(&self) -> &[Finding] {
+    /// The findings, one entry per element.
+    pub fn findings(&self) -> &[SelfTestFinding] {
         self.findings.get(..usize::from(self.elements)).unwrap_or_default()
     }
 
-    /// Takes in a tick that is over, and what was read at its beginning.
-    pub(super) fn step(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
+    /// Processes a tick and the readings at its beginning.
+    pub(crate) fn step(&mut self, readings: &[Reading; N], tick: &Tick<N>, controller: &Controller<N>) {
         if self.pulse_ticks > 0 && tick.state != RunState::Testing {
             self.interrupt(tick.state);
             return;
@@ -135,13 +139,14 @@ impl<const N: usize> SelfTest<N> {
         self.at = 0;
     }
 
-    /// The instrument has tripped: what is through keeps its verdict, and the element that tripped has its cause.
+    /// The instrument has tripped: finished findings stay, and the element that tripped has its
+    /// cause.
     fn interrupt(&mut self, state: RunState) {
         let trip = if let RunState::Tripped(trip) = state { Some(trip) } else { None };
         for finding in &mut self.findings {
             let tripped = trip.filter(|trip| trip.element.is_none_or(|element| element == finding.element));
             finding.cause = finding.cause.or(tripped.map(|trip| trip.cause));
-            finding.faults.add_if(finding.response.is_none() || tripped.is_some(), Fault::Interrupted);
+            finding.faults.add_if(finding.response.is_none() || tripped.is_some(), SelfTestFault::Interrupted);
         }
         self.phase = Phase::Done;
     }
@@ -159,9 +164,9 @@ impl<const N: usize> SelfTest<N> {
         let all = found.zip(readings).zip(&tick.temperature_c).enumerate();
         for (i, ((((finding, quiet), absent), reading), &temperature_c)) in all {
             match controller.judge(i, *reading, Level::Low) {
-                Some(Judgement::Good { .. }) => quiet.take(temperature_c),
-                Some(Judgement::Bad(cause)) => finding.cause = finding.cause.or(Some(cause)),
-                Some(Judgement::Absent(cause)) => *absent = Some(cause),
+                Some(ReadingJudgement::Good { .. }) => quiet.take(temperature_c),
+                Some(ReadingJudgement::Bad(cause)) => finding.cause = finding.cause.or(Some(cause)),
+                Some(ReadingJudgement::Absent(cause)) => *absent = Some(cause),
                 None => break,
             }
         }

@@ -1,34 +1,35 @@
-//! How a self-test goes, tick by tick.
+//! Phases of a self-test.
 //!
 //! | phase | ticks | the front end reads | the heaters |
 //! |---|---|---|---|
 //! | offsets | [`SETTLING_TICKS`] + [`QUIET_TICKS`] | shorted inputs | low |
-//! | references | the same | a voltage that it knows | low |
+//! | references | the same | a known voltage | low |
 //! | quiet | the same | the elements | low |
 //! | heating, of one element after the other | pulse + 1 | the elements | its own high for the pulse |
 //! | cooling | twice the pulse | the elements | low |
 //!
-//! Without a pulse it ends with the quiet.
+//! Without a pulse it ends with the phase `quiet`.
 
-use crate::error::{self, ConfigError, Parameter, Problem};
-use crate::sensor::Input;
+use crate::error::{self, ConfigError, Parameter, ParameterProblem};
+use crate::sensor::FrontEndInput;
 
-/// Ticks that do not count after another input has been asked for: the front end learns of it with the tick before.
+/// Ticks ignored after a change of the input: the front end receives the change with the tick
+/// before.
 pub const SETTLING_TICKS: u32 = 2;
-/// Readings that means and noises are of: a standard deviation of them is known to 9 %.
+/// Readings per mean and noise: their standard deviation has a standard error of 9 %.
 pub const QUIET_TICKS: u32 = 64;
 /// The shortest pulse, in ticks, and the longest, s.
 pub const PULSE_LEAST_TICKS: u32 = 8;
 /// See [`PULSE_LEAST_TICKS`].
 pub const PULSE_MOST_S: f32 = 10.0;
 
-/// What is asked for.
+/// A requested self-test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfTestPlan {
     /// Length of the pulse that each element is heated with, s; without one nothing heats.
     pub pulse_s: Option<f32>,
-    /// Seconds since 1970 by whoever asks, to be kept with what is found; none if nobody knows.
+    /// Start time given by the host, s since 1970, stored with the findings; none if unknown.
     pub unix_s: Option<u32>,
 }
 
@@ -42,7 +43,7 @@ impl SelfTestPlan {
         // Where ticks are slower, no pulse is long enough and short enough.
         error::within(Parameter::SamplePeriodS, sample_period_s, 0.0, PULSE_MOST_S / PULSE_LEAST_TICKS as f32)?;
         let least_s = PULSE_LEAST_TICKS as f32 * sample_period_s;
-        let problem = Problem::OutOfRange { least: least_s, most: PULSE_MOST_S };
+        let problem = ParameterProblem::OutOfRange { least: least_s, most: PULSE_MOST_S };
         let pulse_s = error::within(Parameter::PulseS, pulse_s, f32::MIN, f32::MAX)?;
         let ticks = (pulse_s / sample_period_s + 0.5) as u32;
         if ticks < PULSE_LEAST_TICKS || pulse_s > PULSE_MOST_S {
@@ -58,9 +59,9 @@ pub const fn test_ticks(pulse_ticks: u32, elements: usize) -> u32 {
     3 * (SETTLING_TICKS + QUIET_TICKS) + heated
 }
 
-/// Where a test stands.
+/// Phase of a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(crate) enum Phase {
     Offsets,
     References,
     Quiet,
@@ -70,16 +71,16 @@ pub(super) enum Phase {
 }
 
 impl Phase {
-    /// What the front end is to read in it.
-    pub const fn input(self) -> Input {
+    /// Input of the front end in this phase.
+    pub const fn input(self) -> FrontEndInput {
         match self {
-            Self::Offsets => Input::Shorted,
-            Self::References => Input::Reference,
-            Self::Quiet | Self::Heating(_) | Self::Cooling(_) | Self::Done => Input::Element,
+            Self::Offsets => FrontEndInput::Shorted,
+            Self::References => FrontEndInput::Reference,
+            Self::Quiet | Self::Heating(_) | Self::Cooling(_) | Self::Done => FrontEndInput::Element,
         }
     }
 
-    /// How many ticks it has.
+    /// Number of ticks of the phase.
     pub const fn ticks(self, pulse_ticks: u32) -> u32 {
         match self {
             Self::Offsets | Self::References | Self::Quiet => SETTLING_TICKS + QUIET_TICKS,
@@ -89,7 +90,7 @@ impl Phase {
         }
     }
 
-    /// The one after it, for so many elements; whether any is heated is another matter.
+    /// The next phase.
     pub const fn next(self, heats: bool, elements: u8) -> Self {
         match self {
             Self::Offsets => Self::References,

@@ -1,14 +1,15 @@
-//! What is summed up while a self-test goes on, so that no reading has to be kept.
+//! Running sums of a self-test, so that no reading has to be stored.
 
-use crate::sensor::wind::arithmetic::sqrt;
+use crate::arithmetic::sqrt;
 
-/// Of one element at the low level: mean, and noise by second differences, which neither drift nor a steady cooling moves.
+/// Of one element at the low level: mean, and noise by second differences, which neither drift nor
+/// a steady cooling moves.
 ///
 /// ```text
 /// σ² = Σ (x_n − 2 x_{n−1} + x_{n−2})² / (6 (N − 2))
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Quiet {
+pub(crate) struct Quiet {
     /// So that small numbers are summed.
     first: f32,
     last: [f32; 2],
@@ -56,7 +57,7 @@ impl Quiet {
 /// ratio = Σ (T − T̄)(m − m̄) / Σ (m − m̄)²,      at the model's start: T̄ − ratio m̄
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Pulse {
+pub(crate) struct Pulse {
     /// The last reading before it, °C.
     before_c: f32,
     /// Readings at the high level, the first and the last, °C.
@@ -101,7 +102,8 @@ impl Pulse {
         self.last_m - self.first_m
     }
 
-    /// Measured over expected, and what the readings have at the model's start beyond the reading before, K; none where the model expects nothing.
+    /// Measured over expected, and what the readings have at the model's start beyond the reading
+    /// before, K; none where the model expects nothing.
     pub fn against_model(&self) -> Option<(f32, f32)> {
         let count = self.count as f32;
         let spread = self.sum_mm - self.sum_m * self.sum_m / count;

@@ -1,13 +1,15 @@
-//! Self-tests of a simulated head whose elements are worked out here in f64, by their exponentials: sound, and with one thing wrong at a time.
+//! Self-tests of a simulated head whose elements are worked out here in f64, by their exponentials:
+//! sound, and with one thing wrong at a time.
 
 extern crate std;
 
 use super::*;
-use crate::control::{Command, Drive, ElementConfig, Limits, Refusal, Reply, Station, Trip};
+use crate::control::{Drive, ElementConfig, Limits, Refusal, Trip};
 use crate::error::Parameter;
 use crate::model::{SelfHeatingConfig, mesh};
 use crate::sensor::reading::REFERENCE_CODE;
 use crate::sensor::{Channel, Platinum};
+use crate::{Command, Instrument, Reply};
 use std::vec::Vec;
 
 mod bounds;
@@ -28,7 +30,7 @@ const PULSE_TICKS: u32 = 50;
 
 /// A head and its front end, of which everything can be wrong.
 #[derive(Clone)]
-struct Head {
+struct TestHead {
     states_w: [[f64; ORDER]; ELEMENTS],
     heaters: u16,
     random: u64,
@@ -45,7 +47,7 @@ struct Head {
     silent: bool,
 }
 
-impl Head {
+impl TestHead {
     /// In balance with its sensing currents.
     fn sound() -> Self {
         Self {
@@ -83,15 +85,15 @@ impl Head {
         CURRENTS_A[level] * self.currents[i][level]
     }
 
-    fn readings(&mut self, input: Input) -> [Reading; ELEMENTS] {
+    fn readings(&mut self, input: FrontEndInput) -> [Reading; ELEMENTS] {
         core::array::from_fn(|i| {
             let noise_v = self.noise_v[i] * self.normal();
             let volt = match (input, self.instead[i]) {
                 _ if self.silent => return Reading::Missing,
-                (Input::Shorted, _) => 0.0,
-                (Input::Reference, _) => f64::from(REFERENCE_CODE) * VOLT_PER_CODE * self.reference[i],
-                (Input::Element, Some(instead)) => return instead,
-                (Input::Element, None) => self.current_a(i) * self.ohm(i),
+                (FrontEndInput::Shorted, _) => 0.0,
+                (FrontEndInput::Reference, _) => f64::from(REFERENCE_CODE) * VOLT_PER_CODE * self.reference[i],
+                (FrontEndInput::Element, Some(instead)) => return instead,
+                (FrontEndInput::Element, None) => self.current_a(i) * self.ohm(i),
             };
             Reading::Code(((volt + self.offset_v[i] + noise_v) / VOLT_PER_CODE).round() as i32)
         })
@@ -126,44 +128,44 @@ const fn plan(pulse_s: Option<f32>) -> Command {
     Command::SelfTest(SelfTestPlan { pulse_s, unix_s: Some(1_700_000_000) })
 }
 
-fn station(with_models: bool) -> Station<ELEMENTS> {
-    let mut station = Station::new();
-    station.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
+fn instrument(with_models: bool) -> Instrument<ELEMENTS> {
+    let mut instrument = Instrument::new();
+    instrument.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
     for element in 0..ELEMENTS as u8 {
-        station.handle(Command::Element { element, config: config() }).unwrap();
+        instrument.handle(Command::Element { element, config: config() }).unwrap();
         if with_models {
             let model = SelfHeatingConfig {
                 mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
                 r_k_per_w: R_K_PER_W,
                 reference_c: REST_C as f32,
             };
-            station.handle(Command::Model { element, model }).unwrap();
+            instrument.handle(Command::Model { element, model }).unwrap();
         }
     }
-    station.handle(Command::Arm { window_s: 5.0 }).unwrap();
-    station
+    instrument.handle(Command::Arm { window_s: 5.0 }).unwrap();
+    instrument
 }
 
 /// One tick of both; the tick, and the input that was read.
-fn tick(station: &mut Station<ELEMENTS>, head: &mut Head) -> Tick<ELEMENTS> {
-    let readings = head.readings(station.input());
-    let tick = station.tick(&readings);
+fn tick(instrument: &mut Instrument<ELEMENTS>, head: &mut TestHead) -> Tick<ELEMENTS> {
+    let readings = head.readings(instrument.input());
+    let tick = instrument.tick(&readings);
     head.live(tick.heaters.0);
     tick
 }
 
 /// Ticks up to and with the first that heats.
-fn until_heated(station: &mut Station<ELEMENTS>, head: &mut Head) {
-    let heats = |_| tick(station, head).heaters.0 > 0;
+fn until_heated(instrument: &mut Instrument<ELEMENTS>, head: &mut TestHead) {
+    let heats = |_| tick(instrument, head).heaters.0 > 0;
     assert!((0..1_000).any(heats), "it never heats");
 }
 
 /// The findings, and all ticks.
-fn run(station: &mut Station<ELEMENTS>, head: &mut Head) -> (Vec<Finding>, Vec<Tick<ELEMENTS>>) {
+fn run(instrument: &mut Instrument<ELEMENTS>, head: &mut TestHead) -> (Vec<SelfTestFinding>, Vec<Tick<ELEMENTS>>) {
     let mut ticks = Vec::new();
     for _ in 0..2_000 {
-        ticks.push(tick(station, head));
-        if let Some(test) = station.take_self_test() {
+        ticks.push(tick(instrument, head));
+        if let Some(test) = instrument.take_self_test() {
             assert_eq!(test.unix_s(), Some(1_700_000_000));
             return (test.findings().to_vec(), ticks);
         }
@@ -171,14 +173,14 @@ fn run(station: &mut Station<ELEMENTS>, head: &mut Head) -> (Vec<Finding>, Vec<T
     panic!("it does not end");
 }
 
-fn tested(mut head: Head) -> Vec<Finding> {
-    let mut station = station(true);
-    assert_eq!(station.handle(plan(Some(PULSE_S))), Ok(Reply::Done));
-    run(&mut station, &mut head).0
+fn tested(mut head: TestHead) -> Vec<SelfTestFinding> {
+    let mut instrument = instrument(true);
+    assert_eq!(instrument.handle(plan(Some(PULSE_S))), Ok(Reply::Done));
+    run(&mut instrument, &mut head).0
 }
 
-fn only(faults: &[Fault]) -> Faults {
-    faults.iter().fold(Faults::default(), |mut all, &fault| {
+fn only(faults: &[SelfTestFault]) -> SelfTestFaults {
+    faults.iter().fold(SelfTestFaults::default(), |mut all, &fault| {
         all.add_if(true, fault);
         all
     })
@@ -186,17 +188,18 @@ fn only(faults: &[Fault]) -> Faults {
 
 #[test]
 fn a_sound_head_is_found_sound_and_measured_as_it_is() {
-    let mut head = Head::sound();
+    let mut head = TestHead::sound();
     head.noise_v = [NOISE_V, 3.0 * NOISE_V];
     head.offset_v = [20e-6, -10e-6];
     let findings = tested(head);
     assert_eq!(findings.len(), ELEMENTS);
     for (i, finding) in findings.iter().enumerate() {
-        assert_eq!((finding.element, finding.of, finding.faults), (i as u8, 2, Faults::default()));
+        assert_eq!((finding.element, finding.of, finding.faults), (i as u8, 2, SelfTestFaults::default()));
         assert!((finding.reference.unwrap() - 1.001).abs() < 2e-4);
         assert_eq!(finding.cause, None);
         let response = finding.response.unwrap();
-        // The model is the truth: what is left is the noise of the high level, 0.2 or 0.6 mK, in a rise of 0.6 K.
+        // The model is the truth: what is left is the noise of the high level, 0.2 or 0.6 mK, in a
+        // rise of 0.6 K.
         assert!((response.ratio.unwrap() - 1.0).abs() < 0.01, "{response:?}");
         assert!((response.rise_k - response.expected_k.unwrap()).abs() < 5e-3, "{response:?}");
         assert!(response.rise_k > 0.3, "{response:?}");
@@ -205,7 +208,7 @@ fn a_sound_head_is_found_sound_and_measured_as_it_is() {
     assert!((findings[0].offset_v.unwrap() - 20e-6).abs() < 1e-6);
     assert!((findings[1].offset_v.unwrap() + 10e-6).abs() < 3e-6);
     // An offset is a temperature at the low level: 20 µV are 12 mK.
-    let beyond_k = f64::from(findings[0].temperature_c.unwrap()) - Head::sound().temperature_c(0);
+    let beyond_k = f64::from(findings[0].temperature_c.unwrap()) - TestHead::sound().temperature_c(0);
     assert!((beyond_k - 12.3e-3).abs() < 1.5e-3, "{beyond_k}");
     // Known to 9 %, three times that.
     for (finding, noise_k) in findings.iter().zip([0.983e-3, 2.95e-3]) {
@@ -215,14 +218,14 @@ fn a_sound_head_is_found_sound_and_measured_as_it_is() {
 
 #[test]
 fn each_thing_that_is_wrong_is_found_by_its_name() {
-    use Fault::{Crossed, Levels, NoResponse, Noise, Offset, Reference, Response};
-    let of = |change: fn(&mut Head)| {
-        let mut head = Head::sound();
+    use SelfTestFault::{Crossed, Levels, NoResponse, Noise, Offset, Reference, Response};
+    let of = |change: fn(&mut TestHead)| {
+        let mut head = TestHead::sound();
         change(&mut head);
         let found = tested(head);
         [found[0].faults, found[1].faults]
     };
-    let sound = Faults::default();
+    let sound = SelfTestFaults::default();
     assert_eq!(of(|head| head.offset_v[1] = 1e-3), [sound, only(&[Offset])]);
     assert_eq!(of(|head| head.reference[0] = 1.1), [only(&[Reference]), sound]);
     assert_eq!(of(|head| head.reference[1] = 0.5), [sound, only(&[Reference])]);
@@ -235,47 +238,49 @@ fn each_thing_that_is_wrong_is_found_by_its_name() {
 }
 
 #[test]
-fn a_heater_that_does_not_heat_as_expected_is_told_from_one_that_does_not_heat_at_all() {
+fn a_heater_that_heats_too_little_is_distinguished_from_one_that_does_not_heat() {
     // A heat that does not stay: the element has three times the capacity.
-    let mut station = station(true);
+    let mut instrument = instrument(true);
     let model = SelfHeatingConfig {
         mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
         r_k_per_w: R_K_PER_W.map(|r| 3.0 * r),
         reference_c: REST_C as f32,
     };
-    station.handle(Command::Model { element: 1, model }).unwrap();
-    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let (findings, _) = run(&mut station, &mut Head::sound());
-    assert_eq!([findings[0].faults, findings[1].faults], [Faults::default(), only(&[Fault::Response])]);
+    instrument.handle(Command::Model { element: 1, model }).unwrap();
+    instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut instrument, &mut TestHead::sound());
+    assert_eq!([findings[0].faults, findings[1].faults], [SelfTestFaults::default(), only(&[SelfTestFault::Response])]);
     let response = findings[1].response.unwrap();
     assert!((response.ratio.unwrap() - 1.0 / 3.0).abs() < 0.01, "{response:?}");
 
     // A current source that knows one level only.
-    let mut head = Head::sound();
+    let mut head = TestHead::sound();
     head.currents[0][1] = CURRENTS_A[0] / CURRENTS_A[1];
     let findings = tested(head);
-    // What it reads at the high level is then a fifth of the resistance, a short: the guard ends the test.
-    assert!(findings.iter().all(|finding| finding.faults.has(Fault::Interrupted)), "{findings:?}");
+    // What it reads at the high level is then a fifth of the resistance, a short: the guard ends
+    // the test.
+    assert!(findings.iter().all(|finding| finding.faults.has(SelfTestFault::Interrupted)), "{findings:?}");
 }
 
 #[test]
 fn without_a_model_a_response_is_measured_and_not_judged() {
-    let mut station = station(false);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let (findings, _) = run(&mut station, &mut Head::sound());
+    let mut instrument = instrument(false);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut instrument, &mut TestHead::sound());
     for finding in findings {
         assert!(finding.faults.is_none());
         let response = finding.response.unwrap();
         assert!(response.rise_k > 0.3);
         assert_eq!((response.expected_k, response.ratio, response.gap_k), (None, None, None));
     }
-    // Whatever becomes of it: a large body warms by little, and what was heated before it still warms others.
-    let mut head = Head::sound();
+    // Whatever becomes of it: a large body warms by little, and what was heated before it still
+    // warms others.
+    let mut head = TestHead::sound();
     head.heats = [1, 1];
-    let mut station = self::station(false);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let (findings, _) = run(&mut station, &mut head);
+    let mut instrument = self::instrument(false);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let (findings, _) = run(&mut instrument, &mut head);
     assert!(findings.iter().all(|finding| finding.faults.is_none()), "{findings:?}");
 }
 
@@ -288,142 +293,142 @@ fn an_element_that_cannot_be_read_is_named_with_its_cause_and_nothing_is_heated(
         (Reading::Missing, Cause::Missing),
         (Reading::Stale, Cause::Stale),
     ] {
-        let mut station = station(true);
-        station.handle(plan(Some(PULSE_S))).unwrap();
-        let mut head = Head::sound();
+        let mut instrument = instrument(true);
+        instrument.handle(plan(Some(PULSE_S))).unwrap();
+        let mut head = TestHead::sound();
         head.instead[1] = Some(instead);
-        let (findings, ticks) = run(&mut station, &mut head);
+        let (findings, ticks) = run(&mut instrument, &mut head);
         assert_eq!(findings.iter().map(|finding| finding.cause).collect::<Vec<_>>(), [None, Some(cause)]);
-        assert_eq!(findings[0].faults, Faults::default());
-        assert!(findings[1].faults.has(Fault::Continuity));
+        assert_eq!(findings[0].faults, SelfTestFaults::default());
+        assert!(findings[1].faults.has(SelfTestFault::Continuity));
         assert!(findings.iter().all(|finding| finding.response.is_none()));
         assert!(ticks.iter().all(|tick| tick.heaters.0 == 0 && tick.trip.is_none()));
         // From now on the guard minds.
-        assert_eq!(station.controller().state(), RunState::Standby);
-        let trip = (0..3).find_map(|_| tick(&mut station, &mut head).trip);
+        assert_eq!(instrument.controller().state(), RunState::Standby);
+        let trip = (0..3).find_map(|_| tick(&mut instrument, &mut head).trip);
         assert_eq!(trip, Some(Trip::of(1, cause)));
     }
 }
 
 #[test]
 fn a_converter_that_repeats_itself_is_frozen() {
-    let mut station = station(true);
-    station.handle(plan(None)).unwrap();
-    let mut head = Head::sound();
+    let mut instrument = instrument(true);
+    instrument.handle(plan(None)).unwrap();
+    let mut head = TestHead::sound();
     head.instead[1] = Some(Reading::Code(930_000));
-    let (findings, _) = run(&mut station, &mut head);
-    assert_eq!([findings[0].faults, findings[1].faults], [Faults::default(), only(&[Fault::Frozen])]);
+    let (findings, _) = run(&mut instrument, &mut head);
+    assert_eq!([findings[0].faults, findings[1].faults], [SelfTestFaults::default(), only(&[SelfTestFault::Frozen])]);
 }
 
 #[test]
 fn a_silent_front_end_has_no_offset_no_reference_and_no_element() {
-    let mut station = station(true);
-    station.handle(plan(None)).unwrap();
-    let mut head = Head::sound();
+    let mut instrument = instrument(true);
+    instrument.handle(plan(None)).unwrap();
+    let mut head = TestHead::sound();
     head.silent = true;
-    let (findings, _) = run(&mut station, &mut head);
+    let (findings, _) = run(&mut instrument, &mut head);
     for finding in findings {
         assert_eq!((finding.offset_v, finding.reference, finding.temperature_c), (None, None, None));
-        assert_eq!(finding.faults, only(&[Fault::Offset, Fault::Reference, Fault::Continuity]));
+        assert_eq!(finding.faults, only(&[SelfTestFault::Offset, SelfTestFault::Reference, SelfTestFault::Continuity]));
         assert_eq!(finding.cause, Some(Cause::Missing));
     }
 }
 
 #[test]
 fn each_element_is_heated_alone_and_for_its_pulse() {
-    let mut station = station(true);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let (_, ticks) = run(&mut station, &mut Head::sound());
+    let mut instrument = instrument(true);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let (_, ticks) = run(&mut instrument, &mut TestHead::sound());
     assert_eq!(ticks.len() as u32, plan::test_ticks(PULSE_TICKS, ELEMENTS));
     let heated = |mask: u16| ticks.iter().filter(|tick| tick.heaters.0 == mask).count() as u32;
     assert_eq!((heated(1), heated(2), heated(3)), (PULSE_TICKS, PULSE_TICKS, 0));
     assert!(ticks.iter().all(|tick| tick.heaters.0 & !tick.valid == 0));
     let (last, before) = ticks.split_last().unwrap();
     assert!(before.iter().all(|tick| tick.state == RunState::Testing));
-    assert_eq!((last.state, station.controller().state()), (RunState::Standby, RunState::Standby));
-    assert!(station.take_self_test().is_none(), "it is told once");
-    assert!(!station.controller().is_armed());
+    assert_eq!((last.state, instrument.controller().state()), (RunState::Standby, RunState::Standby));
+    assert!(instrument.take_self_test().is_none(), "it is told once");
+    assert!(!instrument.controller().is_armed());
 }
 
 #[test]
 fn a_fault_in_a_pulse_trips_in_its_tick() {
-    let mut station = station(true);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let mut head = Head::sound();
-    until_heated(&mut station, &mut head);
+    let mut instrument = instrument(true);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = TestHead::sound();
+    until_heated(&mut instrument, &mut head);
     head.instead[1] = Some(Reading::Code(8_388_607));
-    let last = tick(&mut station, &mut head);
+    let last = tick(&mut instrument, &mut head);
     assert_eq!((last.heaters.0, last.trip), (0, Some(Trip::of(1, Cause::Open))));
-    let test = station.take_self_test().unwrap();
-    assert!(test.findings().iter().all(|finding| finding.faults.has(Fault::Interrupted)));
-    assert_eq!(station.input(), Input::Element);
+    let test = instrument.take_self_test().unwrap();
+    assert!(test.findings().iter().all(|finding| finding.faults.has(SelfTestFault::Interrupted)));
+    assert_eq!(instrument.input(), FrontEndInput::Element);
 }
 
 #[test]
 fn a_missing_reading_in_a_pulse_is_one_tick_at_the_low_level() {
-    let mut station = station(true);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let mut head = Head::sound();
-    until_heated(&mut station, &mut head);
+    let mut instrument = instrument(true);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = TestHead::sound();
+    until_heated(&mut instrument, &mut head);
     head.instead[0] = Some(Reading::Missing);
-    assert_eq!(tick(&mut station, &mut head).heaters.0, 0);
+    assert_eq!(tick(&mut instrument, &mut head).heaters.0, 0);
     head.instead[0] = None;
-    assert_eq!(tick(&mut station, &mut head).heaters.0, 1);
+    assert_eq!(tick(&mut instrument, &mut head).heaters.0, 1);
 }
 
 #[test]
 fn without_a_pulse_it_changes_no_state_and_can_look_at_a_tripped_instrument() {
-    let mut station = station(true);
-    station.handle(Command::Disarm).unwrap();
-    station.handle(plan(None)).unwrap();
-    let mut head = Head::sound();
-    let (findings, ticks) = run(&mut station, &mut head);
+    let mut instrument = instrument(true);
+    instrument.handle(Command::Disarm).unwrap();
+    instrument.handle(plan(None)).unwrap();
+    let mut head = TestHead::sound();
+    let (findings, ticks) = run(&mut instrument, &mut head);
     assert!(findings.iter().all(|finding| finding.faults.is_none() && finding.response.is_none()));
     assert!(ticks.iter().all(|tick| tick.state == RunState::Standby && tick.trip.is_none()));
 
     head.instead[0] = Some(Reading::Code(3));
-    let trip = (0..2).find_map(|_| tick(&mut station, &mut head).trip).unwrap();
-    assert_eq!(station.handle(plan(Some(PULSE_S))), Err(Refusal::Tripped(trip)));
-    station.handle(plan(None)).unwrap();
-    let (findings, ticks) = run(&mut station, &mut head);
+    let trip = (0..2).find_map(|_| tick(&mut instrument, &mut head).trip).unwrap();
+    assert_eq!(instrument.handle(plan(Some(PULSE_S))), Err(Refusal::Tripped(trip)));
+    instrument.handle(plan(None)).unwrap();
+    let (findings, ticks) = run(&mut instrument, &mut head);
     assert_eq!((findings[0].cause, findings[1].cause), (Some(Cause::Short), None));
     assert!(ticks.iter().all(|tick| tick.state == RunState::Tripped(trip)));
 }
 
 #[test]
 fn stopping_it_puts_the_front_end_back_before_anything_is_judged() {
-    let mut station = station(true);
-    let mut head = Head::sound();
-    station.handle(plan(Some(PULSE_S))).unwrap();
+    let mut instrument = instrument(true);
+    let mut head = TestHead::sound();
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
     for _ in 0..10 {
-        tick(&mut station, &mut head);
+        tick(&mut instrument, &mut head);
     }
-    assert_eq!(station.input(), Input::Shorted);
-    station.handle(Command::Stop).unwrap();
-    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
-    station.handle(Command::Drive { element: 0, drive: Drive::Level(Level::High) }).unwrap();
-    station.handle(Command::Start).unwrap();
+    assert_eq!(instrument.input(), FrontEndInput::Shorted);
+    instrument.handle(Command::Stop).unwrap();
+    instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    instrument.handle(Command::Drive { element: 0, drive: Drive::Level(Level::High) }).unwrap();
+    instrument.handle(Command::Start).unwrap();
     // What is read first is still of the shorted inputs.
-    let first = tick(&mut station, &mut head);
+    let first = tick(&mut instrument, &mut head);
     assert_eq!((first.state, first.valid, first.heaters.0), (RunState::Running, 0, 0));
-    let second = tick(&mut station, &mut head);
+    let second = tick(&mut instrument, &mut head);
     assert_eq!((second.state, second.valid, second.heaters.0), (RunState::Running, 3, 1));
-    assert!(station.take_self_test().is_none());
+    assert!(instrument.take_self_test().is_none());
 }
 
 #[test]
 fn stopped_at_any_tick_it_leaves_a_sound_instrument_in_standby() {
     for stop_after in [1, 10, 66, 67, 100, 132, 133, 190, 220, 260] {
         for heat in [None, Some(PULSE_S)] {
-            let mut station = station(true);
-            let mut head = Head::sound();
-            station.handle(plan(heat)).unwrap();
+            let mut instrument = instrument(true);
+            let mut head = TestHead::sound();
+            instrument.handle(plan(heat)).unwrap();
             (0..stop_after).for_each(|_| {
-                tick(&mut station, &mut head);
+                tick(&mut instrument, &mut head);
             });
-            station.handle(Command::Stop).unwrap();
+            instrument.handle(Command::Stop).unwrap();
             for n in 0..4 {
-                let tick = tick(&mut station, &mut head);
+                let tick = tick(&mut instrument, &mut head);
                 assert_eq!((tick.state, tick.heaters.0), (RunState::Standby, 0), "{stop_after} {heat:?} {n}");
             }
         }
@@ -433,26 +438,30 @@ fn stopped_at_any_tick_it_leaves_a_sound_instrument_in_standby() {
 #[test]
 fn readings_that_are_missing_now_and_then_are_no_fault_and_every_other_is() {
     for (every, is_fault) in [(64, false), (4, false), (1, true)] {
-        let mut station = station(true);
-        let mut head = Head::sound();
-        station.handle(plan(None)).unwrap();
+        let mut instrument = instrument(true);
+        let mut head = TestHead::sound();
+        instrument.handle(plan(None)).unwrap();
         let mut n = 0;
         let finding = loop {
             n += 1;
             head.instead[0] = (n % every == 0).then_some(Reading::Missing);
-            tick(&mut station, &mut head);
-            if let Some(test) = station.take_self_test() {
+            tick(&mut instrument, &mut head);
+            if let Some(test) = instrument.take_self_test() {
                 break test.findings()[0];
             }
         };
-        assert_eq!(finding.faults, if is_fault { only(&[Fault::Continuity]) } else { Faults::default() }, "{every}");
+        assert_eq!(
+            finding.faults,
+            if is_fault { only(&[SelfTestFault::Continuity]) } else { SelfTestFaults::default() },
+            "{every}"
+        );
         assert_eq!(finding.cause, is_fault.then_some(Cause::Missing));
     }
 }
 
 #[test]
 fn what_cannot_be_tested_is_refused_and_changes_nothing() {
-    let invalid = |pulse_s: f32| match station(true).handle(plan(Some(pulse_s))) {
+    let invalid = |pulse_s: f32| match instrument(true).handle(plan(Some(pulse_s))) {
         Err(Refusal::Invalid { element: None, error }) => error.parameter == Parameter::PulseS,
         _ => false,
     };
@@ -461,19 +470,19 @@ fn what_cannot_be_tested_is_refused_and_changes_nothing() {
     }
     assert!(!invalid(0.08) && !invalid(10.0));
 
-    let mut station = station(true);
-    station.handle(Command::Disarm).unwrap();
-    assert_eq!(station.handle(plan(Some(PULSE_S))), Err(Refusal::NotArmed));
-    assert_eq!(Station::<2>::new().handle(plan(None)), Err(Refusal::NotConfigured { element: 0 }));
-    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
-    station.handle(Command::Start).unwrap();
+    let mut instrument = instrument(true);
+    instrument.handle(Command::Disarm).unwrap();
+    assert_eq!(instrument.handle(plan(Some(PULSE_S))), Err(Refusal::NotArmed));
+    assert_eq!(Instrument::<2>::new().handle(plan(None)), Err(Refusal::NotConfigured { element: 0 }));
+    instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    instrument.handle(Command::Start).unwrap();
     for pulse_s in [None, Some(PULSE_S)] {
-        assert_eq!(station.handle(plan(pulse_s)), Err(Refusal::NotInStandby));
+        assert_eq!(instrument.handle(plan(pulse_s)), Err(Refusal::NotInStandby));
     }
-    station.handle(Command::Stop).unwrap();
-    station.handle(Command::Arm { window_s: 1.0 }).unwrap();
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let before = station.clone();
+    instrument.handle(Command::Stop).unwrap();
+    instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let before = instrument.clone();
     for command in [
         plan(None),
         Command::Start,
@@ -482,8 +491,8 @@ fn what_cannot_be_tested_is_refused_and_changes_nothing() {
         Command::Acknowledge,
         Command::Drive { element: 0, drive: Drive::Level(Level::High) },
     ] {
-        assert!(station.handle(command).is_err(), "{command:?}");
-        assert!(station == before, "{command:?}");
+        assert!(instrument.handle(command).is_err(), "{command:?}");
+        assert!(instrument == before, "{command:?}");
     }
 }
 
@@ -495,10 +504,10 @@ fn a_controller_ends_a_test_by_itself_when_its_time_is_over() {
     controller.handle(Command::Element { element: 0, config: config() }).unwrap();
     controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
     controller.handle(plan(Some(PULSE_S))).unwrap();
-    let mut head = Head::sound();
+    let mut head = TestHead::sound();
     let mut heated = 0;
     for _ in 0..1_000 {
-        let tick = controller.tick_with(&head.readings(Input::Element), Probe::Pulse(0));
+        let tick = controller.tick_with(&head.readings(FrontEndInput::Element), Probe::Pulse(0));
         head.live(tick.heaters.0);
         heated += u32::from(tick.heaters.0 == 1);
     }

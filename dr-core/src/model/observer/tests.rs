@@ -5,7 +5,7 @@ use crate::model::{RelaxationState, Relaxations, mesh};
 use crate::signal::Prbs;
 
 /// A model and the same body in f64, in a wind that adds `conductance_w_per_k` to it.
-struct Bench<const K: usize> {
+struct ObserverBench<const K: usize> {
     relaxations: Relaxations<K>,
     symbol: Symbol<K>,
     observer: Observer<K>,
@@ -17,7 +17,7 @@ struct Bench<const K: usize> {
     rates: [f32; K],
 }
 
-impl<const K: usize> Bench<K> {
+impl<const K: usize> ObserverBench<K> {
     fn new(rates: [f32; K], r_k_per_w: [f32; K], period_s: f32) -> Self {
         let relaxations = Relaxations::new(&rates, period_s).unwrap();
         let symbol = Symbol::new(r_k_per_w).unwrap();
@@ -45,9 +45,9 @@ impl<const K: usize> Bench<K> {
     }
 
     /// One tick under `power_w`; what the observer said at its beginning.
-    fn tick(&mut self, power_w: f64, measured: bool) -> Observed {
+    fn tick(&mut self, power_w: f64, measured: bool) -> ObservedPower {
         let rise_k = self.rise_k();
-        let seen = self.observer.look(
+        let seen = self.observer.estimate(
             &mut self.remembered,
             &self.symbol.weighted(&self.states),
             self.symbol.output(&self.states),
@@ -67,8 +67,8 @@ impl<const K: usize> Bench<K> {
 }
 
 /// A sector of sphere B in miniature: slow core, body, fast chip.
-fn sector() -> Bench<4> {
-    Bench::new([0.02, 0.1, 1.0, 60.0], [60.0, 90.0, 3.0, 0.4], 0.01)
+fn sector() -> ObserverBench<4> {
+    ObserverBench::new([0.02, 0.1, 1.0, 60.0], [60.0, 90.0, 3.0, 0.4], 0.01)
 }
 
 #[test]
@@ -84,7 +84,8 @@ fn finds_the_states_from_a_wrong_start() {
     assert!(start > 0.03 && bench.largest_state_error_w() < 2e-7, "{}", bench.largest_state_error_w());
 }
 
-/// The rate at which the equivalent control forgets a wrong start, between 100 s and 200 s after it, rad/s.
+/// The rate at which the equivalent control forgets a wrong start, between 100 s and 200 s after
+/// it, rad/s.
 fn forgetting_rad_s(measured: bool) -> f64 {
     let mut bench = sector();
     bench.truth = [0.03; 4];
@@ -129,7 +130,7 @@ fn in_steady_state_the_equivalent_control_is_the_power_held() {
 fn in_another_wind_it_is_what_the_structure_takes_and_the_correction_what_the_wind_takes() {
     let mut bench = sector();
     bench.conductance_w_per_k = 5e-3;
-    let mut seen = Observed { equivalent_power_w: 0.0, correction_w: 0.0 };
+    let mut seen = ObservedPower { equivalent_power_w: 0.0, correction_w: 0.0 };
     for _ in 0..100_000 {
         seen = bench.tick(0.04, true);
     }
@@ -151,7 +152,7 @@ fn is_stable_at_any_period_and_any_rates() {
         let period_s = draw(1e-3, 10.0) as f32;
         let mut rates = [0.0; 4].map(|_| (draw(1e-3, 30.0) / f64::from(period_s)) as f32);
         rates.sort_by(f32::total_cmp);
-        let mut bench = Bench::new(rates, [0.0; 4].map(|_| draw(1e-2, 1e2) as f32), period_s);
+        let mut bench = ObserverBench::new(rates, [0.0; 4].map(|_| draw(1e-2, 1e2) as f32), period_s);
         bench.truth = [1.0, 0.0, 1.0, 0.0];
         let start = bench.largest_state_error_w();
         // thirty of the slowest time constants: of the structure, of the correction
@@ -185,5 +186,5 @@ fn refuses_a_model_that_is_no_passive_body() {
         Observer::new(&rates, &symbol, 0.01).unwrap_err()
     };
     assert_eq!(refused([10.0, -0.1]).parameter, Parameter::ResistanceKPerW);
-    assert_eq!(refused([0.0, 0.0]).problem, Problem::NotPositive);
+    assert_eq!(refused([0.0, 0.0]).problem, ParameterProblem::NotPositive);
 }

@@ -18,7 +18,8 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 /// Core cycles in a microsecond.
 pub const CYCLES_PER_US: u32 = CLOCK_HZ / 1_000_000;
 
-/// Starts crystal, PLL and cycle counter. If the crystal does not start, neither does the board: heaters stay low.
+/// Starts crystal, PLL and cycle counter. If the crystal does not start, neither does the board:
+/// heaters stay low.
 pub fn start(rcc: Rcc, core: &mut cortex_m::Peripherals) -> Rcc {
     let config = Config::hse(8.MHz())
         .sysclk(CLOCK_HZ.Hz())
@@ -45,7 +46,8 @@ pub struct CycleDelay;
 impl DelayNs for CycleDelay {
     fn delay_ns(&mut self, ns: u32) {
         let start = cycles();
-        // Rounded up; 4.3 s, the longest that a u32 of nanoseconds can say, is well within the counter.
+        // Rounded up; 4.3 s, the longest that a u32 of nanoseconds can say, is well within the
+        // counter.
         let wanted = (u64::from(ns) * u64::from(CYCLES_PER_US)).div_ceil(1_000) as u32;
         while cycles().wrapping_sub(start) < wanted {}
     }

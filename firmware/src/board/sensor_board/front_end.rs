@@ -1,29 +1,32 @@
-//! Readings in, levels out: the ADS131E06 on SPI1 with its data-ready on EXTI line 4, and the six heater pins.
+//! Readings in, levels out: the ADS131E06 on SPI1 with its data-ready on EXTI line 4, and the six
+//! heater pins.
 //!
-//! **Who calls.** The control task is bound to EXTI4. The line raises it for each conversion (4 000 or 1 000 times a
-//! second); software raises it for commands, and 20 times a second for the health task. Only the line's pending bit says
-//! that there is a conversion to be read. The bit is cleared before the frame is read, so that an edge that comes
-//! meanwhile raises the task again; the bit holds the interrupt until it is cleared, so it is cleared even while the ADC
-//! is out of use.
+//! **Who calls.** The control task is bound to EXTI4. The line raises it for each conversion (4 000
+//! or 1 000 times a second); software raises it for commands, and 20 times a second for the health
+//! task. Only the line's pending bit says that there is a conversion to be read. The bit is cleared
+//! before the frame is read, so that an edge that comes meanwhile raises the task again; the bit
+//! holds the interrupt until it is cleared, so it is cleared even while the ADC is out of use.
 //!
-//! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue, count as conversions
-//! without codes: the tick keeps its length. If the ADC falls silent, ticks go on in the same way with readings that are
-//! missing. Without edges the task runs 20 times a second, so such a tick comes up to 50 ms after its time, several at
-//! once if they are short. The tick in which the ADC fell silent may still have a reading, the next has none and puts
-//! the heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms of the last edge,
-//! tripped within three and 50 ms.
+//! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue,
+//! count as conversions without codes: the tick keeps its length. If the ADC falls silent, ticks go
+//! on in the same way with readings that are missing. Without edges the task runs 20 times a
+//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. The
+//! tick in which the ADC fell silent may still have a reading, the next has none and puts the
+//! heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms
+//! of the last edge, tripped within three and 50 ms.
 //!
-//! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21 bytes: in every
-//! conversion period of 250 µs, and 200 µs is what the decision may take (`docs/hardware.md`, "One tick").
+//! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
+//! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
+//! (`docs/hardware.md`, "One tick").
 
-use super::ELEMENTS;
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
-use super::dead_man::DeadMan;
+use super::dead_man::DeadManTimer;
 use super::heater_pin::HeaterPin;
-use dr_core::ConfigError;
-use dr_core::control::{Station, Tick, WindTick};
+use dr_core::control::Tick;
 use dr_core::sensor::reading::REFERENCE_CODE;
-use dr_core::sensor::{Input, Reading};
+use dr_core::sensor::{FrontEndInput, Reading};
+use dr_core::wind::WindTick;
+use dr_core::{ConfigError, Instrument};
 use embedded_hal::spi::MODE_1;
 use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::drivers::ads131e06::{self, Ads131e06};
@@ -37,14 +40,16 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 
+/// One a channel of its ADC.
+pub const ELEMENTS: usize = ads131e06::CHANNELS;
 /// The heater pins in their port: PC0 … PC5.
 pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 /// Until the host sets one.
 pub const FIRST_PERIOD_US: u32 = 10_000;
 
 /// Six pins of port C.
-pub type Heaters = HeaterPins<HeaterPin, ELEMENTS>;
-type Adc = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
+pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
+type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
 
 /// Where the ADC is connected.
 pub struct AdcPins {
@@ -63,11 +68,11 @@ pub struct AdcPins {
 }
 
 /// Readings of a tick, and levels for the next.
-pub struct FrontEnd {
-    adc: Adc,
+pub struct AdcFrontEnd {
+    adc: AdcDriver,
     line: PB4<gpio::Input>,
-    heaters: Heaters,
-    dead_man: DeadMan,
+    heaters: HeaterPort,
+    dead_man: DeadManTimer,
     /// The ADC has been brought up: its reference is on and its offsets are known.
     usable: bool,
     /// The rate it converts at; `None` while it must not be believed.
@@ -76,14 +81,14 @@ pub struct FrontEnd {
     mean: SettledMean<ELEMENTS>,
     plan: TickPlan,
     /// What the converters are connected to; none while they have not taken it.
-    connected: Option<Input>,
-    /// What they have been asked for.
-    input: Input,
+    connected: Option<FrontEndInput>,
+    /// The requested input.
+    input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
 }
 
-impl FrontEnd {
+impl AdcFrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
     #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
     pub fn start(
@@ -91,8 +96,8 @@ impl FrontEnd {
         pins: AdcPins,
         mut exti: EXTI,
         syscfg: SYSCFG,
-        heaters: Heaters,
-        dead_man: DeadMan,
+        heaters: HeaterPort,
+        dead_man: DeadManTimer,
         rcc: &mut Rcc,
     ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
@@ -126,13 +131,14 @@ impl FrontEnd {
             data_ready: expectation(plan),
             mean: SettledMean::new(plan),
             plan,
-            connected: Some(Input::Element),
-            input: Input::Element,
+            connected: Some(FrontEndInput::Element),
+            input: FrontEndInput::Element,
             overran: false,
         }
     }
 
-    /// The readings of the next tick that is complete. Ask until there is none: a silence can bring several at once.
+    /// The readings of the next tick that is complete. Ask until there is none: a silence can bring
+    /// several at once.
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         loop {
             // The time before the line: an edge that is not seen was not there at that time.
@@ -150,7 +156,7 @@ impl FrontEnd {
                 }
             };
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
-                if self.input == Input::Reference {
+                if self.input == FrontEndInput::Reference {
                     scale_supplies(&mut readings);
                 }
                 return Some(readings);
@@ -167,25 +173,27 @@ impl FrontEnd {
         edge && self.rate.is_some()
     }
 
-    /// Puts the levels on the pins; says whether that went well. If not, they are low.
+    /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
         self.dead_man.decided(tick.heaters.0 != 0);
         self.heaters.apply(tick.heaters).is_ok()
     }
 
-    /// Has the converters read something else from now on, for a self-test. It begins a tick anew: the one that goes on is longer by as much as has
-    /// passed of it, some 0.3 ms with the change. A converter that does not take it reads missing, which the test tells of.
-    pub fn select(&mut self, input: Input) {
+    /// Has the converters read something else from now on, for a self-test. It begins a tick anew:
+    /// the one that goes on is longer by as much as has passed of it, some 0.3 ms with the change.
+    /// A converter that does not accept it reads missing, which the test reports.
+    pub fn select(&mut self, input: FrontEndInput) {
         if self.connected == Some(input) || !self.usable {
             return;
         }
         let connect = match input {
-            Input::Element => ads131e06::Input::Pins,
-            Input::Shorted => ads131e06::Input::Shorted,
-            Input::Reference => ads131e06::Input::Supply,
+            FrontEndInput::Element => ads131e06::AdcInput::Pins,
+            FrontEndInput::Shorted => ads131e06::AdcInput::Shorted,
+            FrontEndInput::Reference => ads131e06::AdcInput::Supply,
         };
         self.input = input;
-        // One that has not taken it is asked again after the next tick, and not believed until then.
+        // A converter that has not accepted it is set again after the next tick; its readings are
+        // missing until then.
         self.connected = self.adc.select(connect, &mut CycleDelay).ok().map(|()| input);
         self.rate = self.connected.map(|_| self.plan.rate());
         // An edge of what was read before.
@@ -194,18 +202,18 @@ impl FrontEnd {
         self.mean = SettledMean::new(self.plan);
     }
 
-    /// Nobody waits for an answer: the levels are where they belong.
-    pub const fn answer(
+    /// No reply: the levels are on the pins.
+    pub const fn reply(
         &mut self,
-        _: &Station<ELEMENTS>,
+        _: &Instrument<ELEMENTS>,
         _: &Tick<ELEMENTS>,
         _: Option<&WindTick>,
     ) -> Option<wire::FromBoard> {
         None
     }
 
-    /// There is nothing that could be answered.
-    pub const fn answer_silence(&mut self) -> Option<wire::FromBoard> {
+    /// No reply.
+    pub const fn reply_to_silence(&mut self) -> Option<wire::FromBoard> {
         None
     }
 
@@ -218,8 +226,9 @@ impl FrontEnd {
     /// Plans ticks of another length; an ADC that has to change its rate does so in 0.1 ms.
     ///
     /// # Errors
-    /// A period that is no whole number of conversions, or under four of them. An ADC that does not take its new rate is
-    /// no error here: its readings are missing from now on, which the guard sees.
+    /// A period that is no whole number of conversions, or under four of them. An ADC that does not
+    /// take its new rate is no error here: its readings are missing from now on, which the guard
+    /// sees.
     pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
         let plan = TickPlan::from_seconds(sample_period_s)?;
         if self.usable && self.rate != Some(plan.rate()) {
@@ -236,7 +245,8 @@ impl FrontEnd {
         Ok(())
     }
 
-    /// Whether a conversion came before the tick was through, or was lost since the last time of asking.
+    /// Whether a conversion came before the tick was through, or was lost since the last time of
+    /// asking.
     pub fn overran(&mut self) -> bool {
         core::mem::take(&mut self.overran) || self.line.check_interrupt()
     }

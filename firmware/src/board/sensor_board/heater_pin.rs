@@ -1,7 +1,7 @@
 //! One switch of a heater's level, on port C.
 //!
-//! The HAL's pin of a number that is known only as it runs checks that number at every write and panics beyond 15, which a pin's number
-//! cannot be. Here the bit is made once.
+//! The HAL's pin of a number that is known only as it runs checks that number at every write and
+//! panics beyond 15, which a pin's number cannot be. Here the bit is made once.
 
 use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
@@ -23,7 +23,8 @@ impl HeaterPin {
     }
 
     fn write(bits: u32) {
-        // SAFETY: BSRR is written only, and zeros in it change nothing: one store moves this pin alone (RM0090, GPIOx_BSRR).
+        // SAFETY: BSRR is written only, and zeros in it change nothing: one store moves this pin
+        // alone (RM0090, GPIOx_BSRR).
         unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(bits)) };
     }
 }

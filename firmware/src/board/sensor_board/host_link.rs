@@ -1,23 +1,29 @@
 //! The host on USART2, 921 600 baud, both ways by DMA.
 //!
 //! ```text
-//! frame ─► TELEMETRY_FRAME ─► DMA1 stream 6 ─► PA2          PA3 ─► DMA1 stream 5 ─► TELEMETRY_RECEIVED ─► receive
+//! frame ─► TELEMETRY_FRAME ─► DMA1 stream 6 ─► PA2
+//! PA3 ─► DMA1 stream 5 ─► TELEMETRY_RECEIVED ─► receive
 //! ```
 //!
-//! Streams, channel and direction are checked by the compiler against the HAL's table of the request map (`DMASet`).
+//! Streams, channel and direction are checked by the compiler against the HAL's table of the
+//! request map (`DMASet`).
 //!
-//! **Baud rate.** 42 MHz / 46 = 913 043, 0.93 % slow. A receiver that samples the middle of a bit bears ±5 % over ten
-//! bits, ours is specified to bear 3.75 % (RM0090, "USART receiver's tolerance to clock deviation").
+//! **Baud rate.** 42 MHz / 46 = 913 043, 0.93 % slow. A receiver that samples the middle of a bit
+//! bears ±5 % over ten bits, ours is specified to bear 3.75 % (RM0090, "USART receiver's tolerance
+//! to clock deviation").
 //!
-//! **Sending.** One frame at a time. The stream clears its own enable bit when its count is through (RM0090, "DMA stream
-//! x configuration register", EN), so that bit says whether the transmitter is free, and the interrupt says when to look.
+//! **Sending.** One frame at a time. The stream clears its own enable bit when its count is through
+//! (RM0090, "DMA stream x configuration register", EN), so that bit says whether the transmitter is
+//! free, and the interrupt says when to look.
 //!
-//! **Receiving.** The stream runs in a circle and is never stopped, so there is no moment in which a byte finds nobody.
-//! Three things call `receive`: the line falls idle after a frame (USART2), half or all of the buffer is written (DMA1
-//! stream 5), and the health task, 20 times a second. An overrun, a framing or a noise error stops nothing here, but
-//! their flags hold the interrupt until they are cleared by reading SR and then DR (RM0090, USART_SR). That reading of DR
-//! can take away a byte that has just come before the stream fetches it, a window of some tens of ns in 10.9 µs, only
-//! if the host goes on sending just as its line was found idle: that frame's checksum then fails, and the host repeats.
+//! **Receiving.** The stream runs in a circle and is never stopped, so there is no moment in which
+//! a byte finds nobody. Three things call `receive`: the line falls idle after a frame (USART2),
+//! half or all of the buffer is written (DMA1 stream 5), and the health task, 20 times a second. An
+//! overrun, a framing or a noise error stops nothing here, but their flags hold the interrupt until
+//! they are cleared by reading SR and then DR (RM0090, USART_SR). That reading of DR can take away
+//! a byte that has just come before the stream fetches it, a window of some tens of ns in 10.9 µs,
+//! only if the host goes on sending just as its line was found idle: that frame's checksum then
+//! fails, and the host repeats.
 
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed, Ordering::SeqCst, fence};
 use firmware::drivers::circle::Circle;
@@ -45,7 +51,7 @@ static TELEMETRY_RECEIVED: [AtomicU8; RECEIVED] = [const { AtomicU8::new(0) }; R
 
 /// Sets up both directions; receiving begins.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
-pub fn start(usart: USART2, dma: DMA1, tx: PA2, rx: PA3, rcc: &mut Rcc) -> (HostTransmitter, HostReceiver)
+pub fn start(usart: USART2, dma: DMA1, tx: PA2, rx: PA3, rcc: &mut Rcc) -> (DmaTransmitter, DmaReceiver)
 where
     Tx<USART2>: DMASet<Stream6<DMA1>, 4, MemoryToPeripheral>,
     Rx<USART2>: DMASet<Stream5<DMA1>, 4, PeripheralToMemory>,
@@ -56,17 +62,19 @@ where
     let (tx, mut rx) = serial.split();
     let streams = StreamsTuple::new(dma, rcc);
 
-    let mut transmitter = HostTransmitter { stream: streams.6 };
+    let mut transmitter = DmaTransmitter { stream: streams.6 };
     configure(&mut transmitter.stream, DmaDirection::MemoryToPeripheral, tx.address(), &TELEMETRY_FRAME);
     transmitter.stream.set_priority(Priority::Medium);
     transmitter.stream.listen(DmaEvent::TransferComplete | DmaEvent::TransferError);
 
     rx.listen_idle();
-    // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors raise the interrupt too.
+    // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors
+    // raise the interrupt too.
     unsafe { (*USART2::ptr()).cr3().modify(|_, w| w.eie().set_bit()) };
-    let mut receiver = HostReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
+    let mut receiver = DmaReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
     configure(&mut receiver.stream, DmaDirection::PeripheralToMemory, rx.address(), &TELEMETRY_RECEIVED);
-    // Before all else on this controller: a byte that waits too long is lost, a frame that waits is late.
+    // Before all else on this controller: a byte that waits too long is lost, a frame that waits is
+    // late.
     receiver.stream.set_priority(Priority::VeryHigh);
     receiver.stream.set_circular_mode(true);
     receiver.stream.listen(DmaEvent::HalfTransfer | DmaEvent::TransferComplete | DmaEvent::TransferError);
@@ -74,7 +82,8 @@ where
     (transmitter, receiver)
 }
 
-/// What both streams have in common: channel 4, bytes, direct mode (each byte goes through at once), the stream counts.
+/// What both streams have in common: channel 4, bytes, direct mode (each byte goes through at
+/// once), the stream counts.
 fn configure(
     stream: &mut impl stm32f4xx_hal::dma::traits::Stream,
     direction: DmaDirection,
@@ -90,29 +99,31 @@ fn configure(
 }
 
 /// Frames to the host.
-pub struct HostTransmitter {
+pub struct DmaTransmitter {
     stream: Stream6<DMA1>,
 }
 
-impl HostTransmitter {
+impl DmaTransmitter {
     /// Whether the last frame has left the buffer.
     pub fn is_free(&self) -> bool {
         !self.stream.is_enabled()
     }
 
-    /// Sends a frame. Call it only when the transmitter is free; what is longer than a frame can be is cut.
+    /// Sends a frame. Call it only when the transmitter is free; what is longer than a frame can be
+    /// is cut.
     pub fn send(&mut self, frame: &[u8]) {
         let length = frame.len().min(MAX_FRAME);
         for (to, &byte) in TELEMETRY_FRAME.iter().zip(frame) {
             to.store(byte, Relaxed);
         }
-        // The stream takes no new count while flags of the last one stand (RM0090, "DMA stream configuration procedure").
+        // The stream takes no new count while flags of the last one stand (RM0090, "DMA stream
+        // configuration procedure").
         self.stream.clear_all_flags();
         self.stream.set_number_of_transfers(length as u16);
         // The bytes must be in memory before the stream may look.
         fence(SeqCst);
-        // SAFETY: the stream reads `length` bytes of a static that is at least that long, and that nobody writes until
-        // the stream is free again.
+        // SAFETY: the stream reads `length` bytes of a static that is at least that long, and that
+        // nobody writes until the stream is free again.
         unsafe { self.stream.enable() };
     }
 }
@@ -130,12 +141,12 @@ pub fn acknowledge_received() {
 }
 
 /// Bytes from the host.
-pub struct HostReceiver {
+pub struct DmaReceiver {
     stream: Stream5<DMA1>,
     circle: Circle,
 }
 
-impl HostReceiver {
+impl DmaReceiver {
     /// The next byte that has come.
     pub fn read(&mut self) -> Option<u8> {
         let index = match self.circle.next() {
@@ -148,7 +159,8 @@ impl HostReceiver {
         TELEMETRY_RECEIVED.get(index).map(|byte| byte.load(Relaxed))
     }
 
-    /// Quietens the USART, then asks the stream how far it has come: what comes after that raises the interrupt anew.
+    /// Quietens the USART, then asks the stream how far it has come: what comes after that raises
+    /// the interrupt anew.
     fn look(&mut self) {
         // SAFETY: only this task reads these two registers once the link is set up.
         let usart = unsafe { &*USART2::ptr() };
@@ -160,13 +172,14 @@ impl HostReceiver {
         {
             usart.dr().read();
         }
-        // Only an error on the memory bus stops a circular stream, which a fixed address in RAM cannot cause.
+        // Only an error on the memory bus stops a circular stream, which a fixed address in RAM
+        // cannot cause.
         if !self.stream.is_enabled() {
             self.begin();
         }
         self.circle.look(self.stream.number_of_transfers());
-        // In direct mode the count goes down as the byte is fetched and its store follows at once; no byte is read here
-        // before the count that tells of it.
+        // In direct mode the count goes down as the byte is fetched and its store follows at once;
+        // no byte is read here before the count that tells of it.
         fence(SeqCst);
     }
 

@@ -1,4 +1,5 @@
-//! The sensor board: STM32F405, six heated elements, an ADS131E06, the host on USART2. Its circuit is in `docs/hardware.md`.
+//! The sensor board: STM32F405, six heated elements, an ADS131E06, the host on USART2. Its circuit
+//! is in `docs/hardware.md`.
 //!
 //! | file | what |
 //! |---|---|
@@ -10,8 +11,8 @@
 //! | `settings_flash.rs` | three sectors of the processor's flash |
 //! | `watchdog.rs` | reset unless everybody is well |
 //!
-//! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog) is argued beside the
-//! code from the reference manual RM0090.
+//! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog)
+//! is argued beside the code from the reference manual RM0090.
 
 mod clocks;
 mod dead_man;
@@ -21,48 +22,52 @@ mod host_link;
 mod settings_flash;
 mod watchdog;
 
+pub use self::InterruptIdler as Idler;
 pub use clocks::{CLOCK_HZ, cycles};
 pub use dead_man::acknowledge_dead_man;
-pub use front_end::FrontEnd;
-pub use host_link::{HostReceiver, HostTransmitter, acknowledge_received, acknowledge_sent};
-pub use settings_flash::SettingsFlash;
-pub use watchdog::Watchdog;
+pub use front_end::{AdcFrontEnd as FrontEnd, ELEMENTS};
+pub use host_link::{
+    DmaReceiver as HostReceiver, DmaTransmitter as HostTransmitter, acknowledge_received, acknowledge_sent,
+};
+pub use settings_flash::SectorFlash as SettingsFlash;
+pub use watchdog::HardwareWatchdog as Watchdog;
 
-use super::Parts;
+use super::parts::BoardParts;
 use cortex_m::peripheral::SCB;
-use dead_man::DeadMan;
+use dead_man::DeadManTimer;
 use defmt_rtt as _;
-use firmware::drivers::ads131e06::CHANNELS;
+use firmware::crash_record::CrashRecord;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
-use firmware::past_life::PastLife;
+use front_end::AdcFrontEnd;
 use front_end::{AdcPins, FIRST_PERIOD_US, HEATER_MASK};
 use heapless::spsc::Consumer;
 use heater_pin::HeaterPin;
+use host_link::{DmaReceiver, DmaTransmitter};
+use settings_flash::SectorFlash;
 use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac::{self, GPIOC};
 use stm32f4xx_hal::prelude::*;
+use watchdog::HardwareWatchdog;
 use wire::{BoardKind, ResetCause};
 
 /// For the log.
 pub const NAME: &str = "sensor";
 /// For the host.
 pub const KIND: BoardKind = BoardKind::Sensor;
-/// One a channel of its ADC.
-pub const ELEMENTS: usize = CHANNELS;
 /// This board reads for itself.
 pub const IS_VIRTUAL: bool = false;
 
-/// Heaters low, clocks, link, ADC; 0.5 s, most of it the ADC's reference and offsets.
+/// HeaterPort low, clocks, link, ADC; 0.5 s, most of it the ADC's reference and offsets.
 ///
-/// Called with interrupts disabled. An ADC that does not answer is no reason to stop: the board then reports every reading
-/// as missing, and the guard keeps the heaters low.
+/// Called with interrupts disabled. An ADC that does not respond is no reason to stop: the board
+/// then reports every reading as missing, and the guard keeps the heaters low.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
 pub fn init(
     device: pac::Peripherals,
     core: &mut cortex_m::Peripherals,
     _: Consumer<'static, firmware::inbox::Exchange>,
-) -> Parts {
+) -> BoardParts<AdcFrontEnd, DmaReceiver, DmaTransmitter, HardwareWatchdog, InterruptIdler, SectorFlash> {
     let mut rcc = device.RCC.constrain();
     let gpioc = device.GPIOC.split(&mut rcc);
     let heaters = HeaterPins::new([
@@ -81,7 +86,7 @@ pub fn init(
 
     let gpioa = device.GPIOA.split(&mut rcc);
     let gpiob = device.GPIOB.split(&mut rcc);
-    let mut watchdog = Watchdog::new(device.IWDG, &device.DBGMCU, gpiob.pb1.into_push_pull_output());
+    let mut watchdog = HardwareWatchdog::new(device.IWDG, &device.DBGMCU, gpiob.pb1.into_push_pull_output());
     let (host_transmitter, host_receiver) =
         host_link::start(device.USART2, device.DMA1, gpioa.pa2, gpioa.pa3, &mut rcc);
     let pins = AdcPins {
@@ -89,65 +94,69 @@ pub fn init(
         clock: gpioa.pa5,
         data_in: gpioa.pa6,
         data_out: gpioa.pa7,
-        // The pull-up that the pin had as JTAG reset stays, in case the ADC is not there to drive it.
+        // The pull-up that the pin had as JTAG reset stays, in case the ADC is not there to drive
+        // it.
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
-    let dead_man = DeadMan::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
-    let front_end = FrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
+    let dead_man = DeadManTimer::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
+    let front_end = AdcFrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
     watchdog.expect_check_ins();
-    Parts {
+    BoardParts {
         front_end,
         host_receiver,
         host_transmitter,
         watchdog,
-        idler: Idler,
-        settings: SettingsFlash::new(device.FLASH),
+        idler: InterruptIdler,
+        settings: SectorFlash::new(device.FLASH),
         reset,
     }
 }
 
 /// Puts all heaters at the low level at once, whatever state the rest is in.
 pub fn heaters_low() {
-    // SAFETY: BSRR is written only, and one store changes these six pins and nothing else: no other context can be
-    // disturbed half-way. Before the port has its clock the store does nothing, and the pins float, pulled down.
+    // SAFETY: BSRR is written only, and one store changes these six pins and nothing else: no other
+    // context can be disturbed half-way. Before the port has its clock the store does nothing, and
+    // the pins float, pulled down.
     unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(HEATER_MASK << 16)) };
 }
 
-/// Where the settings are kept, once more: for a flash that held something else, and whose first handle is gone with it.
-pub fn settings_flash() -> SettingsFlash {
-    // SAFETY: only the clerk of the settings has the flash's registers, and this is called by it, when it has none.
-    SettingsFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
+/// Where the settings are kept, once more: for a flash that held something else, and whose first
+/// handle is gone with it.
+pub fn settings_flash() -> SectorFlash {
+    // SAFETY: only the settings server uses the registers of the flash, and only it calls this,
+    // when it has none.
+    SectorFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
 }
 
 /// Why it started, by its flags.
-pub const fn reset_as_remembered(reset: ResetCause, _: &PastLife) -> ResetCause {
+pub const fn reset_as_remembered(reset: ResetCause, _: &CrashRecord) -> ResetCause {
     reset
 }
 
-/// A new start. The next one tells the host that software asked for it, and what is known of why.
+/// Restarts. After the restart the identity contains the reset cause and the crash.
 pub fn restart() -> ! {
     heaters_low();
     SCB::sys_reset()
 }
 
-/// Only a virtual board is told of silence: here it is the timer that notices.
+/// For the virtual board only: here the timer detects the silence.
 pub const fn silence(_: u16) -> bool {
     false
 }
 
-/// Only a virtual board does what does it harm.
+/// Only the virtual board provokes faults.
 pub const fn provoke(_: wire::Provocation) {}
 
-/// Only a virtual board can be asked to leave; a start anew is the nearest thing.
+/// Only the virtual board can leave its emulator; here it restarts.
 pub fn finish(_: u8) -> ! {
     restart()
 }
 
 /// Sleeps.
-pub struct Idler;
+pub struct InterruptIdler;
 
-impl Idler {
+impl InterruptIdler {
     /// Sleeps until an interrupt. There are no bytes that come without one.
     pub fn wait(&mut self) -> &[u8] {
         cortex_m::asm::wfi();

@@ -2,15 +2,21 @@
 //!
 //! All from RM0090, "Embedded Flash memory interface":
 //!
-//! - **Unlocking**: two keys into FLASH_KEYR; locked again by LOCK in FLASH_CR. A wrong sequence locks it until the next reset.
-//! - **Programming**: PG and the width in FLASH_CR, then one store of that width; BSY in FLASH_SR until it is through (16 µs, data sheet). By words,
-//!   which wants 2.7 V or more; the board has 3.3 V. Bits can only be cleared.
-//! - **Erasing**: SER, the sector's number and STRT. 16 KiB take 0.25 s, 0.5 s at the most (data sheet, words). Any access to the flash waits
-//!   meanwhile, fetching code from it too: **the processor stands still**. Heaters are low then (settings are written in standby only, and nothing
-//!   starts meanwhile), the watchdog is given time before, and conversions that come meanwhile are lost, which standby bears.
-//! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is reset afterwards, for which it has to be off.
+//! - **Unlocking**: two keys into FLASH_KEYR; locked again by LOCK in FLASH_CR. A wrong sequence
+//!   locks it until the next reset.
+//! - **Programming**: PG and the width in FLASH_CR, then one store of that width; BSY in FLASH_SR
+//!   until it is through (16 µs, data sheet). By words, which wants 2.7 V or more; the board has
+//!   3.3 V. Bits can only be cleared.
+//! - **Erasing**: SER, the sector's number and STRT. 16 KiB take 0.25 s, 0.5 s at the most (data
+//!   sheet, words). Any access to the flash waits meanwhile, fetching code from it too: **the
+//!   processor stands still**. HeaterPort are low then (settings are written in standby only, and
+//!   nothing starts meanwhile), the watchdog is given time before, and conversions that come
+//!   meanwhile are lost, which standby bears.
+//! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is
+//!   reset afterwards, for which it has to be off.
 //!
-//! Nothing of this has run on silicon. What it is asked to do is tested on the host (`firmware/src/settings`).
+//! Nothing of this has run on silicon. What it is asked to do is tested on the host
+//! (`firmware/src/settings`).
 
 use super::watchdog;
 use embedded_storage::nor_flash::{
@@ -29,9 +35,9 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 const ERRORS: u32 = 0b1111_0010;
 
 /// The three sectors.
-pub struct SettingsFlash(FLASH);
+pub struct SectorFlash(FLASH);
 
-impl SettingsFlash {
+impl SectorFlash {
     /// Takes the flash's registers.
     pub const fn new(flash: FLASH) -> Self {
         Self(flash)
@@ -79,17 +85,18 @@ impl SettingsFlash {
     }
 }
 
-impl ErrorType for SettingsFlash {
+impl ErrorType for SectorFlash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for SettingsFlash {
+impl ReadNorFlash for SectorFlash {
     const READ_SIZE: usize = WORD;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         check_read(self, offset, bytes.len())?;
         for (address, byte) in (START + offset as usize..).zip(bytes) {
-            // SAFETY: it is in flash, which can always be read. Volatile, since it changes without the compiler's knowledge.
+            // SAFETY: it is in flash, which can always be read. Volatile, since it changes without
+            // the compiler's knowledge.
             *byte = unsafe { (address as *const u8).read_volatile() };
         }
         Ok(())
@@ -100,7 +107,7 @@ impl ReadNorFlash for SettingsFlash {
     }
 }
 
-impl NorFlash for SettingsFlash {
+impl NorFlash for SectorFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
@@ -125,7 +132,8 @@ impl NorFlash for SettingsFlash {
                 let address = START + offset as usize + i * WORD;
                 let word = word.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
                 flash.0.cr().modify(|_, w| w.psize().psize32().pg().set_bit());
-                // SAFETY: a word of the settings' sectors, by the check above; nothing else stands there.
+                // SAFETY: a word of the settings' sectors, by the check above; nothing else stands
+                // there.
                 unsafe { (address as *mut u32).write_volatile(word) };
                 flash.wait()?;
                 // SAFETY: as above.

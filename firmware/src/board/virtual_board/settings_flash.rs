@@ -1,13 +1,15 @@
-//! The settings' sectors as a file of the host's: the emulator ignores the programming of its flash.
+//! The settings' sectors as a file of the host's: the emulator ignores the programming of its
+//! flash.
 //!
-//! `settings.flash` in the emulator's folder, 48 KiB, as three sectors of 16 KiB would be: writing can only clear bits, and erasing is by
-//! sectors. A board that has never kept anything has no such file, and makes it with its first write. The host may put one there, or a link
-//! to one, so that settings last from run to run.
+//! `settings.flash` in the emulator's folder, 48 KiB, as three sectors of 16 KiB would be: writing
+//! can only clear bits, and erasing is by sectors. A board that has never kept anything has no such
+//! file, and makes it with its first write. The host may put one there, or a link to one, so that
+//! settings last from run to run.
 //!
-//! The supply can be made to fail in the middle of it ([`cut_after`]): what has been written so far stays, and the board starts anew as if it
-//! had just been switched on.
+//! The supply can be made to fail in the middle of it ([`cut_after`]): what has been written so far
+//! stays, and the board starts anew as if it had just been switched on.
 
-use super::lose_power;
+use super::power::lose_power;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::{nr, syscall};
 use embedded_storage::nor_flash::{
@@ -41,11 +43,11 @@ fn done_of(bytes: usize) -> (usize, bool) {
 }
 
 /// The three sectors.
-pub struct SettingsFlash {
+pub struct FileFlash {
     file: Option<usize>,
 }
 
-impl SettingsFlash {
+impl FileFlash {
     /// Opens the file, if there is one.
     pub fn open() -> Self {
         Self { file: open(nr::open::RW_BINARY) }
@@ -91,11 +93,11 @@ fn put(file: usize, offset: usize, bytes: &[u8]) -> Result<(), NorFlashErrorKind
     if missing == 0 { Ok(()) } else { Err(NorFlashErrorKind::Other) }
 }
 
-impl ErrorType for SettingsFlash {
+impl ErrorType for FileFlash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for SettingsFlash {
+impl ReadNorFlash for FileFlash {
     const READ_SIZE: usize = WORD;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
@@ -114,7 +116,7 @@ impl ReadNorFlash for SettingsFlash {
     }
 }
 
-impl NorFlash for SettingsFlash {
+impl NorFlash for FileFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 

@@ -2,12 +2,12 @@
 
 use core::fmt;
 
-use super::{IDENTITY, OFFSET_LIMIT, Register};
+use super::register::{IDENTITY, OFFSET_LIMIT, Register};
 
 /// Why there is no conversion to be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Error<E> {
+pub enum AdcError<E> {
     /// The SPI bus failed.
     Spi(E),
     /// The reset pin could not be written.
@@ -40,21 +40,21 @@ pub enum Error<E> {
     },
 }
 
-impl<E> Error<E> {
+impl<E> AdcError<E> {
     /// The same without the words of the bus, for a log that does not know its errors.
-    pub fn without_bus(self) -> Error<()> {
+    pub fn without_bus(self) -> AdcError<()> {
         match self {
-            Self::Spi(_) => Error::Spi(()),
-            Self::ResetPin => Error::ResetPin,
-            Self::WrongChip { identity } => Error::WrongChip { identity },
-            Self::NotKept { register, written, read } => Error::NotKept { register, written, read },
-            Self::Offset { channel, code } => Error::Offset { channel, code },
-            Self::DamagedFrame { status } => Error::DamagedFrame { status },
+            Self::Spi(_) => AdcError::Spi(()),
+            Self::ResetPin => AdcError::ResetPin,
+            Self::WrongChip { identity } => AdcError::WrongChip { identity },
+            Self::NotKept { register, written, read } => AdcError::NotKept { register, written, read },
+            Self::Offset { channel, code } => AdcError::Offset { channel, code },
+            Self::DamagedFrame { status } => AdcError::DamagedFrame { status },
         }
     }
 }
 
-impl<E: fmt::Debug> fmt::Display for Error<E> {
+impl<E: fmt::Debug> fmt::Display for AdcError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Spi(error) => write!(f, "the ADC's SPI bus failed: {error:?}"),
@@ -93,4 +93,4 @@ impl<E: fmt::Debug> fmt::Display for Error<E> {
     }
 }
 
-impl<E: fmt::Debug> core::error::Error for Error<E> {}
+impl<E: fmt::Debug> core::error::Error for AdcError<E> {}

@@ -243,7 +243,7 @@ fn changes_its_rate_byte_by_byte_and_keeps_the_offsets() {
 
 #[test]
 fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() {
-    for (input, register) in [(Input::Shorted, 0x11), (Input::Supply, 0x13), (Input::Pins, 0x10)] {
+    for (input, register) in [(AdcInput::Shorted, 0x11), (AdcInput::Supply, 0x13), (AdcInput::Pins, 0x10)] {
         let change = [
             command(0x11),
             command(0x0A),
@@ -266,8 +266,8 @@ fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() 
 fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
     let change = [command(0x11), command(0x0A), channels(write, 0x11), read(0x05, 0x11), read(0x06, 0x10)];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
-    let error = adc.select(Input::Shorted, &mut NoopDelay::new()).unwrap_err();
-    assert_eq!(error, Error::NotKept { register: Register::Channel(1), written: 0x11, read: 0x10 });
+    let error = adc.select(AdcInput::Shorted, &mut NoopDelay::new()).unwrap_err();
+    assert_eq!(error, AdcError::NotKept { register: Register::Channel(1), written: 0x11, read: 0x10 });
     done(adc);
 }
 
@@ -276,7 +276,7 @@ fn a_rate_that_is_not_kept_is_refused_and_nothing_converts() {
     let change = [command(0x11), command(0x0A), write(0x01, 0x94), read(0x01, 0x96)];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
     let error = adc.set_rate(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
-    assert_eq!(error, Error::NotKept { register: Register::Config1, written: 0x94, read: 0x96 });
+    assert_eq!(error, AdcError::NotKept { register: Register::Config1, written: 0x94, read: 0x96 });
     assert_eq!(error.without_bus().to_string(), error.to_string());
     done(adc);
 }
@@ -287,7 +287,7 @@ fn reads_codes_of_both_signs_and_the_ends_of_the_range() {
     let codes = [CODE_MAX, 1, 0, -1, CODE_MIN, -1_234_567];
     let mut adc = running(&frame([0xC0, 0, 0], codes), [0; CHANNELS]);
     let frame = adc.read_frame().unwrap();
-    assert_eq!(frame, Frame { codes, positive_pin_faults: 0, negative_pin_faults: 0 });
+    assert_eq!(frame, ConversionFrame { codes, positive_pin_faults: 0, negative_pin_faults: 0 });
     done(adc);
 }
 
@@ -364,7 +364,7 @@ fn passes_the_error_of_the_bus_on() {
     for transactions in [0, 1, 2, 12] {
         let mut adc = Ads131e06::new(Failing(transactions), Pin::new(&reset_edges()));
         let error = adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
-        assert_eq!(error, Error::Spi(embedded_hal::spi::ErrorKind::ModeFault));
+        assert_eq!(error, AdcError::Spi(embedded_hal::spi::ErrorKind::ModeFault));
         assert_eq!(error.to_string(), "the ADC's SPI bus failed: ModeFault");
         assert_eq!(adc.read_frame(), Err(error));
         adc.release().1.done();
@@ -376,6 +376,6 @@ fn names_a_reset_pin_that_fails() {
     let stuck =
         Edge::set(State::High).with_error(embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::NotConnected));
     let mut adc = Ads131e06::new(Spi::new(&[]), Pin::new(&[stuck]));
-    assert_eq!(adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()), Err(Error::ResetPin));
+    assert_eq!(adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()), Err(AdcError::ResetPin));
     done(adc);
 }

@@ -1,4 +1,5 @@
-//! The supply is cut at every byte that is written, and what is found afterwards held against a `HashMap`.
+//! The supply is cut at every byte that is written, and what is found afterwards held against a
+//! `HashMap`.
 
 use super::super::mock::Mock;
 use super::*;
@@ -7,7 +8,7 @@ use std::collections::HashMap;
 /// Small sectors turn over quickly.
 const SMALL: usize = 512;
 type Small = Mock<SMALL>;
-type Known = HashMap<KeyNumber, Vec<u8>>;
+type KnownSettings = HashMap<KeyNumber, Vec<u8>>;
 
 /// What is written in turn: `turn` says which key, how long and what.
 fn next_write(turn: u32) -> (KeyNumber, Vec<u8>) {
@@ -17,9 +18,9 @@ fn next_write(turn: u32) -> (KeyNumber, Vec<u8>) {
     (key, (0..length).map(|i| (turn as usize * 31 + i * 7) as u8).collect())
 }
 
-fn found<const S: usize>(flash: &Mock<S>) -> (Known, bool) {
+fn found<const S: usize>(flash: &Mock<S>) -> (KnownSettings, bool) {
     let mut store = Store::open(flash.again()).unwrap();
-    let (mut all, mut after) = (Known::new(), None);
+    let (mut all, mut after) = (KnownSettings::new(), None);
     while let Some(key) = store.next(after) {
         all.insert(key, store.read(key).unwrap().unwrap().to_vec());
         after = Some(key);
@@ -28,7 +29,7 @@ fn found<const S: usize>(flash: &Mock<S>) -> (Known, bool) {
     (all, store.is_whole())
 }
 
-fn write<const S: usize>(store: &mut Store<Mock<S>>, known: &mut Known, turn: u32) {
+fn write<const S: usize>(store: &mut Store<Mock<S>>, known: &mut KnownSettings, turn: u32) {
     let (key, value) = next_write(turn);
     store.write(key, &value).unwrap();
     match value.is_empty() {
@@ -39,8 +40,8 @@ fn write<const S: usize>(store: &mut Store<Mock<S>>, known: &mut Known, turn: u3
 
 #[test]
 fn the_last_value_of_each_key_is_found_whatever_turns_the_sectors_take() {
-    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), Known::new());
-    assert_eq!(found(store.flash_mut()), (Known::new(), true));
+    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), KnownSettings::new());
+    assert_eq!(found(store.flash_mut()), (KnownSettings::new(), true));
     for turn in 0..2000 {
         write(&mut store, &mut known, turn);
         if turn % 10 == 0 {
@@ -57,7 +58,7 @@ fn the_last_value_of_each_key_is_found_whatever_turns_the_sectors_take() {
     }
     assert_eq!(store.flash_mut().spent, spent);
     store.forget_all().unwrap();
-    assert_eq!(found(store.flash_mut()), (Known::new(), true));
+    assert_eq!(found(store.flash_mut()), (KnownSettings::new(), true));
 }
 
 #[test]
@@ -65,7 +66,7 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new_value() {
     let (mut cuts, mut in_erase, mut twice) = (0_u32, 0_u32, 0_u32);
     for way in 0..Small::WAYS {
         let mut flash = Small { way, ..Small::new() };
-        let mut known = Known::new();
+        let mut known = KnownSettings::new();
         for turn in 0..120 {
             let (key, value) = next_write(turn);
             let mut after = known.clone();
@@ -78,7 +79,7 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new_value() {
                 assert!(cut.write(key, &value).is_err() || u64::from(left) == whole, "it is cut");
                 let rest = cut.flash_mut().clone();
                 let (all, is_whole) = found(&rest);
-                let is = |expected: &Known| all == *expected;
+                let is = |expected: &KnownSettings| all == *expected;
                 assert!(is(&known) || is(&after), "way {way}, turn {turn}, cut at {left}: {all:?}");
                 assert!(is_whole, "way {way}, turn {turn}, cut at {left}: a cut is no rot");
                 cuts += 1;
@@ -94,7 +95,7 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new_value() {
                                 found(store.flash_mut()).0
                             }
                         };
-                        let is = |expected: &Known| mended == *expected;
+                        let is = |expected: &KnownSettings| mended == *expected;
                         assert!(is(&known) || is(&after), "way {way}, turn {turn}, cuts at {left} and {second}");
                         twice += 1;
                     }
@@ -121,11 +122,11 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new_value() {
 
 /// What a cut during `Store::open` has left, which does not give the flash back.
 fn again_at_start(flash: Small) -> Small {
-    struct Shared<'a>(&'a mut Small);
-    impl embedded_storage::nor_flash::ErrorType for Shared<'_> {
+    struct SharedFlash<'a>(&'a mut Small);
+    impl embedded_storage::nor_flash::ErrorType for SharedFlash<'_> {
         type Error = embedded_storage::nor_flash::NorFlashErrorKind;
     }
-    impl embedded_storage::nor_flash::ReadNorFlash for Shared<'_> {
+    impl embedded_storage::nor_flash::ReadNorFlash for SharedFlash<'_> {
         const READ_SIZE: usize = 4;
         fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
             self.0.read(offset, bytes)
@@ -134,7 +135,7 @@ fn again_at_start(flash: Small) -> Small {
             self.0.capacity()
         }
     }
-    impl NorFlash for Shared<'_> {
+    impl NorFlash for SharedFlash<'_> {
         const WRITE_SIZE: usize = 4;
         const ERASE_SIZE: usize = SMALL;
         fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
@@ -145,7 +146,7 @@ fn again_at_start(flash: Small) -> Small {
         }
     }
     let mut flash = flash;
-    assert!(Store::open(Shared(&mut flash)).is_err());
+    assert!(Store::open(SharedFlash(&mut flash)).is_err());
     flash
 }
 
@@ -173,9 +174,9 @@ fn whole_heads_fit_and_what_does_not_is_refused_with_what_is_free() {
 
 #[test]
 fn rot_is_noticed_and_never_read_as_a_value() {
-    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), Known::new());
+    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), KnownSettings::new());
     let mut ever = HashMap::<KeyNumber, Vec<Vec<u8>>>::new();
-    let mut before = Known::new();
+    let mut before = KnownSettings::new();
     for turn in 0..30 {
         before.clone_from(&known);
         write(&mut store, &mut known, turn);
@@ -191,7 +192,7 @@ fn rot_is_noticed_and_never_read_as_a_value() {
             unreadable += 1;
             continue;
         };
-        let (whole, mut all, mut after) = (store.is_whole(), Known::new(), None);
+        let (whole, mut all, mut after) = (store.is_whole(), KnownSettings::new(), None);
         while let Some(key) = store.next(after) {
             let value = store.read(key).unwrap().unwrap().to_vec();
             assert!(ever[&key].contains(&value), "byte {i}: {key:#x} has never been {value:?}");
@@ -219,13 +220,13 @@ fn something_else_in_the_flash_is_refused_until_it_is_erased() {
     flash.erase(0, 3 * SMALL as u32).unwrap();
     let mut store = Store::open(flash).unwrap();
     store.write(1, &[2]).unwrap();
-    assert_eq!(found(store.flash_mut()), (Known::from([(1, vec![2])]), true));
+    assert_eq!(found(store.flash_mut()), (KnownSettings::from([(1, vec![2])]), true));
 }
 
 /// The marks of sectors rot, too, and with them the order of sectors.
 #[test]
 fn what_is_listed_can_be_read_whatever_word_has_rotted() {
-    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), Known::new());
+    let (mut store, mut known) = (Store::open(Small::new()).unwrap(), KnownSettings::new());
     let mut opened = 0;
     for turn in 0..60 {
         write(&mut store, &mut known, turn);

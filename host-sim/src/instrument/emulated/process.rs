@@ -1,7 +1,8 @@
 //! The emulator's process: its folder, its links, its log and its end.
 
-use super::super::{InstrumentError, link};
 use super::stream::Pipe;
+use crate::instrument::error::InstrumentError;
+use crate::instrument::link;
 use defmt_decoder::{DecodeError, Table};
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::stat::Mode;
@@ -19,7 +20,7 @@ const EMULATOR: &str = "qemu-system-arm";
 const EMULATOR_VARIABLE: &str = "ANEMO_QEMU";
 
 /// How long the emulator may take to connect, and to leave.
-const PATIENCE: Duration = Duration::from_secs(20);
+const TIMEOUT: Duration = Duration::from_secs(20);
 
 /// How often to look whether the emulator still runs while it says nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
@@ -36,7 +37,7 @@ pub struct Process {
     folder: TempDir,
     child: Option<Child>,
     /// How long the board may take to answer.
-    patience: Duration,
+    timeout: Duration,
 }
 
 impl Process {
@@ -49,17 +50,17 @@ impl Process {
             return Err(InstrumentError::NotFirmware(firmware.to_owned()));
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
-        Ok(Self { firmware: path, folder, child: None, patience: link::PATIENCE })
+        Ok(Self { firmware: path, folder, child: None, timeout: link::TIMEOUT })
     }
 
     /// How long the board may take to answer.
-    pub const fn patience(&self) -> Duration {
-        self.patience
+    pub const fn timeout(&self) -> Duration {
+        self.timeout
     }
 
     /// Changes that.
-    pub const fn set_patience(&mut self, patience: Duration) {
-        self.patience = patience;
+    pub const fn set_timeout(&mut self, timeout: Duration) {
+        self.timeout = timeout;
     }
 
     /// Lets the board keep its settings in this file, erased flash if there is none.
@@ -95,8 +96,8 @@ impl Process {
         Ok((host, bench))
     }
 
-    /// A pair of named pipes. Opened for both directions, so that opening waits for nobody; the emulator still sees the
-    /// end of the pipe when this process closes it.
+    /// A pair of named pipes. Opened for both directions, so that opening waits for nobody; the
+    /// emulator still sees the end of the pipe when this process closes it.
     fn pipe(&self, to_board: &str, from_board: &str) -> io::Result<Pipe> {
         let open = |name| {
             let path = self.folder.path().join(name);
@@ -141,8 +142,9 @@ impl Process {
         }
     }
 
-    /// Waits on a link for as long as the emulator runs and there is patience left. A dead emulator does not close it.
-    pub fn patiently<T>(
+    /// Waits on a link for as long as the emulator runs and the timeout has not passed. A dead
+    /// emulator does not close it.
+    pub fn until_timeout<T>(
         &mut self,
         mut wait: impl FnMut(Duration) -> Result<T, InstrumentError>,
     ) -> Result<T, InstrumentError> {
@@ -151,9 +153,9 @@ impl Process {
             match wait(LOOK_EVERY) {
                 Err(InstrumentError::Silent(_)) => {
                     self.has_stopped()?;
-                    let deadline = *deadline.get_or_insert_with(|| Instant::now() + self.patience);
+                    let deadline = *deadline.get_or_insert_with(|| Instant::now() + self.timeout);
                     if Instant::now() >= deadline {
-                        return Err(InstrumentError::Silent(self.patience));
+                        return Err(InstrumentError::Silent(self.timeout));
                     }
                 }
                 other => return other.map_err(|error| self.explain(error)),
@@ -164,7 +166,7 @@ impl Process {
     /// What is behind an error on a link: an emulator that has ended, if it has.
     pub fn explain(&mut self, error: InstrumentError) -> InstrumentError {
         match error {
-            InstrumentError::Silent(_) | InstrumentError::Link(_) => {
+            InstrumentError::Silent(_) | InstrumentError::BoardLink(_) => {
                 // A broken link shows before the process can be waited for.
                 std::thread::sleep(Duration::from_millis(50));
                 self.has_stopped().err().unwrap_or(error)
@@ -175,14 +177,14 @@ impl Process {
 
     /// Waits for the emulator to leave by itself; gives its log.
     pub fn wait(&mut self) -> Result<Vec<String>, InstrumentError> {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + TIMEOUT;
         loop {
             match &mut self.child {
                 None => return Ok(self.log()),
                 Some(child) => match child.try_wait()? {
                     Some(status) if status.success() => return Ok(self.log()),
                     Some(_) => self.has_stopped()?,
-                    None if Instant::now() > deadline => return Err(InstrumentError::Silent(PATIENCE)),
+                    None if Instant::now() > deadline => return Err(InstrumentError::Silent(TIMEOUT)),
                     None => std::thread::sleep(Duration::from_millis(2)),
                 },
             }
@@ -200,7 +202,8 @@ impl Process {
         if last.is_empty() { "none".to_owned() } else { last.join(" | ") }
     }
 
-    /// What the board has logged. A log that cannot be decoded is no reason for a run to fail: it is then one line.
+    /// What the board has logged. A log that cannot be decoded is no reason for a run to fail: it
+    /// is then one line.
     fn log(&self) -> Vec<String> {
         decode(&self.firmware, &self.folder.path().join("log.defmt"))
             .unwrap_or_else(|reason| vec![format!("(the board's log cannot be read: {reason})")])
@@ -226,10 +229,23 @@ fn is_arm_elf(path: &Path) -> bool {
     read.is_ok() && header.starts_with(b"\x7fELF\x01\x01") && header[MACHINE] == ARM
 }
 
-fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, String> {
-    let elf = std::fs::read(firmware).map_err(|error| error.to_string())?;
-    let table = Table::parse(&elf).map_err(|error| error.to_string())?.ok_or("the firmware has no defmt section")?;
-    let bytes = std::fs::read(log).map_err(|error| error.to_string())?;
+/// Why the board's log cannot be read.
+#[derive(Debug, thiserror::Error)]
+enum LogError {
+    #[error(transparent)]
+    File(#[from] io::Error),
+    #[error("{0}")]
+    Table(String),
+    #[error("the firmware has no defmt section")]
+    NoTable,
+    #[error("it is damaged")]
+    Damaged,
+}
+
+fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, LogError> {
+    let elf = std::fs::read(firmware)?;
+    let table = Table::parse(&elf).map_err(|error| LogError::Table(error.to_string()))?.ok_or(LogError::NoTable)?;
+    let bytes = std::fs::read(log)?;
     let mut decoder = table.new_stream_decoder();
     decoder.received(&bytes);
     let mut lines = Vec::new();
@@ -237,14 +253,15 @@ fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, String> {
         match decoder.decode() {
             Ok(frame) => lines.push(frame.display(false).to_string()),
             Err(DecodeError::UnexpectedEof) => return Ok(lines),
-            Err(DecodeError::Malformed) if !table.encoding().can_recover() => return Err("it is damaged".to_owned()),
+            Err(DecodeError::Malformed) if !table.encoding().can_recover() => return Err(LogError::Damaged),
             Err(DecodeError::Malformed) => {}
         }
     }
 }
 
 /// Keeps this thread, and the emulator it is about to start, on one core. Which one, the process
-/// number decides, so that several runs spread. Where that is not to be had the run is slower, and the same.
+/// number decides, so that several runs spread. Where that is not to be had the run is slower, and
+/// the same.
 fn stay_on_one_core() {
     let Ok(allowed) = sched_getaffinity(Pid::from_raw(0)) else { return };
     let cores: Vec<usize> = (0..CpuSet::count()).filter(|&core| allowed.is_set(core).unwrap_or(false)).collect();

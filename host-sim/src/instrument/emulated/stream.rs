@@ -1,6 +1,6 @@
 //! The stream to an emulated board: two named pipes.
 
-use super::super::link::Stream;
+use crate::instrument::link::BoardStream;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
@@ -13,9 +13,9 @@ pub struct Pipe {
     pub(super) to_board: File,
 }
 
-impl Stream for Pipe {
-    fn read_within(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        let timeout = PollTimeout::try_from(patience).unwrap_or(PollTimeout::MAX);
+impl BoardStream for Pipe {
+    fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
         if poll(&mut [PollFd::new(self.from_board.as_fd(), PollFlags::POLLIN)], timeout)? == 0 {
             return Err(ErrorKind::TimedOut.into());
         }

@@ -1,9 +1,11 @@
-//! Convection from the dice, cards and boom of a transducer of the REMS type, for any wind vector, by correlations.
+//! Convection from the dice, cards and boom of a transducer of the REMS type, for any wind vector,
+//! by correlations.
 //!
 //! ```text
-//! die    G = 4/√π k a + h_plate(U_k, a) A (1 − r (e_along p + e_around q))     square on a plane, and its laminar layer
-//! card   G = A_k (h_still + (h_still⁴ + h_plate(U_k, l)⁴)^¼)                   its inside, and its outside
-//! boom   G = A (h_still⁴ + h_cylinder(Ū, d)⁴)^¼                                head, and each cell of the shank
+//! die    G = 4/√π k a + h_plate(U_k, a) A (1 − r (e_along p + e_around q))
+//!        square on a plane, and its laminar layer
+//! card   G = A_k (h_still + (h_still⁴ + h_plate(U_k, l)⁴)^¼)     its inside, and its outside
+//! boom   G = A (h_still⁴ + h_cylinder(Ū, d)⁴)^¼                  head, and each cell of the shank
 //!
 //! U_k² = (w_x s)² + (|w_across| (0.8 + 0.5 f_k))²           effective speed over card k
 //! s    = ½ (1 + shade) + ½ (1 − shade) h                    1 head-on, `shade` in reverse
@@ -17,28 +19,35 @@
 //! | r | `front_to_rear`: upstream dice have the thinner layer and colder gas |
 //! | Ū | mean of U_k over the cards |
 //!
-//! Head-on cools more than reverse because the stream then meets the tip first; in reverse it comes from behind the boom's root and
-//! what carries it, and `shade` of its speed is left. Across the boom the card in front sees 1.3, a side 0.8 and the rear 0.3 of the
-//! speed, as the local heat transfer of a cylinder at Reynolds numbers of 10 to 100.
+//! Head-on cools more than reverse because the stream then meets the tip first; in reverse it comes
+//! from behind the boom's root and what carries it, and `shade` of its speed is left. Across the
+//! boom the card in front sees 1.3, a side 0.8 and the rear 0.3 of the speed, as the local heat
+//! transfer of a cylinder at Reynolds numbers of 10 to 100.
 //!
-//! *Sources.* h_plate: laminar layer of Pohlhausen, `plate_nusselt`. h_cylinder: Churchill and Bernstein 1977. h_still: free
-//! convection of an upright plate and of a horizontal cylinder, both Churchill and Chu 1975, at 5 K of overheat. Free and forced
-//! together: Churchill's blend with the exponent 4 of a stream across. 4/√π k a: a square on a plane into a half-space, within 1 %.
-//! The two cosine laws are the simplest that tell front, side and rear apart; their sizes are assumed (`rems` has the reasons).
+//! *Sources.* h_plate: laminar layer of Pohlhausen, `plate_nusselt`. h_cylinder: Churchill and
+//! Bernstein 1977. h_still: free convection of an upright plate and of a horizontal cylinder, both
+//! Churchill and Chu 1975, at 5 K of overheat. Free and forced together: Churchill's blend with the
+//! exponent 4 of a stream across. 4/√π k a: a square on a plane into a half-space, within 1 %. The
+//! two cosine laws are the simplest that tell front, side and rear apart; their sizes are assumed
+//! (`rems` has the reasons).
 //!
-//! *Limits.* Laminar up to a Reynolds number of 5·10⁵ on a card; beyond, `extrapolated` says so. h_cylinder is correlated for
-//! Re·Pr > 0.2, which on the head of 10 mm in air of 240 mbar is 2 mm/s; below, free convection has taken over. h_still is taken at one
-//! overheat: at 1 K it is a quarter less, at 20 K a third more. Plates and cylinders agree with measurements within some 20 %. No die warms
-//! the gas for the next beyond what r says.
+//! *Limits.* Laminar up to a Reynolds number of 5·10⁵ on a card; beyond, `extrapolated` says so.
+//! h_cylinder is correlated for Re·Pr > 0.2, which on the head of 10 mm in air of 240 mbar is 2
+//! mm/s; below, free convection has taken over. h_still is taken at one overheat: at 1 K it is a
+//! quarter less, at 20 K a third more. Plates and cylinders agree with measurements within some 20
+//! %. No die warms the gas for the next beyond what r says.
 
 use std::f64::consts::PI;
 
-use super::super::SensorError;
-use super::super::gas::Gas;
-use super::{continuum, dot, plate_nusselt};
+use super::flow::{continuum, dot, plate_nusselt};
+use crate::sensor::error::SensorError;
+use anemometry::gas::IdealGas;
 
+/// Cards around the boom.
 pub const CARDS: usize = 3;
+/// Dice on each of them.
 pub const DICE_PER_CARD: usize = 4;
+/// All dice.
 pub const DICE: usize = CARDS * DICE_PER_CARD;
 
 /// End of the laminar boundary layer.
@@ -46,30 +55,45 @@ const HIGHEST_REYNOLDS: f64 = 5e5;
 const GRAVITY_M_S2: f64 = 9.81;
 /// Overheat at which free convection is taken.
 const STILL_OVERHEAT_K: f64 = 5.0;
-/// Share of the speed across the boom that a card at its side sees, and how much more or less it is in front or at the rear.
+/// Share of the speed across the boom that a card at its side sees, and how much more or less it is
+/// in front or at the rear.
 const SIDE: f64 = 0.8;
 const FACING: f64 = 0.5;
 
-/// Places of the dice of a card, towards the tip and around the boom: neighbours follow each other, 1 and 3, 2 and 4 are diagonal.
+/// Places of the dice of a card, towards the tip and around the boom: neighbours follow each other,
+/// 1 and 3, 2 and 4 are diagonal.
 const PLACES: [[f64; 2]; DICE_PER_CARD] = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
 
 /// What the wind sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub struct BoomShape {
+    /// Side of a square die, m.
     pub die_side_m: f64,
+    /// Thickness of a die, m.
     pub die_thickness_m: f64,
+    /// Length of a card along the boom, m.
     pub card_length_m: f64,
+    /// Width of a card, m.
     pub card_width_m: f64,
+    /// Diameter of the boom's head, m.
     pub head_diameter_m: f64,
+    /// Length of the boom's head, m.
     pub head_length_m: f64,
+    /// Diameter of the boom's shank, m.
     pub shank_diameter_m: f64,
+    /// Length of the boom's shank, m.
     pub shank_length_m: f64,
+    /// Cells of the shank.
     pub shank_cells: usize,
+    /// Share of the speed that is left where the wind comes from behind, over what carries the
+    /// boom.
     pub shade: f64,
+    /// By how much more than the mean a die loses that lies upstream.
     pub front_to_rear: f64,
 }
 
-impl Shape {
+impl BoomShape {
+    /// Area of one side of a card, m².
     pub fn card_area_m2(&self) -> f64 {
         self.card_length_m * self.card_width_m
     }
@@ -83,7 +107,7 @@ impl Shape {
 /// Convection of dice, cards and boom in one gas.
 #[derive(Clone, Debug)]
 pub struct Boom {
-    shape: Shape,
+    shape: BoomShape,
     conductivity_w_m_k: f64,
     /// Of a length of 1 m in 1 m/s.
     reynolds: f64,
@@ -96,7 +120,7 @@ pub struct Boom {
 }
 
 /// The stream over one card.
-struct Stream {
+struct BoomStream {
     speed_m_s: f64,
     along: f64,
     around: f64,
@@ -104,12 +128,12 @@ struct Stream {
 
 impl Boom {
     /// Refuses a gas so thin that it is no continuum around a die.
-    pub fn new(gas: &Gas, shape: &Shape) -> Result<Boom, SensorError> {
+    pub fn new(gas: &IdealGas, shape: &BoomShape) -> Result<Boom, SensorError> {
         continuum(gas, shape.die_side_m)?;
         Ok(Boom::of(gas, shape))
     }
 
-    fn of(gas: &Gas, shape: &Shape) -> Boom {
+    fn of(gas: &IdealGas, shape: &BoomShape) -> Boom {
         let prandtl = gas.prandtl();
         let viscosity_m2_s = gas.viscosity_pa_s / gas.density_kg_m3;
         let rayleigh = |length_m: f64| {
@@ -132,7 +156,7 @@ impl Boom {
     }
 
     /// The same in another gas.
-    pub fn follow(&mut self, gas: &Gas) {
+    pub fn follow(&mut self, gas: &IdealGas) {
         *self = Boom::of(gas, &self.shape);
     }
 
@@ -146,12 +170,13 @@ impl Boom {
         self.reynolds * self.shape.card_length_m * dot(wind_m_s, wind_m_s).sqrt() > HIGHEST_REYNOLDS
     }
 
-    /// Conductances to the gas, W/K: of all dice, of the cards, of the boom's head, of the cells of its shank.
+    /// Conductances to the gas, W/K: of all dice, of the cards, of the boom's head, of the cells of
+    /// its shank.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], conductance_w_k: &mut [f64]) {
         let (dice, rest) = conductance_w_k.split_at_mut(DICE);
         let (cards, boom) = rest.split_at_mut(CARDS);
         let (head, shank) = boom.split_at_mut(1);
-        let Shape { die_side_m, card_length_m, front_to_rear, .. } = self.shape;
+        let BoomShape { die_side_m, card_length_m, front_to_rear, .. } = self.shape;
         let die_still_w_k = 4.0 / PI.sqrt() * self.conductivity_w_m_k * die_side_m;
         let mut mean_m_s = 0.0;
         for (i, card) in cards.iter_mut().enumerate() {
@@ -165,7 +190,8 @@ impl Boom {
             let outside = joined(self.card_still_w_m2_k, self.plate_w_m2_k(stream.speed_m_s, card_length_m));
             *card = self.shape.card_area_m2() * (self.card_still_w_m2_k + outside);
         }
-        let Shape { head_diameter_m, head_length_m, shank_diameter_m, shank_length_m, shank_cells, .. } = self.shape;
+        let BoomShape { head_diameter_m, head_length_m, shank_diameter_m, shank_length_m, shank_cells, .. } =
+            self.shape;
         let cylinder = |still_w_m2_k: f64, diameter_m: f64, length_m: f64| {
             PI * diameter_m * length_m * joined(still_w_m2_k, self.cylinder_w_m2_k(mean_m_s, diameter_m))
         };
@@ -173,11 +199,11 @@ impl Boom {
         shank.fill(cylinder(self.shank_still_w_m2_k, shank_diameter_m, shank_length_m / shank_cells as f64));
     }
 
-    fn over_card(&self, wind_m_s: [f64; 3], card: usize) -> Stream {
+    fn over_card(&self, wind_m_s: [f64; 3], card: usize) -> BoomStream {
         let [x, y, z] = wind_m_s;
         let speed_m_s = dot(wind_m_s, wind_m_s).sqrt();
         if speed_m_s == 0.0 {
-            return Stream { speed_m_s, along: 0.0, around: 0.0 };
+            return BoomStream { speed_m_s, along: 0.0, around: 0.0 };
         }
         let shade = self.shape.shade;
         let along_m_s = x * (0.5 * (1.0 + shade) - 0.5 * (1.0 - shade) * x / speed_m_s);
@@ -188,7 +214,7 @@ impl Boom {
         let effective_m_s = (along_m_s * along_m_s + seen_m_s * seen_m_s).sqrt();
         // Around the boom from +x seen against the clock: x × normal.
         let around_m_s = dot(wind_m_s, [0.0, -normal[2], normal[1]]);
-        Stream {
+        BoomStream {
             speed_m_s: effective_m_s,
             along: along_m_s / effective_m_s,
             // At the rear more of the wind goes round than is seen: a direction is one at most.
@@ -217,7 +243,8 @@ fn joined(still_w_m2_k: f64, forced_w_m2_k: f64) -> f64 {
     (still_w_m2_k.powi(4) + forced_w_m2_k.powi(4)).sqrt().sqrt()
 }
 
-/// Outward normal of card `i`: across the boom, which lies along x with its tip at +x; the first looks up, the others 120° on.
+/// Outward normal of card `i`: across the boom, which lies along x with its tip at +x; the first
+/// looks up, the others 120° on.
 pub fn card_normal(i: usize) -> [f64; 3] {
     let angle = PI * (0.5 + 2.0 * i as f64 / CARDS as f64);
     [0.0, angle.cos(), angle.sin()]
@@ -226,9 +253,9 @@ pub fn card_normal(i: usize) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::gas::Species;
+    use anemometry::gas::Species;
 
-    const SHAPE: Shape = Shape {
+    const SHAPE: BoomShape = BoomShape {
         die_side_m: 1.5e-3,
         die_thickness_m: 0.25e-3,
         card_length_m: 45e-3,
@@ -243,8 +270,8 @@ mod tests {
     };
     const HEAD: usize = DICE + CARDS;
 
-    fn air() -> Gas {
-        Gas::new(Species::Air, 24_000.0, 294.15).unwrap()
+    fn air() -> IdealGas {
+        IdealGas::new(Species::Air, 24_000.0, 294.15).unwrap()
     }
 
     fn conductance(wind: [f64; 3]) -> Vec<f64> {
@@ -258,7 +285,8 @@ mod tests {
         let all = conductance([0.0; 3]);
         let k = air().conductivity_w_m_k;
         assert!(all[..DICE].iter().all(|g| (g / (k * 1.5e-3 * 2.2568) - 1.0).abs() < 1e-4));
-        // By hand: ν 6.36e-5 m²/s, Pr 0.71; Ra of 22 mm at 5 K 311, Nu 0.68 + 0.670 · 4.20 / 1.304 = 2.84; both faces of 990 mm².
+        // By hand: ν 6.36e-5 m²/s, Pr 0.71; Ra of 22 mm at 5 K 311, Nu 0.68 + 0.670 · 4.20 / 1.304
+        // = 2.84; both faces of 990 mm².
         let card = 2.0 * 990e-6 * 2.84 * k / 0.022;
         assert!((all[DICE] / card - 1.0).abs() < 0.01, "{} for {card}", all[DICE]);
         // Ra of 10 mm 29.2, Nu 0.36 + 0.518 · 2.325 / 1.327 = 1.27.
@@ -287,7 +315,8 @@ mod tests {
         let all = conductance([-0.5, 0.0, 0.0]);
         assert!((all[0] / all[1] - 1.0).abs() < 1e-12 && (all[2] / all[3] - 1.0).abs() < 1e-12);
         assert!(all[0] > 1.05 * all[3]);
-        // Over card 1, which looks up, towards +y: around it that is the negative direction, so dice 2 and 3 come first.
+        // Over card 1, which looks up, towards +y: around it that is the negative direction, so
+        // dice 2 and 3 come first.
         let all = conductance([0.0, 0.5, 0.0]);
         assert!((all[1] / all[2] - 1.0).abs() < 1e-12 && all[1] > 1.05 * all[0]);
     }

@@ -5,18 +5,19 @@
 //! G_i   = Nu_i k π d / 2      conductance of hemisphere i to the gas, W/K
 //! ```
 //!
-//! with z = n·w, n the axis of the hemisphere and w the direction that the wind comes *from*. A hemisphere is symmetric about its axis,
-//! so the addition theorem leaves nothing but this.
+//! with z = n·w, n the axis of the hemisphere and w the direction that the wind comes *from*. A
+//! hemisphere is symmetric about its axis, so the addition theorem leaves nothing but this.
 //!
-//! Limits: those of the [`stream`](super::sphere).
+//! Limits: those of the [`stream`](super::sphere_stream).
 
 use std::f64::consts::PI;
 
-use super::super::SensorError;
-use super::super::gas::Gas;
-use super::dot;
-use super::sphere::{ORDERS, SphereStream, legendre};
+use super::flow::dot;
+use super::sphere_stream::{ORDERS, SphereStream, legendre};
+use crate::sensor::error::SensorError;
+use anemometry::gas::IdealGas;
 
+/// Surfaces of the sphere.
 pub const HEMISPHERES: usize = 2;
 
 /// Outward unit axes.
@@ -34,7 +35,7 @@ pub struct Hemispheres {
 
 impl Hemispheres {
     /// Refuses a gas so thin that it is no continuum around the sphere.
-    pub fn new(gas: &Gas, diameter_m: f64) -> Result<Hemispheres, SensorError> {
+    pub fn new(gas: &IdealGas, diameter_m: f64) -> Result<Hemispheres, SensorError> {
         Ok(Hemispheres {
             stream: SphereStream::new(gas, diameter_m)?,
             conductance_per_nusselt_w_k: conductance_per_nusselt_w_k(gas, diameter_m),
@@ -42,7 +43,7 @@ impl Hemispheres {
     }
 
     /// The same in another gas.
-    pub fn follow(&mut self, gas: &Gas) {
+    pub fn follow(&mut self, gas: &IdealGas) {
         self.stream.follow(gas);
         self.conductance_per_nusselt_w_k = conductance_per_nusselt_w_k(gas, self.stream.diameter_m());
     }
@@ -68,13 +69,13 @@ impl Hemispheres {
     }
 }
 
-fn conductance_per_nusselt_w_k(gas: &Gas, diameter_m: f64) -> f64 {
+fn conductance_per_nusselt_w_k(gas: &IdealGas, diameter_m: f64) -> f64 {
     gas.conductivity_w_m_k * PI * diameter_m / HEMISPHERES as f64
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sphere::tests::{directions, mars};
+    use super::super::sphere_stream::tests::{directions, mars};
     use super::*;
 
     fn hemispheres() -> Hemispheres {
@@ -118,7 +119,8 @@ mod tests {
     fn the_front_is_cooled_more_than_the_back_and_a_wind_from_the_side_cools_both_alike() {
         let convection = hemispheres();
         let [front, back] = convection.nusselt([-5.0, 0.0, 0.0]);
-        // Re 76, between the printed rows of 50 and 100: a_1 4.87 and a_3 −0.47 make ½ · 4.87 + ⅛ · 0.47 = 2.49 either way.
+        // Re 76, between the printed rows of 50 and 100: a_1 4.87 and a_3 −0.47 make ½ · 4.87 + ⅛ ·
+        // 0.47 = 2.49 either way.
         assert!((front - back - 4.98).abs() < 0.05, "{front} {back}");
         let [one, other] = convection.nusselt([0.0, 3.0, -4.0]);
         assert!((one / other - 1.0).abs() < 1e-12);

@@ -4,26 +4,30 @@
 //! G_i   = Nu_i k π d / 4                conductance of sector i to the gas, W/K
 //! ```
 //!
-//! **Sector means.** With z = n·w (n the sector's axis, w the direction the wind comes *from*), the addition theorem of the spherical
-//! harmonics gives the mean of P_n(cos θ) over a sector with threefold symmetry as a short sum; the terms m = 1, 2, 4, 5 vanish:
+//! **Sector means.** With z = n·w (n the sector's axis, w the direction the wind comes *from*), the
+//! addition theorem of the spherical harmonics gives the mean of P_n(cos θ) over a sector with
+//! threefold symmetry as a short sum; the terms m = 1, 2, 4, 5 vanish:
 //!
 //! ```text
 //! ⟨P_n⟩ = c_n P_n(z) + d_n P_n'''(z) (x³ − 3 x y²)        n ≤ 5
 //! ```
 //!
-//! with x, y the components of w across the axis, x towards a corner of the sector. c_n P_n(z) alone is the axisymmetric part that an
-//! inverse on a small processor may use; it misses up to 1 % of a sector's Nu at Re 200, and the mean of the four sectors then varies
-//! with direction from −1.1 to +0.6 %, which the full sum does not. Orders above 5 are left out: under 0.1 % of the mean.
+//! with x, y the components of w across the axis, x towards a corner of the sector. c_n P_n(z)
+//! alone is the axisymmetric part that an inverse on a small processor may use; it misses up to 1 %
+//! of a sector's Nu at Re 200, and the mean of the four sectors then varies with direction from
+//! −1.1 to +0.6 %, which the full sum does not. Orders above 5 are left out: under 0.1 % of the
+//! mean.
 //!
-//! Limits: those of the [`stream`](super::sphere).
+//! Limits: those of the [`stream`](super::sphere_stream).
 
 use std::f64::consts::PI;
 
-use super::super::SensorError;
-use super::super::gas::Gas;
-use super::dot;
-use super::sphere::{Coefficients, ORDERS, SphereStream, legendre};
+use super::flow::dot;
+use super::sphere_stream::{Coefficients, ORDERS, SphereStream, legendre};
+use crate::sensor::error::SensorError;
+use anemometry::gas::IdealGas;
 
+/// Surfaces of the sphere.
 pub const SECTORS: usize = 4;
 
 /// Means of P_n over a tetrahedral sector about its own axis (c_n of the head of this file).
@@ -43,9 +47,10 @@ pub const SECTOR_THREEFOLD: [f64; 3] =
 /// Outward axes of the sectors, not normalised (each has length √3).
 const AXES: [[f64; 3]; SECTORS] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
 
-/// Orthonormal frame of a sector: its axis, the direction across it towards a corner, and the third.
+/// Orthonormal frame of a sector: its axis, the direction across it towards a corner, and the
+/// third.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct SectorFrame {
     axis: [f64; 3],
     corner: [f64; 3],
     third: [f64; 3],
@@ -56,12 +61,12 @@ struct Frame {
 pub struct Sectors {
     stream: SphereStream,
     conductance_per_nusselt_w_k: f64,
-    frames: [Frame; SECTORS],
+    frames: [SectorFrame; SECTORS],
 }
 
 impl Sectors {
     /// Refuses a gas so thin that it is no continuum around the sphere.
-    pub fn new(gas: &Gas, diameter_m: f64) -> Result<Sectors, SensorError> {
+    pub fn new(gas: &IdealGas, diameter_m: f64) -> Result<Sectors, SensorError> {
         Ok(Sectors {
             stream: SphereStream::new(gas, diameter_m)?,
             conductance_per_nusselt_w_k: conductance_per_nusselt_w_k(gas, diameter_m),
@@ -70,7 +75,7 @@ impl Sectors {
     }
 
     /// The same in another gas.
-    pub fn follow(&mut self, gas: &Gas) {
+    pub fn follow(&mut self, gas: &IdealGas) {
         self.stream.follow(gas);
         self.conductance_per_nusselt_w_k = conductance_per_nusselt_w_k(gas, self.stream.diameter_m());
     }
@@ -80,7 +85,7 @@ impl Sectors {
         &self.stream
     }
 
-    /// Mean Nusselt number of every sector; the wind vector says where the air goes *to*.
+    /// Mean Nusselt number of every sector; the wind vector points where the air goes *to*.
     pub fn nusselt(&self, wind_m_s: [f64; 3]) -> [f64; SECTORS] {
         match self.stream.around(wind_m_s) {
             (a, Some(from)) => std::array::from_fn(|i| sector_mean(&a, &self.frames[i], from)),
@@ -99,7 +104,7 @@ pub fn sector_axis(i: usize) -> [f64; 3] {
     AXES[i].map(|v| v / 3.0_f64.sqrt())
 }
 
-fn frame(i: usize) -> Frame {
+fn frame(i: usize) -> SectorFrame {
     let axis = sector_axis(i);
     // A corner of a sector is opposite to the axis of another sector.
     let opposite = sector_axis((i + 1) % SECTORS).map(|v| -v);
@@ -112,11 +117,12 @@ fn frame(i: usize) -> Frame {
         axis[2] * corner[0] - axis[0] * corner[2],
         axis[0] * corner[1] - axis[1] * corner[0],
     ];
-    Frame { axis, corner, third }
+    SectorFrame { axis, corner, third }
 }
 
-/// Mean of Σ a_n P_n(cos θ) over a sector; `from` is the unit vector towards the front stagnation point.
-fn sector_mean(a: &Coefficients, frame: &Frame, from: [f64; 3]) -> f64 {
+/// Mean of Σ a_n P_n(cos θ) over a sector; `from` is the unit vector towards the front stagnation
+/// point.
+fn sector_mean(a: &Coefficients, frame: &SectorFrame, from: [f64; 3]) -> f64 {
     let z = dot(from, frame.axis);
     let x = dot(from, frame.corner);
     let y = dot(from, frame.third);
@@ -127,13 +133,13 @@ fn sector_mean(a: &Coefficients, frame: &Frame, from: [f64; 3]) -> f64 {
     axisymmetric + threefold * x * (x * x - 3.0 * y * y)
 }
 
-fn conductance_per_nusselt_w_k(gas: &Gas, diameter_m: f64) -> f64 {
+fn conductance_per_nusselt_w_k(gas: &IdealGas, diameter_m: f64) -> f64 {
     gas.conductivity_w_m_k * PI * diameter_m / SECTORS as f64
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sphere::tests::{directions, gas_of_table_prandtl, mars};
+    use super::super::sphere_stream::tests::{directions, gas_of_table_prandtl, mars};
     use super::*;
 
     fn order(n: usize, z: f64) -> f64 {
@@ -150,8 +156,9 @@ mod tests {
     #[test]
     fn a_ten_millimetre_sphere_on_mars_loses_what_the_literature_says() {
         let convection = Sectors::new(&mars(), 0.01).unwrap();
-        // Speed, Re, Nu, G in mW/K, power at 30 K in mW. These rows come from the correlations, so 2.5 % on Nu, G and power
-        // (and half a digit of the smallest printed value); Re to its printed digits.
+        // Speed, Re, Nu, G in mW/K, power at 30 K in mW. These rows come from the correlations, so
+        // 2.5 % on Nu, G and power (and half a digit of the smallest printed value); Re to its
+        // printed digits.
         for (speed, re, nu, g, power) in [
             (0.1, 1.5, 2.34, 0.80, 24.0),
             (1.0, 15.0, 3.76, 1.28, 38.0),
@@ -222,7 +229,8 @@ mod tests {
                 let wind = direction.map(|v| v * speed);
                 let mean = convection.nusselt(wind).iter().sum::<f64>() / 4.0;
                 let expected = convection.stream.coefficients(convection.stream.reynolds(wind))[0];
-                // Rounding of the constants of the sector means, of which P_n''' makes up to 400 times as much.
+                // Rounding of the constants of the sector means, of which P_n''' makes up to 400
+                // times as much.
                 assert!((mean / expected - 1.0).abs() < 1e-13, "{mean} {expected}");
             }
         }

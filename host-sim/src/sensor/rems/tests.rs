@@ -2,17 +2,17 @@
 
 use super::*;
 use crate::sensor::body::testing::imbalance;
-use crate::sensor::gas::Species;
+use anemometry::gas::Species;
 
 const GAS_C: f64 = 21.0;
 const BOOM: usize = DICE;
 
-fn air() -> Gas {
-    Gas::new(Species::Air, 24_000.0, GAS_C + 273.15).unwrap()
+fn air() -> IdealGas {
+    IdealGas::new(Species::Air, 24_000.0, GAS_C + 273.15).unwrap()
 }
 
-fn body() -> Body {
-    Construction::default().body(&air(), GAS_C + 273.15).unwrap()
+fn body() -> ThermalBody {
+    RemsConstruction::default().body(&air(), GAS_C + 273.15).unwrap()
 }
 
 /// Rises above the gas in the steady state of a wind.
@@ -27,7 +27,7 @@ fn rises_k(wind_m_s: [f64; 3], power_w: impl Fn(usize) -> f64) -> Vec<f64> {
 fn heat_in_is_heat_out_and_heat_stored() {
     let wind = |phase: f64| [0.5 * phase.cos(), 0.5 * phase.sin(), 0.1];
     let power_w = |i, high| if high { 0.02 } else { 0.001 * i as f64 };
-    let weather = |body: &mut Body, phase| body.set_wind(wind(phase));
+    let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
     let imbalance = imbalance(&mut body(), (100_000, 0.025), weather, power_w);
     // 12 J/K at 294 K are 3.4 kJ of stored heat: rounding counts in those.
     assert!(imbalance.abs() < 1e-9, "{imbalance}");
@@ -35,8 +35,9 @@ fn heat_in_is_heat_out_and_heat_stored() {
 
 #[test]
 fn twelve_dice_alike_warm_as_a_chain_of_resistances_says() {
-    // All alike: no heat between neighbours. Die, leg, card and head from the boundary inwards, the head's rise from the run.
-    let construction = Construction { card_emissivity: 0.0, ..Construction::default() };
+    // All alike: no heat between neighbours. Die, leg, card and head from the boundary inwards, the
+    // head's rise from the run.
+    let construction = RemsConstruction { card_emissivity: 0.0, ..RemsConstruction::default() };
     let mut body = construction.body(&air(), GAS_C + 273.15).unwrap();
     body.set_wind([0.0; 3]);
     body.settle(|i, _| if i < DICE { 0.005 } else { 0.0 });
@@ -44,7 +45,8 @@ fn twelve_dice_alike_warm_as_a_chain_of_resistances_says() {
     let head = body.element_temperature_c(BOOM) - GAS_C;
     let to_card = 1.0 / (1.0 / construction.die_to_leg_w_k + 1.0 / construction.leg_to_card_w_k);
     let (die_gas, card_gas, post) = (conductance[0], conductance[DICE], construction.card_to_head_w_k);
-    // 5 mW = die_gas D + to_card (D − K) and 4 to_card (D − K) = card_gas K + post (K − head), D the die's rise, K the card's.
+    // 5 mW = die_gas D + to_card (D − K) and 4 to_card (D − K) = card_gas K + post (K − head), D
+    // the die's rise, K the card's.
     let determinant = (die_gas + to_card) * (4.0 * to_card + card_gas + post) - 4.0 * to_card * to_card;
     let die = (0.005 * (4.0 * to_card + card_gas + post) + to_card * post * head) / determinant;
     for i in 0..DICE {
@@ -99,13 +101,16 @@ fn four_dice_at_17_k_warm_the_boom_as_published() {
 
 #[test]
 fn refuses_an_impossible_construction_by_name() {
-    let shape = Construction::default().shape;
+    let shape = RemsConstruction::default().shape;
     for (construction, name) in [
-        (Construction { shank_w_k: 0.0, ..Construction::default() }, "shank_w_k"),
-        (Construction { leg_to_card_w_k: f64::NAN, ..Construction::default() }, "leg_to_card_w_k"),
-        (Construction { card_emissivity: -0.1, ..Construction::default() }, "card_emissivity"),
-        (Construction { shape: Shape { shade: 1.1, ..shape }, ..Construction::default() }, "shape.shade"),
-        (Construction { shape: Shape { front_to_rear: 0.5, ..shape }, ..Construction::default() }, "front_to_rear"),
+        (RemsConstruction { shank_w_k: 0.0, ..RemsConstruction::default() }, "shank_w_k"),
+        (RemsConstruction { leg_to_card_w_k: f64::NAN, ..RemsConstruction::default() }, "leg_to_card_w_k"),
+        (RemsConstruction { card_emissivity: -0.1, ..RemsConstruction::default() }, "card_emissivity"),
+        (RemsConstruction { shape: BoomShape { shade: 1.1, ..shape }, ..RemsConstruction::default() }, "shape.shade"),
+        (
+            RemsConstruction { shape: BoomShape { front_to_rear: 0.5, ..shape }, ..RemsConstruction::default() },
+            "front_to_rear",
+        ),
     ] {
         let error = construction.body(&air(), 294.15).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
@@ -114,7 +119,7 @@ fn refuses_an_impossible_construction_by_name() {
 
 #[test]
 fn a_warm_support_warms_the_head_by_the_shank() {
-    let mut body = Construction::default().body(&air(), GAS_C + 10.0 + 273.15).unwrap();
+    let mut body = RemsConstruction::default().body(&air(), GAS_C + 10.0 + 273.15).unwrap();
     body.set_wind([0.0; 3]);
     body.settle(|_, _| 0.0);
     let rise = body.element_temperature_c(BOOM) - GAS_C;
@@ -125,8 +130,9 @@ fn a_warm_support_warms_the_head_by_the_shank() {
 
 #[test]
 fn agrees_with_the_network_worked_out_by_another_program() {
-    // The same network as a conductance matrix in numpy, inverted: rise in K/W of card 1's dice 1, 2 and 3, of card 2's die 1 and of the
-    // boom, with heat in card 1's die 1; of card 2's die 2 with heat in itself; of the boom with heat in itself.
+    // The same network as a conductance matrix in numpy, inverted: rise in K/W of card 1's dice 1,
+    // 2 and 3, of card 2's die 1 and of the boom, with heat in card 1's die 1; of card 2's die 2
+    // with heat in itself; of the boom with heat in itself.
     for (wind_m_s, expected) in [
         ([0.0; 3], [681.440, 137.558, 89.997, 0.5173, 10.5218, 681.440, 214.014]),
         ([-0.125, 0.0, 0.0], [644.507, 121.198, 77.749, 0.2946, 6.6946, 644.507, 152.124]),
@@ -138,7 +144,8 @@ fn agrees_with_the_network_worked_out_by_another_program() {
         let (first, other, boom) = (heated(0), heated(5), heated(BOOM));
         let found = [first[0], first[1], first[2], first[4], first[BOOM], other[5], boom[BOOM]].map(|rise| rise / 1e-5);
         for (found, expected) in found.iter().zip(expected) {
-            // It has 1005 J/(kg·K) for the heat capacity of air, where ours is computed; and the digits printed here.
+            // It has 1005 J/(kg·K) for the heat capacity of air, where ours is computed; and the
+            // digits printed here.
             assert!((found / expected - 1.0).abs() < 6e-4, "{wind_m_s:?}: {found} for {expected}");
         }
     }

@@ -11,7 +11,7 @@ fn swinging(name: &str, amplitude_k: f64, period_s: f64, sample_period_s: f64) -
         Some(construction) => (construction, plain.elements),
         None => (plain.construction, plain.elements),
     };
-    if elements.len() < construction.parts().len() {
+    if elements.len() < construction.elements().len() {
         elements.push(reference());
     }
     let mut wind = breeze();
@@ -20,8 +20,8 @@ fn swinging(name: &str, amplitude_k: f64, period_s: f64, sample_period_s: f64) -
     SensorConfig { construction, elements, sample_period_s, gas_swing, wind, ..plain }
 }
 
-fn reference() -> ElementConfig {
-    ElementConfig {
+fn reference() -> NominalElement {
+    NominalElement {
         platinum: PlatinumKind::Iec60751 { resistance_0c_ohm: 1000.0 },
         current_low_a: 1e-4,
         current_high_a: 2e-4,
@@ -31,7 +31,8 @@ fn reference() -> ElementConfig {
 #[test]
 fn conductances_are_those_of_a_sensor_made_in_the_gas_of_the_moment() {
     for name in Construction::NAMES {
-        // From slow air to beyond the table of the spheres; a quarter and three quarters of a period, and some time between.
+        // From slow air to beyond the table of the spheres; a quarter and three quarters of a
+        // period, and some time between.
         for speed_m_s in [0.02, 3.0, 12.0] {
             let mut config = swinging(name, 30.0, 4000.0, 1.0);
             config.wind[0].speed_m_s = speed_m_s;
@@ -47,7 +48,8 @@ fn conductances_are_those_of_a_sensor_made_in_the_gas_of_the_moment() {
                 fresh.advance(0);
                 let pairs = sensor.body.conductance_w_k().iter().zip(fresh.body.conductance_w_k());
                 for (i, (found, expected)) in pairs.enumerate() {
-                    // 0.01 K of properties is 5e-5 of a conductance, and the table's interpolation 1e-5 of Nu.
+                    // 0.01 K of properties is 5e-5 of a conductance, and the table's interpolation
+                    // 1e-5 of Nu.
                     assert!((found / expected - 1.0).abs() < 1e-4, "{name}, surface {i} at {gas_temperature_c} °C");
                 }
                 assert_eq!(sensor.wind_extrapolated(), fresh.wind_extrapolated());
@@ -101,7 +103,8 @@ fn every_sensor_balances_in_a_swinging_gas() {
 
 #[test]
 fn the_reference_lags_by_its_capacity_over_its_conductance() {
-    // CO2 of 1000 Pa and 220 K: k 10.84 mW/(m·K), µ 11.05 µPa·s, cp 758 J/(kg·K), ρ 0.02406 kg/m³; a film of 4 × 2.5 mm in 3 m/s.
+    // CO2 of 1000 Pa and 220 K: k 10.84 mW/(m·K), µ 11.05 µPa·s, cp 758 J/(kg·K), ρ 0.02406 kg/m³;
+    // a film of 4 × 2.5 mm in 3 m/s.
     let (k, mu, cp, rho) = (10.84e-3, 11.05e-6, 758.0, 1000.0 * 0.0440095 / (8.314463 * 220.0));
     let reynolds: f64 = rho * 3.0 * 2.5e-3 / mu;
     let layer = 0.664 * reynolds.sqrt() * (mu * cp / k).cbrt() * k / 2.5e-3 * 20e-6;
@@ -132,7 +135,8 @@ fn the_reference_lags_by_its_capacity_over_its_conductance() {
         let omega = TAU / period_s;
         // tan φ = ω τ, and the gain of the slow end is the share of convection.
         let found_s = -cosine / sine / omega;
-        // Half a tick for the gas that is held, and half a percent for the digits of the properties.
+        // Half a tick for the gas that is held, and half a percent for the digits of the
+        // properties.
         assert!((found_s - lag_s - 0.005).abs() < 0.01 * lag_s, "{name}: {found_s} for {lag_s}");
         let slow = convection_w_k / (convection_w_k + radiation_w_k);
         let gain = (sine * sine + cosine * cosine).sqrt() / amplitude_k;
@@ -195,7 +199,8 @@ fn a_swing_that_leaves_what_is_known_is_refused_by_name() {
     let elements = thin.elements[..6].to_vec();
     let bare = SensorConfig { construction, elements, ..thin };
     assert!(Sensor::new(&bare).is_ok());
-    // The mean free path grows with the temperature: at its hottest this gas is no continuum any more.
+    // The mean free path grows with the temperature: at its hottest this gas is no continuum any
+    // more.
     let just = SensorConfig { pressure_pa: 30.0, ..bare };
     assert!(Sensor::new(&SensorConfig { gas_swing: None, ..just.clone() }).is_ok());
     let hot = SensorConfig { gas_swing: Some(GasSwing { amplitude_k: 40.0, period_s: 60.0, start_s: 0.0 }), ..just };

@@ -4,20 +4,24 @@
 //! g(t) = ½ G (1 − cos 2π (t − t0)/D)     t0 ≤ t ≤ t0 + D, otherwise 0
 //! ```
 //!
-//! G is reached in the middle and the mean over D is G/2; g and its first derivative are continuous. A negative G is a lull.
-//! Sources: EASA CS-25 and 14 CFR 25.341(a), discrete gusts.
+//! G is reached in the middle and the mean over D is G/2; g and its first derivative are
+//! continuous. A negative G is a lull. Sources: EASA CS-25 and 14 CFR 25.341(a), discrete gusts.
 
-use super::{HIGHEST_M_S, Refused, first_refused, towards};
+use super::direction::towards;
+use super::range::{HIGHEST_M_S, Refused, first_refused};
 
+/// A rise of the wind that comes and goes once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gust {
     /// After the entry's start.
     pub start_s: f64,
+    /// From its start to its end, s.
     pub duration_s: f64,
     /// G, on top of the mean; negative for a lull.
     pub rise_m_s: f64,
     /// Into which it goes; along the mean if not given.
     pub azimuth_deg: Option<f64>,
+    /// Its elevation, °; that of the mean if not given.
     pub elevation_deg: Option<f64>,
 }
 

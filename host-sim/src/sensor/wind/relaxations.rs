@@ -4,15 +4,16 @@
 //! g(x) = ∫ ρ(t)/(t + x²) dt        ρ > 0, x = 2πf T
 //! ```
 //!
-//! is exact for both shapes (Stieltjes), and 1/(t + x²) is the spectrum of an Ornstein–Uhlenbeck process of rate √t/T:
+//! is exact for both shapes (Stieltjes), and 1/(t + x²) is the spectrum of an Ornstein–Uhlenbeck
+//! process of rate √t/T:
 //!
 //! | shape | g | ρ |
 //! |---|---|---|
 //! | von Kármán | (1 + x²)^(−5/6) | (t − 1)^(−5/6)/2π, t > 1 |
 //! | Kaimal | (1 + x)^(−5/3) | (1 + t)^(−5/6) sin(5/3 arctan √t)/π, t > 0 |
 //!
-//! With t = 1 + e^y or t = e^y the trapezoidal rule in y converges exponentially, and steps of 1.5 leave 10⁻⁴: three rates a
-//! decade of frequency are enough for a −5/3 that is straight.
+//! With t = 1 + e^y or t = e^y the trapezoidal rule in y converges exponentially, and steps of 1.5
+//! leave 10⁻⁴: three rates a decade of frequency are enough for a −5/3 that is straight.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,7 +28,7 @@ const VON_KARMAN_FROM: f64 = -4.5;
 const KAIMAL_FROM: f64 = -18.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Shape {
+pub(super) enum SpectrumShape {
     VonKarman,
     Kaimal,
 }
@@ -39,7 +40,7 @@ pub(super) struct Relaxation {
     pub variance: f64,
 }
 
-impl Shape {
+impl SpectrumShape {
     /// Relaxations of up to a rate whose spectra add up to unit variance.
     pub(super) fn relaxations(self, time_s: f64, highest_rad_s: f64) -> Vec<Relaxation> {
         // S(f) = S0 T Σ c/(t + x²), and a process has 4 ξ variance/(ξ² + ω²) with ξ = √t/T.
@@ -96,8 +97,8 @@ mod tests {
             // x from 10⁻³ to 10⁴, eddies of hours to those of a millisecond.
             let x = 10_f64.powf(0.1 * f64::from(k));
             for (shape, s0, g) in [
-                (Shape::VonKarman, 4.0 / EDDY, (1.0 + x * x).powf(-5.0 / 6.0)),
-                (Shape::Kaimal, 4.0 * PI / 3.0, (1.0 + x).powf(-5.0 / 3.0)),
+                (SpectrumShape::VonKarman, 4.0 / EDDY, (1.0 + x * x).powf(-5.0 / 6.0)),
+                (SpectrumShape::Kaimal, 4.0 * PI / 3.0, (1.0 + x).powf(-5.0 / 3.0)),
             ] {
                 let omega = x / time_s;
                 let sum: f64 = (shape.relaxations(time_s, 1e9).iter())
@@ -113,7 +114,7 @@ mod tests {
     fn their_variances_add_up_to_one() {
         use statrs::function::gamma::gamma;
         assert!((EDDY - gamma(1.0 / 3.0) / (PI.sqrt() * gamma(5.0 / 6.0))).abs() < 1e-12);
-        for shape in [Shape::VonKarman, Shape::Kaimal] {
+        for shape in [SpectrumShape::VonKarman, SpectrumShape::Kaimal] {
             let all = shape.relaxations(1.0, 1e12);
             let sum: f64 = all.iter().map(|one| one.variance).sum();
             // What lies above a rate of 10¹² is some 10⁻⁸.
@@ -121,6 +122,6 @@ mod tests {
             assert!(all.iter().all(|one| one.variance > 0.0), "a spectrum of each");
         }
         // Rates that matter at 1 kHz, eddies of a second.
-        assert!(Shape::VonKarman.relaxations(1.0, 2e4).len() < 20);
+        assert!(SpectrumShape::VonKarman.relaxations(1.0, 2e4).len() < 20);
     }
 }

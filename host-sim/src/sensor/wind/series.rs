@@ -6,12 +6,12 @@
 //! B   = Σ V_k 2 (h − 2 tanh(h/2))/h²            what the way between them leaves open
 //! ```
 //!
-//! m has the distribution of the mean over the period of the continuous process, jointly for all periods: its spectrum is S sinc² (f Ts),
-//! folded. Relaxations that have forgotten everything within a period are white, with the variance 2 V (h − 1 + a)/h², and stand in
-//! B as well.
+//! m has the distribution of the mean over the period of the continuous process, jointly for all
+//! periods: its spectrum is S sinc² (f Ts), folded. Relaxations that have forgotten everything
+//! within a period are white, with the variance 2 V (h − 1 + a)/h², and stand in B as well.
 //!
-//! Across the mean of isotropic turbulence the spectrum is half the longitudinal one times |1 + c iωT|²/|1 + iωT|², c² = 8/3: a
-//! filter of one state, driven by m as held over each period.
+//! Across the mean of isotropic turbulence the spectrum is half the longitudinal one times |1 + c
+//! iωT|²/|1 + iωT|², c² = 8/3: a filter of one state, driven by m as held over each period.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -19,22 +19,23 @@ use rand_distr::{Distribution, StandardNormal};
 use super::relaxations::Relaxation;
 use super::turbulence::Component;
 
-/// Of this many per sample period a relaxation is white: correlated with the next period by less than 1/(2 · 40).
+/// Of this many per sample period a relaxation is white: correlated with the next period by less
+/// than 1/(2 · 40).
 const FORGETS: f64 = 40.0;
 /// Relaxations that are faster yet have no part in a mean over a period.
 const FASTEST: f64 = 1e5;
 
 #[derive(Clone, Debug)]
-pub(super) struct Series {
+pub(super) struct WindSeries {
     deviation_m_s: f64,
-    states: Vec<State>,
+    states: Vec<SeriesState>,
     /// √B.
     open: f64,
     across: Option<Across>,
 }
 
 #[derive(Clone, Debug)]
-struct State {
+struct SeriesState {
     x: f64,
     /// a, √(V (1 − a²)) and tanh(h/2)/h.
     memory: f64,
@@ -51,7 +52,7 @@ struct Across {
     mean: f64,
 }
 
-impl Series {
+impl WindSeries {
     /// In its stationary distribution.
     pub(super) fn begin(component: &Component, sample_period_s: f64, rng: &mut ChaCha8Rng) -> Self {
         let relaxations = component.shape.relaxations(component.time_s, FASTEST / sample_period_s);
@@ -69,9 +70,10 @@ impl Series {
                 let normal: f64 = StandardNormal.sample(rng);
                 x = variance.sqrt() * normal;
                 let renewal = (variance * -(-2.0 * h).exp_m1()).sqrt();
-                states.push(State { x, memory: (-h).exp(), renewal, part: ends / h });
+                states.push(SeriesState { x, memory: (-h).exp(), renewal, part: ends / h });
             }
-            // Of a relaxation that has passed the filter: variance and covariance with x are V/(1 + ξT).
+            // Of a relaxation that has passed the filter: variance and covariance with x are V/(1 +
+            // ξT).
             let passes = 1.0 / (1.0 + rate_rad_s * component.time_s);
             y += passes * x;
             left_open += variance * passes * (1.0 - if h > FORGETS { 0.0 } else { passes });

@@ -5,22 +5,26 @@
 //! az(t) = az + B sin 2πf t     °
 //! ```
 //!
-//! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a gust without a direction of its
-//! own, turn with it.
+//! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a
+//! gust without a direction of its own, turn with it.
 
-use super::{Refused, first_refused};
+use super::range::{Refused, first_refused};
 
 /// Of the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
+    /// Amplitude, m/s.
     pub amplitude_m_s: f64,
+    /// Frequency, Hz.
     pub frequency_hz: f64,
 }
 
 /// Of the azimuth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Swing {
+pub struct DirectionSwing {
+    /// Amplitude, °.
     pub amplitude_deg: f64,
+    /// Frequency, Hz.
     pub frequency_hz: f64,
 }
 
@@ -41,7 +45,7 @@ impl Sine {
     }
 }
 
-impl Swing {
+impl DirectionSwing {
     pub(super) fn angle_deg(&self, time_s: f64) -> f64 {
         self.amplitude_deg * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
     }
@@ -71,7 +75,7 @@ mod tests {
         let sine = Sine { amplitude_m_s: 2.0, frequency_hz: 0.5 };
         assert_eq!(sine.rise_m_s(0.0), 0.0);
         assert!((sine.rise_m_s(0.5) - 2.0).abs() < 1e-12 && (sine.rise_m_s(1.5) + 2.0).abs() < 1e-12);
-        let swing = Swing { amplitude_deg: 30.0, frequency_hz: 2.0 };
+        let swing = DirectionSwing { amplitude_deg: 30.0, frequency_hz: 2.0 };
         assert!((swing.angle_deg(0.125) - 30.0).abs() < 1e-12 && swing.angle_deg(0.5).abs() < 1e-12);
     }
 }

@@ -1,6 +1,7 @@
 mod spectra;
 
 use super::*;
+use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 fn entry(start_s: f64, label: &str, speed_m_s: f64) -> WindEntry {
@@ -11,8 +12,8 @@ fn relaxed(intensity: f64, correlation_time_s: f64) -> Turbulence {
     Turbulence { intensity, spectrum: Spectrum::Relaxation { correlation_time_s } }
 }
 
-fn wind(entries: &[WindEntry], sample_period_s: f64) -> Wind {
-    Wind::new(entries, sample_period_s, ChaCha8Rng::seed_from_u64(5)).unwrap()
+fn wind(entries: &[WindEntry], sample_period_s: f64) -> SimulatedWind {
+    SimulatedWind::new(entries, sample_period_s, ChaCha8Rng::seed_from_u64(5)).unwrap()
 }
 
 #[test]
@@ -65,7 +66,7 @@ fn the_same_seed_gives_the_same_bits() {
     let mut gusty = entry(0.0, "gusty", 4.0);
     gusty.turbulence = Some(relaxed(0.3, 0.5));
     let run = |seed| {
-        let mut wind = Wind::new(&[gusty.clone()], 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
+        let mut wind = SimulatedWind::new(&[gusty.clone()], 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
         (0..1000).map(|_| wind.advance().map(f64::to_bits)).collect::<Vec<_>>()
     };
     assert_eq!(run(1), run(1));
@@ -104,7 +105,7 @@ fn what_is_asked_for_adds_up_in_the_middle_of_each_period() {
 
 #[test]
 fn a_swing_turns_the_mean_and_leaves_the_speed() {
-    let swing = Some(Swing { amplitude_deg: 40.0, frequency_hz: 1.0 });
+    let swing = Some(DirectionSwing { amplitude_deg: 40.0, frequency_hz: 1.0 });
     let mut wind = wind(&[WindEntry { swing, azimuth_deg: 10.0, elevation_deg: 20.0, ..entry(0.0, "", 3.0) }], 0.01);
     let seen: Vec<[f64; 3]> = (0..100).map(|_| wind.advance()).collect();
     let azimuth = |v: &[f64; 3]| v[1].atan2(v[0]).to_degrees();
@@ -157,8 +158,9 @@ fn refuses_impossible_entries_by_name() {
     cases.push((sine(3.1, 1.0), "wind[0].sine.amplitude_m_s"));
     cases.push((sine(1.0, 51.0), "wind[0].sine.frequency_hz"));
     cases.push((sine(1.0, 0.0), "wind[0].sine.frequency_hz"));
-    let swing =
-        |amplitude_deg, frequency_hz| vec![WindEntry { swing: Some(Swing { amplitude_deg, frequency_hz }), ..good() }];
+    let swing = |amplitude_deg, frequency_hz| {
+        vec![WindEntry { swing: Some(DirectionSwing { amplitude_deg, frequency_hz }), ..good() }]
+    };
     cases.push((swing(181.0, 1.0), "wind[0].swing.amplitude_deg"));
     cases.push((swing(10.0, f64::NAN), "wind[0].swing.frequency_hz"));
     let plain = Gust { start_s: 0.0, duration_s: 1.0, rise_m_s: 2.0, azimuth_deg: None, elevation_deg: None };
@@ -188,7 +190,7 @@ fn refuses_impossible_entries_by_name() {
     let still = WindEntry { dust_devil: Some(plain), ..entry(0.0, "", 0.0) };
     cases.push((vec![still], "`wind[0].dust_devil.travel_m_s` is 0; it must be 0.01 to 100; without it"));
     for (entries, name) in cases {
-        let error = Wind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(1)).unwrap_err().to_string();
+        let error = SimulatedWind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(1)).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     }
 }

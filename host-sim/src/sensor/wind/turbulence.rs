@@ -6,42 +6,49 @@
 //! dx = −x dt/τ + √(2/τ) dW        x ← a x + √(1 − a²) n,  a = exp(−Ts/τ)
 //! ```
 //!
-//! of unit variance in each component, sampled exactly, so that variance and correlation time do not depend on the sample period. It
-//! starts in its stationary distribution and goes on from entry to entry. Its spectrum falls as f⁻², that of real turbulence as
-//! f^(−5/3).
+//! of unit variance in each component, sampled exactly, so that variance and correlation time do
+//! not depend on the sample period. It starts in its stationary distribution and goes on from entry
+//! to entry. Its spectrum falls as f⁻², that of real turbulence as f^(−5/3).
 //!
-//! The spectra are one-sided, ∫ S df = σ² over f > 0, and of frozen eddies that the mean U carries past (Taylor): f = n U/L.
+//! The spectra are one-sided, ∫ S df = σ² over f > 0, and of frozen eddies that the mean U carries
+//! past (Taylor): f = n U/L.
 //!
 //! ```text
 //! von Kármán   S_u = 4σ² (L/U) (1 + (αn)²)^(−5/6)
 //!              S_v = S_w = 2σ² (L/U) (1 + 8/3 (αn)²) (1 + (αn)²)^(−11/6)
-//!              n = f L/U, α = 2π·1.339; L the longitudinal integral scale, of which isotropy makes a lateral one of L/2
+//!              n = f L/U, α = 2π·1.339; L the longitudinal integral scale,
+//!              of which isotropy makes a lateral one of L/2
 //! Kaimal       S_k = 4σ_k² (L_k/U) (1 + 6 n_k)^(−5/3)
 //!              n_k = f L_k/U, L_k = 5.67 z, 1.89 z, 0.462 z, σ_k = σ, 0.8 σ, 0.5 σ for k = u, v, w
 //! ```
 //!
-//! with σ = intensity × U: u is along the mean, v horizontal across it, w the third. They are independent, and held as means over
-//! each sample period (`series`), which is S sinc² (f Ts), folded: 0.97 of S at a tenth of the sample rate, 0.71 to 1
-//! up to half of it. Instants instead of means would be folded to 2.9 times S there. Lower frequencies do not depend on it.
-//! They begin anew with each entry, in their stationary distribution.
+//! with σ = intensity × U: u is along the mean, v horizontal across it, w the third. They are
+//! independent, and held as means over each sample period (`series`), which is S sinc² (f Ts),
+//! folded: 0.97 of S at a tenth of the sample rate, 0.71 to 1 up to half of it. Instants instead of
+//! means would be folded to 2.9 times S there. Lower frequencies do not depend on it. They begin
+//! anew with each entry, in their stationary distribution.
 //!
-//! Sources: von Kármán, Proc. Natl. Acad. Sci. 34 (1948) 530–539, in the form of ESDU 85020; Kaimal et al., Q. J. R. Meteorol. Soc. 98
-//! (1972) 563–589, in the form of IEC 61400-1, annex B, whose scale is 0.7 z up to 60 m: flat ground, neutral stratification.
+//! Sources: von Kármán, Proc. Natl. Acad. Sci. 34 (1948) 530–539, in the form of ESDU 85020; Kaimal
+//! et al., Q. J. R. Meteorol. Soc. 98 (1972) 563–589, in the form of IEC 61400-1, annex B, whose
+//! scale is 0.7 z up to 60 m: flat ground, neutral stratification.
 //!
-//! Limits: none of the correlation between u and w that carries momentum to the ground; none of the slow fluctuations that
-//! convection by day adds, on Mars even more than on Earth; −5/3 without an end, where viscosity would end it. A mean that is slow
-//! against its fluctuations carries no frozen eddies: intensities above 0.3 are beyond what Taylor's hypothesis is good for.
+//! Limits: none of the correlation between u and w that carries momentum to the ground; none of the
+//! slow fluctuations that convection by day adds, on Mars even more than on Earth; −5/3 without an
+//! end, where viscosity would end it. A mean that is slow against its fluctuations carries no
+//! frozen eddies: intensities above 0.3 are beyond what Taylor's hypothesis is good for.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::relaxations::{EDDY, Shape};
-use super::{Refused, first_refused};
+use super::range::{Refused, first_refused};
+use super::relaxations::{EDDY, SpectrumShape};
 
+/// Random fluctuations about a mean wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turbulence {
     /// Standard deviation over the mean speed: of each component, of Kaimal's along the mean.
     pub intensity: f64,
+    /// How they are spread over frequencies.
     pub spectrum: Spectrum,
 }
 
@@ -49,11 +56,20 @@ pub struct Turbulence {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spectrum {
     /// Of one relaxation.
-    Relaxation { correlation_time_s: f64 },
+    Relaxation {
+        /// Correlation time, s.
+        correlation_time_s: f64,
+    },
     /// Isotropic; the longitudinal integral scale.
-    VonKarman { length_m: f64 },
+    VonKarman {
+        /// Longitudinal integral scale, m.
+        length_m: f64,
+    },
     /// Over ground; the sensor's height.
-    Kaimal { height_m: f64 },
+    Kaimal {
+        /// Height of the sensor above ground, m.
+        height_m: f64,
+    },
 }
 
 /// Turbulence of one relaxation at a sample period.
@@ -66,7 +82,7 @@ pub(super) struct Relaxed {
 }
 
 impl Relaxed {
-    /// Adds what x says now and lets a period pass.
+    /// Adds the present x and lets a period pass.
     pub(super) fn add(&self, wind_m_s: &mut [f64; 3], x: &mut [f64; 3], rng: &mut ChaCha8Rng) {
         for (wind, x) in wind_m_s.iter_mut().zip(x) {
             *wind += self.deviation_m_s * *x;
@@ -84,7 +100,7 @@ pub(super) fn at_rest_in_distribution(rng: &mut ChaCha8Rng) -> [f64; 3] {
 /// One component of a spectrum's turbulence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Component {
-    pub shape: Shape,
+    pub shape: SpectrumShape,
     pub deviation_m_s: f64,
     /// T: the spectrum is a function of 2πf T.
     pub time_s: f64,
@@ -101,7 +117,8 @@ impl Turbulence {
         (deviation_m_s != 0.0).then_some(Relaxed { deviation_m_s, memory, renewal })
     }
 
-    /// Along the mean, horizontal across it, and the third, if it is of another spectrum and there is any.
+    /// Along the mean, horizontal across it, and the third, if it is of another spectrum and there
+    /// is any.
     pub(super) fn components(&self, speed_m_s: f64) -> Option<[Component; 3]> {
         let deviation_m_s = self.intensity * speed_m_s;
         if deviation_m_s == 0.0 {
@@ -110,7 +127,7 @@ impl Turbulence {
         match self.spectrum {
             Spectrum::Relaxation { .. } => None,
             Spectrum::VonKarman { length_m } => Some([false, true, true].map(|across| Component {
-                shape: Shape::VonKarman,
+                shape: SpectrumShape::VonKarman,
                 deviation_m_s,
                 time_s: EDDY * length_m / speed_m_s,
                 across,
@@ -118,7 +135,7 @@ impl Turbulence {
             Spectrum::Kaimal { height_m } => Some([(1.0, 8.1), (0.8, 2.7), (0.5, 0.66)].map(|(part, length)| {
                 let length_m = length * 0.7 * height_m;
                 Component {
-                    shape: Shape::Kaimal,
+                    shape: SpectrumShape::Kaimal,
                     deviation_m_s: part * deviation_m_s,
                     time_s: 6.0 * length_m / (std::f64::consts::TAU * speed_m_s),
                     across: false,

@@ -12,7 +12,7 @@ fn idle() -> Controller<2> {
 
 fn pass(controller: &mut Controller<2>, ticks: usize) {
     for _ in 0..ticks {
-        let read_high = controller.states[0].level == Level::High;
+        let read_high = controller.levels.is_high(0);
         assert!(controller.tick(&[code(0.0, read_high), Reading::Missing]).trip.is_none());
     }
 }

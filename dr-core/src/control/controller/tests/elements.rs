@@ -18,7 +18,8 @@ fn elements_are_configured_without_gaps() {
     assert_eq!(controller.tick(&[code(0.0, false); 4]).elements, 2);
 }
 
-/// Three drives on three elements, whatever room there is: all bits that the ticks say, and the digest.
+/// Three drives on three elements, whatever room there is: all bits that the ticks say, and the
+/// digest.
 fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
     let mut controller = Controller::<N>::new();
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
@@ -44,7 +45,7 @@ fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
         }
         let tick = controller.tick(&readings);
         assert_eq!(tick.state, RunState::Running);
-        controller.fold(&tick, &mut digest);
+        controller.digest(&tick, &mut digest);
         heaters = tick.heaters;
         said.extend([u32::from(tick.heaters.0), u32::from(tick.valid)]);
         for list in [Some(tick.temperature_c), Some(tick.power_w), tick.equivalent_power_w].iter().flatten() {

@@ -12,9 +12,9 @@ fn observing(drives: [Drive; 2]) -> Controller<2> {
 }
 
 #[test]
-fn observing_holds_the_model_on_what_is_measured_and_tells_what_the_structure_takes() {
+fn observing_holds_the_model_on_what_is_measured_and_reports_the_equivalent_control() {
     let mut controller = observing([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
-    let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+    let mut body = TestBody { temperature_c: [-50.0; 2], heaters: Heaters::default() };
     let (mut equivalent, mut measured, mut held) = (0.0, 0.0, 0.0);
     for n in 0..400_000 {
         let tick = controller.tick(&body.readings());
@@ -25,7 +25,8 @@ fn observing_holds_the_model_on_what_is_measured_and_tells_what_the_structure_ta
         }
         body.live(&tick);
     }
-    // In 4000 s every pole has come to rest: u_Q of the model, 628 K/W, although the body has 600 K/W.
+    // In 4000 s every pole has come to rest: u_Q of the model, 628 K/W, although the body has 600
+    // K/W.
     assert!((held - measured).abs() < 1e-3, "{held} {measured}");
     assert!((equivalent / ((measured + 50.0) / 628.0) - 1.0).abs() < 1e-3, "{equivalent}");
 }
@@ -34,7 +35,7 @@ fn observing_holds_the_model_on_what_is_measured_and_tells_what_the_structure_ta
 fn observing_changes_no_decision_and_costs_no_word_when_off() {
     let drives = [Drive::Temperature { target_c: -30.0 }, Drive::Prbs { order: 9, seed: 5, ticks_per_bit: 3 }];
     let (mut plain, mut observed) = (running(drives), observing(drives));
-    let mut body = Body { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+    let mut body = TestBody { temperature_c: [-50.0; 2], heaters: Heaters::default() };
     for _ in 0..1000 {
         let (tick, other) = (plain.tick(&body.readings()), observed.tick(&body.readings()));
         assert_eq!(tick.equivalent_power_w, None);
@@ -94,7 +95,8 @@ fn a_model_is_pulled_by_readings_of_its_own_element_and_by_no_others() {
             controller.tick(&readings);
         }
         let rise_k = [0, 1].map(|element| controller.model_temperature_c(element).unwrap() - before[element]);
-        // One that is not read cools towards what the low level holds, 1 K above −50 °C; its slow rate, 0.003 rad/s, leaves most for 1 s.
+        // One that is not read cools towards what the low level holds, 1 K above −50 °C; its slow
+        // rate, 0.003 rad/s, leaves most for 1 s.
         assert!((-1.0..0.0).contains(&rise_k[absent]), "{rise_k:?}");
         assert!((0.5..1.1).contains(&rise_k[1 - absent]), "{rise_k:?}");
     }
@@ -104,7 +106,8 @@ fn a_model_is_pulled_by_readings_of_its_own_element_and_by_no_others() {
 fn a_set_point_out_of_reach_has_no_margins() {
     let drive = Drive::Setpoints { low_c: -40.0, high_c: -30.0, dwell_ticks: 10, seed: 1 };
     let mut controller = running([drive, drive]);
-    // Into 200 K/W the high level, 41 mW, warms by 8 K: −40 °C, 10 K above the reference, is out of reach, and so is −30 °C.
+    // Into 200 K/W the high level, 41 mW, warms by 8 K: −40 °C, 10 K above the reference, is out of
+    // reach, and so is −30 °C.
     let config = SelfHeatingConfig { r_k_per_w: [200.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..model() };
     controller.elements[1].as_mut().unwrap().model = Some(crate::model::SelfHeating::new(&config, 0.01).unwrap());
     let margins: Vec<_> = controller.margins().collect();

@@ -21,18 +21,18 @@ fn a_mean_power_must_be_one_that_some_plausible_resistance_gives_off() {
 }
 
 #[test]
-fn the_digest_sees_what_a_drive_has_asked_for() {
+fn the_digest_covers_the_level_that_a_drive_requests() {
     let mut controller = running([Drive::Passive, Drive::Passive]);
     let tick = controller.tick(&[code(-40.0, false); 2]);
     let mut digests = std::collections::BTreeSet::new();
     for bits in 0..8_u32 {
         let mut changed = controller;
-        let state = &mut changed.states[1];
+        let drive = &mut changed.states[1].drive;
         let level = |is_high: bool| if is_high { Level::High } else { Level::Low };
-        (state.drive.level, state.drive.saturated, state.level) =
-            (level(bits & 1 > 0), bits & 2 > 0, level(bits & 4 > 0));
+        (drive.level, drive.saturated) = (level(bits & 1 > 0), bits & 2 > 0);
+        changed.levels = Heaters((bits & 4) as u16 >> 1);
         let mut digest = Digest::default();
-        changed.fold(&tick, &mut digest);
+        changed.digest(&tick, &mut digest);
         digests.insert(digest.value());
     }
     assert_eq!(digests.len(), 8);

@@ -2,7 +2,7 @@
 
 use super::finding::{GAP_MOST_K, NOISE_MOST_K};
 use super::*;
-use crate::error::{ConfigError, Problem};
+use crate::error::{ConfigError, ParameterProblem};
 
 /// A test of two elements that has come to a phase.
 fn at(phase: Phase) -> SelfTest<ELEMENTS> {
@@ -12,7 +12,7 @@ fn at(phase: Phase) -> SelfTest<ELEMENTS> {
 }
 
 fn controller(with_models: bool) -> Controller<ELEMENTS> {
-    *station(with_models).controller()
+    *instrument(with_models).controller()
 }
 
 /// The next number away from zero.
@@ -21,7 +21,7 @@ fn beyond(value: f32) -> f32 {
 }
 
 /// What a phase makes of quiet readings that are all the same.
-fn of_quiet(phase: Phase, value: f32) -> Finding {
+fn of_quiet(phase: Phase, value: f32) -> SelfTestFinding {
     let mut test = at(phase);
     (0..64).for_each(|_| test.quiet[0].take(value));
     test.judge_phase(&controller(true));
@@ -36,7 +36,7 @@ fn an_offset_may_be_a_small_part_of_the_low_level_either_way() {
     for sign in [1.0, -1.0] {
         for (share, is_wrong) in [(0.0, false), (0.999, false), (1.001, true)] {
             let finding = of_quiet(Phase::Offsets, sign * share * code);
-            assert_eq!(finding.faults.has(Fault::Offset), is_wrong, "{sign} {share}");
+            assert_eq!(finding.faults.has(SelfTestFault::Offset), is_wrong, "{sign} {share}");
             let truth_v = sign * share * 2.1e-4;
             assert!((finding.offset_v.unwrap() - truth_v).abs() < 1e-9, "{finding:?}");
         }
@@ -47,7 +47,7 @@ fn an_offset_may_be_a_small_part_of_the_low_level_either_way() {
 fn a_reference_may_be_three_parts_in_a_hundred_off() {
     for (ratio, is_wrong) in [(0.9701, false), (0.9699, true), (1.0299, false), (1.0301, true), (-1.0, true)] {
         let finding = of_quiet(Phase::References, ratio * REFERENCE_CODE as f32);
-        assert_eq!(finding.faults.has(Fault::Reference), is_wrong, "{ratio}");
+        assert_eq!(finding.faults.has(SelfTestFault::Reference), is_wrong, "{ratio}");
         assert!((finding.reference.unwrap() - ratio).abs() < 1e-6);
     }
 }
@@ -63,10 +63,10 @@ fn noise_is_too_much_only_beyond_its_bound_and_none_at_all_is_frozen() {
         test.judge_phase(&controller(true));
         test.findings[1].faults
     };
-    assert_eq!(of(0.999 * NOISE_MOST_K), Faults::default());
-    assert_eq!(of(1.001 * NOISE_MOST_K), only(&[Fault::Noise]));
-    assert_eq!(of(0.0), only(&[Fault::Frozen]));
-    assert_eq!(of(1e-6), Faults::default());
+    assert_eq!(of(0.999 * NOISE_MOST_K), SelfTestFaults::default());
+    assert_eq!(of(1.001 * NOISE_MOST_K), only(&[SelfTestFault::Noise]));
+    assert_eq!(of(0.0), only(&[SelfTestFault::Frozen]));
+    assert_eq!(of(1e-6), SelfTestFaults::default());
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn an_element_that_was_never_read_is_missing_unless_its_cause_is_known() {
         test.findings[0].cause = cause;
         test.judge_phase(&controller(true));
         assert_eq!(test.findings[0].cause, cause.or(Some(Cause::Missing)));
-        assert_eq!(test.findings[0].faults, only(&[Fault::Continuity]));
+        assert_eq!(test.findings[0].faults, only(&[SelfTestFault::Continuity]));
     }
 }
 
@@ -90,8 +90,9 @@ fn half_of_sixty_four_readings_are_enough() {
     }
 }
 
-/// What is made of a pulse of the first element that follows its model by a ratio with a gap; the other one rises by itself.
-fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> Finding {
+/// What is made of a pulse of the first element that follows its model by a ratio with a gap; the
+/// other one rises by itself.
+fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> SelfTestFinding {
     let mut test = at(Phase::Heating(0));
     test.findings.iter_mut().for_each(|finding| finding.noise_k = Some(noise_k));
     for pulse in &mut test.pulses {
@@ -104,7 +105,7 @@ fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models
         test.pulses[1].take(other_rise_k * n as f32 / 7.0, model_k);
     }
     test.judge_phase(&controller(with_models));
-    assert_eq!(test.findings[1], Finding { noise_k: Some(noise_k), ..at(Phase::Offsets).findings[1] });
+    assert_eq!(test.findings[1], SelfTestFinding { noise_k: Some(noise_k), ..at(Phase::Offsets).findings[1] });
     test.findings[0]
 }
 
@@ -112,7 +113,7 @@ fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models
 fn a_response_may_be_from_seven_to_fourteen_tenths_of_the_expected_one() {
     for (ratio, is_wrong) in [(0.699, true), (0.701, false), (1.0, false), (1.399, false), (1.401, true)] {
         let finding = of_pulse(ratio, 0.0, 0.0, 1e-3, true);
-        assert_eq!(finding.faults, if is_wrong { only(&[Fault::Response]) } else { sound() }, "{ratio}");
+        assert_eq!(finding.faults, if is_wrong { only(&[SelfTestFault::Response]) } else { sound() }, "{ratio}");
         let response = finding.response.unwrap();
         assert!((response.rise_k - 1.75 * ratio).abs() < 1e-6 && response.expected_k == Some(1.75), "{response:?}");
         assert!((response.ratio.unwrap() - ratio).abs() < 1e-5 && response.gap_k.unwrap().abs() < 1e-5);
@@ -127,7 +128,11 @@ fn the_levels_may_be_a_kelvin_apart() {
     for sign in [1.0, -1.0] {
         for (share, is_wrong) in [(0.999, false), (1.001, true)] {
             let finding = of_pulse(1.0, sign * share * GAP_MOST_K, 0.0, 1e-3, true);
-            assert_eq!(finding.faults, if is_wrong { only(&[Fault::Levels]) } else { sound() }, "{sign} {share}");
+            assert_eq!(
+                finding.faults,
+                if is_wrong { only(&[SelfTestFault::Levels]) } else { sound() },
+                "{sign} {share}"
+            );
         }
     }
 }
@@ -139,7 +144,7 @@ fn a_rise_within_the_noise_is_none() {
         // At the high level a Kelvin is 16/3 as many volt.
         let noise_k = 16.0 / 3.0 * 0.9 * 1.75 / (5.0 * 1.414 * share);
         let faults = of_pulse(0.9, 0.0, 0.0, noise_k, true).faults;
-        assert_eq!(faults, if is_none { only(&[Fault::NoResponse]) } else { sound() }, "{share}");
+        assert_eq!(faults, if is_none { only(&[SelfTestFault::NoResponse]) } else { sound() }, "{share}");
         // Without a model it may be a body that is too large to show it.
         assert_eq!(of_pulse(0.9, 0.0, 0.0, noise_k, false).faults, sound());
     }
@@ -148,11 +153,11 @@ fn a_rise_within_the_noise_is_none() {
         let noise_k = 16.0 / 3.0 * share * 1.75 / (5.0 * 1.414);
         assert_eq!(
             of_pulse(0.0, 0.0, 0.0, noise_k, true).faults,
-            if can_tell { only(&[Fault::NoResponse]) } else { sound() }
+            if can_tell { only(&[SelfTestFault::NoResponse]) } else { sound() }
         );
     }
     // On the bound it is none, too: here both are zero.
-    assert!(of_pulse(0.0, 0.0, 0.0, 0.0, true).faults.has(Fault::NoResponse));
+    assert!(of_pulse(0.0, 0.0, 0.0, 0.0, true).faults.has(SelfTestFault::NoResponse));
 }
 
 #[test]
@@ -167,7 +172,8 @@ fn what_nothing_is_expected_of_need_not_warm_up() {
 
 #[test]
 fn another_element_may_rise_by_as_much_or_within_the_noise() {
-    let crossed = |other_rise_k, noise_k| of_pulse(1.0, 0.0, other_rise_k, noise_k, true).faults.has(Fault::Crossed);
+    let crossed =
+        |other_rise_k, noise_k| of_pulse(1.0, 0.0, other_rise_k, noise_k, true).faults.has(SelfTestFault::Crossed);
     assert!(!crossed(1.74, 1e-3) && crossed(1.76, 1e-3));
     assert!(!crossed(-5.0, 1e-3), "one that cools is no matter");
     // 7.07 times the noise, which is 16/3 times smaller on the one that is heated.
@@ -175,19 +181,19 @@ fn another_element_may_rise_by_as_much_or_within_the_noise() {
     assert!(!crossed(1.882, 0.1) && crossed(1.883, 0.1));
     // On either bound it is not yet: 1.75 K, and no noise with no rise.
     assert!(!crossed(1.75, 0.0) && crossed(beyond(1.75), 0.0));
-    assert!(!of_pulse(-1.0, 0.0, 0.0, 0.0, true).faults.has(Fault::Crossed));
+    assert!(!of_pulse(-1.0, 0.0, 0.0, 0.0, true).faults.has(SelfTestFault::Crossed));
 }
 
 #[test]
 fn a_trip_leaves_what_is_through_as_it_is_and_names_its_element() {
     let interrupted = |state| {
         let mut test = at(Phase::Heating(1));
-        test.findings[0].response = Some(Response::default());
+        test.findings[0].response = Some(PulseResponse::default());
         test.interrupt(state);
         assert!(test.is_over());
         [0, 1].map(|i| (test.findings[i].faults, test.findings[i].cause))
     };
-    let fault = only(&[Fault::Interrupted]);
+    let fault = only(&[SelfTestFault::Interrupted]);
     let open = |element| RunState::Tripped(Trip { cause: Cause::Open, element });
     assert_eq!(interrupted(open(Some(1))), [(sound(), None), (fault, Some(Cause::Open))]);
     assert_eq!(interrupted(open(Some(0))), [(fault, Some(Cause::Open)), (fault, None)]);
@@ -195,22 +201,22 @@ fn a_trip_leaves_what_is_through_as_it_is_and_names_its_element() {
     assert_eq!(interrupted(RunState::Standby), [(sound(), None), (fault, None)]);
 }
 
-fn sound() -> Faults {
-    Faults::default()
+fn sound() -> SelfTestFaults {
+    SelfTestFaults::default()
 }
 
 #[test]
 fn faults_have_names_of_their_own_and_are_listed() {
-    let all = only(&Fault::ALL);
-    assert_eq!(all.iter().collect::<Vec<_>>(), Fault::ALL);
-    assert_eq!(all.0, (1 << Fault::ALL.len()) - 1);
-    for (place, fault) in Fault::ALL.iter().enumerate() {
+    let all = only(&SelfTestFault::ALL);
+    assert_eq!(all.iter().collect::<Vec<_>>(), SelfTestFault::ALL);
+    assert_eq!(all.0, (1 << SelfTestFault::ALL.len()) - 1);
+    for (place, fault) in SelfTestFault::ALL.iter().enumerate() {
         let name = fault.name();
-        assert!(!name.is_empty() && Fault::ALL[..place].iter().all(|other| other.name() != name), "{name}");
+        assert!(!name.is_empty() && SelfTestFault::ALL[..place].iter().all(|other| other.name() != name), "{name}");
         assert!(only(&[*fault]).has(*fault) && !sound().has(*fault));
         assert_eq!(std::format!("{}", only(&[*fault])), name);
     }
-    assert_eq!(std::format!("{}", only(&[Fault::Noise, Fault::Offset])), "offset, noise");
+    assert_eq!(std::format!("{}", only(&[SelfTestFault::Noise, SelfTestFault::Offset])), "offset, noise");
     assert_eq!(std::format!("{}", sound()), "none");
     assert!(sound().is_none() && !all.is_none());
 }
@@ -223,10 +229,11 @@ fn a_pulse_is_rounded_to_ticks_and_eight_of_them_at_the_least() {
     // 7.5 ticks round to 8, and 10 s are the most.
     assert_eq!((ticks(Some(1.875)), ticks(Some(1.87))), (Some(8), None));
     assert_eq!((ticks(Some(10.0)), ticks(Some(10.001))), (Some(40), None));
-    // Eight ticks of 1.25 s are the most, and of slower ones beyond it: whatever the pulse, it is the period that is wrong.
+    // Eight ticks of 1.25 s are the most, and of slower ones beyond it: whatever the pulse, it is
+    // the period that is wrong.
     let slow = |sample_period_s| SelfTestPlan { pulse_s: Some(10.0), unix_s: None }.pulse_ticks(sample_period_s);
     assert_eq!(slow(1.25), Ok(8));
-    let problem = Problem::OutOfRange { least: 0.0, most: 1.25 };
+    let problem = ParameterProblem::OutOfRange { least: 0.0, most: 1.25 };
     for sample_period_s in [1.2501, 2.0, 100.0] {
         assert_eq!(slow(sample_period_s), Err(ConfigError { parameter: Parameter::SamplePeriodS, problem }));
     }
@@ -243,26 +250,28 @@ fn a_phase_follows_the_other_and_each_reads_its_input() {
     assert_eq!((Quiet.next(false, 2), Done.next(true, 2)), (Done, Done));
     let total: u32 = phases.iter().map(|phase| phase.ticks(10)).sum();
     assert_eq!(total, plan::test_ticks(10, 2));
-    // Two that settle and 64 that count, three times; 11 of each element with its pulse, and 20 in which it cools.
+    // Two that settle and 64 that count, three times; 11 of each element with its pulse, and 20 in
+    // which it cools.
     assert_eq!((total, plan::test_ticks(0, 2)), (3 * 66 + 2 * 31, 3 * 66));
     let inputs = phases.iter().map(|phase| phase.input()).collect::<Vec<_>>();
-    assert_eq!(inputs[..2], [Input::Shorted, Input::Reference]);
-    assert!(inputs[2..].iter().all(|input| *input == Input::Element));
+    assert_eq!(inputs[..2], [FrontEndInput::Shorted, FrontEndInput::Reference]);
+    assert!(inputs[2..].iter().all(|input| *input == FrontEndInput::Element));
 }
 
 #[test]
 fn what_the_front_end_still_settles_on_does_not_count() {
-    let mut station = station(true);
-    station.handle(plan(Some(PULSE_S))).unwrap();
-    let mut head = Head::sound();
+    let mut instrument = instrument(true);
+    instrument.handle(plan(Some(PULSE_S))).unwrap();
+    let mut head = TestHead::sound();
     let findings = (0..2_000).find_map(|n| {
-        // The first two readings of each of the first three phases are of anything: here of a wire that is open.
+        // The first two readings of each of the first three phases are of anything: here of a wire
+        // that is open.
         let settles = n < 3 * 66 && n % 66 < 2;
-        let readings = if settles { [Reading::Code(8_388_607); 2] } else { head.readings(station.input()) };
-        let tick = station.tick(&readings);
+        let readings = if settles { [Reading::Code(8_388_607); 2] } else { head.readings(instrument.input()) };
+        let tick = instrument.tick(&readings);
         assert_eq!(tick.trip, None);
         head.live(tick.heaters.0);
-        station.take_self_test().map(|test| test.findings().to_vec())
+        instrument.take_self_test().map(|test| test.findings().to_vec())
     });
     for finding in findings.unwrap() {
         assert_eq!((finding.faults, finding.cause), (sound(), None), "{finding:?}");
@@ -279,21 +288,21 @@ fn to_arm_or_to_acknowledge_is_no_reason_to_forget_what_was_found() {
         (Command::Acknowledge, true),
         (Command::Observe { on: false }, false),
     ] {
-        let mut station = station(true);
-        let mut head = Head::sound();
+        let mut instrument = instrument(true);
+        let mut head = TestHead::sound();
         head.instead[0] = Some(Reading::Code(3));
         if command == Command::Acknowledge {
-            (0..2).for_each(|_| _ = tick(&mut station, &mut head));
+            (0..2).for_each(|_| _ = tick(&mut instrument, &mut head));
         }
-        station.handle(plan(None)).unwrap();
+        instrument.handle(plan(None)).unwrap();
         for n in 0..3 * 66 {
             if n == 100 {
-                station.handle(command).unwrap();
+                instrument.handle(command).unwrap();
                 // Acknowledged, a short would trip again as soon as the test is over.
                 head.instead[0] = None;
             }
-            tick(&mut station, &mut head);
+            tick(&mut instrument, &mut head);
         }
-        assert_eq!(station.take_self_test().is_some(), is_kept, "{command:?}");
+        assert_eq!(instrument.take_self_test().is_some(), is_kept, "{command:?}");
     }
 }

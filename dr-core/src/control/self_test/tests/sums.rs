@@ -33,7 +33,8 @@ fn noise_is_of_second_differences_over_their_own_number() {
     assert_eq!(quiet((0..64).map(|n| 300.0 - 0.25 * n as f32)).noise(), Some(0.0));
 }
 
-/// A pulse of which the readings follow the model `m` by a ratio, beyond what was read before by a gap.
+/// A pulse of which the readings follow the model `m` by a ratio, beyond what was read before by a
+/// gap.
 fn pulse(before_c: f32, gap_k: f32, ratio: f32, models: &[f32]) -> Pulse {
     let mut pulse = Pulse::starting(before_c);
     models.iter().for_each(|m| pulse.take(before_c + gap_k + ratio * m, *m));
@@ -61,7 +62,8 @@ fn a_response_that_is_none_of_the_models_is_fitted_by_least_squares() {
         pulse.take(temperature_c, model_k);
     }
     assert_eq!(pulse.against_model(), Some((1.5, 0.5)));
-    // The same with a model that had come by 4 K before the first reading: 4 · 3/2 less at its start.
+    // The same with a model that had come by 4 K before the first reading: 4 · 3/2 less at its
+    // start.
     let mut later = Pulse::starting(10.0);
     for (temperature_c, model_k) in [(10.0, 4.0), (13.0, 5.0), (13.0, 6.0)] {
         later.take(temperature_c, model_k);

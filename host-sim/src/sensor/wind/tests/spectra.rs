@@ -58,7 +58,8 @@ fn components(spectrum: Spectrum, speed_m_s: f64, period_s: f64, count: usize) -
     let turbulence = Some(Turbulence { intensity: 1.0 / speed_m_s, spectrum });
     let entry = WindEntry { azimuth_deg, elevation_deg, turbulence, ..entry(0.0, "", speed_m_s) };
     let mut wind = wind(&[entry], period_s);
-    // Across and horizontal, then what is square to both and looks up: written out, not taken from the code.
+    // Across and horizontal, then what is square to both and looks up: written out, not taken from
+    // the code.
     let ((sa, ca), (se, ce)) = (30.0_f64.to_radians().sin_cos(), 20.0_f64.to_radians().sin_cos());
     let axes = [[ce * ca, ce * sa, se], [-sa, ca, 0.0], [-se * ca, -se * sa, ce]];
     let mut all = [const { Vec::new() }; 3];
@@ -72,7 +73,8 @@ fn components(spectrum: Spectrum, speed_m_s: f64, period_s: f64, count: usize) -
     all
 }
 
-/// Windowed Fourier coefficients of every segment at a bin, so that their mean square is the one-sided spectrum.
+/// Windowed Fourier coefficients of every segment at a bin, so that their mean square is the
+/// one-sided spectrum.
 fn coefficients(samples: &[f64], bin: usize, period_s: f64) -> Vec<[f64; 2]> {
     let turn = TAU / SEGMENT as f64;
     let hann = |n: usize| 0.5 * (1.0 - (turn * n as f64).cos());
@@ -101,7 +103,8 @@ fn bands() -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Every octave of every component within four and a half standard errors of its formula, and no two components alike.
+/// Every octave of every component within four and a half standard errors of its formula, and no
+/// two components alike.
 fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64, count: usize) {
     let series = components(kind, speed_m_s, period_s, count);
     let duration_s = count as f64 * period_s;
@@ -145,7 +148,8 @@ fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64,
         if period_s == 0.01 && matches!(kind, Spectrum::VonKarman { .. }) {
             let (first, last) = (slope[0], slope[slope.len() - 1]);
             let slope = (last.1 - first.1) / (last.0 - first.0);
-            // The error of two octaves. Kaimal's comes to its slope later, and is held by its formula alone.
+            // The error of two octaves. Kaimal's comes to its slope later, and is held by its
+            // formula alone.
             assert!((slope + 5.0 / 3.0).abs() < 0.12, "{k}: slope {slope}");
         }
     }
@@ -193,7 +197,7 @@ fn turbulence_of_a_spectrum_is_stationary_from_its_first_tick() {
     let mut sums = [[0.0; 3]; 2];
     for seed in 0..count {
         let entries = [entry(0.0, "before", 4.0), gusty.clone()];
-        let mut wind = Wind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
+        let mut wind = SimulatedWind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
         let blown: Vec<_> = (0..100).map(|_| wind.advance()).collect();
         assert_eq!(blown[49], [4.0, 0.0, 0.0]);
         for (sums, tick) in sums.iter_mut().zip([50, 99]) {
@@ -221,7 +225,7 @@ fn a_seed_gives_the_same_bits_and_still_air_no_turbulence() {
         let turbulence = Some(Turbulence { intensity: 0.3, spectrum });
         let run = |seed, speed_m_s| {
             let gusty = WindEntry { turbulence, ..entry(0.0, "gusty", speed_m_s) };
-            let mut wind = Wind::new(&[gusty], 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
+            let mut wind = SimulatedWind::new(&[gusty], 0.01, ChaCha8Rng::seed_from_u64(seed)).unwrap();
             (0..1000).map(|_| wind.advance().map(f64::to_bits)).collect::<Vec<_>>()
         };
         assert_eq!(run(1, 4.0), run(1, 4.0));

@@ -1,0 +1,98 @@
+//! `anemo analyse`: what a closed loop will do, from a model.
+
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use diffusive::model::Model;
+use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
+use plot::{Canvas, closed_loop};
+
+/// Analyse a closed loop from a model: whether it can hold a set-point, and how fast its power
+/// responds.
+///
+/// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
+/// zeros of the model. The analysis therefore needs no closed loop. One class of one pair is
+/// analysed, and every change of the wind from it to another.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Levels and set-point may be left out. The levels are then the least and the greatest input of the
+record from which the model was identified, and the set-point lies half-way between the temperatures
+that they can hold.
+
+The weight of a zero is its share of the power above the steady value, in units of the steady value,
+right after the temperature was lifted to the set-point at once. The weights of a change of the wind
+depend on the change; `changes` of --json has them.
+
+Settling after a change of the wind lasts until the power stays within 2 % of the whole change;
+where a level limited the power, the temperature has to be back at its set-point, too. Settling
+after a step of the set-point begins at rest: first at the high level, then between the levels.
+
+Examples:
+  anemo analyse model.json
+  anemo analyse model.json --class still --target 30 --low 0.0015 --high 0.042 --sample-period 0.01
+  anemo analyse model.json --pair sector1:sector1 --json --plot loop.svg")]
+pub struct Arguments {
+    /// The model: a JSON file of `anemo identify`.
+    model: PathBuf,
+    /// The pair of input and output, as `sector1:sector1`, where the model has several.
+    #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
+    pair: Option<String>,
+    /// The element whose self-heating pair is used: short for `--pair NAME:NAME`.
+    #[arg(long, value_name = "NAME")]
+    element: Option<String>,
+    /// The event class to analyse: the reference, or the first, if not given.
+    #[arg(long, value_name = "LABEL")]
+    class: Option<String>,
+    /// The set-point, in K above the temperature without heating.
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    target: Option<f64>,
+    /// Power of the low level, W.
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    low: Option<f64>,
+    /// Power of the high level, W.
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    high: Option<f64>,
+    /// Sample period of the loop, s: that of the model if not given.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sample_period: Option<f64>,
+    /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
+    #[arg(long, value_name = "°C", allow_negative_numbers = true)]
+    gas_temperature: Option<f64>,
+    /// Draw poles, zeros and the response of the power to a step into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
+    crate::output::finite(&[
+        ("--target", arguments.target),
+        ("--low", arguments.low),
+        ("--high", arguments.high),
+        ("--sample-period", arguments.sample_period),
+        ("--gas-temperature", arguments.gas_temperature),
+    ])?;
+    let own = arguments.element.as_ref().map(|element| format!("{element}:{element}"));
+    let request = AnalysisRequest {
+        pair: arguments.pair.clone().or(own),
+        class: arguments.class.clone(),
+        target_k: arguments.target,
+        power_low_w: arguments.low,
+        power_high_w: arguments.high,
+        sample_period_s: arguments.sample_period,
+        gas_c: arguments.gas_temperature,
+    };
+    let report = AnalysisReport::new(&model, &request).map_err(|error| Failure::in_file(&arguments.model, error))?;
+    if let Some(path) = &arguments.plot {
+        let canvas = Canvas::create(path).map_err(Failure::usage)?;
+        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes, &report.verdict);
+        canvas.draw(&figure).map_err(Failure::work)?;
+    }
+    if arguments.json {
+        return crate::output::print_json(&report);
+    }
+    crate::output::print(&report.to_string())
+}

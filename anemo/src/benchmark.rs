@@ -1,0 +1,74 @@
+//! `anemo benchmark`: the numbers that the instrument has to reach, measured on the simulated
+//! sensors.
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use studies::benchmark::wind::{self, BenchmarkReport, page};
+use studies::thesis::StudyError;
+
+/// Measure the numbers that the whole instrument has to reach, on the simulated sensors.
+///
+/// The benchmark of the wind identifies and calibrates both spheres, and judges their estimates in
+/// 500 winds that they have not seen, in steps, turbulence and an oscillating gas temperature:
+/// speed and direction, response, drift, coherence. It takes some minutes, and two cores.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo benchmark wind
+  anemo benchmark wind -o out --heads out/heads --json")]
+pub struct Arguments {
+    /// What is measured.
+    #[arg(value_name = "wind")]
+    name: BenchmarkName,
+    /// The folder for the page, which is written anew.
+    #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
+    output: PathBuf,
+    /// The folder with the experiments of the spheres.
+    #[arg(long, value_name = "FOLDER", default_value = "experiments/wind")]
+    experiments: PathBuf,
+    /// Also write the calibrated heads into this folder.
+    #[arg(long, value_name = "FOLDER")]
+    heads: Option<PathBuf>,
+    /// Print one JSON object instead of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum BenchmarkName {
+    Wind,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let BenchmarkName::Wind = arguments.name;
+    if !arguments.experiments.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: no folder of experiments; run it from the project's own, or say where with --experiments",
+            arguments.experiments.display()
+        )));
+    }
+    for folder in [Some(&arguments.output), arguments.heads.as_ref()].into_iter().flatten() {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
+    }
+    let terminal = std::io::stderr().is_terminal();
+    let progress = |what: &str| {
+        if terminal {
+            eprintln!("  {what}");
+        }
+    };
+    let all = wind::both(&arguments.experiments, &progress).map_err(|error| match error {
+        StudyError::File(error) => error.into(),
+        StudyError::Run(error) => error.into(),
+        other => Failure::work(other),
+    })?;
+    crate::output::write_text(&arguments.output.join("wind.md"), &page::page(&all).map_err(Failure::work)?)?;
+    if let Some(folder) = &arguments.heads {
+        for of in &all {
+            crate::output::write_text(&folder.join(format!("{}-calibrated.toml", of.sphere.folder)), &of.text)?;
+        }
+    }
+    crate::output::print_report(&BenchmarkReport(&all), arguments.json)
+}

@@ -1,0 +1,182 @@
+//! Which instrument a command is about, and how it is reached.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::output::Failure;
+use host_sim::instrument::emulated::{self, Emulated};
+use host_sim::instrument::in_process::InProcess;
+use host_sim::instrument::serial::Serial;
+use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
+use host_sim::sensor::Sensor;
+
+/// Where the firmware of the emulated board stands in the build folder.
+const FIRMWARE: &str = "thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf";
+
+/// Where the help has what nobody else needs.
+pub(super) const EMULATED: &str = "Emulated board";
+
+/// The instrument that a command works with.
+#[derive(clap::Args)]
+pub(super) struct InstrumentArguments {
+    /// The instrument: simulated in this process, an emulated board or a sensor board.
+    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
+    pub(super) on: On,
+    #[command(flatten)]
+    pub(super) emulation: Emulation,
+    /// The file that is the flash of the emulated board, as `anemo settings` uses it; without it
+    /// the board keeps nothing.
+    #[arg(long, value_name = "FILE", help_heading = EMULATED)]
+    flash: Option<PathBuf>,
+    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
+    #[arg(long)]
+    acknowledge: bool,
+}
+
+impl InstrumentArguments {
+    /// The file that is its flash, if it has one; refused where that could not be.
+    pub(super) fn flash(&self) -> Result<Option<&Path>, Failure> {
+        if self.flash.is_some() && self.on != On::Qemu {
+            return Err(Failure::usage(
+                "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
+            ));
+        }
+        Ok(self.flash.as_deref())
+    }
+
+    /// Opens it; what is simulated gets this sensor.
+    pub(super) fn open(
+        &self,
+        sensor: impl FnOnce() -> Result<Sensor, Failure>,
+    ) -> Result<Box<dyn InstrumentPort>, Failure> {
+        let flash = self.flash()?;
+        let mut instrument: Box<dyn InstrumentPort> = match &self.on {
+            On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
+            On::Qemu => {
+                let sensor = sensor()?;
+                Box::new(LockStep::new(self.emulation.start(flash)?, sensor))
+            }
+            On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
+        };
+        if self.acknowledge {
+            setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
+        }
+        Ok(instrument)
+    }
+}
+
+/// How a board is emulated.
+#[derive(clap::Args)]
+pub(super) struct Emulation {
+    /// The firmware that the emulated board runs; without it, the one that stands in the build
+    /// folder of this command.
+    #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
+    firmware: Option<PathBuf>,
+    /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
+    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true, help_heading = EMULATED)]
+    link: LinkName,
+}
+
+impl Emulation {
+    fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
+        Emulated::start_with(&self.firmware(), self.link.path(), flash).map_err(Failure::work)
+    }
+
+    /// The firmware that was asked for, or the one that `cargo xtask` has built beside this
+    /// command, wherever that is.
+    fn firmware(&self) -> PathBuf {
+        let beside = || Some(std::env::current_exe().ok()?.parent()?.parent()?.join(FIRMWARE));
+        let built = || beside().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from("target").join(FIRMWARE));
+        self.firmware.clone().unwrap_or_else(built)
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum On {
+    Sim,
+    Qemu,
+    Serial(String),
+}
+
+impl FromStr for On {
+    type Err = Failure;
+
+    fn from_str(text: &str) -> Result<Self, Failure> {
+        match text.split_once(':') {
+            None if text == "sim" => Ok(Self::Sim),
+            None if text == "qemu" => Ok(Self::Qemu),
+            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.to_owned())),
+            _ if text.starts_with("serial") => {
+                Err(Failure::usage("a serial port is named too, as in serial:/dev/ttyACM0"))
+            }
+            _ => Err(Failure::usage("it is sim, qemu or serial:DEVICE")),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum LinkName {
+    Fifo,
+    Usart,
+}
+
+impl LinkName {
+    const fn path(self) -> emulated::EmulatorLink {
+        match self {
+            Self::Fifo => emulated::EmulatorLink::Fifo,
+            Self::Usart => emulated::EmulatorLink::Usart,
+        }
+    }
+}
+
+/// A board that is open for what it keeps.
+pub(super) enum OpenBoard {
+    Emulated(Box<Emulated>),
+    Serial(Box<Serial>),
+}
+
+impl OpenBoard {
+    pub(super) fn open(on: &On, emulation: &Emulation, flash: &Path) -> Result<Self, Failure> {
+        Ok(match on {
+            On::Sim => {
+                return Err(Failure::usage(
+                    "--on sim: a controller in this process keeps nothing; name a board: qemu or serial:DEVICE",
+                ));
+            }
+            On::Qemu => Self::Emulated(Box::new(emulation.start(Some(flash))?)),
+            On::Serial(device) => Self::Serial(Box::new(Serial::open(device).map_err(Failure::work)?)),
+        })
+    }
+
+    pub(super) fn port(&mut self) -> &mut dyn SettingsPort {
+        match self {
+            Self::Emulated(board) => board.as_mut(),
+            Self::Serial(board) => board.as_mut(),
+        }
+    }
+
+    pub(super) fn close(self) -> Result<(), Failure> {
+        match self {
+            Self::Emulated(board) => board.finish().map(|_: LinkReport| ()).map_err(Failure::work),
+            // It goes on with whatever it does.
+            Self::Serial(_) => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instruments_are_named_as_in_the_help() {
+        assert_eq!("sim".parse(), Ok(On::Sim));
+        assert_eq!("qemu".parse(), Ok(On::Qemu));
+        assert_eq!("serial:/dev/ttyACM0".parse(), Ok(On::Serial("/dev/ttyACM0".to_owned())));
+        assert_eq!(
+            "serial:".parse::<On>().unwrap_err().sentence,
+            "a serial port is named too, as in serial:/dev/ttyACM0"
+        );
+        assert_eq!("simulation".parse::<On>().unwrap_err().sentence, "it is sim, qemu or serial:DEVICE");
+    }
+}

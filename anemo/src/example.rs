@@ -1,0 +1,205 @@
+//! `anemo example`: identification on systems whose answer is known.
+
+use std::path::{Path, PathBuf};
+
+use crate::identify::progress_bar;
+use crate::output::Failure;
+use diffusive::identify::cole_cole::{self, ColeColeCase, ColeColeComparison, ColeColeInput, ColeColeReport};
+use diffusive::identify::record::RecordTable;
+use diffusive::identify::{Constraints, InitialState};
+use diffusive::identify::{IdentifyOptions, identify};
+use diffusive::model::Model;
+use plot::{Canvas, Chart, Figure};
+
+/// Identify a system that is known exactly, and report the errors.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    example: ExampleSystem,
+}
+
+#[derive(clap::Subcommand)]
+enum ExampleSystem {
+    ColeCole(ColeCole),
+}
+
+/// Cole and Cole's relaxation, H = 1/(1 + √p): 1000 s at 2 kHz with an exact output, with or
+/// without noise.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo example cole-cole
+  anemo example cole-cole --noise 0.1 --plot cole-cole.svg
+  anemo example cole-cole --input step -o step.parquet --plot figures")]
+struct ColeCole {
+    /// Its input: a step, or pseudo-random bits of 1 s.
+    #[arg(long, value_enum, default_value = "prbs")]
+    input: InputName,
+    /// Standard deviation of white noise on the output; the output itself swings by 1.
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
+    noise: f64,
+    /// Seed of the noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write the record (time_s, u, y) to this file; its name ends in .parquet or .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw time-constant spectrum (diffusive symbol), output and errors into this file, or, if the
+    /// name does not end in .svg, two pictures into this folder.
+    #[arg(long, value_name = "SVG|FOLDER")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum InputName {
+    Step,
+    Prbs,
+}
+
+fn noise(text: &str) -> Result<f64, Failure> {
+    let sigma = text.parse().ok().filter(|sigma: &f64| sigma.is_finite() && *sigma >= 0.0);
+    sigma.ok_or_else(|| Failure::usage("a standard deviation is a number of at least 0"))
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.example {
+        ExampleSystem::ColeCole(arguments) => arguments.execute(),
+    }
+}
+
+impl ColeCole {
+    fn execute(&self) -> Result<(), Failure> {
+        // What could only fail once the work is done is looked at first.
+        if let Some(path) = &self.output {
+            recording::check_name(path).map_err(Failure::usage)?;
+        }
+        let canvases = self.canvases()?;
+        let input = match self.input {
+            InputName::Step => ColeColeInput::Step,
+            InputName::Prbs => ColeColeInput::Prbs,
+        };
+        let case = cole_cole::case(input, self.noise, self.seed, None);
+        if let Some(path) = &self.output {
+            self.write(&case, path)?;
+        }
+        let model = identified(&case, input)?;
+        let comparison = cole_cole::compare(&model, &case).map_err(Failure::work)?;
+        self.draw(canvases, &model, &case, input, &comparison)?;
+        let report = ColeColeReport {
+            input,
+            noise: self.noise,
+            seed: self.seed,
+            rows: case.input.len(),
+            sample_period_s: case.sample_period_s,
+            comparison,
+            model,
+        };
+        crate::output::print_report(&report, self.json)?;
+        if self.json { Ok(()) } else { crate::output::print(&self.written()) }
+    }
+
+    fn input_name(&self) -> &'static str {
+        match self.input {
+            InputName::Step => "step",
+            InputName::Prbs => "prbs",
+        }
+    }
+
+    fn write(&self, case: &ColeColeCase, path: &Path) -> Result<(), Failure> {
+        let metadata = [
+            ("title", "Cole-Cole relaxation, H = 1/(1 + sqrt p)".to_owned()),
+            ("input", self.input_name().to_owned()),
+            ("noise", self.noise.to_string()),
+            ("seed", self.seed.to_string()),
+        ];
+        let metadata = metadata.map(|(key, value)| (key.to_owned(), value)).to_vec();
+        let columns = [("u", case.input.as_slice()), ("y", case.output.as_slice())];
+        recording::write_columns(path, case.sample_period_s, &columns, &metadata).map_err(Failure::work)
+    }
+
+    /// The pictures that are going to be drawn: one of everything, or one of the symbol and one of
+    /// the output.
+    fn canvases(&self) -> Result<Vec<Canvas>, Failure> {
+        let Some(path) = &self.plot else { return Ok(Vec::new()) };
+        let is_picture = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+        if is_picture {
+            return Ok(vec![Canvas::create(path).map_err(Failure::usage)?]);
+        }
+        let failed = |error| Failure::in_file(path, format!("cannot be made: {error}"));
+        std::fs::create_dir_all(path).map_err(failed)?;
+        let canvas = |name: &str| Canvas::create(&path.join(name)).map_err(Failure::usage);
+        Ok(vec![canvas("symbol.svg")?, canvas("output.svg")?])
+    }
+
+    fn draw(
+        &self,
+        canvases: Vec<Canvas>,
+        model: &Model,
+        case: &ColeColeCase,
+        input: ColeColeInput,
+        comparison: &ColeColeComparison,
+    ) -> Result<(), Failure> {
+        if canvases.is_empty() {
+            return Ok(());
+        }
+        let mut pages =
+            vec![plot::cole_cole::spectrum_charts(comparison), plot::cole_cole::output_charts(model, case, input)];
+        if canvases.len() == 1 {
+            pages = vec![pages.concat()];
+        }
+        for (canvas, charts) in canvases.into_iter().zip(pages) {
+            canvas.draw(&self.figure(charts, model, input)).map_err(Failure::work)?;
+        }
+        Ok(())
+    }
+
+    fn figure(&self, charts: Vec<Chart>, model: &Model, input: ColeColeInput) -> Figure {
+        let noise = if self.noise > 0.0 { format!("noise of {}", self.noise) } else { "no noise".to_owned() };
+        let words = format!("{}, {noise}, {} rates", input.words(), rates(model));
+        let figure = Figure::new("Cole–Cole relaxation").subtitle(words);
+        charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
+    }
+
+    /// Which files were written.
+    fn written(&self) -> String {
+        let said = |what: &str, path: &Option<PathBuf>| {
+            path.as_ref().map_or(String::new(), |path| format!("\n{what} {}\n", path.display()))
+        };
+        said("record written to", &self.output) + &said("drawn into", &self.plot)
+    }
+}
+
+fn identified(case: &ColeColeCase, input: ColeColeInput) -> Result<Model, Failure> {
+    // A step's record does not show that its input was 0 before: that it begins at rest has to be
+    // said.
+    let initial_state = (input == ColeColeInput::Step).then_some(InitialState::Rest);
+    let options = IdentifyOptions {
+        constraints: Constraints { initial_state, ..Constraints::default() },
+        ..IdentifyOptions::default()
+    };
+    let columns = |name: &str, values: &[f64]| vec![(name.to_owned(), values.to_vec())];
+    let table = RecordTable::new(case.sample_period_s, columns("u", &case.input), columns("y", &case.output));
+    let mut table = table.map_err(Failure::work)?.named(Path::new("cole-cole"));
+    Ok(identify(&mut table, &options, &mut progress_bar(), &mut |_| {})?)
+}
+
+fn rates(model: &Model) -> usize {
+    model.pairs.first().map_or(0, |pair| pair.mesh_rad_s.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::noise;
+
+    #[test]
+    fn noise_is_a_standard_deviation() {
+        assert_eq!(noise("0.1"), Ok(0.1));
+        assert_eq!(noise("0"), Ok(0.0));
+        for text in ["-1", "nan", "inf", "much"] {
+            assert!(noise(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Collects measured and predicted values of every row for a picture, for `identify` and
+//! `validate`.
+
+use std::path::Path;
+
+use crate::output::Failure;
+use diffusive::identify::FitRow;
+use diffusive::identify::record::Survey;
+use diffusive::model::{Model, Whiteness};
+use plot::Canvas;
+use plot::model::{FitBuilder, FitSeries, figure};
+
+/// One series an output, and the file that they will be drawn into.
+pub struct FitRecorder {
+    canvas: Option<Canvas>,
+    series: Vec<FitBuilder>,
+    first_time_s: f64,
+    sample_period_s: f64,
+}
+
+impl FitRecorder {
+    /// The file is tried at once: a wrong name should be reported before long work, not after it.
+    pub fn new(path: Option<&Path>, survey: &Survey) -> Result<Self, Failure> {
+        let unit = |name: &String| if name.starts_with("temperature_c") { "°C" } else { "" };
+        Ok(Self {
+            canvas: path.map(Canvas::create).transpose().map_err(Failure::usage)?,
+            series: survey.outputs.iter().map(|name| FitSeries::builder(name.clone(), unit(name))).collect(),
+            first_time_s: survey.first_time_s,
+            sample_period_s: survey.sample_period_s,
+        })
+    }
+
+    pub fn see(&mut self, seen: &FitRow<'_>) {
+        if self.canvas.is_none() {
+            return;
+        }
+        let time_s = self.first_time_s + seen.row as f64 * self.sample_period_s;
+        for (output, series) in self.series.iter_mut().enumerate() {
+            // Outputs on other meshes have a reading of their own.
+            if seen.predicted[output].is_finite() {
+                series.push(time_s, seen.measured[output], seen.predicted[output], seen.class);
+            }
+        }
+    }
+
+    /// Draws the model's page with them, if a file was named.
+    pub fn draw(self, model: &Model, whiteness: &[Option<Whiteness>]) -> Result<(), Failure> {
+        let Some(canvas) = self.canvas else { return Ok(()) };
+        let fits: Vec<FitSeries> =
+            self.series.into_iter().zip(whiteness).map(|(series, white)| series.finish(white.clone())).collect();
+        canvas.draw(&figure(model, &fits)).map_err(Failure::work)
+    }
+}

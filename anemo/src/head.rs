@@ -1,0 +1,112 @@
+//! `anemo head`: what is identified of a head itself.
+
+use std::path::PathBuf;
+
+use crate::identify::progress_bar;
+use crate::output::Failure;
+use anemometry::head::Head;
+use anemometry::network::error::NetworkIdentifyError;
+use anemometry::network::from_model::checked;
+use anemometry::network::identify::{PolesPerPair, identify};
+use anemometry::network::record::QuiescentRecord;
+use anemometry::network::{NetworkReport, reading_noise};
+use recording::toml_file::TomlSource;
+
+/// Identify a head: the thermal network of its elements in quiescent gas.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: HeadCommand,
+}
+
+#[derive(clap::Subcommand)]
+enum HeadCommand {
+    Identify(IdentifyArguments),
+}
+
+/// Identify how all elements of a head heat themselves and each other in quiescent gas.
+///
+/// The convective loss by wind is read off against this quiescent-gas network. It takes one record
+/// an element: the element is driven pseudo-randomly, all others stay at their low level, and the
+/// gas is at rest. The driven element is found. Every pair gets as many free rates as its record
+/// can tell apart. The result is a model file like any other, whose offsets are the temperatures
+/// with no heating at all.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  for e in sector1 sector2 sector3 sector4 core1 core2
+  do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim \\
+      -o id-$e.parquet; done
+  anemo head identify id-*.parquet -o network.json
+  anemo head identify records/*.parquet --head my-sphere.toml \\
+      -o network.json --json
+  anemo head identify records/*.csv --cross-poles 3 -o network.json
+  anemo head identify die*.parquet -o card1.json \\
+      --elements card1-die1,card1-die2,card1-die3,card1-die4")]
+pub struct IdentifyArguments {
+    /// The records: one .parquet or .csv file an element.
+    #[arg(required = true, value_name = "RECORD")]
+    records: Vec<PathBuf>,
+    /// The network, a .json file; without it, it is only summarised.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The head, which has the number of layers between elements and surface; by default the one
+    /// that the records carry.
+    #[arg(long, value_name = "FILE")]
+    head: Option<PathBuf>,
+    /// Elements of the network with commas between them, by default all of the head; the others,
+    /// which only measure, count as part of the structure.
+    #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
+    elements: Vec<String>,
+    /// Most free rates of the self-heating of an element.
+    #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=8))]
+    own_poles: u8,
+    /// Most free rates of the cross-heating of one element by another.
+    #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=4))]
+    cross_poles: u8,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let HeadCommand::Identify(arguments) = &arguments.command;
+    identify_network(arguments)
+}
+
+pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
+    let read: Vec<_> = arguments.records.iter().map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref()])?;
+    if let Some(path) = &arguments.output {
+        crate::output::writable(path, "a network", "json")?;
+    }
+    let poles = PolesPerPair { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
+    let open = |n: usize| {
+        let record = QuiescentRecord::read(&arguments.records[n])?;
+        if arguments.elements.is_empty() {
+            Ok::<_, NetworkIdentifyError>(record)
+        } else {
+            record.only(&arguments.elements)
+        }
+    };
+    let head = head(arguments)?;
+    let mut model = identify(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;
+    let network = checked(&mut model, head.as_ref());
+    if let Some(path) = &arguments.output {
+        model.write(path).map_err(Failure::work)?;
+    }
+    let noise = head.map(|head| reading_noise(&model, &head)).unwrap_or_default();
+    let mut report = NetworkReport::new(&model, network.as_ref(), &noise);
+    report.written.clone_from(&arguments.output);
+    crate::output::print_report(&report, arguments.json)
+}
+
+/// The named file, or the head that the first record carries.
+fn head(arguments: &IdentifyArguments) -> Result<Option<Head>, Failure> {
+    if let Some(path) = &arguments.head {
+        return Ok(Some(Head::read(path)?));
+    }
+    let first = QuiescentRecord::read(&arguments.records[0]).map_err(Failure::usage)?;
+    let Some(text) = first.head else { return Ok(None) };
+    Ok(Some(Head::from_source(TomlSource { path: format!("head in {}", first.name).into(), text })?))
+}

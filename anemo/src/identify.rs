@@ -1,0 +1,290 @@
+//! `anemo identify`: from a record to a diffusive model.
+
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::fit_recorder::FitRecorder;
+use crate::output::Failure;
+use diffusive::identify::Signs;
+use diffusive::identify::record::{RecordSource, RecordStream, Selection};
+use diffusive::identify::report::IdentifyReport;
+use diffusive::identify::{Constraints, InitialState};
+use diffusive::identify::{GasGiven, IdentifyError, IdentifyOptions, identify};
+use diffusive::model::Structure;
+
+/// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
+/// (diffusive mesh), with standard errors.
+///
+/// Any uniformly sampled table can be identified: a recording of `anemo run`, or a CSV or Parquet
+/// file of yours with a time column first. Options that are not given are chosen by block
+/// cross-validation inside the record, and the reasons are printed.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo identify prbs.parquet -o model.json
+  anemo identify heater.csv --input power --output temperature -o model.json
+  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify heater.csv -o small.json --free-poles 3
+  anemo identify heads.csv --input power_w_0 power_w_1 \\
+      --output temperature_c_0 temperature_c_1 --tie -o model.json
+  anemo identify winds.csv --event wind -o model.json --plot model.svg
+  anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
+
+A row holds the outputs at its time, and the inputs that are held until the next row's.")]
+pub struct Arguments {
+    /// The record: a .parquet or .csv file.
+    record: PathBuf,
+    /// The model, a .json file; without it, the model is only summarised.
+    #[arg(short, long, value_name = "FILE")]
+    output_file: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+    /// `symbol`: a time-constant spectrum (diffusive symbol) for every event class; `conductance`:
+    /// one spectrum, and the wind as a conductance a class.
+    #[arg(long, value_enum)]
+    structure: Option<StructureName>,
+    /// Temperature of the gas, for --structure conductance: a number in °C, or a column; estimated
+    /// if it is not given.
+    #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
+    gas_temperature: Option<String>,
+    /// The class whose conductance the others are counted from; by default the least.
+    #[arg(long, value_name = "LABEL")]
+    reference: Option<String>,
+    /// Number of rates.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
+    order: Option<usize>,
+    /// Edges of the logarithmic grid of rates (diffusive mesh), rad/s.
+    #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
+    mesh: Option<(f64, f64)>,
+    /// Number of rates of cross-heating pairs. The first input and the first output are of one
+    /// element (self-heating), and so on.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
+    cross_order: Option<usize>,
+    /// Edges of the grid of cross-heating pairs, rad/s.
+    #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
+    cross_mesh: Option<(f64, f64)>,
+    /// Ridge on columns of unit norm; 0 for plain least squares.
+    #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
+    ridge: Option<f64>,
+    /// Which resistances may not be negative: `auto` (none, of structure `conductance`), `all`,
+    /// `none`, or pairs as INPUT:OUTPUT,….
+    #[arg(long, value_name = "PAIRS", default_value = "auto")]
+    non_negative: String,
+    /// Initial state of the record.
+    #[arg(long, value_enum)]
+    initial_state: Option<InitialStateName>,
+    /// Whether the output may follow its input at once; searched for, unless both --order and
+    /// --mesh are given.
+    #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
+    feed_through: Option<bool>,
+    /// Samples by which the output is late; searched for, unless both --order and --mesh are given.
+    #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
+    dead_time: Option<usize>,
+    /// Draw time-constant spectrum (diffusive symbol), fit, residuals, frequency response and
+    /// structure function into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Number of free rates of an output, 1 to 8, for a small model. The fit starts from the
+    /// solution on the grid.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
+    free_poles: Option<usize>,
+    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i,
+    /// in the order of --input and --output.
+    #[arg(long)]
+    tie: bool,
+    /// Print the model as one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Which columns play which part: the same for every command that takes a record.
+#[derive(clap::Args)]
+pub struct Columns {
+    /// Input columns, or elements' names; by default those between the time and the last column
+    /// that change.
+    #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
+    pub input: Vec<String>,
+    /// Output columns, or elements' names; by default the last column.
+    #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
+    pub output: Vec<String>,
+    /// The column with the labels of the conditions (winds).
+    #[arg(long, value_name = "COLUMN")]
+    pub event: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum StructureName {
+    Symbol,
+    Conductance,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum InitialStateName {
+    /// All states zero.
+    Rest,
+    /// As if the first row's inputs had been held for ever.
+    Settled,
+    /// Anything.
+    Free,
+}
+
+fn edges(text: &str) -> Result<(f64, f64), Failure> {
+    let both = text.split_once(':').and_then(|(first, last)| first.parse().ok().zip(last.parse().ok()));
+    both.filter(|&(first, last): &(f64, f64)| first > 0.0 && last > first && last.is_finite()).ok_or_else(|| {
+        let what = "is no FIRST:LAST in rad/s, such as 0.006:600, ascending and above zero";
+        Failure::usage(format!("`{text}` {what}"))
+    })
+}
+
+fn at_least_one(text: &str) -> Result<usize, Failure> {
+    let count = text.parse().ok().filter(|&count: &usize| count > 0);
+    count.ok_or_else(|| Failure::usage(format!("`{text}` is no whole number of at least 1")))
+}
+
+fn samples(text: &str) -> Result<usize, Failure> {
+    text.parse().map_err(|_| Failure::usage(format!("`{text}` is no whole number of samples, 0 or more")))
+}
+
+fn yes_or_no(text: &str) -> Result<bool, Failure> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(Failure::usage("say `yes` or `no`")),
+    }
+}
+
+impl From<IdentifyError> for Failure {
+    fn from(error: IdentifyError) -> Self {
+        Self::work(error)
+    }
+}
+
+impl Arguments {
+    fn selection(&self) -> (Selection, GasGiven) {
+        let (gas, given) = match &self.gas_temperature {
+            None => (None, GasGiven::Unknown),
+            Some(text) => match text.parse::<f64>() {
+                Ok(celsius) if celsius.is_finite() => (None, GasGiven::ConstantC(celsius)),
+                _ => (Some(text.clone()), GasGiven::Column),
+            },
+        };
+        let Columns { input, output, event } = &self.columns;
+        (Selection { inputs: input.clone(), outputs: output.clone(), event: event.clone(), gas }, given)
+    }
+
+    fn options(&self, source: &dyn RecordSource, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
+        let is_conductance = matches!(self.structure, Some(StructureName::Conductance));
+        for (name, is_given) in
+            [("--gas-temperature", self.gas_temperature.is_some()), ("--reference", self.reference.is_some())]
+        {
+            if is_given && !is_conductance {
+                return Err(Failure::usage(format!(
+                    "{name} belongs to --structure conductance: add it, or leave {name} out"
+                )));
+            }
+        }
+        if let Some(poles @ 9..) = self.free_poles {
+            return Err(Failure::usage(format!(
+                "--free-poles must be 1 to 8, as many as the board carries, not {poles}"
+            )));
+        }
+        if self.ridge.is_some_and(|ridge| !(ridge.is_finite() && ridge >= 0.0)) {
+            return Err(Failure::usage("--ridge must be a number of at least 0"));
+        }
+        let constraints = Constraints {
+            order: self.order,
+            edges_rad_s: self.mesh,
+            ridge: self.ridge,
+            initial_state: self.initial_state.map(|name| match name {
+                InitialStateName::Rest => InitialState::Rest,
+                InitialStateName::Settled => InitialState::Settled,
+                InitialStateName::Free => InitialState::Free,
+            }),
+            feed_through: self.feed_through,
+            delay: self.dead_time,
+        };
+        let cross = (self.cross_order.is_some() || self.cross_mesh.is_some()).then(|| Constraints {
+            order: self.cross_order,
+            edges_rad_s: self.cross_mesh,
+            ..Constraints::default()
+        });
+        Ok(IdentifyOptions {
+            structure: self.structure.map(|name| match name {
+                StructureName::Symbol => Structure::Symbol,
+                StructureName::Conductance => Structure::Conductance,
+            }),
+            constraints,
+            signs: self.signs(source)?,
+            cross,
+            gas,
+            reference: self.reference.clone(),
+            free_poles: self.free_poles,
+            tie: self.tie,
+        })
+    }
+
+    fn signs(&self, source: &dyn RecordSource) -> Result<Signs, Failure> {
+        let survey = source.survey();
+        match self.non_negative.as_str() {
+            "auto" => Ok(Signs::Choose),
+            "all" => Ok(Signs::AllPositive),
+            "none" => Ok(Signs::Any),
+            list => {
+                let mut pairs = Vec::new();
+                for pair in list.split(',') {
+                    let found = survey.inputs.iter().enumerate().find_map(|(i, input)| {
+                        Some((i, survey.outputs.iter().position(|output| recording::is_pair(pair, input, output))?))
+                    });
+                    let Some(found) = found else {
+                        return Err(Failure::usage(format!(
+                            "--non-negative: `{pair}` is no pair of an input ({}) and an output ({})",
+                            survey.inputs.join(", "),
+                            survey.outputs.join(", ")
+                        )));
+                    };
+                    pairs.push(found);
+                }
+                Ok(Signs::Positive(pairs))
+            }
+        }
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
+    let bar = ProgressBar::new(1);
+    // Choosing cannot tell how far it is, and may take minutes with many event classes: the clock
+    // shows that it goes on.
+    bar.enable_steady_tick(std::time::Duration::from_millis(500));
+    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} % {elapsed}") {
+        bar.set_style(style);
+    }
+    move |what, done, all| {
+        bar.set_message(what);
+        bar.set_length(all.max(1));
+        bar.set_position(done);
+        if done >= all {
+            bar.set_position(0);
+        }
+    }
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.plot.as_deref()])?;
+    let (selection, gas) = arguments.selection();
+    let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
+    let options = arguments.options(&stream, gas)?;
+    let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
+    let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
+    if let Some(path) = &arguments.output_file {
+        model.write(path).map_err(Failure::work)?;
+    }
+    let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
+    fits.draw(&model, &whiteness)?;
+    let notes = &stream.survey().notes;
+    crate::output::print_report(
+        &IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() },
+        arguments.json,
+    )
+}

@@ -1,0 +1,45 @@
+//! `anemo merge`: models that were identified one source at a time, as one.
+
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use diffusive::model::Model;
+use diffusive::model::merge::{MergeReport, merge};
+
+/// Join models of different pairs of input and output into one that adds up their responses.
+///
+/// For heads that were driven one after the other: identify each from its own record, with all
+/// outputs, and merge. Offsets and residuals of an output that several models have are the first's;
+/// `anemo validate` estimates offsets anew.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo identify head0.csv --input power_w_0 --output temperature_c_0 temperature_c_1 -o 0.json
+  anemo identify head1.csv --input power_w_1 --output temperature_c_0 temperature_c_1 -o 1.json
+  anemo merge 0.json 1.json -o both.json
+  anemo validate both.json together.csv")]
+pub struct Arguments {
+    /// The models: two or more .json files of `anemo identify`.
+    #[arg(required = true, num_args = 2.., value_name = "MODEL")]
+    models: Vec<PathBuf>,
+    /// The merged model, a .json file.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Print the model as one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let mut models = Vec::with_capacity(arguments.models.len());
+    for path in &arguments.models {
+        models.push((path.display().to_string(), Model::read(path).map_err(Failure::usage)?));
+    }
+    let merged = merge(&models).map_err(Failure::usage)?;
+    merged.write(&arguments.output).map_err(Failure::work)?;
+    let report = MergeReport { model: &merged };
+    if arguments.json {
+        return crate::output::print_json(&report);
+    }
+    crate::output::print(&format!("{report}\nmodel written to {}\n", arguments.output.display()))
+}

@@ -1,0 +1,178 @@
+//! `anemo predict`: the power that a loop will take over an experiment, and against what it took.
+
+use std::path::{Path, PathBuf};
+
+use crate::output::Failure;
+use crate::predict_against::{ComparedRecording, of_milliwatts};
+use diffusive::model::Model;
+use diffusive::predict::closed::{LoopStart, Prediction, predict};
+use diffusive::predict::compare::{decimate, fits};
+use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
+use host_sim::experiment::Experiment;
+use plot::{Canvas, closed_loop};
+use recording::text::four_digits as brief;
+
+/// Window of the comparison in s, if none is given.
+const WINDOW_S: f64 = 1.0;
+/// And in ticks, at least.
+const LEAST_TICKS: usize = 20;
+/// Where the search for the decimator's longest window begins, in ticks.
+const MOST_TICKS: usize = 1 << 12;
+
+/// Predict the power that an experiment's loops will take, from a model that was identified open
+/// loop.
+///
+/// Two predictions are made: the limit of infinitely fast sampling, in which the power of a
+/// regulated element is the equivalent control, and the same model under the one-bit rule at the
+/// experiment's sample period. The second or, with --against, a recording is compared with the
+/// first. Both are decimated alike; changes of the wind and approaches to the set-point are left
+/// out.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Labels of the experiment's winds must be classes of the model. Elements that the model does not know
+are left out. Only elements that are regulated are predicted and compared.
+
+Examples:
+  anemo predict model.json experiment.toml
+  anemo predict model.json experiment.toml --against recording.parquet --plot compared.svg
+  anemo predict model.json experiment.toml --from rest -o power.csv")]
+pub struct Arguments {
+    /// The model: a JSON file of `anemo identify`.
+    model: PathBuf,
+    /// The experiment: a TOML file.
+    experiment: PathBuf,
+    /// A recording of this experiment to compare with.
+    #[arg(long, value_name = "RECORDING")]
+    against: Option<PathBuf>,
+    /// Initial state of the structure.
+    #[arg(long, value_enum, value_name = "STATE", default_value = "standby")]
+    from: InitialStateOption,
+    /// Window of the decimator, s: 1 s, or 20 sample periods if those are longer.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    window: Option<f64>,
+    /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick into this .csv or .parquet
+    /// file.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw the compared powers into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum InitialStateOption {
+    /// Every element has long been at its low level, as in standby.
+    Standby,
+    /// Nothing was ever heated.
+    Rest,
+    /// End of the record from which the model was identified.
+    End,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let read: Vec<&Path> =
+        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
+    let experiment = Experiment::read(&arguments.experiment)?;
+    let (scenario, mut notes) = host_sim::experiment::scenario(&experiment, &model)
+        .map_err(|error| Failure::in_file(&arguments.experiment, error))?;
+    notes.extend(model.support_warning(None));
+    let ratio = ratio(arguments.window, scenario.sample_period_s)?;
+    let canvas = arguments.plot.as_deref().map(Canvas::create).transpose().map_err(Failure::usage)?;
+    let start = match arguments.from {
+        InitialStateOption::Standby => LoopStart::Standby,
+        InitialStateOption::Rest => LoopStart::Rest,
+        InitialStateOption::End => LoopStart::End,
+    };
+    let prediction = predict(&model, &scenario, start).map_err(|error| Failure::in_file(&arguments.model, error))?;
+    let against = arguments.against.as_deref();
+    let taken = against.map(|path| ComparedRecording::read(path, &model, &experiment)).transpose()?;
+    let mut of_recording = taken.as_ref().map_or(Vec::new(), |taken| taken.notes.clone());
+    let (mut charts, mut elements, mut means_w) = (Vec::new(), Vec::new(), Vec::new());
+    for (at, of) in prediction.elements.iter().enumerate() {
+        let mut good = if of.regulated { of.held.clone() } else { vec![false; of.held.len()] };
+        if let (Some(taken), true) = (&taken, of.regulated) {
+            of_recording.extend(taken.of_another_set_point(of, &model));
+            let (arrived, remark) = taken.arrived(of, &model, scenario.sample_period_s);
+            good.iter_mut().zip(arrived).for_each(|(good, arrived)| *good &= arrived);
+            of_recording.extend(remark);
+        }
+        let other = taken.as_ref().map_or(&of.sampled_w, |taken| &taken.power_w[at]);
+        let decimated = decimate(&of.limit_w, other, &good, &prediction.class, ratio, scenario.sample_period_s)
+            .map_err(Failure::usage)?;
+        let compared = decimated.compare();
+        if compared.is_none() && of.regulated {
+            notes.push(format!(
+                "{}: no window of {} s lies on the surface and in one wind, so that nothing can be compared",
+                of.name,
+                brief(ratio as f64 * scenario.sample_period_s)
+            ));
+        }
+        means_w.push(compared.as_ref().map(|of| (of.mean_w, of.mean_w - of.bias_w)));
+        elements.push(PredictedElementReport::new(of, compared.as_ref(), scenario.sample_period_s));
+        charts.push((of.name.as_str(), decimated));
+    }
+    of_recording.extend(of_milliwatts(&prediction, &means_w));
+    if let Some(path) = against {
+        notes.extend(of_recording.iter().map(|note| format!("{}: {note}", path.display())));
+    }
+    if let Some(path) = &arguments.output {
+        write(path, &prediction)?;
+    }
+    if let Some(canvas) = canvas {
+        let charts = charts.iter().map(|(name, decimated)| (*name, decimated.rows.as_slice()));
+        let what = if taken.is_some() { "recorded" } else { "one-bit rule on the model" };
+        let figure = closed_loop::prediction_figure(&experiment.title, what, charts, &spans(&prediction, &model));
+        canvas.draw(&figure).map_err(Failure::work)?;
+    }
+    let against = against.map(|path| path.display().to_string());
+    let run = (prediction.class.len(), prediction.sample_period_s);
+    let report = PredictionReport::new(elements, run, ratio, against, notes);
+    crate::output::print_report(&report, arguments.json)
+}
+
+fn ratio(window_s: Option<f64>, period_s: f64) -> Result<usize, Failure> {
+    match window_s {
+        None => Ok(((WINDOW_S / period_s).round() as usize).max(LEAST_TICKS)),
+        Some(window_s) if window_s.is_finite() && window_s >= 2.0 * period_s => {
+            let ratio = (window_s / period_s).round() as usize;
+            let most = (1..=MOST_TICKS).rev().find(|most| fits(*most)).unwrap_or(1);
+            if ratio <= most {
+                return Ok(ratio);
+            }
+            let most_s = brief(most as f64 * period_s);
+            Err(Failure::usage(format!(
+                "--window is {window_s} s: it must be {most_s} s at most, {most} sample periods of {period_s} s"
+            )))
+        }
+        Some(window_s) => Err(Failure::usage(format!(
+            "--window is {window_s} s: it must be two sample periods of {period_s} s at least"
+        ))),
+    }
+}
+
+fn write(path: &Path, prediction: &Prediction) -> Result<(), Failure> {
+    let names: Vec<(String, String)> = (prediction.elements.iter())
+        .map(|of| (recording::column_name("limit_w_", &of.name), recording::column_name("sampled_w_", &of.name)))
+        .collect();
+    let columns: Vec<(&str, &[f64])> = (names.iter().zip(&prediction.elements))
+        .flat_map(|((limit, sampled), of)| [(limit.as_str(), &of.limit_w[..]), (sampled.as_str(), &of.sampled_w[..])])
+        .collect();
+    recording::write_columns(path, prediction.sample_period_s, &columns, &Vec::new()).map_err(Failure::usage)
+}
+
+/// Winds as (from s, to s, class, label).
+fn spans(prediction: &Prediction, model: &Model) -> Vec<(f64, f64, usize, String)> {
+    let mut spans = Vec::new();
+    let mut at = 0;
+    for stretch in prediction.class.chunk_by(|a, b| a == b) {
+        let time_s = |tick: usize| tick as f64 * prediction.sample_period_s;
+        spans.push((time_s(at), time_s(at + stretch.len()), stretch[0], model.classes[stretch[0]].clone()));
+        at += stretch.len();
+    }
+    spans
+}

@@ -1,0 +1,33 @@
+//! Progress bar and Ctrl-C of long work at a terminal.
+
+use std::io::IsTerminal as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar of so many ticks on a terminal, nothing anywhere else.
+pub(super) fn progress(title: &str, ticks: Option<u64>) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(10));
+    let style = ProgressStyle::with_template("{msg}  {bar:40}  {percent:>3} %  {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(title.to_owned());
+    bar
+}
+
+/// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run
+/// ends tidily and no heater stays on; the second one ends the process at once.
+pub(super) fn on_interrupt() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // Without a handler Ctrl-C still works, only less tidily.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+    interrupted
+}

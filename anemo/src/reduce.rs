@@ -1,0 +1,70 @@
+//! `anemo reduce`: a smaller model for the board.
+
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use diffusive::model::Model;
+use diffusive::model::reduce::{Rates, ReductionReport, board, reduce};
+use recording::Temporary;
+
+/// Make a smaller model in f32, for the board, and report its error.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The error is measured: the board's f32 arithmetic and the whole model run on the same random bits
+and random levels.
+
+Examples:
+  anemo reduce model.json --order 8 -o small.json
+  anemo reduce model.json --order 3 --json
+  anemo reduce model.json --order 8 --class still --toml still.toml")]
+pub struct Arguments {
+    /// The model: a JSON file of `anemo identify`.
+    model: PathBuf,
+    /// Poles a pair, 1 to 8.
+    #[arg(long, value_name = "K", default_value_t = 8)]
+    order: usize,
+    /// Place every rate freely (the default).
+    #[arg(long, conflicts_with = "mesh")]
+    free: bool,
+    /// Keep the rates on a logarithmic grid (diffusive mesh), and place its edges.
+    #[arg(long)]
+    mesh: bool,
+    /// The smaller model to write, JSON.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The board's table to write, as an experiment's `models` has it: 8 rates an element that
+    /// heats itself.
+    #[arg(long, value_name = "FILE")]
+    toml: Option<PathBuf>,
+    /// The event class of the board's table, where the model has several.
+    #[arg(long, value_name = "LABEL")]
+    class: Option<String>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
+    let rates = if arguments.mesh { Rates::Mesh } else { Rates::Free };
+    let reduced = reduce(&model, arguments.order, rates).map_err(|error| Failure::in_file(&arguments.model, error))?;
+    let wanted = arguments.toml.is_some() || arguments.class.is_some();
+    let table = board::table_of(&reduced.model, arguments.class.as_deref());
+    if let (Err(error), true) = (&table, wanted) {
+        return Err(Failure::in_file(&arguments.model, error));
+    }
+    if let (Some(path), Ok(table)) = (&arguments.toml, &table) {
+        let failed = |error| Failure::in_file(path, format!("cannot be written: {error}"));
+        Temporary::write(path, table.as_bytes()).map_err(failed)?;
+    }
+    if let Some(path) = &arguments.output {
+        reduced.model.write(path).map_err(Failure::usage)?;
+    }
+    let [file, table_file] =
+        [&arguments.output, &arguments.toml].map(|path| path.as_ref().map(|path| path.display().to_string()));
+    let report = ReductionReport::new(&model, (arguments.order, &reduced), &table, (file, table_file));
+    if arguments.json {
+        return crate::output::print_json(&report);
+    }
+    crate::output::print(&report.to_string())
+}

@@ -1,0 +1,137 @@
+//! `anemo self-test`: has an instrument test itself, and reports what it found.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use dr_core::control::SelfTestPlan;
+use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
+use wire::Setting;
+
+use crate::board::{InstrumentArguments, On, OpenBoard};
+use crate::output::Failure;
+use crate::progress::{on_interrupt, progress};
+use host_sim::instrument::setup;
+use host_sim::self_test::{self, SelfTestReport, StoredSelfTests};
+use host_sim::settings;
+
+/// Have an instrument test itself: offsets, references, elements, noise, and what a short pulse of
+/// heat does to each of them.
+///
+/// An experiment sets up the instrument first (its operating modes are left out); without one the
+/// instrument keeps the set-up of its settings. The pulse is compared with the element's model,
+/// where the experiment names one. A board keeps the result in its flash, with date and firmware;
+/// it also tests itself at each start by its settings, without heat.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Verdicts, and what to look at:
+  offset, reference      the converter, its supply, its reference voltage
+  continuity             the element's four wires; why it cannot be read stands in brackets
+  noise, frozen          shielding and ground; a converter that repeats itself
+  no-response, response  the heater's current, a loose element, a model of another head
+  levels                 the two currents, as the head's file has them
+  crossed                heaters that are not where their sensors are
+  interrupted            the instrument has tripped meanwhile, for what stands in brackets
+
+Exit code 0: pass; 1: at least one fault.
+
+Examples:
+  anemo self-test experiments/gusts.toml --on sim
+  anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0 --pulse 0.5
+  anemo self-test --on serial:/dev/ttyACM0 --no-heat
+  anemo self-test --on serial:/dev/ttyACM0 --stored")]
+pub struct Arguments {
+    /// The experiment whose head, sample period and models the instrument gets: a TOML file.
+    experiment: Option<PathBuf>,
+    #[command(flatten)]
+    instrument: InstrumentArguments,
+    /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s; without it 1 s, or 8 ticks
+    /// where that is longer.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pulse: Option<f32>,
+    /// Heat nothing. A tripped instrument can be tested in this way, too.
+    #[arg(long, conflicts_with = "pulse")]
+    no_heat: bool,
+    /// Test nothing: show what the board has kept of its last test.
+    #[arg(long, conflicts_with_all = ["pulse", "no_heat"])]
+    stored: bool,
+    /// Print one JSON object instead of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Length of the pulse unless another is asked for, s.
+const PULSE_S: f32 = 1.0;
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let experiment = arguments.experiment.as_deref().map(crate::output::read_experiment).transpose()?;
+    let experiment = experiment.map(|(experiment, _)| experiment);
+    let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
+    if arguments.stored {
+        return show_stored(arguments, names);
+    }
+    let mut instrument = arguments.instrument.open(|| {
+        let experiment = experiment.as_ref().ok_or_else(|| {
+            Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE")
+        })?;
+        Ok(experiment.sensor()?)
+    })?;
+    let mut known = None;
+    if let Some(experiment) = &experiment {
+        let setup = host_sim::run::setup_of(experiment)?;
+        setup::configure(instrument.as_mut(), &setup).map_err(Failure::work)?;
+        known = Some((setup.sample_period_s, setup.elements.len()));
+    }
+    let least_s = known.map_or(0.0, |(sample_period_s, _)| PULSE_LEAST_TICKS as f32 * sample_period_s);
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
+    let plan = SelfTestPlan {
+        pulse_s: (!arguments.no_heat).then(|| arguments.pulse.unwrap_or_else(|| PULSE_S.max(least_s))),
+        unix_s: now.and_then(|now| now.as_secs().try_into().ok()),
+    };
+    if let Some((sample_period_s, _)) = known {
+        plan.pulse_ticks(sample_period_s).map_err(|error| Failure::usage(format!("--pulse: {error}")))?;
+    }
+    let interrupted = on_interrupt();
+    let bar = progress("self-test", None);
+    let report = self_test::run(instrument.as_mut(), plan, known, &mut |tick, of| {
+        if let Some(of) = of {
+            bar.set_length(of.into());
+        }
+        bar.set_position(tick.into());
+        !interrupted.load(Ordering::Relaxed)
+    });
+    bar.finish_and_clear();
+    // Its heaters are low after that, whatever came of the test.
+    let finished = instrument.finish();
+    let report = report.map_err(Failure::work)?;
+    finished.map_err(Failure::work)?;
+    let report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
+    let report = SelfTestReport { names, ..report };
+    crate::output::print_report(&report, arguments.json)?;
+    report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}"))))
+}
+
+fn show_stored(arguments: &Arguments, names: Vec<String>) -> Result<(), Failure> {
+    let InstrumentArguments { on, emulation, .. } = &arguments.instrument;
+    let flash = arguments.instrument.flash()?;
+    if *on == On::Qemu && flash.is_none() {
+        return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
+    }
+    let mut board = OpenBoard::open(on, emulation, flash.unwrap_or(Path::new("")))?;
+    let kept = settings::read_all(board.port()).map_err(Failure::work);
+    board.close()?;
+    let records: Vec<_> = kept?
+        .0
+        .into_iter()
+        .filter_map(|kept| match kept.setting {
+            Ok(Setting::Tested(record)) => Some(record),
+            _ => None,
+        })
+        .collect();
+    let stored = StoredSelfTests { records, names };
+    crate::output::print_report(&stored, arguments.json)?;
+    if stored.records.is_empty() {
+        return Err(Failure::work("the board has kept no self-test"));
+    }
+    stored.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the kept self-tests have found {faults}"))))
+}

@@ -1,0 +1,139 @@
+//! `anemo thesis`: the experiments of the thesis on the simulated sensors.
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use host_sim::experiment::Experiment;
+use recording::text::suggest;
+use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
+
+/// Run the experiments of the thesis on the simulated sensors, and compare its findings with ours.
+///
+/// Each study runs its experiments, identifies models, predicts with them, and leaves a page and a
+/// picture: the published value, ours, and whether the bar between them is met. All together take
+/// about a minute.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo thesis --list
+  anemo thesis
+  anemo thesis rems-self -o out/results")]
+pub struct Arguments {
+    /// The studies to run, as --list names them: all, and a page over them, if none is named.
+    #[arg(value_name = "STUDY")]
+    names: Vec<String>,
+    /// List the studies.
+    #[arg(long)]
+    list: bool,
+    /// The folder for pages and pictures, which are written anew. They link to each other, and to
+    /// docs/sensors as from the default.
+    #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
+    output: PathBuf,
+    /// The folder with the experiments.
+    #[arg(long, value_name = "FOLDER", default_value = "experiments/thesis")]
+    experiments: PathBuf,
+    /// Print one JSON object instead of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.list {
+        return crate::output::print(
+            &STUDIES.iter().map(|study| format!("{:22} {}\n", study.name, study.title)).collect::<String>(),
+        );
+    }
+    let studies = chosen(&arguments.names)?;
+    if !arguments.experiments.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: no folder of experiments; run it from the project's own, or say where with --experiments",
+            arguments.experiments.display()
+        )));
+    }
+    if arguments.output.exists() && !arguments.output.is_dir() {
+        return Err(Failure::usage(format!(
+            "{}: is a file, and a folder for pages and pictures belongs here",
+            arguments.output.display()
+        )));
+    }
+    read_all(&arguments.experiments)?;
+    std::fs::create_dir_all(&arguments.output).map_err(|error| Failure::in_file(&arguments.output, error))?;
+    let terminal = std::io::stderr().is_terminal();
+    let progress = |what: &str| {
+        if terminal {
+            eprintln!("  {what}");
+        }
+    };
+    let lab = StudyLab::new(&arguments.experiments, &progress);
+    let mut done = Vec::with_capacity(studies.len());
+    for study in studies {
+        progress(study.name);
+        let findings = study.run(&lab).map_err(|error| failure(study, error))?;
+        page::write(&arguments.output, study, &findings).map_err(Failure::work)?;
+        done.push((study, findings));
+    }
+    // The page over all of them is of all of them.
+    if arguments.names.is_empty() {
+        page::write_index(&arguments.output, &done).map_err(Failure::work)?;
+    }
+    let report = ThesisReport { studies: done, folder: arguments.output.clone() };
+    crate::output::print_report(&report, arguments.json)
+}
+
+/// Reads every experiment of the folder, so that no study begins, and no page is written, while one
+/// of them is wrong.
+fn read_all(folder: &std::path::Path) -> Result<(), Failure> {
+    let unreadable = |error: std::io::Error| Failure::in_file(folder, error);
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            Experiment::read(&path)?;
+        }
+    }
+    Ok(())
+}
+
+/// The studies of these names.
+fn chosen(names: &[String]) -> Result<Vec<&'static Study>, Failure> {
+    let of = |name: &String| {
+        STUDIES.iter().find(|study| study.name == name).ok_or_else(|| {
+            let hint = suggest(name, STUDIES.iter().map(|study| study.name));
+            Failure::usage(format!("there is no study `{name}`; {hint}"))
+        })
+    };
+    if names.is_empty() { Ok(STUDIES.iter().collect()) } else { names.iter().map(of).collect() }
+}
+
+fn failure(study: &Study, error: StudyError) -> Failure {
+    match error {
+        StudyError::File(error) => error.into(),
+        StudyError::Run(error) => error.into(),
+        other => Failure::work(format!("{}: {other}", study.name)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(output: PathBuf, experiments: PathBuf) -> String {
+        let names = vec!["rems-self".to_owned()];
+        execute(&Arguments { names, list: false, output, experiments, json: false }).err().unwrap().sentence
+    }
+
+    #[test]
+    fn nothing_begins_without_a_folder_to_write_to_or_with_an_experiment_that_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, output) = (folder.path().join("broken.toml"), folder.path().join("pages"));
+        std::fs::write(&file, "title = 3\n").unwrap();
+        let sentence = refused(file.clone(), folder.path().to_owned());
+        assert!(
+            sentence.ends_with("broken.toml: is a file, and a folder for pages and pictures belongs here"),
+            "{sentence}"
+        );
+        let sentence = refused(output.clone(), folder.path().to_owned());
+        assert!(sentence.contains("broken.toml, line 1: `title`"), "{sentence}");
+        assert!(!output.exists());
+    }
+}

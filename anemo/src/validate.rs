@@ -1,0 +1,87 @@
+//! `anemo validate`: a model against a record that it has not seen.
+
+use std::path::PathBuf;
+
+use crate::fit_recorder::FitRecorder;
+use crate::identify::Columns;
+use crate::output::Failure;
+use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
+use diffusive::identify::validate::{ValidateError, ValidationStart, validate};
+use diffusive::model::{Model, ModelError, ModelGas};
+
+/// Predict a record with a model, and report how well.
+///
+/// The model runs over the record's inputs. The offset, and the heat that was stored before the
+/// first row, are estimated from the record's outputs, unless --start is given.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo validate model.json other-day.csv
+  anemo validate model.json second-half.csv --start continue
+
+A fit of 100 % is perfect, 0 % no better than the record's mean: 100 (1 − |y − ŷ| / |y − mean y|).")]
+pub struct Arguments {
+    /// The model: a .json file.
+    model: PathBuf,
+    /// The record: a .parquet or .csv file.
+    record: PathBuf,
+    #[command(flatten)]
+    columns: Columns,
+    /// Initial state of the model.
+    #[arg(long, value_enum, default_value = "estimate")]
+    start: StartName,
+    /// Draw measured and predicted, residuals, and the model into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum StartName {
+    /// Offset and stored heat estimated from the record.
+    Estimate,
+    /// End of the identified record; nothing is estimated from the outputs.
+    Continue,
+    /// All states zero, the model's own offset.
+    Rest,
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Self::usage(error)
+    }
+}
+
+impl From<ValidateError> for Failure {
+    fn from(error: ValidateError) -> Self {
+        Self::work(error)
+    }
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let model = Model::read(&arguments.model)?;
+    let Columns { input, output, event } = &arguments.columns;
+    let or = |given: &[String], own: Vec<String>| if given.is_empty() { own } else { given.to_vec() };
+    let selection = Selection {
+        inputs: or(input, model.inputs.clone()),
+        outputs: or(output, model.outputs.iter().map(|output| output.name.clone()).collect()),
+        event: event.clone().or_else(|| model.event_column.clone()),
+        gas: model.wind.as_ref().and_then(|wind| match &wind.gas {
+            ModelGas::Column(name) => Some(name.clone()),
+            ModelGas::ConstantC(_) | ModelGas::EstimatedC(_) => None,
+        }),
+    };
+    let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
+    let start = match arguments.start {
+        StartName::Estimate => ValidationStart::Estimate,
+        StartName::Continue => ValidationStart::Continue,
+        StartName::Rest => ValidationStart::Rest,
+    };
+    let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
+    let validated = validate(&model, &mut stream, start, &mut |seen| fits.see(seen))?;
+    let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
+    fits.draw(&model, &whiteness)?;
+    crate::output::print_report(&validated, arguments.json)
+}

@@ -1,0 +1,198 @@
+//! `anemo wind`: the wind from a recording, as the board would have estimated it.
+
+use std::path::PathBuf;
+
+use crate::output::Failure;
+use anemometry::head::{Head, WindOutput};
+use anemometry::wind::error::WindError;
+use anemometry::wind::given_winds;
+use anemometry::wind::replay::head_of;
+use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
+use recording::{
+    Collector, Metadata, RecordingError, RecordingLayout, RecordingReader, RecordingRow, RecordingWriter, check_name,
+    wind,
+};
+
+/// Estimate the wind from a recording of a calibrated head.
+///
+/// The board's own anemometer goes through the recording tick by tick, so that the wind estimates
+/// equal those of the board to the bit: convective losses against the quiescent-gas network,
+/// conductances, wind vector with standard uncertainty, and quality flags. The bandwidth is free to
+/// choose: low is smooth. Where the true wind is known (simulated tunnels, or --winds), the errors
+/// are reported.
+///
+/// The head is the one that the recording carries, of a run with a calibrated head; --head names
+/// another, whose elements have the same names.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo wind winds.parquet --head head.toml -o wind.csv --plot wind.svg
+  anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 --json
+  anemo wind day.parquet --head card1.toml \\
+      --gas-temperature temperature_c_boom --pressure 820
+
+Quality flags: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
+uncalibrated, no-gas, not-running, saturated, starting, cold; in the table they are the sum \
+of 1, 2, 4, 8 … 4096 in this order.")]
+pub struct Arguments {
+    /// The recording: a .parquet or .csv file.
+    recording: PathBuf,
+    /// The calibrated head (`anemo calibrate`); by default the one that the recording carries.
+    #[arg(long, value_name = "FILE")]
+    head: Option<PathBuf>,
+    /// Bandwidth of the convective losses, 0.5 to 50 Hz.
+    #[arg(long, value_name = "HZ", default_value_t = WindOutput::DEFAULT_BANDWIDTH_HZ)]
+    bandwidth: f64,
+    /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
+    #[arg(long)]
+    fixed: bool,
+    /// Output interval in seconds, a whole number of ticks; by default 0.01 or a tick.
+    #[arg(long, value_name = "SECONDS")]
+    every: Option<f64>,
+    /// Temperature of the gas: a number in °C, or a column; by default that of the head's
+    /// reference, or the recording's.
+    #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
+    gas_temperature: Option<String>,
+    /// Pressure of the gas, Pa; by default the recording's.
+    #[arg(long, value_name = "PA")]
+    pressure: Option<f64>,
+    /// True winds by the label of the conditions, a .csv or .parquet file, for the errors.
+    #[arg(long, value_name = "FILE")]
+    winds: Option<PathBuf>,
+    /// Estimates before this time do not count in the summary, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    from: f64,
+    /// Of every stretch of one label, so many seconds do not count in the summary.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    settle: f64,
+    /// Write the estimates to this file; its name ends in .parquet or .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw them into this .svg file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    check(arguments)?;
+    let head = head_of(&arguments.recording, arguments.head.as_deref()).map_err(Failure::usage)?;
+    let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
+    let options = WindOptions {
+        bandwidth_hz: arguments.bandwidth,
+        fixed: arguments.fixed,
+        interval_s: arguments.every,
+        gas_temperature: arguments.gas_temperature.clone(),
+        pressure_pa: arguments.pressure,
+        from_s: arguments.from,
+        settle_s: arguments.settle,
+    };
+    let mut estimation =
+        WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
+    let layout = RecordingLayout {
+        elements: Vec::new(),
+        true_wind: estimation.has_truth(),
+        gas: estimation.has_gas(),
+        observed: Vec::new(),
+        estimates: estimation.surfaces(),
+    };
+    let mut kept = Kept::create(arguments, layout, &metadata(arguments, &head, &estimation)?)?;
+    while let Some(estimate) = estimation.next_estimate().map_err(|error| match error {
+        WindError::Gas(_) => Failure::usage(error),
+        _ => Failure::work(error),
+    })? {
+        kept.push(&estimate).map_err(Failure::work)?;
+    }
+    kept.finish()?;
+    let mut report = estimation.report();
+    report.written = [&arguments.output, &arguments.plot].into_iter().flatten().cloned().collect();
+    if arguments.json { crate::output::print_json(&report) } else { crate::output::print(&report.to_string()) }
+}
+
+/// Checks the options by themselves.
+fn check(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::finite(&[
+        ("--pressure", arguments.pressure),
+        ("--from", Some(arguments.from)),
+        ("--settle", Some(arguments.settle)),
+    ])?;
+    if !WindOutput::BANDWIDTHS_HZ.contains(&arguments.bandwidth) {
+        return Err(Failure::usage(format!("--bandwidth {} must lie between 0.5 and 50 Hz", arguments.bandwidth)));
+    }
+    let read = [Some(&arguments.recording), arguments.head.as_ref(), arguments.winds.as_ref()];
+    let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
+    arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
+}
+
+/// File and picture of the estimates, as far as they are requested.
+struct Kept {
+    writer: Option<RecordingWriter>,
+    picture: Option<(plot::Canvas, Collector)>,
+}
+
+impl Kept {
+    /// All that could be wrong with the outputs shows before anything is computed.
+    fn create(arguments: &Arguments, layout: RecordingLayout, metadata: &Metadata) -> Result<Self, Failure> {
+        let writer = arguments.output.as_deref().map(|path| RecordingWriter::create(path, layout.clone(), metadata));
+        let writer = writer.transpose().map_err(Failure::usage)?;
+        let canvas = arguments.plot.as_deref().map(plot::Canvas::create).transpose().map_err(Failure::usage)?;
+        Ok(Self { writer, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
+    }
+
+    fn push(&mut self, EstimatedWind { moment, sample, true_wind_m_s }: &EstimatedWind) -> Result<(), RecordingError> {
+        let answer = wind::numbers(Some(sample), sample.conductance_w_k.len());
+        let row = |layout: &RecordingLayout| RecordingRow {
+            time_s: moment.time_s,
+            temperature_c: &[],
+            power_w: &[],
+            equivalent_power_w: &[],
+            heaters: 0,
+            event: &moment.event,
+            state: &moment.state,
+            true_wind_m_s: layout.true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
+            gas_temperature_c: layout.gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
+            estimate: &answer,
+        };
+        if let Some(writer) = &mut self.writer {
+            writer.push(&row(writer.layout()))?;
+        }
+        if let Some((_, collector)) = &mut self.picture {
+            collector.push(&row(collector.layout()))?;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        let nothing_more = Metadata::new();
+        if let Some(writer) = self.writer {
+            writer.finish(&nothing_more).map_err(Failure::work)?;
+        }
+        if let Some((canvas, collector)) = self.picture {
+            let figure = plot::run::figure(&collector.finish(&nothing_more)).map_err(Failure::work)?;
+            canvas.draw(&figure).map_err(Failure::work)?;
+        }
+        Ok(())
+    }
+}
+
+/// Metadata of the file of estimates.
+fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>) -> Result<Metadata, Failure> {
+    let recording = arguments.recording.display().to_string();
+    let known = RecordingReader::open(&arguments.recording).map_err(Failure::usage)?.metadata();
+    let title = known.into_iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title);
+    let pairs = [
+        ("title", title),
+        ("head_name", head.name.clone()),
+        ("head", head.source.text.clone()),
+        ("bandwidth_hz", estimation.output.bandwidth_hz.to_string()),
+        ("fixed", estimation.output.fixed.to_string()),
+        ("output_interval_s", estimation.output.interval_s.to_string()),
+        ("recording", recording),
+        ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    let known = pairs.into_iter().map(|(key, value)| (key.to_owned(), value));
+    Ok(known.chain(estimation.gas.metadata()).collect())
+}

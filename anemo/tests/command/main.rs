@@ -1,0 +1,5 @@
+//! The command from outside.
+
+mod cli;
+mod export;
+mod long_record;

@@ -1,0 +1,80 @@
+//! Winds estimated with a calibration and compared with the known ones.
+
+/// One wind, known and estimated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedWind {
+    /// Label of the wind.
+    pub label: String,
+    /// Known speed, m/s.
+    pub speed_m_s: f64,
+    /// Reynolds number.
+    pub reynolds: f64,
+    /// Error of direction, °.
+    pub direction_deg: f64,
+    /// Relative error of speed.
+    pub speed: f64,
+    /// χ² of the readings at the estimate, over its degrees of freedom; zero where there are none.
+    pub chi_square: f64,
+}
+
+/// Errors of several winds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparisonSummary {
+    /// Number of winds.
+    pub winds: usize,
+    /// Error of direction, root mean square, °.
+    pub direction_rms_deg: f64,
+    /// Error of direction, greatest, °.
+    pub direction_worst_deg: f64,
+    /// Relative error of speed, root mean square.
+    pub speed_rms: f64,
+    /// Relative error of speed, greatest.
+    pub speed_worst: f64,
+}
+
+impl ComparisonSummary {
+    /// Summary of these winds.
+    pub fn of<'a>(errors: impl Iterator<Item = &'a ComparedWind> + Clone) -> Self {
+        let winds = errors.clone().count();
+        let rms = |of: fn(&ComparedWind) -> f64| {
+            (errors.clone().map(|e| of(e).powi(2)).sum::<f64>() / winds.max(1) as f64).sqrt()
+        };
+        let worst = |of: fn(&ComparedWind) -> f64| errors.clone().map(|e| of(e).abs()).fold(0.0, f64::max);
+        Self {
+            winds,
+            direction_rms_deg: rms(|e| e.direction_deg),
+            direction_worst_deg: worst(|e| e.direction_deg),
+            speed_rms: rms(|e| e.speed),
+            speed_worst: worst(|e| e.speed),
+        }
+    }
+}
+
+/// A range of Reynolds numbers with its speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReynoldsRange {
+    /// Least and greatest Reynolds number.
+    pub reynolds: [f64; 2],
+    /// The same in m/s.
+    pub speed_m_s: [f64; 2],
+}
+
+impl ReynoldsRange {
+    /// Whether a Reynolds number lies in the range.
+    pub fn holds(&self, reynolds: f64) -> bool {
+        // A wind on the border belongs to the upper range, but the fastest to the last.
+        (self.reynolds[0]..self.reynolds[1]).contains(&reynolds)
+    }
+}
+
+impl std::fmt::Display for ReynoldsRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([a, b], [from, to]) = (self.speed_m_s, self.reynolds);
+        write!(f, "{} to {} m/s (Re {from:.0} to {to:.0})", digits(a), digits(b))
+    }
+}
+
+/// Speed with as many digits as matter.
+pub fn digits(speed: f64) -> String {
+    if speed < 1.0 { format!("{speed:.2}") } else { format!("{speed:.1}") }
+}

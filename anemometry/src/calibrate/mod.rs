@@ -1,0 +1,36 @@
+//! Calibration of a head in a wind tunnel: from its readings in known winds to a head file that
+//! outputs unknown ones.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`steady_winds`] | steady winds found in recordings |
+//! | [`steady_wind`] | mean readings in one of them |
+//! | [`sphere`] | the calibration of four sectors or two hemispheres |
+//! | [`card`] | the calibration of four dice on a card, in winds of its plane |
+//! | [`compared`], [`cross_validation`] | errors in winds that were left out |
+//! | [`calibrator`] | from a head, its network and its steady winds to the calibrated head |
+//! | [`report`] | the calibration as text and as JSON |
+//! | [`error`] | what is refused |
+
+pub mod calibrator;
+pub mod card;
+pub mod compared;
+pub mod cross_validation;
+pub mod error;
+pub mod report;
+pub mod sphere;
+pub mod steady_wind;
+pub mod steady_winds;
+
+pub use calibrator::Calibrator;
+pub use card::calibration::CardCalibration;
+pub use card::drawn::DrawnCard;
+pub use compared::{ComparedWind, ComparisonSummary};
+pub use cross_validation::{CrossValidation, Scheme};
+pub use error::CalibrateError;
+pub use report::CalibrationReport;
+pub use sphere::calibration::{CalibratedSurface, SphereCalibration};
+pub use sphere::cross_validation::{compare, cross_validate};
+pub use sphere::readings::{DrawnSphere, DrawnSurface};
+pub use sphere::solve::{calibrate, solve};
+pub use steady_wind::{GasProperties, SteadyWind, SurfaceReading};

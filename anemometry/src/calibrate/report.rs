@@ -1,0 +1,135 @@
+//! Report of a calibration, as text and as JSON.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::calibrator::{CalibratedHead, CalibrationResult, conductance_noise_w_k};
+use super::card::calibration::CardCalibration;
+use super::sphere::calibration::{CalibratedSurface, SphereCalibration};
+use crate::head::file::Head;
+
+/// Bandwidths whose noise is given, Hz.
+const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
+/// Summary of `anemo calibrate`.
+pub struct CalibrationReport {
+    /// The calibration, with its errors.
+    pub result: CalibrationResult,
+    /// Winds that were shorter than the time that is left out of each.
+    pub short: usize,
+    /// Left out at the beginning of every wind, s.
+    pub settle_s: f64,
+    /// Noise of a surface's conductance by bandwidth.
+    pub noise: Vec<ConductanceNoise>,
+    /// The file that was written.
+    pub written: Option<PathBuf>,
+}
+
+/// Noise of a surface's conductance at 30 K and 1 kHz.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ConductanceNoise {
+    /// Bandwidth, Hz.
+    pub bandwidth_hz: f64,
+    /// Standard deviation, W/K.
+    #[serde(rename = "value")]
+    pub sd_w_k: f64,
+}
+
+/// Noise of a surface's conductance at usual bandwidths, as far as these can be had.
+pub fn conductance_noise(head: &Head) -> Vec<ConductanceNoise> {
+    let noise = |bandwidth_hz| {
+        let sd_w_k = conductance_noise_w_k(head, bandwidth_hz)?;
+        Some(ConductanceNoise { bandwidth_hz, sd_w_k })
+    };
+    BANDWIDTHS_HZ.into_iter().filter_map(noise).collect()
+}
+
+impl CalibrationReport {
+    /// Report of a calibrated head.
+    pub fn new(calibrated: CalibratedHead, short: usize, settle_s: f64) -> Self {
+        let noise = match calibrated.result {
+            CalibrationResult::Sphere { .. } => conductance_noise(&calibrated.head),
+            CalibrationResult::Card { .. } => Vec::new(),
+        };
+        Self { result: calibrated.result, short, settle_s, noise, written: None }
+    }
+}
+
+impl Serialize for CalibrationReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        match &self.result {
+            CalibrationResult::Sphere { calibration, directions, speeds } => {
+                sphere(&mut map, calibration)?;
+                map.serialize_entry("cross_validated_directions", directions)?;
+                map.serialize_entry("cross_validated_speeds", speeds)?;
+                map.serialize_entry("conductance_noise_w_k", &self.noise)?;
+            }
+            CalibrationResult::Card { calibration, winds } => {
+                card(&mut map, calibration)?;
+                map.serialize_entry("cross_validated", winds)?;
+            }
+        }
+        map.end()
+    }
+}
+
+fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Result<(), M::Error> {
+    map.serialize_entry("winds", &calibration.winds)?;
+    map.serialize_entry("quiescent", &calibration.quiescent)?;
+    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("residual_rms", &calibration.residual_rms)?;
+    map.serialize_entry("chi_square", &calibration.chi_square)?;
+    map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;
+    map.serialize_entry("mounting_deg", &calibration.rotation_rad.map(f64::to_degrees))?;
+    map.serialize_entry("se_mounting_deg", &calibration.rotation_error_rad.map(f64::to_degrees))?;
+    map.serialize_entry("surfaces", &SurfacesByName(&calibration.surfaces))
+}
+
+fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(), M::Error> {
+    map.serialize_entry("winds", &calibration.winds)?;
+    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("exponent", &calibration.exponent)?;
+    map.serialize_entry("mean_share", &calibration.mean_share)?;
+    map.serialize_entry("difference_share", &calibration.difference_share)?;
+    map.serialize_entry("seen_across", &calibration.seen_at(std::f64::consts::FRAC_PI_2))?;
+    map.serialize_entry("seen_in_reverse", &calibration.seen_at(0.0))?;
+    map.serialize_entry("gains", &calibration.gains)?;
+    map.serialize_entry("quiescent_w_k", &calibration.quiescent_w_k)
+}
+
+struct SurfacesByName<'a>(&'a [CalibratedSurface]);
+
+impl Serialize for SurfacesByName<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|of| (&of.name, of)))
+    }
+}
+
+impl fmt::Display for CalibrationReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.result {
+            CalibrationResult::Sphere { calibration, directions, speeds } => {
+                write!(f, "{calibration}\n{directions}\n{speeds}")?;
+            }
+            CalibrationResult::Card { calibration, winds } => write!(f, "{calibration}\n{winds}")?,
+        }
+        if self.short > 0 {
+            let (short, settle_s) = (self.short, self.settle_s);
+            writeln!(f, "\n{short} winds were shorter than the {settle_s} s that are left out of each")?;
+        }
+        if matches!(self.result, CalibrationResult::Sphere { .. }) {
+            writeln!(f, "\nbandwidth  noise of a surface's conductance, at 30 K, 1 kHz")?;
+        }
+        for ConductanceNoise { bandwidth_hz, sd_w_k } in &self.noise {
+            writeln!(f, "{bandwidth_hz:>6} Hz  {:>8.4} mW/K", 1e3 * sd_w_k)?;
+        }
+        if let Some(path) = &self.written {
+            writeln!(f, "\nhead written to {}", path.display())?;
+        }
+        Ok(())
+    }
+}

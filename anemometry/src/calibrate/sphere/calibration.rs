@@ -1,0 +1,186 @@
+//! What a calibration found, and dr-core's configurations of it.
+//!
+//! Standard errors are those of the equations at the solution. Where the readings scatter by more
+//! than their variances say, they are larger by √(χ² / degrees of freedom): what the model leaves
+//! over counts as noise.
+
+use dr_core::wind::nusselt::{ORDERS, POINTS};
+use dr_core::wind::{MeasuredConductance, NusseltConfig, SurfaceConfig, WindVector};
+use nalgebra::{DMatrix, Vector3};
+use serde::Serialize;
+
+use super::super::error::{CalibrateError, WorstReading};
+use super::super::steady_wind::SurfaceReading;
+use super::equations::SphereProblem;
+use super::fit::SphereFit;
+use super::readings::DrawnSphere;
+
+/// A calibrated head.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SphereCalibration {
+    /// Diameter of the sphere, m.
+    pub diameter_m: f64,
+    /// Least and most Reynolds number of the winds.
+    pub least_reynolds: f64,
+    /// Greatest of them.
+    pub most_reynolds: f64,
+    /// a_0 … a_5 at Reynolds numbers in geometric progression from the least to the most.
+    pub amplitudes: [[f64; ORDERS]; POINTS],
+    /// One a surface, in the order of the head.
+    pub surfaces: Vec<CalibratedSurface>,
+    /// R from the tunnel's frame into the head's: axis times angle, rad.
+    pub rotation_rad: [f64; 3],
+    /// Standard errors of small turns about the head's axes, rad; of two hemispheres nothing about
+    /// their own.
+    pub rotation_error_rad: [f64; 3],
+    /// Of (q − q̂) over the convective power, rms.
+    pub residual_rms: f64,
+    /// χ² of the fit.
+    pub chi_square: f64,
+    /// Readings less what of the unknowns they determine.
+    pub degrees_of_freedom: f64,
+    /// The reading that the fit leaves farthest off.
+    pub worst: WorstReading,
+    /// Winds that were used, and how many of them were quiescent gas. Without quiescent gas G0
+    /// rests on k A / d and its 30 %.
+    pub winds: usize,
+    /// Of these, readings of quiescent gas.
+    pub quiescent: usize,
+    /// Coefficients of an amplitude, as many as the speeds allowed.
+    pub coefficients: usize,
+}
+
+/// A surface of a calibrated head.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibratedSurface {
+    /// Name of its element.
+    #[serde(skip)]
+    pub name: String,
+    /// Outward and towards a corner, in the tunnel's frame.
+    #[serde(skip)]
+    pub axis: [f64; 3],
+    /// Unit vector towards a corner.
+    #[serde(skip)]
+    pub corner: [f64; 3],
+    /// As drawn.
+    #[serde(skip)]
+    pub drawn: SurfaceConfig,
+    /// c, of mean one.
+    pub gain: f64,
+    /// Standard uncertainty of c.
+    #[serde(rename = "se_gain")]
+    pub gain_error: f64,
+    /// G0, W/K.
+    pub quiescent_w_k: f64,
+    /// Standard uncertainty of G0, W/K.
+    #[serde(rename = "se_quiescent_w_k")]
+    pub quiescent_error_w_k: f64,
+}
+
+impl SphereCalibration {
+    pub(super) fn of(problem: &SphereProblem<'_>, head: &DrawnSphere, fitted: &SphereFit) -> Self {
+        let SphereFit { place, equations, covariance, degrees_of_freedom } = fitted;
+        let family = &problem.family;
+        let ratio = (family.most_reynolds / family.least_reynolds).ln() / (POINTS - 1) as f64;
+        let amplitudes = std::array::from_fn(|j| {
+            let reynolds = family.least_reynolds * (ratio * j as f64).exp();
+            family.amplitudes(&family.at(reynolds), &place.coefficients)
+        });
+        let excess = (equations.chi_square / degrees_of_freedom.max(1.0)).max(1.0);
+        let errors = |first: usize, basis: &DMatrix<f64>| -> Vec<f64> {
+            let size = basis.ncols();
+            let own = covariance.view((first, first), (size, size));
+            (basis * own * basis.transpose()).diagonal().iter().map(|v| (v * excess).sqrt()).collect()
+        };
+        let gain_errors = errors(problem.first_gain(), &problem.spread);
+        let n = place.gains.len();
+        let quiescent_errors = errors(problem.first_quiescent(), &DMatrix::identity(n, n));
+        let turn_errors = errors(problem.first_turn(), &place.mounting.turns);
+        let surface = |i: usize| CalibratedSurface {
+            name: head.surfaces[i].name.clone(),
+            axis: place.mounting.outward(head.surfaces[i].config.axis),
+            corner: place.mounting.outward(head.surfaces[i].config.corner),
+            drawn: head.surfaces[i].config,
+            gain: place.gains[i],
+            gain_error: gain_errors[i],
+            quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
+            quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+        };
+        Self {
+            diameter_m: head.diameter_m,
+            least_reynolds: family.least_reynolds,
+            most_reynolds: family.most_reynolds,
+            amplitudes,
+            surfaces: (0..n).map(surface).collect(),
+            rotation_rad: place.mounting.vector(),
+            rotation_error_rad: [turn_errors[0], turn_errors[1], turn_errors[2]],
+            residual_rms: (equations.relative_square / equations.residuals.len() as f64).sqrt(),
+            chi_square: equations.chi_square,
+            degrees_of_freedom: *degrees_of_freedom,
+            worst: worst(problem, &equations.residuals),
+            winds: problem.winds.len(),
+            quiescent: problem.winds.iter().filter(|wind| wind.is_quiescent()).count(),
+            coefficients: family.spline.count(),
+        }
+    }
+
+    /// The amplitudes as the board takes them.
+    pub fn nusselt(&self) -> NusseltConfig {
+        NusseltConfig {
+            least_reynolds: self.least_reynolds as f32,
+            most_reynolds: self.most_reynolds as f32,
+            amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
+        }
+    }
+
+    /// The surfaces as the board takes them, in the tunnel's frame.
+    pub fn part_configs(&self) -> Vec<SurfaceConfig> {
+        let narrow = |a: [f64; 3]| a.map(|x| x as f32);
+        self.surfaces
+            .iter()
+            .map(|surface| SurfaceConfig {
+                axis: narrow(surface.axis),
+                corner: narrow(surface.corner),
+                ..surface.drawn
+            })
+            .collect()
+    }
+
+    /// The inverse that the board runs.
+    ///
+    /// # Errors
+    /// If the head has not N surfaces, or the amplitudes are none that tell a wind; then the winds
+    /// did not determine them.
+    pub fn head<const N: usize>(&self, direction_error_max_rad: f32) -> Result<WindVector<N>, CalibrateError> {
+        let surfaces: [SurfaceConfig; N] = self.part_configs().try_into().map_err(|surfaces: Vec<SurfaceConfig>| {
+            CalibrateError::Head(format!("{} surfaces are calibrated; {N} are asked for", surfaces.len()))
+        })?;
+        Ok(WindVector::new(&self.nusselt(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
+    }
+
+    /// c (q + G0 a) / θ of a reading of surface `i`, as [`WindVector::step`] takes it.
+    pub fn measured(&self, i: usize, reading: &SurfaceReading) -> MeasuredConductance {
+        let surface = &self.surfaces[i];
+        let per_watt = surface.gain / reading.overheat_k;
+        let conductance = per_watt * (reading.power_w + surface.quiescent_w_k * reading.above_reference_k);
+        MeasuredConductance {
+            conductance_w_k: conductance as f32,
+            variance_w2_k2: (per_watt * per_watt * reading.variance_w2) as f32,
+        }
+    }
+
+    /// Angle of the mounting, degrees.
+    pub fn rotation_deg(&self) -> f64 {
+        Vector3::from(self.rotation_rad).norm().to_degrees()
+    }
+}
+
+fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
+    let n = problem.head.surfaces.len();
+    let (at, errors) = residuals
+        .iter()
+        .enumerate()
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        .map_or((0, 0.0), |(at, errors)| (at, *errors));
+    WorstReading { label: problem.winds[at / n].label.clone(), surface: problem.head.names[at % n].clone(), errors }
+}

@@ -1,0 +1,287 @@
+//! The normal equations of a calibration at one point, and the points to which a step leads.
+//!
+//! ```text
+//! q̂_i = θ_i (k A_i / d) Nu_i / c_i − γ_i g_i a_i          residual (q_i − q̂_i) / σ_i
+//! G0_i = γ_i g_i,  g_i = k̄ A_i / d
+//! c = 1 + Z u          Z: N × (N − 1), columns sum to zero, so that the mean of c is one
+//! ```
+//!
+//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting. k̄ is the
+//! mean of k over the readings, so that γ is about 2. What is known beforehand enters as rows of
+//! its own: that of the [`family`](super::family), γ 2 ± `QUIESCENT`, u 0 ± `GAIN`.
+
+use dr_core::wind::nusselt::{CONDUCTION, ORDERS};
+use dr_core::wind::surface::LocalNusselt;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::family::{AmplitudeFamily, BasisAt, SIZE};
+use super::mounting::Mounting;
+use super::readings::{CheckedWind, SphereGeometry};
+
+/// Standard error of γ before any reading: a reference gas some 20 K from the mean one, and the
+/// areas as drawn, make 0.3.
+const QUIESCENT: f64 = 0.6;
+/// Standard error of a gain before any reading.
+const GAIN: f64 = 0.2;
+
+/// A sphere, its readings, and the shape of its amplitudes.
+pub struct SphereProblem<'a> {
+    /// The sphere.
+    pub head: &'a SphereGeometry,
+    /// Its readings.
+    pub winds: &'a [CheckedWind],
+    /// Amplitudes over the Reynolds number.
+    pub family: AmplitudeFamily,
+    /// g_i, W/K.
+    pub quiescent_unit_w_k: Vec<f64>,
+    /// Z
+    pub spread: DMatrix<f64>,
+    /// A_n(Re) of every wind that is not still.
+    at: Vec<Option<BasisAt>>,
+}
+
+/// Weights of readings and of higher orders: the fit goes from coarse to fine.
+#[derive(Debug, Clone, Copy)]
+pub struct FitStage {
+    /// Standard error of every Nusselt number beyond that of its reading.
+    pub blur: f64,
+    /// Size of the amplitudes from a_2 on.
+    pub size: f64,
+}
+
+/// From afar: mean and a_1 alone show where the head points, with no valleys in which higher orders
+/// make up for a wrong mounting.
+pub const FIRST: FitStage = FitStage { blur: 0.2, size: 0.3 };
+/// By the noise of the readings alone.
+pub const LAST: FitStage = FitStage { blur: 0.0, size: SIZE };
+
+/// A point in the space of the unknowns.
+#[derive(Debug, Clone)]
+pub struct FitPoint {
+    /// Of the amplitudes.
+    pub coefficients: Vec<f64>,
+    /// c
+    pub gains: Vec<f64>,
+    /// γ
+    pub quiescent: Vec<f64>,
+    /// R
+    pub mounting: Mounting,
+}
+
+/// H and b of H δ = b, and what is left over.
+pub struct SphereEquations {
+    /// H
+    pub h: DMatrix<f64>,
+    /// b
+    pub b: DVector<f64>,
+    /// Σ of squares, of the readings and of what is known beforehand.
+    pub cost: f64,
+    /// Of the readings alone, and their share of H.
+    pub chi_square: f64,
+    /// H of the readings alone.
+    pub of_readings: DMatrix<f64>,
+    /// (q − q̂) / σ, wind by wind, surface by surface.
+    pub residuals: Vec<f64>,
+    /// Σ ((q − q̂) / (θ k A Nu / (d c)))²
+    pub relative_square: f64,
+}
+
+impl<'a> SphereProblem<'a> {
+    /// The problem of a sphere in these winds.
+    pub fn new(head: &'a SphereGeometry, winds: &'a [CheckedWind], family: AmplitudeFamily) -> Self {
+        let n = head.surfaces.len();
+        let mean = |i: usize| winds.iter().map(|wind| wind.rows[i].unit_w_k).sum::<f64>() / winds.len() as f64;
+        let quiescent_unit_w_k = (0..n).map(mean).collect();
+        let at = winds.iter().map(|wind| (!wind.is_quiescent()).then(|| family.at(wind.reynolds))).collect();
+        Self { head, winds, family, quiescent_unit_w_k, spread: sum_zero(n), at }
+    }
+
+    /// As drawn: no amplitudes beyond quiescent gas yet, gains of one.
+    pub fn drawn(&self) -> FitPoint {
+        let n = self.head.surfaces.len();
+        FitPoint {
+            coefficients: vec![0.0; self.family.count()],
+            gains: vec![1.0; n],
+            quiescent: vec![f64::from(CONDUCTION); n],
+            mounting: Mounting::drawn(&self.head.surfaces),
+        }
+    }
+
+    /// First of u.
+    pub fn first_gain(&self) -> usize {
+        self.family.count()
+    }
+
+    /// First of γ.
+    pub fn first_quiescent(&self) -> usize {
+        self.first_gain() + self.spread.ncols()
+    }
+
+    /// First turn of the mounting.
+    pub fn first_turn(&self) -> usize {
+        self.first_quiescent() + self.head.surfaces.len()
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self, place: &FitPoint) -> usize {
+        self.first_turn() + place.mounting.turns.ncols()
+    }
+
+    /// The point that a step leads to.
+    pub fn moved(&self, place: &FitPoint, by: &DVector<f64>) -> FitPoint {
+        let by = by.as_slice();
+        let (gain, still, turn) = (self.first_gain(), self.first_quiescent(), self.first_turn());
+        let gains = &self.spread * DVector::from_column_slice(&by[gain..still]);
+        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        FitPoint {
+            coefficients: plus(&place.coefficients, &by[..gain]),
+            gains: plus(&place.gains, gains.as_slice()),
+            quiescent: plus(&place.quiescent, &by[still..turn]),
+            mounting: place.mounting.turned(&by[turn..]),
+        }
+    }
+
+    /// The equations at a point.
+    pub fn equations(&self, place: &FitPoint, stage: FitStage) -> SphereEquations {
+        let m = self.unknowns(place);
+        let mut sums = NormalSums { h: DMatrix::zeros(m, m), b: DVector::zeros(m), cost: 0.0 };
+        let (mut residuals, mut relative_square) = (Vec::new(), 0.0);
+        let mut row = vec![0.0; m];
+        for (wind, at) in self.winds.iter().zip(&self.at) {
+            let stream = at.as_ref().map(|at| StreamAt {
+                at,
+                amplitudes: self.family.amplitudes(at, &place.coefficients),
+                from: -place.mounting.inward(wind.towards),
+            });
+            for (i, reading) in wind.rows.iter().enumerate() {
+                row.fill(0.0);
+                let unit_w = reading.overheat_k * reading.unit_w_k;
+                let error_w = reading.error_w.hypot(stage.blur * unit_w);
+                let weight = unit_w / (place.gains[i] * error_w);
+                let nusselt = match &stream {
+                    Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
+                    None => f64::from(CONDUCTION),
+                };
+                for k in 0..self.spread.ncols() {
+                    row[self.first_gain() + k] = -weight * nusselt / place.gains[i] * self.spread[(i, k)];
+                }
+                let still = self.quiescent_unit_w_k[i] * reading.above_reference_k / error_w;
+                row[self.first_quiescent() + i] = -still;
+                let residual = reading.power_w / error_w - (weight * nusselt - still * place.quiescent[i]);
+                sums.add(&row, residual);
+                residuals.push(residual);
+                relative_square += (residual / (weight * nusselt)).powi(2);
+            }
+        }
+        let (chi_square, mut of_readings) = (sums.cost, sums.h.clone());
+        self.beforehand(place, stage, &mut sums);
+        let NormalSums { mut h, b, cost } = sums;
+        h.fill_lower_triangle_with_upper_triangle();
+        of_readings.fill_lower_triangle_with_upper_triangle();
+        SphereEquations { h, b, cost, chi_square, of_readings, residuals, relative_square }
+    }
+
+    /// Nu of surface `i`, and its derivatives to amplitudes and turns, each times `weight`.
+    fn wind_row(&self, place: &FitPoint, i: usize, stream: &StreamAt<'_>, weight: f64, row: &mut [f64]) -> f64 {
+        let StreamAt { at, amplitudes, from } = stream;
+        let means: [LocalNusselt; ORDERS] =
+            self.head.surfaces[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
+        let count = self.family.spline.count();
+        for (j, &n) in self.family.orders.iter().enumerate() {
+            for (k, b) in at.basis.iter().enumerate() {
+                row[j * count + k] = weight * at.scale[n] * b * f64::from(means[n].nusselt);
+            }
+        }
+        let (mut nusselt, mut gradient) = (0.0, Vector3::zeros());
+        for (a, mean) in amplitudes.iter().zip(&means) {
+            nusselt += a * f64::from(mean.nusselt);
+            gradient += Vector3::from(mean.gradient.map(f64::from)) * *a;
+        }
+        // A small turn δ moves w by δ × w; at a Reynolds number of one the gradient is −∂Nu/∂w
+        // across w.
+        let torque = gradient.cross(from);
+        for k in 0..place.mounting.turns.ncols() {
+            row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
+        }
+        nusselt
+    }
+
+    fn beforehand(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
+        let mut row = vec![0.0; sums.b.len()];
+        for known in self.family.beforehand(stage.size) {
+            row.fill(0.0);
+            let mut value = 0.0;
+            for (k, factor) in known {
+                row[k] = factor;
+                value += factor * place.coefficients[k];
+            }
+            sums.add(&row, -value);
+        }
+        // Columns of Z are orthonormal: u = Zᵀ (c − 1).
+        let gains = DVector::from_fn(place.gains.len(), |i, _| place.gains[i] - 1.0);
+        let gains = self.spread.tr_mul(&gains);
+        for (k, u) in gains.iter().enumerate() {
+            row.fill(0.0);
+            row[self.first_gain() + k] = 1.0 / GAIN;
+            sums.add(&row, -u / GAIN);
+        }
+        for (i, still) in place.quiescent.iter().enumerate() {
+            row.fill(0.0);
+            row[self.first_quiescent() + i] = 1.0 / QUIESCENT;
+            sums.add(&row, (f64::from(CONDUCTION) - still) / QUIESCENT);
+        }
+    }
+}
+
+/// The stream of one wind at a place.
+struct StreamAt<'a> {
+    at: &'a BasisAt,
+    amplitudes: [f64; ORDERS],
+    /// w in the head's frame.
+    from: Vector3<f64>,
+}
+
+/// Upper triangle of H, b and the cost.
+struct NormalSums {
+    h: DMatrix<f64>,
+    b: DVector<f64>,
+    cost: f64,
+}
+
+impl NormalSums {
+    fn add(&mut self, row: &[f64], residual: f64) {
+        for (j, &y) in row.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            self.b[j] += y * residual;
+            for (i, &x) in row[..=j].iter().enumerate() {
+                self.h[(i, j)] += x * y;
+            }
+        }
+        self.cost += residual * residual;
+    }
+}
+
+/// An orthonormal basis of the vectors of length n that sum to zero (Helmert).
+fn sum_zero(n: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(n, n - 1, |i, k| {
+        let size = ((k + 1) * (k + 2)) as f64;
+        match i {
+            _ if i <= k => 1.0 / size.sqrt(),
+            _ if i == k + 1 => -((k + 1) as f64) / size.sqrt(),
+            _ => 0.0,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_basis_of_the_gains_is_orthonormal_and_keeps_the_mean() {
+        for n in 2..6 {
+            let z = sum_zero(n);
+            assert!((z.tr_mul(&z) - DMatrix::identity(n - 1, n - 1)).amax() < 1e-15);
+            assert!((0..n - 1).all(|k| z.column(k).sum().abs() < 1e-15));
+        }
+    }
+}

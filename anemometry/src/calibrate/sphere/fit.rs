@@ -1,0 +1,116 @@
+//! Weighted least squares for all unknowns at once: Gauss–Newton, damped after Levenberg and
+//! Marquardt.
+//!
+//! A step is that of the linear equations with γ ≥ 0 kept exactly (Lawson and Hanson). It is taken
+//! if the cost falls. It ends where an undamped step would lower the cost by less than `SMALL`
+//! standard errors squared. It descends twice: `FIRST` from afar, to find the mounting, and then
+//! with the weights of the readings (`LAST`).
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::super::error::CalibrateError;
+use super::equations::{FIRST, FitPoint, FitStage, LAST, SphereEquations, SphereProblem};
+use diffusive::identify::nonnegative;
+
+const DAMPING: f64 = 1e-2;
+const MOST_STEPS: usize = 200;
+/// Far below one standard error, and above what the f32 means of the surfaces make of the cost.
+const SMALL: f64 = 1e-3;
+/// Damping at which a step is too short to be one.
+const MOST_DAMPING: f64 = 1e8;
+const LEAST_DAMPING: f64 = 1e-9;
+/// No head is made worse than this.
+const LIKELY_GAINS: std::ops::Range<f64> = 0.2..5.0;
+
+/// A solution and how sure it is.
+pub struct SphereFit {
+    /// The solution.
+    pub place: FitPoint,
+    /// The equations there.
+    pub equations: SphereEquations,
+    /// Inverse of H; zero for a γ that stands at zero.
+    pub covariance: DMatrix<f64>,
+    /// Readings less what of the unknowns they determine.
+    pub degrees_of_freedom: f64,
+}
+
+/// Fits all unknowns.
+///
+/// # Errors
+/// If no minimum is found.
+pub fn fit(problem: &SphereProblem<'_>) -> Result<SphereFit, CalibrateError> {
+    let first = descend(problem, problem.drawn(), FIRST).ok_or(CalibrateError::NoMinimum)?;
+    let mut place = descend(problem, first, LAST).ok_or(CalibrateError::NoMinimum)?;
+    place.mounting = place.mounting.smallest();
+    let equations = problem.equations(&place, LAST);
+    let covariance = covariance(problem, &place, &equations).ok_or(CalibrateError::NoMinimum)?;
+    let determined = (&covariance * &equations.of_readings).trace();
+    let degrees_of_freedom = equations.residuals.len() as f64 - determined;
+    Ok(SphereFit { place, equations, covariance, degrees_of_freedom })
+}
+
+/// Down from a place to where an undamped step would not pay.
+fn descend(problem: &SphereProblem<'_>, mut place: FitPoint, stage: FitStage) -> Option<FitPoint> {
+    let mut here = problem.equations(&place, stage);
+    let mut damping = DAMPING;
+    for _ in 0..MOST_STEPS {
+        let step = step(problem, &place, &here, damping);
+        let there = problem.moved(&place, &step);
+        let promised = 2.0 * here.b.dot(&step) - (&here.h * &step).dot(&step);
+        let sane = there.gains.iter().all(|c| LIKELY_GAINS.contains(c)) && step.iter().all(|x| x.is_finite());
+        let next = sane.then(|| problem.equations(&there, stage)).filter(|next| next.cost < here.cost);
+        // Of readings that scatter by more than they say, a standard error is larger.
+        let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
+        let done = damping <= DAMPING && promised < SMALL * scatter;
+        match next {
+            Some(next) => {
+                (place, here) = (there, next);
+                damping = (damping * 0.1).max(LEAST_DAMPING);
+            }
+            None => damping *= 10.0,
+        }
+        if done {
+            return Some(place);
+        }
+        if damping > MOST_DAMPING {
+            return None;
+        }
+    }
+    None
+}
+
+/// (H + λ diag H) δ = b with γ + δ ≥ 0, in units in which diag H is one.
+fn step(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations, damping: f64) -> DVector<f64> {
+    let m = at.b.len();
+    let unit = DVector::from_fn(m, |k, _| at.h[(k, k)].sqrt().max(f64::MIN_POSITIVE).recip());
+    let mut h = DMatrix::from_fn(m, m, |i, j| at.h[(i, j)] * unit[i] * unit[j]);
+    for k in 0..m {
+        h[(k, k)] += damping;
+    }
+    let (first, count) = (problem.first_quiescent(), place.quiescent.len());
+    let mut now = DVector::zeros(m);
+    let mut positive = vec![false; m];
+    for i in 0..count {
+        now[first + i] = place.quiescent[i] / unit[first + i];
+        positive[first + i] = true;
+    }
+    let b = at.b.component_mul(&unit) + &h * &now;
+    (nonnegative::solve(&h, &b, &positive) - now).component_mul(&unit)
+}
+
+fn covariance(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations) -> Option<DMatrix<f64>> {
+    let m = at.b.len();
+    let first = problem.first_quiescent();
+    let held = |k: usize| k.checked_sub(first).and_then(|i| place.quiescent.get(i)).is_some_and(|still| *still <= 0.0);
+    let free: Vec<usize> = (0..m).filter(|&k| !held(k)).collect();
+    let unit: Vec<f64> = free.iter().map(|&k| at.h[(k, k)].sqrt().recip()).collect();
+    let h = DMatrix::from_fn(free.len(), free.len(), |i, j| at.h[(free[i], free[j])] * unit[i] * unit[j]);
+    let inverse = Cholesky::new(h)?.inverse();
+    let mut covariance = DMatrix::zeros(m, m);
+    for (i, &k) in free.iter().enumerate() {
+        for (j, &l) in free.iter().enumerate() {
+            covariance[(k, l)] = inverse[(i, j)] * unit[i] * unit[j];
+        }
+    }
+    Some(covariance)
+}

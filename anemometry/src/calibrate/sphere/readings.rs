@@ -1,0 +1,176 @@
+//! Input of a calibration, checked: a sphere as drawn, and its readings in steady, known winds.
+//!
+//! ```text
+//! c_i (q_i + G0_i a_i) = θ_i (k A_i / d) Nu_i(r)          r = R v ρ d / µ
+//! ```
+//!
+//! | symbol | field | meaning |
+//! |---|---|---|
+//! | v | `wind_m_s` | known wind, where the gas goes to, in the tunnel's frame |
+//! | ρ, µ, k | `gas` | properties of the gas during the reading |
+//! | q_i | `power_w` | convective power of surface i beyond that of quiescent gas at the reference, as the quiescent-gas observer reads it off |
+//! | θ_i | `overheat_k` | surface over gas, now |
+//! | a_i | `above_reference_k` | surface over the gas temperature of the identification |
+//!
+//! Readings that cannot be meant are refused here by the label of their wind; whether the winds are
+//! well spread is for [`spread`](super::spread).
+
+use dr_core::wind::{SphereSurface, SurfaceConfig};
+
+use super::super::error::CalibrateError;
+use super::super::steady_wind::{SteadyWind, SurfaceReading};
+use crate::wind::comparison::length;
+
+/// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
+const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
+
+/// A head as drawn: its surfaces in its own frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnSphere {
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// At least two.
+    pub surfaces: Vec<DrawnSurface>,
+}
+
+/// A surface as drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnSurface {
+    /// Name of its element, such as `sector3`.
+    pub name: String,
+    /// Its geometry.
+    pub config: SurfaceConfig,
+}
+
+/// The head, checked.
+#[derive(Debug, Clone)]
+pub struct SphereGeometry {
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// Names of the surfaces.
+    pub names: Vec<String>,
+    /// Surfaces, checked by dr-core.
+    pub surfaces: Vec<SphereSurface>,
+}
+
+/// One wind, checked, in the numbers that the model takes.
+#[derive(Debug, Clone)]
+pub struct CheckedWind {
+    /// Label of the wind.
+    pub label: String,
+    /// Place among the readings that were given.
+    pub given: usize,
+    /// |v|, m/s.
+    pub speed_m_s: f64,
+    /// Re; zero in quiescent gas.
+    pub reynolds: f64,
+    /// v/|v|; zero in quiescent gas.
+    pub towards: [f64; 3],
+    /// Readings, one a surface.
+    pub rows: Vec<CheckedReading>,
+}
+
+/// Reading of a surface, checked.
+#[derive(Debug, Clone, Copy)]
+pub struct CheckedReading {
+    /// q, W.
+    pub power_w: f64,
+    /// Its standard deviation, W.
+    pub error_w: f64,
+    /// k A / d: conductance at a Nusselt number of one, W/K.
+    pub unit_w_k: f64,
+    /// θ, K.
+    pub overheat_k: f64,
+    /// a, K.
+    pub above_reference_k: f64,
+}
+
+impl CheckedWind {
+    /// Whether the gas is quiescent.
+    pub fn is_quiescent(&self) -> bool {
+        self.reynolds == 0.0
+    }
+}
+
+/// Checks a sphere.
+///
+/// # Errors
+/// Names the surface whose geometry is not one.
+pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry, CalibrateError> {
+    let refuse = CalibrateError::Head;
+    if !(head.diameter_m.is_finite() && head.diameter_m > 0.0) {
+        return Err(refuse(format!("the diameter is {} m; it must be a positive length", head.diameter_m)));
+    }
+    if head.surfaces.len() < 2 {
+        let given = head.surfaces.len();
+        return Err(refuse(format!("{given} surfaces are given; a head that tells a direction has at least two")));
+    }
+    let surfaces = head
+        .surfaces
+        .iter()
+        .map(|of| SphereSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
+    Ok(SphereGeometry {
+        diameter_m: head.diameter_m,
+        names: head.surfaces.iter().map(|of| of.name.clone()).collect(),
+        surfaces: surfaces.collect::<Result<_, _>>()?,
+    })
+}
+
+/// Checks all readings of a sphere.
+///
+/// # Errors
+/// The label of the first wind that cannot be meant, and why.
+pub fn winds(head: &SphereGeometry, steady: &[SteadyWind]) -> Result<Vec<CheckedWind>, CalibrateError> {
+    steady.iter().enumerate().map(|(given, steady)| wind(head, given, steady)).collect()
+}
+
+fn wind(head: &SphereGeometry, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
+    if steady.surfaces.len() != head.surfaces.len() {
+        let (read, known) = (steady.surfaces.len(), head.surfaces.len());
+        return Err(steady.refuse(format!("{read} surfaces were read, but the head has {known}")));
+    }
+    if let Some(bad) = steady.wind_m_s.iter().find(|v| !v.is_finite()) {
+        return Err(steady.refuse(format!("a component of the wind is {bad}; it must be a number in m/s")));
+    }
+    let gas = steady.core_gas()?;
+    let diameter_m = head.diameter_m as f32;
+    let speed_m_s = length(steady.wind_m_s);
+    let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(diameter_m));
+    if speed_m_s > 0.0 && !REYNOLDS.contains(&reynolds) {
+        let (least, most) = (*REYNOLDS.start(), *REYNOLDS.end());
+        return Err(steady.refuse(format!(
+            "{speed_m_s} m/s make a Reynolds number of {reynolds:.3e}; it must lie within {least:e} and {most:e}, or the wind be zero"
+        )));
+    }
+    let rows = steady.surfaces.iter().zip(head.names.iter().zip(&head.surfaces)).map(|(reading, (name, of))| {
+        if let Some(problem) = fault(name, reading) {
+            return Err(steady.refuse(problem));
+        }
+        Ok(CheckedReading {
+            power_w: reading.power_w,
+            error_w: reading.variance_w2.sqrt(),
+            unit_w_k: f64::from(gas.conductance_per_nusselt_w_k(diameter_m, of.area_m2())),
+            overheat_k: reading.overheat_k,
+            above_reference_k: reading.above_reference_k,
+        })
+    });
+    let towards = if speed_m_s > 0.0 { steady.wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] };
+    let rows = rows.collect::<Result<_, CalibrateError>>()?;
+    Ok(CheckedWind { label: steady.label.clone(), given, speed_m_s, reynolds, towards, rows })
+}
+
+/// The first number of a reading that cannot be meant.
+fn fault(surface: &str, reading: &SurfaceReading) -> Option<String> {
+    let fault = |key, value, must_be| Some(format!("{surface}: `{key}` is {value}; it must be {must_be}"));
+    for (key, value) in [("power_w", reading.power_w), ("above_reference_k", reading.above_reference_k)] {
+        if !value.is_finite() {
+            return fault(key, value, "a number");
+        }
+    }
+    for (key, value) in [("overheat_k", reading.overheat_k), ("variance_w2", reading.variance_w2)] {
+        if !(value.is_finite() && value > 0.0) {
+            return fault(key, value, "a number greater than zero");
+        }
+    }
+    None
+}

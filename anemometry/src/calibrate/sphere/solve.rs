@@ -1,0 +1,68 @@
+//! Calibration of a sphere in steps: check, spread of the winds, fit, check of the result.
+
+use super::super::error::CalibrateError;
+use super::super::steady_wind::SteadyWind;
+use super::calibration::SphereCalibration;
+use super::equations::SphereProblem;
+use super::family::{AmplitudeFamily, seen_orders};
+use super::readings::{self, DrawnSphere};
+use super::{fit, speeds, spread};
+
+/// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much
+/// as this.
+const MOST_RESIDUAL_RMS: f64 = 0.1;
+
+/// Calibrates a head.
+///
+/// # Errors
+/// If a reading cannot be meant, if the winds do not determine what is sought, or if what fits best
+/// makes no head.
+pub fn calibrate(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibration, CalibrateError> {
+    let ready = readings::ready(head)?;
+    let winds = readings::winds(&ready, steady)?;
+    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
+    let lacking = spread::lacking(&ready, &winds, &orders);
+    if !lacking.is_empty() {
+        return Err(CalibrateError::Spread(lacking));
+    }
+    solve(head, steady)
+}
+
+/// Calibrates a head without a check of the spread of the winds.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibration, CalibrateError> {
+    let ready = readings::ready(head)?;
+    let winds = readings::winds(&ready, steady)?;
+    let moving = speeds::ascending(&winds);
+    let (Some(first), Some(last)) = (moving.first(), moving.last()) else {
+        return Err(CalibrateError::Spread(vec!["all readings are of quiescent gas: winds are missing".into()]));
+    };
+    if first.reynolds >= last.reynolds {
+        return Err(CalibrateError::Spread(vec!["all winds have one speed".into()]));
+    }
+    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
+    // The middle of every speed, but the first and last wind themselves.
+    let mut reynolds: Vec<f64> = speeds::distinct(&moving)
+        .iter()
+        .map(|group| (group.iter().map(|wind| wind.reynolds.ln()).sum::<f64>() / group.len() as f64).exp())
+        .collect();
+    reynolds.dedup();
+    if let [only] = reynolds[..] {
+        reynolds.push(only);
+    }
+    let end = reynolds.len() - 1;
+    (reynolds[0], reynolds[end]) = (first.reynolds, last.reynolds);
+
+    let family = AmplitudeFamily::new(&reynolds, orders, moving.len() * head.surfaces.len());
+    let problem = SphereProblem::new(&ready, &winds, family);
+    let fitted = fit::fit(&problem)?;
+    let calibration = SphereCalibration::of(&problem, head, &fitted);
+    if calibration.residual_rms > MOST_RESIDUAL_RMS {
+        let SphereCalibration { residual_rms, worst, .. } = calibration;
+        return Err(CalibrateError::Unexplained { residual_rms, worst });
+    }
+    dr_core::wind::Nusselt::new(&calibration.nusselt())?;
+    Ok(calibration)
+}

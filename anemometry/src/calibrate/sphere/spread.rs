@@ -1,0 +1,219 @@
+//! Whether a set of winds can determine a calibration, before anything is fitted; and if not, which
+//! winds are missing.
+//!
+//! | what the model needs | rule |
+//! |---|---|
+//! | more readings than unknowns | winds × surfaces ≥ 4 coefficients an amplitude, gains, G0 and turns |
+//! | amplitudes at every speed: splines in ln Re do not reach over a gap | the slowest and the fastest wind differ by a factor of 2 at least, neighbouring speeds by 2.2 at most |
+//! | amplitudes a_0 … a_5 apart: polynomials of degree 5 in the cosine, which are free beyond the last angle | in every octave of speed *some* surface is within 45° of the front, some within 45° of the rear, and no 60° between are empty |
+//! | gain and G0 of every surface apart, and from the amplitudes | *every* surface is within 60° of the front and within 60° of the rear, at low speeds and at high ones (ranges of 2½ octaves at most) |
+//! | the tilt of a head that has one axis only: out of a plane of winds it changes their angles by its square alone | winds leave every plane by 20° at least |
+//!
+//! Because all surfaces share the amplitudes, an angle that one surface has seen need not be seen
+//! by the others. Angles are those of the head as drawn: they may be wrong by the mounting, for
+//! which the bounds have room.
+//!
+//! What each rule is worth, with 0.1 % of noise (tests `refused`): over a gap from 2.1 to 8 m/s
+//! winds of 3 to 5 m/s are estimated 1.1 % and 1.1° wrong, with winds of 4 m/s between 0.2 % and
+//! 0.1°. Winds along the edges of sectors alone make 0.4° of direction, with winds onto their axes
+//! and backs 0.05°. A sector that is never faced has a gain 1.4 times as uncertain. Two hemispheres
+//! in winds of one plane have no best fit that could be found, whereas four sectors lose nothing by
+//! it; so a head of several axes may stay on a turntable.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use super::super::compared::{ReynoldsRange, digits};
+use super::mounting::Mounting;
+use super::readings::{CheckedWind, SphereGeometry};
+use super::speeds::{ascending, classes, distinct};
+use super::spline;
+
+const LEAST_RANGE: f64 = 2.0;
+/// A ratio of neighbouring speeds: an octave, and what a tunnel misses it by.
+const WIDEST_STEP: f64 = 2.2;
+/// From front or rear, degrees, that some surface reaches in every octave.
+const SOME_SURFACE: f64 = 45.0;
+/// Between the angles of an octave, degrees.
+const WIDEST_ANGLE: f64 = 60.0;
+/// From front or rear, degrees, that every surface reaches.
+const EVERY_SURFACE: f64 = 60.0;
+const LEAST_OUT_OF_PLANE: f64 = 20.0;
+/// Octaves in which every surface is to be seen from both sides.
+const HALF_OCTAVES: f64 = 2.5;
+/// Stands in a sentence for the range of speeds.
+const SPEEDS: &str = "{speeds}";
+
+/// What is missing, a sentence each; nothing if the winds will do.
+pub fn lacking(head: &SphereGeometry, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+    let moving = ascending(winds);
+    let mut sentences = few(head, winds, orders);
+    if moving.is_empty() {
+        sentences.push("all readings are of quiescent gas: winds are missing".into());
+        return sentences;
+    }
+    sentences.extend(speeds(&moving));
+    if has_one_axis(head) {
+        sentences.extend(plane(&moving));
+    }
+    let of_some = classes(&moving, 1.0).into_iter().map(|class| (class, some_surface(head, &moving, &class)));
+    sentences.extend(joined(of_some.collect()));
+    let of_every =
+        classes(&moving, HALF_OCTAVES).into_iter().map(|class| (class, every_surface(head, &moving, &class)));
+    sentences.extend(joined(of_every.collect()));
+    sentences
+}
+
+/// What is missing from classes of speed, a sentence for every run of neighbouring classes that
+/// miss the same.
+fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
+    let mut runs: Vec<(ReynoldsRange, usize, String)> = Vec::new();
+    for (at, (class, missing)) in classes.into_iter().enumerate() {
+        for sentence in missing {
+            match runs.iter_mut().find(|(_, last, known)| *last + 1 == at && *known == sentence) {
+                Some((range, last, _)) => {
+                    *last = at;
+                    range.reynolds[1] = class.reynolds[1];
+                    range.speed_m_s[1] = class.speed_m_s[1];
+                }
+                None => runs.push((class, at, sentence)),
+            }
+        }
+    }
+    runs.into_iter().map(|(range, _, sentence)| sentence.replace(SPEEDS, &range.to_string())).collect()
+}
+
+fn few(head: &SphereGeometry, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+    let n = head.surfaces.len();
+    let unknowns = spline::LEAST_COUNT * orders.len() + 2 * n - 1 + Mounting::drawn(&head.surfaces).turns.ncols();
+    if n * winds.len() >= unknowns {
+        return Vec::new();
+    }
+    vec![format!(
+        "{} winds of {n} surfaces are {} readings, fewer than the {unknowns} unknowns: at least {} winds more are missing",
+        winds.len(),
+        n * winds.len(),
+        unknowns.div_ceil(n) - winds.len()
+    )]
+}
+
+/// Winds in a plane are no loss to a head whose axes span more.
+fn has_one_axis(head: &SphereGeometry) -> bool {
+    Mounting::drawn(&head.surfaces).turns.ncols() < 3
+}
+
+fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
+    let groups = distinct(moving);
+    let (first, last) = (moving[0], moving[moving.len() - 1]);
+    if last.reynolds < LEAST_RANGE * first.reynolds * (1.0 - 1e-6) {
+        return vec![format!(
+            "all winds have about one speed, {} to {} m/s (Re {:.0} to {:.0}): winds of at least twice the least are missing",
+            digits(first.speed_m_s),
+            digits(last.speed_m_s),
+            first.reynolds,
+            last.reynolds
+        )];
+    }
+    let edges = groups.iter().filter_map(|group| Some((group.first()?, group.last()?)));
+    edges
+        .clone()
+        .zip(edges.skip(1))
+        .filter(|((_, below), (above, _))| above.reynolds > WIDEST_STEP * below.reynolds)
+        .map(|((_, below), (above, _))| {
+            let count = ((above.reynolds / below.reynolds).ln() / WIDEST_STEP.ln()).ceil();
+            let ratio = (above.speed_m_s / below.speed_m_s).powf(1.0 / count);
+            let between: Vec<String> = (1..count as i32).map(|j| digits(below.speed_m_s * ratio.powi(j))).collect();
+            format!(
+                "no wind between {} and {} m/s (Re {:.0} to {:.0}): winds at about {} m/s are missing",
+                digits(below.speed_m_s),
+                digits(above.speed_m_s),
+                below.reynolds,
+                above.reynolds,
+                between.join(", ")
+            )
+        })
+        .collect()
+}
+
+fn plane(moving: &[&CheckedWind]) -> Option<String> {
+    let directions = || moving.iter().map(|wind| Vector3::from(wind.towards));
+    let moments: Matrix3<f64> = directions().map(|w| w * w.transpose()).sum();
+    let eigen = SymmetricEigen::new(moments);
+    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    let out = directions().map(|w| w.dot(&normal).abs()).fold(0.0, f64::max).min(1.0).asin().to_degrees();
+    (out < LEAST_OUT_OF_PLANE).then(|| {
+        format!(
+            "all winds lie in one plane, within {out:.0}°: winds along its normal {}, or at least {LEAST_OUT_OF_PLANE:.0}° out of it, \
+             are missing",
+            vector(normal)
+        )
+    })
+}
+
+/// Angles between where the winds of a class come from and the axis of a surface, degrees.
+fn angles(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange, surface: usize) -> Vec<f64> {
+    let axis = Vector3::from(head.surfaces[surface].axis().map(f64::from));
+    let of_class = moving.iter().filter(|wind| class.holds(wind.reynolds));
+    of_class.map(|wind| Vector3::from(wind.towards).angle(&-axis).to_degrees()).collect()
+}
+
+fn some_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+    let mut all: Vec<f64> = (0..head.surfaces.len()).flat_map(|surface| angles(head, moving, class, surface)).collect();
+    let (Some(least), Some(most)) = (all.iter().copied().reduce(f64::min), all.iter().copied().reduce(f64::max)) else {
+        // An octave without winds is a gap of speeds, and reported there.
+        return Vec::new();
+    };
+    let mut sentences = Vec::new();
+    if least > SOME_SURFACE {
+        sentences.push(format!(
+            "at {SPEEDS} no surface was nearer to the wind's front than {least:.0}°: winds that come from the axis of a surface, such as {}, \
+             are missing",
+            vector(Vector3::from(head.surfaces[0].axis().map(f64::from)))
+        ));
+    }
+    // Of two surfaces back to back the one's front is the other's rear.
+    let said = !sentences.is_empty() && has_one_axis(head);
+    if most < 180.0 - SOME_SURFACE && !said {
+        sentences.push(format!(
+            "at {SPEEDS} no surface was nearer to the wind's rear than {:.0}°: winds that go to the axis of a surface, such as {}, are missing",
+            180.0 - most,
+            vector(Vector3::from(head.surfaces[0].axis().map(f64::from)))
+        ));
+    }
+    all.sort_by(f64::total_cmp);
+    for pair in all.windows(2).filter(|pair| pair[1] - pair[0] > WIDEST_ANGLE) {
+        sentences.push(format!(
+            "at {SPEEDS} no surface was between {:.0}° and {:.0}° from the wind's front: winds at {:.0}° to the axis of a surface are missing",
+            pair[0],
+            pair[1],
+            0.5 * (pair[0] + pair[1])
+        ));
+    }
+    sentences
+}
+
+fn every_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (surface, name) in head.names.iter().enumerate() {
+        let own = angles(head, moving, class, surface);
+        if own.is_empty() {
+            continue;
+        }
+        let axis = Vector3::from(head.surfaces[surface].axis().map(f64::from));
+        for (side, way, reached) in [
+            ("front", "come from", own.iter().any(|angle| *angle <= EVERY_SURFACE)),
+            ("rear", "go to", own.iter().any(|angle| *angle >= 180.0 - EVERY_SURFACE)),
+        ] {
+            if !reached {
+                sentences.push(format!(
+                    "{name} was never within {EVERY_SURFACE:.0}° of the wind's {side} at {SPEEDS}: winds that {way} about {} are missing",
+                    vector(axis)
+                ));
+            }
+        }
+    }
+    sentences
+}
+
+fn vector(v: Vector3<f64>) -> String {
+    format!("({:.2}, {:.2}, {:.2})", v.x, v.y, v.z)
+}

@@ -1,0 +1,88 @@
+//! A calibration as commands of the board's anemometer.
+
+use dr_core::wind::{HeadSurface, WindCommand, WindOutputConfig};
+
+use super::checked::Calibration;
+use super::checks::GAS_C;
+use crate::gas_law::gas_law;
+use crate::head::error::WindSetupError;
+use crate::head::output::WindOutput;
+use crate::network::observer::NetworkObserver;
+
+/// The gas is known so far on either side of the reference, K: further than any place on Mars goes
+/// in a year.
+const GAS_RANGE_K: f64 = 70.0;
+/// Smoothing time of the reference's readings, s.
+const REFERENCE_SMOOTHING_S: f64 = 1.0;
+
+impl Calibration {
+    /// Commands that set up an anemometer, in the order in which it takes them, and the observer
+    /// that they describe.
+    ///
+    /// # Errors
+    /// If the bandwidth or the interval cannot be had, or the gas is not known.
+    pub fn commands(
+        &self,
+        output: &WindOutput,
+        sample_period_s: f64,
+    ) -> Result<(Vec<WindCommand>, NetworkObserver), WindSetupError> {
+        let observer = match output.fixed {
+            true => self.network.observer(output.bandwidth_hz, sample_period_s, &self.noise)?,
+            false => self.network.adaptive_observer(output.bandwidth_hz, sample_period_s, &self.noise)?,
+        };
+        let mut commands = Vec::new();
+        for (element, config) in &observer.own {
+            commands.push(WindCommand::SelfHeating { element: *element as u8, config: *config });
+        }
+        commands.extend(observer.faster.iter().copied().map(WindCommand::FasterGains));
+        commands.extend(observer.cross.iter().copied().map(WindCommand::CrossHeating));
+        if let Some(nusselt) = &self.table.nusselt {
+            for (point, amplitudes) in (0_u8..).zip(&nusselt.amplitudes) {
+                commands.push(WindCommand::NusseltPoint { point, amplitudes: amplitudes.map(|a| a as f32) });
+            }
+        }
+        if let Some(card) = &self.table.card {
+            commands.push(WindCommand::Card(card.config()));
+        }
+        for (part, (of, &element)) in (0_u8..).zip(self.table.surfaces.iter().zip(&self.surfaces)) {
+            let config = HeadSurface {
+                element: element as u8,
+                surface: of.surface(),
+                gain: of.gain as f32,
+                windless_w_k: of.quiescent_w_k as f32,
+            };
+            commands.push(WindCommand::Surface { surface: part, config });
+        }
+        let [least_c, most_c] = self.gas_range_c();
+        let law = gas_law(self.species, least_c, most_c)?;
+        commands.push(WindCommand::GasLaw(law));
+        commands.push(WindCommand::Output(self.answer(output, sample_period_s)?));
+        Ok((commands, observer))
+    }
+
+    fn answer(&self, output: &WindOutput, sample_period_s: f64) -> Result<WindOutputConfig, WindSetupError> {
+        let every = (output.interval_s / sample_period_s).round();
+        if !(1.0..=f64::from(u16::MAX)).contains(&every) {
+            return Err(WindSetupError::Interval { interval_s: output.interval_s, sample_period_s });
+        }
+        let sphere = self.table.nusselt.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
+        let card = self.table.card.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
+        let reynolds = sphere.or(card).map(|both| both.map(|reynolds| reynolds as f32));
+        Ok(WindOutputConfig {
+            surfaces: self.surfaces.len() as u8,
+            diameter_m: self.table.diameter_m as f32,
+            reynolds,
+            direction_error_max_rad: self.table.direction_error_max_deg.to_radians() as f32,
+            output_interval_ticks: every as u16,
+            reference: self.reference.map(|element| element as u8),
+            smoothing_s: [REFERENCE_SMOOTHING_S, 0.5 / std::f64::consts::PI / output.bandwidth_hz].map(|s| s as f32),
+            reference_gas_c: self.table.reference_gas_c as f32,
+        })
+    }
+
+    fn gas_range_c(&self) -> [f64; 2] {
+        let (least_c, most_c) = (*GAS_C.start(), *GAS_C.end());
+        let reference_c = self.table.reference_gas_c;
+        [(reference_c - GAS_RANGE_K).max(least_c), (reference_c + GAS_RANGE_K).min(most_c)]
+    }
+}

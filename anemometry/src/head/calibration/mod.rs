@@ -1,0 +1,40 @@
+//! The calibration of a head: what it takes to output the wind.
+//!
+//! The table `[calibration]` stands at the end of a head file, where `anemo calibrate` writes it:
+//!
+//! | table | keys |
+//! |---|---|
+//! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the quiescent-gas network), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
+//! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head outputs conductances only |
+//! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::wind::card_inverse`] |
+//! | `[[calibration.surfaces]]` | `element`, `axis` and `corner` in the tunnel's frame, `area_m2`, `means`, `threefold`, `gain`, `quiescent_w_k` |
+//! | `[[calibration.self_heating]]` | `element`, `rest_c`, `noise_k` (low and high level), `mesh_rad_s`, `r_k_per_w`, `surface` (m_k, for an element that the wind cools) |
+//! | `[[calibration.cross_heating]]` | `from`, `to`, `mesh_rad_s`, `r_k_per_w`, `surface` |
+//!
+//! Heads from before version 0.2 say `parts`, `own`, `cross` and `windless_w_k` instead of
+//! `surfaces`, `self_heating`, `cross_heating` and `quiescent_w_k`; they are read, and errors name
+//! the key as the file has it.
+//!
+//! It holds for the gas's species, and for the temperature of the support of the identification;
+//! see [`dr_core::wind::anemometer`] and [`dr_core::model::convection_observer`] for what the
+//! numbers do.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `table` | the tables as they are written |
+//! | `keys` | lines of keys, in either spelling |
+//! | `checks` | what is refused |
+//! | [`checked`] | a checked calibration |
+//! | [`commands`] | it as commands of the board's anemometer |
+//! | [`new`] | a calibration that was just made, on its way to the file |
+
+pub mod checked;
+mod checks;
+pub mod commands;
+pub(super) mod keys;
+pub mod new;
+pub(super) mod table;
+
+pub use checked::Calibration;
+pub use new::{Curves, NewCalibration, NewSurface};
+pub use table::CardTable;

@@ -1,0 +1,183 @@
+//! An element of a head: one platinum resistor that heats and senses.
+
+use std::collections::BTreeMap;
+
+use dr_core::ConfigError;
+use dr_core::control::{ElementConfig, Limits};
+use dr_core::sensor::{Channel, Level, Platinum};
+
+use super::nominal::{NominalElement, PlatinumKind};
+use super::table::ElementTable;
+use recording::text::suggest;
+use recording::toml_file::{FileError, TomlSource};
+
+/// More layers than a record can tell apart.
+const MOST_LAYERS: u8 = 3;
+
+/// A checked element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeadElement {
+    /// Name, as in columns.
+    pub name: String,
+    /// Elements of one kind share settings and models.
+    pub kind: Option<String>,
+    /// Unit vector away from the sensor, for a surface in the wind.
+    pub normal: Option<[f64; 3]>,
+    /// Layers between it and the surface of the sensor, each of some capacity and a resistance
+    /// towards the next; 0 where it is the surface.
+    pub layers: usize,
+    /// Resistor and currents in f64, for the simulation.
+    pub nominal: NominalElement,
+    /// The same for the controller, with the limits.
+    pub config: ElementConfig,
+}
+
+impl HeadElement {
+    /// Heating power in W at a temperature in °C with the current at a level: I²R.
+    pub fn power_w(&self, temperature_c: f64, level: Level) -> f64 {
+        f64::from(self.config.channel.power_at_w(temperature_c as f32, level))
+    }
+}
+
+pub(super) struct HeadAdc {
+    pub volt_per_code: f64,
+    pub code_max: i32,
+}
+
+/// Keys of an element, its own before those of its kind, with the place of each in the file for
+/// errors.
+struct ElementKeys<'a> {
+    source: &'a TomlSource,
+    key: String,
+    own: &'a ElementTable,
+    /// The kind's key and table.
+    shared: Option<(String, &'a ElementTable)>,
+}
+
+impl<'a> ElementKeys<'a> {
+    fn get<T>(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<T>) -> Result<(&'a T, String), FileError> {
+        if let Some(value) = of(self.own) {
+            return Ok((value, format!("{}.{name}", self.key)));
+        }
+        let Some((kind_key, shared)) = &self.shared else {
+            return Err(self.source.refuse(&self.key, format!("has no `{name}`, and no `kind` that could give it")));
+        };
+        match of(shared) {
+            Some(value) => Ok((value, format!("{kind_key}.{name}"))),
+            None => Err(self.source.refuse(&self.key, format!("has no `{name}`: give it there or in [{kind_key}]"))),
+        }
+    }
+
+    fn number(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<f64>) -> Result<f64, FileError> {
+        let (&number, key) = self.get(name, of)?;
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(self.source.refuse(&key, format!("is {number}: it must be finite")))
+        }
+    }
+
+    fn layers(&self) -> Result<usize, FileError> {
+        let kind = self.shared.as_ref().and_then(|(_, shared)| shared.layers);
+        if self.own.layers.or(kind).is_none() {
+            return Ok(0);
+        }
+        let (&layers, key) = self.get("layers", |table| &table.layers)?;
+        if layers > MOST_LAYERS {
+            return Err(self
+                .source
+                .refuse(&key, format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}")));
+        }
+        Ok(usize::from(layers))
+    }
+
+    /// The error of dr-core for one of this element's numbers.
+    fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
+        self.source
+            .refuse(key, format!("of {} cannot be used: {error}", self.own.name.as_deref().unwrap_or("an element")))
+    }
+
+    fn refuse_named(&self, error: &ConfigError) -> FileError {
+        let name = error.parameter.name();
+        let own = match name {
+            "current_low_a" => self.own.current_low_a.is_some(),
+            "current_high_a" => self.own.current_high_a.is_some(),
+            "resistance_min_ohm" => self.own.resistance_min_ohm.is_some(),
+            "resistance_max_ohm" => self.own.resistance_max_ohm.is_some(),
+            _ => self.own.temperature_max_c.is_some(),
+        };
+        let key = self.shared.as_ref().filter(|_| !own).map_or(&self.key, |(kind_key, _)| kind_key);
+        self.refuse(&format!("{key}.{name}"), error)
+    }
+}
+
+pub(super) fn element(
+    source: &TomlSource,
+    key: String,
+    own: &ElementTable,
+    kinds: &BTreeMap<String, ElementTable>,
+    adc: &HeadAdc,
+) -> Result<HeadElement, FileError> {
+    let name = own.name.clone().ok_or_else(|| source.refuse(&key, "has no `name`"))?;
+    if name.is_empty() || name.contains([':', ',', '"']) || name.contains(char::is_whitespace) {
+        let sentence = format!(
+            "is {name:?}: it becomes part of column names, so a word without `:`, `,` and quotation marks belongs here"
+        );
+        return Err(source.refuse(&format!("{key}.name"), sentence));
+    }
+    let shared = match &own.kind {
+        None => None,
+        Some(kind) => {
+            let table = kinds.get(kind).ok_or_else(|| {
+                let hint = suggest(kind, kinds.keys().map(String::as_str));
+                source.refuse(&format!("{key}.kind"), format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}"))
+            })?;
+            Some((format!("kinds.{kind}"), table))
+        }
+    };
+    let normal = normal(source, &key, own.normal)?;
+    let keys = ElementKeys { source, key, own, shared };
+
+    let (platinum, platinum_key) = keys.get("platinum", |table| &table.platinum)?;
+    let platinum_kind = platinum.kind().map_err(|error| source.refuse(&platinum_key, error.to_string()))?;
+    let current_low_a = keys.number("current_low_a", |table| &table.current_low_a)?;
+    let current_high_a = keys.number("current_high_a", |table| &table.current_high_a)?;
+    let limits = Limits {
+        resistance_min_ohm: keys.number("resistance_min_ohm", |table| &table.resistance_min_ohm)? as f32,
+        resistance_max_ohm: keys.number("resistance_max_ohm", |table| &table.resistance_max_ohm)? as f32,
+        temperature_max_c: keys.number("temperature_max_c", |table| &table.temperature_max_c)? as f32,
+        code_max: adc.code_max,
+    };
+    let layers = keys.layers()?;
+    let platinum = characteristic(platinum_kind).map_err(|error| keys.refuse(&platinum_key, &error))?;
+    let channel = Channel::new(platinum, adc.volt_per_code as f32, current_low_a as f32, current_high_a as f32)
+        .map_err(|error| keys.refuse_named(&error))?;
+    let limits = limits.checked(channel.platinum()).map_err(|error| keys.refuse_named(&error))?;
+    Ok(HeadElement {
+        name,
+        kind: own.kind.clone(),
+        normal,
+        layers,
+        nominal: NominalElement { platinum: platinum_kind, current_low_a, current_high_a },
+        config: ElementConfig { channel, limits },
+    })
+}
+
+fn characteristic(kind: PlatinumKind) -> Result<Platinum, ConfigError> {
+    match kind {
+        PlatinumKind::Linear { resistance_0c_ohm, coefficient_per_c } => {
+            Platinum::linear(resistance_0c_ohm as f32, coefficient_per_c as f32)
+        }
+        PlatinumKind::Iec60751 { resistance_0c_ohm } => Platinum::iec60751(resistance_0c_ohm as f32),
+    }
+}
+
+fn normal(source: &TomlSource, key: &str, normal: Option<[f64; 3]>) -> Result<Option<[f64; 3]>, FileError> {
+    let key = format!("{key}.normal");
+    let Some(normal) = normal else { return Ok(None) };
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length.is_finite() && length > 1e-9) {
+        return Err(source.refuse(&key, "is no direction: three finite numbers that are not all 0 belong here"));
+    }
+    Ok(Some(normal.map(|x| x / length)))
+}

@@ -1,0 +1,29 @@
+//! Data sheet of an element in f64: its resistor and its two currents.
+
+/// Nominal characteristic of a platinum resistor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlatinumKind {
+    /// R = R0 (1 + αT).
+    Linear {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+        /// α, 1/°C.
+        coefficient_per_c: f64,
+    },
+    /// IEC 60751, whose coefficients are fixed.
+    Iec60751 {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+    },
+}
+
+/// Nominal values of one element and its two currents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalElement {
+    /// Resistor.
+    pub platinum: PlatinumKind,
+    /// Low level, A.
+    pub current_low_a: f64,
+    /// High level, A.
+    pub current_high_a: f64,
+}

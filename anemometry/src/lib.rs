@@ -1,0 +1,35 @@
+//! Thermal anemometer heads (constant-temperature anemometry): quiescent-gas network, calibration
+//! in known winds, and wind from recordings, with the board's own arithmetic.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use anemometry::head::Head;
+//! use anemometry::wind::{WindEstimation, WindOptions};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let head = Head::read(Path::new("head.toml"))?;
+//! let options = WindOptions::default();
+//! let mut estimation = WindEstimation::new(Path::new("winds.parquet"), &head, &options, None)?;
+//! while let Some(estimate) = estimation.next_estimate()? {
+//!     println!("{} s: {} m/s", estimate.moment.time_s, estimate.sample.speed_m_s);
+//! }
+//! println!("{}", estimation.report());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`head`] | head files: elements, limits, calibration |
+//! | [`network`] | self-heating and cross-heating of the elements in quiescent gas |
+//! | [`calibrate`] | from readings in known winds to a calibrated head |
+//! | [`wind`] | wind estimates of a recording, and their errors |
+//! | [`gas`], [`gas_law`] | properties of carbon dioxide and air, and as polynomials for the board |
+
+pub mod calibrate;
+pub mod gas;
+pub mod gas_law;
+pub mod head;
+pub mod network;
+pub mod wind;

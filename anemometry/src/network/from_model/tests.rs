@@ -1,0 +1,112 @@
+use std::path::Path;
+
+use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
+
+use super::*;
+use crate::network::kalman::ReadingNoise;
+use diffusive::model::testing;
+
+const NOISE: ReadingNoise = ReadingNoise { low_k: 2e-3, high_k: 4e-4 };
+
+fn head() -> Head {
+    Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-a.toml")).unwrap()
+}
+
+/// Hemisphere 1 and a core, each heating the other.
+pub(crate) fn model() -> Model {
+    let mut model = testing::model(&[0.00296, 0.0306, 1.69, 126.9], &[459.6, 72.11, 124.5, 6.204]);
+    let core = testing::model(&[0.00295, 0.0305, 0.1108], &[294.2, 66.6, 31.8]);
+    let far = testing::model(&[0.00296, 0.02874, 5.0], &[367.9, -24.7, -4.1]);
+    let mut push = |of: &Model, input: &str, output: &str| {
+        let pair = &of.pairs[0];
+        model.pairs.push(Pair { input: input.to_owned(), output: output.to_owned(), ..pair.clone() });
+    };
+    push(&core, "power_w_core1", "temperature_c_core1");
+    push(&far, "power_w_hemisphere1", "temperature_c_core1");
+    push(&far, "power_w_core1", "temperature_c_hemisphere1");
+    (model.pairs[0].input, model.pairs[0].output) =
+        ("power_w_hemisphere1".to_owned(), "temperature_c_hemisphere1".to_owned());
+    model.inputs = vec!["power_w_hemisphere1".to_owned(), "power_w_core1".to_owned()];
+    model.outputs[0].name = "temperature_c_hemisphere1".to_owned();
+    model.outputs[0].offset_c = -44.6;
+    let other = diffusive::model::ModelOutput {
+        name: "temperature_c_core1".to_owned(),
+        offset_c: -44.1,
+        ..model.outputs[0].clone()
+    };
+    model.outputs.push(other);
+    model
+}
+
+#[test]
+fn a_model_becomes_a_network_with_its_layers_and_its_shares() {
+    let parameters = QuiescentNetwork::of(&model(), &head()).unwrap();
+    let names: Vec<_> = parameters.own.iter().map(|own| (own.element, own.name.as_str(), own.layers.len())).collect();
+    assert_eq!(names, [(0, "hemisphere1", 2), (2, "core1", 0)]);
+    assert!(parameters.own[1].surface.is_none());
+    assert!((parameters.own[0].contact_time_s() - 0.61).abs() < 0.05, "{}", parameters.own[0].contact_time_s());
+    let [there, back] = &parameters.cross[..] else { panic!("{:?}", parameters.cross) };
+    assert_eq!((there.from, there.to, back.from, back.to), (0, 2, 2, 0));
+    // Slow: all but a part of contact time times rate; 5 rad/s is beyond the contact.
+    assert!((there.surface[0] - 1.0 + 0.00296 * parameters.own[0].contact_time_s()).abs() < 1e-5);
+    assert_eq!(there.surface[2], 0.0);
+    assert_eq!(back.surface, [1.0; 3]);
+}
+
+#[test]
+fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
+    let parameters = QuiescentNetwork::of(&model(), &head()).unwrap();
+    let observer = parameters.observer(5.0, 0.01, &[NOISE; 4]).unwrap();
+    let mut network = ConvectionObserver::<4>::default();
+    for (element, config) in &observer.own {
+        network.set_self_heating(*element, config, 0.01).unwrap();
+    }
+    for config in &observer.cross {
+        network.set_cross_heating(config, 0.01).unwrap();
+    }
+    assert!(observer.sd_w[0] > 0.0 && observer.sd_w[1] == 0.0);
+    assert_eq!(observer.own[1].1.gains.convection_w_per_k, 0.0);
+    assert!(observer.own[1].1.gains.correction_w_per_k[0] > 0.0);
+    // Settled without wind: no convection, and the surface colder by what lies before it.
+    let (p, core) = (0.03, 0.01);
+    let gain = |r: &[f64]| r.iter().sum::<f64>();
+    let far = gain(&parameters.cross[0].r_k_per_w);
+    let warm_c = -44.6 + p * gain(&parameters.own[0].r_k_per_w) + core * far;
+    let core_c = -44.1 + core * gain(&parameters.own[1].r_k_per_w) + p * far;
+    let look = TickInput {
+        temperature_c: &[warm_c as f32, 0.0, core_c as f32, 0.0],
+        valid: 0b101,
+        read_high: 0,
+        power_w: &[p as f32, 0.0, core as f32, 0.0],
+        standing_w: &[p as f32, 0.0, core as f32, 0.0],
+    };
+    let mut state = ConvectionObserverState::default();
+    let convection = network.step(&mut state, &look).unwrap();
+    assert!(convection.power_w[0].abs() < 1e-6, "{:?}", convection.power_w);
+    let drop: f64 = parameters.own[0].layers.iter().map(|section| section.resistance_k_per_w).sum();
+    assert!((f64::from(convection.surface_c[0]) - (warm_c - p * drop)).abs() < 1e-3, "{:?}", convection.surface_c);
+}
+
+#[test]
+fn what_is_no_quiescent_gas_network_is_refused_by_its_pair() {
+    let refused = |change: fn(&mut Model)| {
+        let mut model = model();
+        change(&mut model);
+        QuiescentNetwork::of(&model, &head()).unwrap_err().to_string()
+    };
+    assert!(refused(|model| model.structure = Structure::Conductance).contains("has its wind inside"));
+    assert!(refused(|model| model.classes.push("gust".to_owned())).contains("all, gust"));
+    assert!(
+        refused(|model| model.pairs[2].dead_time_samples = 1)
+            .contains("power_w_hemisphere1 → temperature_c_core1 answers")
+    );
+    assert!(refused(|model| drop(model.pairs.remove(2))).contains("does not say how `hemisphere1` heats `core1`"));
+    let sentence = refused(|model| {
+        let pair = &mut model.pairs[3];
+        pair.mesh_rad_s = vec![1.0, 2.0, 3.0, 4.0, 5.0];
+        pair.classes.get_mut("all").unwrap().r_k_per_w = vec![1.0; 5];
+    });
+    assert!(sentence.contains("has 5 rates, and the board carries 4"), "{sentence}");
+    let noise = QuiescentNetwork::of(&model(), &head()).unwrap().observer(1.0, 0.01, &[NOISE]).unwrap_err().to_string();
+    assert!(noise.contains("`core1`: its readings' noise is not given"), "{noise}");
+}

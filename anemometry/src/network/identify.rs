@@ -1,0 +1,309 @@
+//! Identification of the whole network from records that drive one element each: every pair with as
+//! many free rates as its record can tell apart.
+//!
+//! In two rounds. The power of the other elements at their low level is little, but not constant:
+//! it changes with their resistance, and so with the temperature that the driven element gives
+//! them. Left alone it would count as heating by the driven element (0.6 % of the steady gain of a
+//! hemisphere of sphere A). So the temperatures that the models of the first round predict for
+//! these powers are subtracted before the second:
+//!
+//! ```text
+//! y_j − Σ_{l ≠ i} (H_lj P_l)  =  rest_j + (H_ij P_i) + noise
+//! ```
+//!
+//! whose offset is then the temperature with no heating at all: one value a record, of which the
+//! mean is taken.
+//!
+//! | decided | how |
+//! |---|---|
+//! | initial state | settled: a record begins with half a minute or so of all elements at their low level |
+//! | mesh for the start | 20 rates from 2π/T to 2π/Ts |
+//! | rates a pair | the most, up to 4, of which each is known within its half and stands apart from the next by two standard errors; self-heating with no negative resistance, as its ladder needs |
+//! | noise of readings | residuals of an element in the records of the others, in which it is at its low level |
+
+use std::path::Path;
+
+use dr_core::model::mesh;
+
+use super::error::NetworkIdentifyError;
+use super::record::QuiescentRecord;
+use diffusive::identify::record::RecordTable;
+use diffusive::identify::{Constraints, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
+use diffusive::model::merge::merge;
+use diffusive::model::{Model, Pair};
+use recording::{POWER, TEMPERATURE};
+
+/// Rates of the mesh from which free ones start.
+const MESH: usize = 20;
+/// A rate of a greater standard error, in units of itself, is not known.
+const KNOWN: f64 = 0.5;
+
+/// Greatest numbers of free rates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PolesPerPair {
+    /// Of self-heating.
+    pub own: usize,
+    /// Of cross-heating.
+    pub cross: usize,
+}
+
+impl Default for PolesPerPair {
+    fn default() -> Self {
+        Self { own: 4, cross: 4 }
+    }
+}
+
+/// Reads record number n.
+pub type ReadRecord<'a> = dyn Fn(usize) -> Result<QuiescentRecord, NetworkIdentifyError> + 'a;
+
+/// Pairs of one record: all temperatures by the driven element's power.
+struct IdentificationRound {
+    name: String,
+    driven: String,
+    /// By element.
+    models: Vec<Model>,
+}
+
+/// Identifies all records and merges their models. `read` reads record number n; it is called
+/// several times for each, so that only one record is in memory.
+///
+/// # Errors
+/// Which record or pair has no model, and why.
+pub fn identify(
+    records: usize,
+    read: &ReadRecord<'_>,
+    poles: PolesPerPair,
+    progress: &mut Progress<'_>,
+) -> Result<Model, NetworkIdentifyError> {
+    let first = read(0)?;
+    all_driven_once(records, read, &first)?;
+    let mut rounds: Vec<IdentificationRound> = Vec::new();
+    for n in 0..records {
+        rounds.push(first_round(&read(n)?, poles, progress)?);
+    }
+    let place = |driven: &str| first.elements.iter().position(|name| name == driven);
+    let mut second = Vec::new();
+    for n in 0..records {
+        second.push(second_round(&read(n)?, &rounds, poles, progress)?);
+    }
+    // In the head's order, whatever that of the files was.
+    second.sort_by_key(|round| place(&round.driven));
+    let mut model = network(&first.elements, second)?;
+    model.provenance.conditions = first.conditions;
+    Ok(model)
+}
+
+/// Checks all records before anything is computed.
+fn all_driven_once(records: usize, read: &ReadRecord<'_>, first: &QuiescentRecord) -> Result<(), NetworkIdentifyError> {
+    let mut driven: Vec<(String, String)> = Vec::new();
+    for n in 0..records {
+        let record = read(n)?;
+        record.alike(first)?;
+        if let Some((first, element)) = driven.iter().find(|(_, element)| element == record.driven_name()) {
+            let both = format!("{first} and {} both drive `{element}`", record.name);
+            return Err(NetworkIdentifyError::Records(format!("{both}: one of them is enough")));
+        }
+        driven.push((record.name.clone(), record.driven_name().to_owned()));
+    }
+    let missing = first.elements.iter().filter(|name| driven.iter().all(|(_, element)| element != *name));
+    let missing: Vec<&str> = missing.map(String::as_str).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let missing = missing.join(", ");
+    let sentence = format!("no record drives {missing}: the network needs one record an element");
+    Err(NetworkIdentifyError::Records(sentence))
+}
+
+fn options() -> IdentifyOptions {
+    let given = Constraints {
+        initial_state: Some(InitialState::Settled),
+        feed_through: Some(false),
+        delay: Some(0),
+        ..Constraints::default()
+    };
+    IdentifyOptions { constraints: given, signs: Signs::Any, ..IdentifyOptions::default() }
+}
+
+/// A mesh for all temperatures at once, and free rates from it.
+fn first_round(
+    record: &QuiescentRecord,
+    poles: PolesPerPair,
+    progress: &mut Progress<'_>,
+) -> Result<IdentificationRound, NetworkIdentifyError> {
+    let mut table = table(record, &(0..record.elements.len()).collect::<Vec<_>>(), &record.temperature_c)?;
+    let rows = record.power_w[record.driven].len() as f64;
+    let (first, last) = mesh::thesis_edges_rad_s(rows * record.sample_period_s, record.sample_period_s, 1);
+    let mut given = options();
+    (given.constraints.order, given.constraints.edges_rad_s) = (Some(MESH), Some((first, 2.0 * last)));
+    let whole = symbol::identify(&mut table, &given, progress, &mut |_| {}).map_err(no_model)?;
+    let mut models = Vec::new();
+    for (output, of) in whole.outputs.iter().enumerate() {
+        let pairs = whole.pairs.iter().filter(|pair| pair.output == of.name).cloned().collect();
+        let start = Model { outputs: vec![of.clone()], pairs, end: None, warnings: Vec::new(), ..whole.clone() };
+        models.push(free(record, output, &record.temperature_c[output], &start, poles, progress)?);
+    }
+    Ok(IdentificationRound { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
+}
+
+/// Free rates again, from those of the first round, with the heating by the others' powers
+/// subtracted.
+fn second_round(
+    record: &QuiescentRecord,
+    rounds: &[IdentificationRound],
+    poles: PolesPerPair,
+    progress: &mut Progress<'_>,
+) -> Result<IdentificationRound, NetworkIdentifyError> {
+    let mut models = Vec::new();
+    for output in 0..record.elements.len() {
+        let mut alone_c = record.temperature_c[output].clone();
+        let mut start = None;
+        for round in rounds {
+            let model = &round.models[output];
+            let Some(element) = record.elements.iter().position(|name| *name == round.driven) else { continue };
+            if element == record.driven {
+                start = Some(model);
+            } else {
+                subtract_heating(&mut alone_c, &model.pairs[0], &record.power_w[element], record.sample_period_s);
+            }
+        }
+        let Some(start) = start else { continue };
+        let most = start.pairs[0].mesh_rad_s.len();
+        let poles = PolesPerPair { own: poles.own.min(most), cross: poles.cross.min(most) };
+        models.push(free(record, output, &alone_c, start, poles, progress)?);
+    }
+    Ok(IdentificationRound { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
+}
+
+/// Subtracts the heating by a power, settled at first.
+fn subtract_heating(temperature_c: &mut [f64], pair: &Pair, power_w: &[f64], sample_period_s: f64) {
+    let Some(class) = pair.classes.values().next() else { return };
+    for (&rate, r) in pair.mesh_rad_s.iter().zip(&class.r_k_per_w) {
+        let gain = mesh::gain(rate, sample_period_s);
+        let mut x = power_w.first().copied().unwrap_or(0.0);
+        for (temperature_c, power_w) in temperature_c.iter_mut().zip(power_w) {
+            *temperature_c -= r * x;
+            x += gain * (power_w - x);
+        }
+    }
+}
+
+/// Free rates of one temperature: as many as the record can tell apart.
+fn free(
+    record: &QuiescentRecord,
+    output: usize,
+    temperature_c: &[f64],
+    start: &Model,
+    poles: PolesPerPair,
+    progress: &mut Progress<'_>,
+) -> Result<Model, NetworkIdentifyError> {
+    let is_own = output == record.driven;
+    let most = if is_own { poles.own } else { poles.cross };
+    let mut table = table(record, &[output], &[temperature_c.to_vec()])?;
+    let mut why = String::new();
+    for count in (1..=most).rev() {
+        let found = refine::refine(&mut table, start, count, &options(), progress, &mut |_| {});
+        let problem = match &found {
+            Ok(model) => unresolved(&model.pairs[0], is_own),
+            Err(error) => Some(error.to_string()),
+        };
+        match (found, problem) {
+            (Ok(mut model), None) => {
+                let pair = &model.pairs[0];
+                let mut reason = format!(
+                    "{} → {}: {count} rates, {:.3} mK left",
+                    pair.input,
+                    pair.output,
+                    1e3 * model.outputs[0].residual_rms
+                );
+                if !why.is_empty() {
+                    reason = format!("{reason}; {why}");
+                }
+                model.chosen.reasons = vec![reason];
+                model.warnings.clear();
+                model.supported = true;
+                return Ok(model);
+            }
+            (_, Some(sentence)) => why = format!("not {count}: {sentence}"),
+            (Err(error), None) => why = error.to_string(),
+        }
+    }
+    let (from, to) = (record.driven_name(), &record.elements[output]);
+    let sentence = format!("how `{from}` heats `{to}` cannot be told: {why}");
+    Err(NetworkIdentifyError::Content { record: record.name.clone(), sentence })
+}
+
+/// Why the rates of a pair are not resolved; `None` if they are.
+fn unresolved(pair: &Pair, is_own: bool) -> Option<String> {
+    let rates = &pair.mesh_rad_s;
+    let resistances = &pair.classes.values().next()?.r_k_per_w;
+    if is_own && let Some(k) = resistances.iter().position(|r| *r <= 0.0) {
+        return Some(format!("R_{} is {:.3} K/W", k + 1, resistances[k]));
+    }
+    let Some(se) = &pair.se_rate_rad_s else { return None };
+    let relative: Vec<f64> = se.iter().zip(rates).map(|(se, rate)| se / rate).collect();
+    if let Some(k) = relative.iter().position(|relative| relative.is_nan() || *relative >= KNOWN) {
+        return Some(format!("the rate at {:.3e} rad/s is known to ±{:.0} % only", rates[k], 100.0 * relative[k]));
+    }
+    let close = |k: &usize| (rates[k + 1] / rates[*k]).ln() < 2.0 * relative[*k].hypot(relative[k + 1]);
+    let k = (0..rates.len().saturating_sub(1)).find(close)?;
+    Some(format!("rates at {:.3e} and {:.3e} rad/s are within twice their standard errors", rates[k], rates[k + 1]))
+}
+
+fn table(
+    record: &QuiescentRecord,
+    outputs: &[usize],
+    temperature_c: &[Vec<f64>],
+) -> Result<RecordTable, NetworkIdentifyError> {
+    let input = (recording::column_name(POWER, record.driven_name()), record.power_w[record.driven].clone());
+    let names = outputs.iter().map(|&output| recording::column_name(TEMPERATURE, &record.elements[output]));
+    let table =
+        RecordTable::new(record.sample_period_s, vec![input], names.zip(temperature_c.iter().cloned()).collect());
+    Ok(table.map_err(no_model)?.named(Path::new(&record.name)))
+}
+
+fn no_model(error: impl std::fmt::Display) -> NetworkIdentifyError {
+    NetworkIdentifyError::Model(error.to_string())
+}
+
+/// One model of all pairs, with the temperatures at rest and the noise of readings at the low
+/// level.
+fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Model, NetworkIdentifyError> {
+    let mut pairs = Vec::new();
+    for round in &rounds {
+        pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
+    }
+    let mut model = merge(&pairs).map_err(no_model)?;
+    let reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
+    for (j, name) in elements.iter().enumerate() {
+        let Some(place) =
+            model.outputs.iter().position(|output| output.name == recording::column_name(TEMPERATURE, name))
+        else {
+            continue;
+        };
+        let rests: Vec<f64> = rounds.iter().map(|round| round.models[j].outputs[0].offset_c).collect();
+        let mean = rests.iter().sum::<f64>() / rests.len() as f64;
+        let apart = rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max);
+        let others: Vec<f64> = rounds
+            .iter()
+            .filter(|round| round.driven != *name)
+            .map(|round| round.models[j].outputs[0].residual_rms)
+            .collect();
+        let output = &mut model.outputs[place];
+        output.offset_c = mean;
+        output.se_offset_c = apart;
+        if !others.is_empty() {
+            output.residual_rms = (others.iter().map(|rms| rms * rms).sum::<f64>() / others.len() as f64).sqrt();
+        }
+    }
+    model.offset_c = model.outputs[0].offset_c;
+    model.residual_rms = model.outputs[0].residual_rms;
+    model.chosen.reasons = reasons;
+    // A record counts once, not once a pair.
+    model.provenance.records = rounds.iter().map(|round| round.name.clone()).collect();
+    let per_record =
+        |of: &dyn Fn(&Model) -> f64| rounds.iter().filter_map(|round| round.models.first()).map(of).sum::<f64>();
+    model.provenance.rows = per_record(&|model| model.provenance.rows as f64) as u64;
+    model.provenance.duration_s = per_record(&|model| model.provenance.duration_s);
+    Ok(model)
+}

@@ -1,0 +1,253 @@
+//! The steady-state Kalman filter of one element: gains by which its quiescent-gas model follows
+//! the readings, and the convective loss that it reads off.
+//!
+//! ```text
+//! x_k ← x_k + g_k (P − m_k q − x_k + n),    q ← q + w        w: white, of σ; n: of 10⁻⁶ σ
+//! T = Σ R_k x_k + v
+//! e = T − T̂,    q ← q − ℓ e,    x_k ← x_k + L_k e
+//! c_k = L_k (1 − g_k)/g_k        for the board, which does both of its steps at once
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | q | convective power, a random walk | W |
+//! | σ | its step, found by bisection so that q → q̂ has the requested bandwidth | W |
+//! | n | noise of the power, 10⁻⁶ of a step of q: so that no state is beyond correction where m_k = 0, and Riccati's equation has one answer. Behind two layers, 10⁻³ would already pass for fast q | W |
+//! | v | noise of a reading; its variance is that of low and high readings in turns, 1/r = D/r_high + (1 − D)/r_low at duty cycle D | K |
+//! | s | weights of innovations, ∝ 1/(h P hᵀ + r_level), one in the mean | |
+//!
+//! ```text
+//! q̂/q = A G/(1 + C + A G),    A = ℓ z/(z − 1),    a_k = 1 − g_k
+//! G = Σ R_k g_k m_k/(z − a_k),    C = Σ R_k g_k c_k/(z − a_k)
+//! ```
+//!
+//! An element without a surface has no q: its states are random walks, and the bandwidth is that of
+//! T → T̂.
+//!
+//! Behind n layers q is n + 1 times integrated before it is read: the noise of q̂ grows with
+//! bandwidth^(n + 3/2), and f32 on the board, 4 µK of a temperature, with it. For the element of
+//! the tests (0.6 s behind ceramic, 1 kHz, 0.5 mK): 31 µW at 0.5 Hz, 0.16 mW at 1 Hz, 9 mW at 5 Hz;
+//! without layers 5 µW at 5 Hz.
+//!
+//! Limits: elements are designed one by one; what others do to them is taken for known. Duty cycles
+//! other than the nominal one change bandwidth and noise a little: fewer high readings, slower and
+//! noisier.
+
+use dr_core::model::mesh;
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::error::FilterError;
+use super::riccati::{lyapunov, riccati};
+
+/// Samples a period of the bandwidth at least: with fewer, one tick of delay is no longer small
+/// against it.
+const LEAST_SAMPLES: f64 = 10.0;
+/// Share of readings at the high level for which gains are made.
+pub const NOMINAL_DUTY: f64 = 0.5;
+/// Noise of the power over the step of the convection.
+const POWER_NOISE: f64 = 1e-6;
+/// Frequencies at which a bandwidth is looked for, a decade.
+const A_DECADE: usize = 40;
+/// Greatest correction that the board takes, W/K.
+const GREATEST_W_PER_K: f64 = 1e6;
+
+/// Standard deviations of a reading, K.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadingNoise {
+    /// At the low level of the current.
+    pub low_k: f64,
+    /// At the high level.
+    pub high_k: f64,
+}
+
+/// Self-heating of an element, with the shares of its surface; without them it has none.
+#[derive(Debug, Clone, Copy)]
+pub struct Plant<'a> {
+    /// ξ_k
+    pub mesh_rad_s: &'a [f64],
+    /// R_k
+    pub r_k_per_w: &'a [f64],
+    /// m_k
+    pub surface: Option<&'a [f64]>,
+    /// Time between two readings, s.
+    pub sample_period_s: f64,
+    /// Of the readings.
+    pub noise: ReadingNoise,
+}
+
+/// Gains of an element's steady filter, with its bandwidth and noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KalmanFilter {
+    /// ℓ, W/K; 0 without a surface.
+    pub convection_w_per_k: f64,
+    /// c_k, W/K.
+    pub correction_w_per_k: Vec<f64>,
+    /// s at the low and at the high level.
+    pub weights: [f64; 2],
+    /// σ, W.
+    pub step_w: f64,
+    /// −3 dB of q → q̂ (T → T̂ without a surface), Hz.
+    pub bandwidth_hz: f64,
+    /// Standard deviation of q̂ by the noise of the readings alone, W.
+    pub noise_w: f64,
+    /// Standard deviation of q̂ − q if q walks as assumed: the noise and the lag, W.
+    pub posterior_w: f64,
+}
+
+/// Gains for a bandwidth.
+///
+/// # Errors
+/// What the sample period or the model cannot give.
+pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, FilterError> {
+    let ts = plant.sample_period_s;
+    let most_hz = 1.0 / (LEAST_SAMPLES * ts);
+    // A tenth of 100 Hz is a little less than 10 Hz in f64.
+    if !(bandwidth_hz > 0.0 && bandwidth_hz <= most_hz * (1.0 + 1e-9)) {
+        return Err(FilterError::Rate { bandwidth_hz, sample_period_s: ts, most_hz });
+    }
+    let of = |low: f64| low.is_finite() && low > 0.0;
+    if !(of(plant.noise.low_k) && of(plant.noise.high_k)) {
+        let ReadingNoise { low_k, high_k } = plant.noise;
+        return Err(FilterError::Noise { low_k, high_k });
+    }
+    // In units of what one step does to the temperature against the noise.
+    let seen_k_per_w: f64 = plant.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
+    let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
+    let (mut slow, mut fast) = ((1e-10 * unit_w).ln(), (1e6 * unit_w).ln());
+    let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);
+    for (edge, is_slow) in [(slow, true), (fast, false)] {
+        let edge_hz = at(edge)?.bandwidth_hz;
+        if (edge_hz > bandwidth_hz) == is_slow {
+            return Err(FilterError::Reach { bandwidth_hz, edge_hz, is_slow });
+        }
+    }
+    while fast - slow > 1e-6 {
+        let middle = 0.5 * (slow + fast);
+        if at(middle)?.bandwidth_hz < bandwidth_hz { slow = middle } else { fast = middle }
+    }
+    let filter = at(0.5 * (slow + fast))?;
+    if let Some(c) = filter.correction_w_per_k.iter().find(|c| c.abs() > GREATEST_W_PER_K) {
+        return Err(FilterError::Correction(*c));
+    }
+    Ok(filter)
+}
+
+impl Plant<'_> {
+    pub(super) fn gains(&self) -> Vec<f64> {
+        self.mesh_rad_s.iter().map(|&rate| mesh::gain(rate, self.sample_period_s)).collect()
+    }
+
+    /// r of low and high readings in turns, K².
+    pub(super) fn variance_k2(&self) -> f64 {
+        let ReadingNoise { low_k, high_k } = self.noise;
+        1.0 / (NOMINAL_DUTY / (high_k * high_k) + (1.0 - NOMINAL_DUTY) / (low_k * low_k))
+    }
+
+    /// Transition, noise and output of the states and q, for a random walk of q (without a surface,
+    /// of the states).
+    pub(super) fn equations(&self, step_w: f64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+        let gains = self.gains();
+        let (states, order) = (gains.len(), gains.len() + usize::from(self.surface.is_some()));
+        let mut transition = DMatrix::zeros(order, order);
+        let mut noise = DMatrix::zeros(order, order);
+        let mut h = DVector::zeros(order);
+        for (k, g) in gains.iter().enumerate() {
+            transition[(k, k)] = 1.0 - g;
+            h[k] = self.r_k_per_w[k];
+        }
+        let variance = step_w * step_w;
+        match self.surface {
+            Some(surface) => {
+                for (k, g) in gains.iter().enumerate() {
+                    transition[(k, states)] = -g * surface[k];
+                    for (j, other) in gains.iter().enumerate() {
+                        noise[(k, j)] = POWER_NOISE * POWER_NOISE * variance * g * other;
+                    }
+                }
+                transition[(states, states)] = 1.0;
+                noise[(states, states)] = variance;
+            }
+            None => noise.fill_diagonal(variance),
+        }
+        (transition, noise, h)
+    }
+
+    /// The filter of a random walk; `near_hz` is about where its bandwidth is.
+    fn filter(&self, step_w: f64, near_hz: f64) -> Result<KalmanFilter, FilterError> {
+        let gains = self.gains();
+        let (transition, noise, h) = self.equations(step_w);
+        let (states, order) = (gains.len(), h.len());
+        let r = self.variance_k2();
+        let p = riccati(&transition, &h, &noise, r).ok_or(FilterError::Unsettled)?;
+        let ph = &p * &h;
+        let seen = h.dot(&ph);
+        let gain = &ph / (seen + r);
+        let correction: Vec<f64> = (0..states).map(|k| gain[k] * (1.0 - gains[k]) / gains[k]).collect();
+        let convection = if self.surface.is_some() { -gain[states] } else { 0.0 };
+        let bandwidth_hz = self.bandwidth_hz(&gains, convection, &correction, near_hz);
+        let (mut noise_w, mut posterior_w) = (0.0, 0.0);
+        if self.surface.is_some() {
+            let kept = DMatrix::identity(order, order) - &gain * h.transpose();
+            let driven = &transition * &gain;
+            let closed =
+                lyapunov(&(&transition * &kept), &(&driven * driven.transpose() * r)).ok_or(FilterError::Unstable)?;
+            let row = kept.row(states);
+            noise_w = ((row * closed * row.transpose())[0] + r * gain[states] * gain[states]).sqrt();
+            posterior_w = (kept * p)[(states, states)].max(0.0).sqrt();
+        }
+        let level = |sd: f64| 1.0 / (seen + sd * sd);
+        let (low, high) = (level(self.noise.low_k), level(self.noise.high_k));
+        let mean = NOMINAL_DUTY * high + (1.0 - NOMINAL_DUTY) * low;
+        Ok(KalmanFilter {
+            convection_w_per_k: convection,
+            correction_w_per_k: correction,
+            weights: [low / mean, high / mean],
+            step_w,
+            bandwidth_hz,
+            noise_w,
+            posterior_w,
+        })
+    }
+
+    /// Where the filter's response first falls below −3 dB; half the sample rate if it does not.
+    fn bandwidth_hz(&self, gains: &[f64], convection: f64, correction: &[f64], near_hz: f64) -> f64 {
+        let nyquist_hz = 0.5 / self.sample_period_s;
+        let passes = |hz: f64| self.response(gains, convection, correction, hz).norm_sqr() >= 0.5;
+        let first_hz = 1e-3 * near_hz;
+        let points = (A_DECADE as f64 * (nyquist_hz / first_hz).log10()).ceil() as usize;
+        let at = |n: usize| (first_hz * 10f64.powf(n as f64 / A_DECADE as f64)).min(nyquist_hz);
+        match (0..=points).find(|&n| !passes(at(n))) {
+            None => nyquist_hz,
+            Some(0) => first_hz,
+            Some(n) => {
+                let (mut below, mut above) = (at(n - 1).ln(), at(n).ln());
+                while above - below > 1e-10 {
+                    let middle = 0.5 * (below + above);
+                    if passes(middle.exp()) { below = middle } else { above = middle }
+                }
+                (0.5 * (below + above)).exp()
+            }
+        }
+    }
+
+    /// q̂/q, or T̂/T without a surface.
+    fn response(&self, gains: &[f64], convection: f64, correction: &[f64], hz: f64) -> Complex<f64> {
+        let z = Complex::from_polar(1.0, std::f64::consts::TAU * hz * self.sample_period_s);
+        let one = Complex::new(1.0, 0.0);
+        let sum = |of: &dyn Fn(usize) -> f64| -> Complex<f64> {
+            let term = |k: usize| one * (self.r_k_per_w[k] * gains[k] * of(k)) / (z - (1.0 - gains[k]));
+            (0..gains.len()).map(term).sum()
+        };
+        let corrected = sum(&|k| correction[k]);
+        match self.surface {
+            Some(surface) => {
+                let forward = z * convection / (z - one) * sum(&|k| surface[k]);
+                forward / (one + corrected + forward)
+            }
+            None => corrected / (one + corrected),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

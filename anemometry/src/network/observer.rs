@@ -1,0 +1,123 @@
+//! A quiescent-gas network as the board's configurations: filters of one bandwidth, element by
+//! element.
+
+use dr_core::model::{FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig};
+
+use super::error::NetworkError;
+use super::kalman::{KalmanFilter, Plant, ReadingNoise, design};
+use super::parameters::{CrossHeatingParameters, QuiescentNetwork, SelfHeatingParameters};
+
+/// Configurations for the board, and how good its filters are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NetworkObserver {
+    /// Place in the head, and configuration.
+    pub own: Vec<(usize, NetworkSelfHeatingConfig)>,
+    /// One an ordered pair of elements.
+    pub cross: Vec<NetworkCrossHeatingConfig>,
+    /// Greater gains for the time after an alarm; none where the bandwidth is fixed.
+    pub faster: Vec<FasterGainsConfig>,
+    /// Elements whose bandwidth stays fixed although it was to rise, and why: a sentence for each
+    /// reason.
+    pub fixed: Vec<String>,
+    /// By element as in `own`: the filter, with its bandwidth and its figures of noise.
+    pub filters: Vec<KalmanFilter>,
+    /// By element as in `own`: standard deviation of the convective power by the noise of readings,
+    /// W; 0 without a surface.
+    pub sd_w: Vec<f64>,
+}
+
+impl NetworkObserver {
+    /// Whether an element of the head has a gain schedule for the time after an alarm.
+    pub fn has_schedule(&self, place: usize) -> bool {
+        self.faster.iter().any(|of| usize::from(of.element) == place)
+    }
+}
+
+impl QuiescentNetwork {
+    /// Configurations for a sample period, with filters of one bandwidth. Noise is by element of
+    /// the head.
+    ///
+    /// # Errors
+    /// The element whose noise is missing or whose filter cannot be designed.
+    pub fn observer(
+        &self,
+        bandwidth_hz: f64,
+        sample_period_s: f64,
+        noise: &[ReadingNoise],
+    ) -> Result<NetworkObserver, NetworkError> {
+        let mut observer = NetworkObserver {
+            own: Vec::new(),
+            cross: self.cross.iter().map(CrossHeatingParameters::config).collect(),
+            faster: Vec::new(),
+            fixed: Vec::new(),
+            filters: Vec::new(),
+            sd_w: Vec::new(),
+        };
+        for own in &self.own {
+            let noise = noise.get(own.element).ok_or_else(|| NetworkError::NoNoise { element: own.name.clone() })?;
+            let filter = design(&own.plant(sample_period_s, *noise), bandwidth_hz)
+                .map_err(|error| NetworkError::Filter { element: own.name.clone(), error })?;
+            observer.own.push((own.element, own.config(&filter)));
+            observer.sd_w.push(filter.noise_w);
+            observer.filters.push(filter);
+        }
+        Ok(observer)
+    }
+}
+
+impl SelfHeatingParameters {
+    /// The element as a filter is designed for it.
+    pub(super) fn plant(&self, sample_period_s: f64, noise: ReadingNoise) -> Plant<'_> {
+        Plant {
+            mesh_rad_s: &self.mesh_rad_s,
+            r_k_per_w: &self.r_k_per_w,
+            surface: self.surface.as_deref(),
+            sample_period_s,
+            noise,
+        }
+    }
+
+    fn config(&self, filter: &KalmanFilter) -> NetworkSelfHeatingConfig {
+        let surface = self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()]);
+        NetworkSelfHeatingConfig {
+            mesh_rad_s: ascending(&self.mesh_rad_s),
+            r_k_per_w: padded(&self.r_k_per_w, 0.0),
+            surface: padded(&surface, 1.0),
+            rest_c: self.rest_c as f32,
+            gains: GainsConfig {
+                correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),
+                convection_w_per_k: filter.convection_w_per_k as f32,
+                weights: filter.weights.map(|weight| weight as f32),
+                variance_w2: (filter.noise_w * filter.noise_w) as f32,
+            },
+            alarm: None,
+        }
+    }
+}
+
+impl CrossHeatingParameters {
+    fn config(&self) -> NetworkCrossHeatingConfig {
+        NetworkCrossHeatingConfig {
+            // A head has 16 elements at most.
+            from: self.from as u8,
+            to: self.to as u8,
+            mesh_rad_s: ascending(&self.mesh_rad_s),
+            r_k_per_w: padded(&self.r_k_per_w, 0.0),
+            surface: padded(&self.surface, 1.0),
+        }
+    }
+}
+
+/// As many values as the board carries; `with` stands for those that are not there.
+pub(super) fn padded<const K: usize>(values: &[f64], with: f32) -> [f32; K] {
+    std::array::from_fn(|k| values.get(k).map_or(with, |&value| value as f32))
+}
+
+/// Rates without a resistance stand above the others, each twice the one before.
+fn ascending<const K: usize>(rates: &[f64]) -> [f32; K] {
+    let last = rates.last().copied().unwrap_or(1.0);
+    std::array::from_fn(|k| match rates.get(k) {
+        Some(&rate) => rate as f32,
+        None => (last * 2f64.powi((k + 1 - rates.len()) as i32)) as f32,
+    })
+}

@@ -1,0 +1,221 @@
+//! An identified quiescent-gas network as text and as JSON: self-heating with its layers, and
+//! steady gains of all pairs.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use diffusive::model::{Model, Pair};
+use recording::{POWER, TEMPERATURE};
+use serde::Serialize;
+
+use super::kalman::ReadingNoise;
+use super::parameters::{QuiescentNetwork, SelfHeatingParameters};
+
+/// Explains the lines of the elements.
+const LEGEND: &str = "\n\
+    rad/s and K/W: rates of an element's self-heating and the resistance of each; surface: temperature of the surface over\n\
+    the element's in that relaxation, negative where it is too fast for the layers between them\n";
+/// Overheat to which the disagreement of records is compared, K.
+const TYPICAL_OVERHEAT_K: f64 = 30.0;
+
+/// Summary of `anemo head identify`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NetworkReport {
+    /// Elements of the head's network; empty where none can be made of the model.
+    pub elements: Vec<NetworkElementReport>,
+    /// All pairs of the model.
+    pub pairs: Vec<PairReport>,
+    /// All temperatures of the model.
+    pub outputs: Vec<OutputReport>,
+    /// Why each pair has so many rates.
+    pub reasons: Vec<String>,
+    /// What is wrong with the network.
+    pub warnings: Vec<String>,
+    /// Whether nothing is wrong.
+    pub supported: bool,
+    /// The file that was written.
+    #[serde(skip)]
+    pub written: Option<PathBuf>,
+    /// Records, their rows, and how long they are in all, s.
+    #[serde(skip)]
+    data: (usize, u64, f64),
+    /// Columns of power, in the model's order.
+    #[serde(skip)]
+    inputs: Vec<String>,
+}
+
+/// Self-heating of an element.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NetworkElementReport {
+    /// Its relaxations and layers.
+    #[serde(flatten)]
+    pub parameters: SelfHeatingParameters,
+    /// By how much the surface lags behind the element, s.
+    pub contact_time_s: f64,
+    /// Standard deviation of a reading at the low level, K.
+    pub noise_low_k: f64,
+    /// Standard deviation of a reading at the high level, K.
+    pub noise_high_k: f64,
+}
+
+/// Heating of one temperature by one power.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Column of the power.
+    pub input: String,
+    /// Column of the temperature.
+    pub output: String,
+    /// Number of rates.
+    pub rates: usize,
+    /// Sum of the resistances, K/W.
+    pub steady_gain_k_per_w: f64,
+}
+
+/// A temperature of the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutputReport {
+    /// Column of the temperature.
+    pub name: String,
+    /// Temperature with no heating at all, °C.
+    pub offset_c: f64,
+    /// Residuals of readings at the low level, K rms.
+    pub residual_rms: f64,
+    /// How far the records disagree about the offset, K.
+    #[serde(skip)]
+    apart_k: f64,
+}
+
+impl NetworkReport {
+    /// `noise` is by element of the head ([`reading_noise`](super::noise::reading_noise)).
+    pub fn new(model: &Model, network: Option<&QuiescentNetwork>, noise: &[ReadingNoise]) -> Self {
+        let own = network.map_or(&[][..], |network| &network.own);
+        let element = |own: &SelfHeatingParameters| {
+            let noise = noise.get(own.element).copied().unwrap_or(ReadingNoise { low_k: 0.0, high_k: 0.0 });
+            NetworkElementReport {
+                parameters: own.clone(),
+                contact_time_s: own.contact_time_s(),
+                noise_low_k: noise.low_k,
+                noise_high_k: noise.high_k,
+            }
+        };
+        let pair = |pair: &Pair| PairReport {
+            input: pair.input.clone(),
+            output: pair.output.clone(),
+            rates: pair.mesh_rad_s.len(),
+            steady_gain_k_per_w: pair.classes.values().next().map_or(0.0, |class| class.steady_gain_k_per_w),
+        };
+        let output = |output: &diffusive::model::ModelOutput| OutputReport {
+            name: output.name.clone(),
+            offset_c: output.offset_c,
+            residual_rms: output.residual_rms,
+            apart_k: output.se_offset_c,
+        };
+        let provenance = &model.provenance;
+        Self {
+            elements: own.iter().map(element).collect(),
+            pairs: model.pairs.iter().map(pair).collect(),
+            outputs: model.outputs.iter().map(output).collect(),
+            reasons: model.chosen.reasons.clone(),
+            warnings: model.warnings.clone(),
+            supported: model.supported,
+            written: None,
+            data: (provenance.records.len(), provenance.rows, provenance.duration_s),
+            inputs: model.inputs.clone(),
+        }
+    }
+
+    /// Steady gains: one line for each power, one column for each temperature.
+    fn gains(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\nsteady gains in K/W: a line heats, a column becomes warm")?;
+        write!(f, "{:<14}", "")?;
+        for output in &self.outputs {
+            write!(f, " {:>12}", output.element())?;
+        }
+        writeln!(f)?;
+        for input in &self.inputs {
+            write!(f, "{:<14}", input.strip_prefix(POWER).unwrap_or(input))?;
+            for output in &self.outputs {
+                let pair = self.pairs.iter().find(|pair| pair.input == *input && pair.output == output.name);
+                write!(f, " {:>12.4}", pair.map_or(0.0, |pair| pair.steady_gain_k_per_w))?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl OutputReport {
+    fn element(&self) -> &str {
+        self.name.strip_prefix(TEMPERATURE).unwrap_or(&self.name)
+    }
+}
+
+impl fmt::Display for NetworkReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (records, rows, duration_s) = self.data;
+        writeln!(f, "{records} records, {rows} rows, {duration_s:.0} s in all")?;
+        for element in &self.elements {
+            element.fmt(f)?;
+        }
+        if !self.elements.is_empty() {
+            f.write_str(LEGEND)?;
+        }
+        self.gains(f)?;
+        writeln!(
+            f,
+            "\n{:<14} {:>12} {:>16} {:>18}",
+            "element", "without heat", "apart by record", "left at low level"
+        )?;
+        for output in &self.outputs {
+            writeln!(
+                f,
+                "{:<14} {:>9.4} °C {:>13.2} mK {:>15.3} mK",
+                output.element(),
+                output.offset_c,
+                1e3 * output.apart_k,
+                1e3 * output.residual_rms
+            )?;
+        }
+        // What of the head is not linear, and so is missing from the network.
+        let worst = self.outputs.iter().max_by(|a, b| a.apart_k.total_cmp(&b.apart_k));
+        if let Some(worst) = worst.filter(|output| output.apart_k > 0.0) {
+            writeln!(
+                f,
+                "records disagree by up to {:.2} mK, {}: {:.3} % of {TYPICAL_OVERHEAT_K} K of overheat",
+                1e3 * worst.apart_k,
+                worst.element(),
+                100.0 * worst.apart_k / TYPICAL_OVERHEAT_K
+            )?;
+        }
+        writeln!(f, "\nchosen:")?;
+        for reason in &self.reasons {
+            writeln!(f, "  {reason}")?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "\nwarning: {warning}")?;
+        }
+        if let Some(path) = &self.written {
+            writeln!(f, "\nnetwork written to {}", path.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for NetworkElementReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let SelfHeatingParameters { name, mesh_rad_s, r_k_per_w, surface, layers, .. } = &self.parameters;
+        writeln!(f, "\n{name}")?;
+        for (k, (rate, r)) in mesh_rad_s.iter().zip(r_k_per_w).enumerate() {
+            let share = surface.as_ref().map_or(String::new(), |surface| format!("   surface {:.4}", surface[k]));
+            writeln!(f, "  {rate:>10.5} rad/s {r:>10.4} K/W{share}")?;
+        }
+        for section in layers {
+            let (c, r) = (1e3 * section.capacitance_j_per_k, section.resistance_k_per_w);
+            writeln!(f, "  layer of {c:.3} mJ/K, {r:.3} K/W to the next")?;
+        }
+        if !layers.is_empty() {
+            writeln!(f, "  its surface lags behind it by {:.4} s", self.contact_time_s)?;
+        }
+        Ok(())
+    }
+}

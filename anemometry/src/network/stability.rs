@@ -1,0 +1,200 @@
+//! Stability of gain schedules: an observer is simulated against the network that it was made for,
+//! before a board gets it.
+//!
+//! Gains are designed element by element, as if the others were known. They are not: an error of
+//! one element's gains heats the others' models, and whether it dies away depends on all of them
+//! together. So all elements are simulated in f64, without noise, at the sample period; the
+//! convective power of each surface jumps up and back, some more and some the other way, as when
+//! the wind turns:
+//!
+//! ```text
+//! q_i: 0 → a_i J → 0        E_i = Σ (q̂_i − q_i)²
+//! ```
+//!
+//! An element whose E is above that of the steady filters, or not finite, loses its quick gains,
+//! and the rest is simulated again. The error of an observer does not depend on the heating that it
+//! knows of, and so there is none. Four dice on a card, which heat each other by a fifth of what
+//! they heat themselves within a second, are unstable with quick gains; the sectors of a sphere are
+//! not.
+//!
+//! Limits: the network is taken for the truth. Where the identification is wrong, quick gains may
+//! do harm that is not seen here.
+
+use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput, mesh};
+use wire::MOST_ELEMENTS;
+
+use super::gain_schedule::{JUMP_W, LAST_PERIODS};
+use super::observer::NetworkObserver;
+use super::parameters::QuiescentNetwork;
+
+/// Each jump is followed for so many times as long as the last set of gains lasts.
+const FOLLOWED: f64 = 2.0;
+/// E over that of the steady filters at most: jumps that raise no alarm differ by what the others'
+/// do.
+const WORSE: f64 = 1.05;
+/// a_i: of the surfaces in turn.
+const SHARES: [f64; 4] = [1.0, -0.5, 0.75, 0.25];
+
+/// Takes the gain schedules away from elements that become unstable or worse with them; returns the
+/// places of these elements in the head.
+pub fn drop_unstable_gains(
+    network: &QuiescentNetwork,
+    observer: &mut NetworkObserver,
+    bandwidth_hz: f64,
+    sample_period_s: f64,
+) -> Vec<usize> {
+    let mut lost = Vec::new();
+    if observer.faster.is_empty() {
+        return lost;
+    }
+    let steady = NetworkObserver { faster: Vec::new(), ..observer.clone() };
+    let ticks = (FOLLOWED * LAST_PERIODS / bandwidth_hz / sample_period_s).ceil() as usize;
+    let Some(by_steady) = errors(network, &steady, ticks, sample_period_s) else { return lost };
+    // One by one at the worst: there are not more elements than rounds.
+    while !observer.faster.is_empty() {
+        let Some(by_quick) = errors(network, observer, ticks, sample_period_s) else { break };
+        let fails = |place: usize| by_quick[place].is_nan() || by_quick[place] > WORSE * by_steady[place];
+        let places = observer.own.iter().map(|(place, _)| *place);
+        let failed: Vec<usize> = places.filter(|&place| observer.has_schedule(place) && fails(place)).collect();
+        if failed.is_empty() {
+            break;
+        }
+        observer.faster.retain(|of| !failed.contains(&usize::from(of.element)));
+        lost.extend(failed);
+    }
+    lost.sort_unstable();
+    lost
+}
+
+/// E by element of the head; none if the board refuses the observer, which it says itself.
+fn errors(
+    network: &QuiescentNetwork,
+    observer: &NetworkObserver,
+    ticks: usize,
+    sample_period_s: f64,
+) -> Option<[f64; MOST_ELEMENTS]> {
+    let period_s = sample_period_s as f32;
+    let mut board = ConvectionObserver::<MOST_ELEMENTS>::default();
+    for (place, config) in &observer.own {
+        board.set_self_heating(*place, config, period_s).ok()?;
+    }
+    for config in &observer.faster {
+        board.set_faster_gains(config, period_s).ok()?;
+    }
+    for config in &observer.cross {
+        board.set_cross_heating(config, period_s).ok()?;
+    }
+    let mut truth = SimulatedNetwork::new(network, sample_period_s);
+    let mut state = ConvectionObserverState::default();
+    let mut errors = [0.0; MOST_ELEMENTS];
+    let valid = observer.own.iter().fold(0, |valid, (place, _)| valid | 1_u16 << place);
+    for tick in 0..2 * ticks {
+        let jump_w = if tick < ticks { JUMP_W } else { 0.0 };
+        let mut shares = SHARES.iter().cycle();
+        let mut q_w = [0.0; MOST_ELEMENTS];
+        for own in network.own.iter().filter(|own| own.surface.is_some()) {
+            q_w[own.element] = if tick == 0 { 0.0 } else { jump_w * shares.next().copied().unwrap_or(1.0) };
+        }
+        let look = TickInput {
+            temperature_c: &truth.temperature_c(),
+            valid,
+            read_high: if tick % 2 == 0 { valid } else { 0 },
+            power_w: &[0.0; MOST_ELEMENTS],
+            standing_w: &[0.0; MOST_ELEMENTS],
+        };
+        let found = board.step(&mut state, &look);
+        for (place, _) in &observer.own {
+            let error_w = found.map_or(f64::NAN, |found| f64::from(found.power_w[*place]) - q_w[*place]);
+            errors[*place] += error_w * error_w;
+        }
+        truth.step(&q_w);
+    }
+    Some(errors)
+}
+
+/// The network in f64, with its states.
+struct SimulatedNetwork<'a> {
+    network: &'a QuiescentNetwork,
+    /// g_k and x_k of own and then of cross-heating, in the order of the network.
+    pairs: Vec<Vec<(f64, f64)>>,
+}
+
+impl<'a> SimulatedNetwork<'a> {
+    /// Without any heating.
+    fn new(network: &'a QuiescentNetwork, sample_period_s: f64) -> Self {
+        let own = network.own.iter().map(|own| &own.mesh_rad_s);
+        let all = own.chain(network.cross.iter().map(|cross| &cross.mesh_rad_s));
+        let gains = |mesh: &Vec<f64>| mesh.iter().map(|&rate| (mesh::gain(rate, sample_period_s), 0.0)).collect();
+        Self { network, pairs: all.map(gains).collect() }
+    }
+
+    fn temperature_c(&self) -> [f32; MOST_ELEMENTS] {
+        let mut temperature_c = [0.0; MOST_ELEMENTS];
+        for own in &self.network.own {
+            temperature_c[own.element] = own.rest_c;
+        }
+        let own = self.network.own.iter().map(|own| (own.element, &own.r_k_per_w));
+        let to = own.chain(self.network.cross.iter().map(|cross| (cross.to, &cross.r_k_per_w)));
+        for ((to, r_k_per_w), states) in to.zip(&self.pairs) {
+            temperature_c[to] += r_k_per_w.iter().zip(states).map(|(r, (_, x))| r * x).sum::<f64>();
+        }
+        temperature_c.map(|celsius| celsius as f32)
+    }
+
+    fn step(&mut self, q_w: &[f64; MOST_ELEMENTS]) {
+        let own = self.network.own.iter().map(|own| (own.element, own.surface.as_deref().unwrap_or_default()));
+        let from = own.chain(self.network.cross.iter().map(|cross| (cross.from, &cross.surface[..])));
+        for ((from, surface), states) in from.zip(&mut self.pairs) {
+            for ((gain, x), m) in states.iter_mut().zip(surface) {
+                *x += *gain * (-m * q_w[from] - *x);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::kalman::ReadingNoise;
+    use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
+
+    /// Four dice that share a card: the simulated REMS, as identified at 40 Hz.
+    fn card() -> (QuiescentNetwork, [ReadingNoise; 4]) {
+        let own = (0..4).map(|element| SelfHeatingParameters {
+            element,
+            name: format!("die{}", element + 1),
+            rest_c: 21.0,
+            mesh_rad_s: vec![0.0113784, 1.21035, 1.74034, 25.4283],
+            r_k_per_w: vec![69.731, 264.114, 340.10, 6.38035],
+            layers: Vec::new(),
+            surface: Some(vec![1.0; 4]),
+        });
+        let mut cross = Vec::new();
+        for (from, to) in (0..4).flat_map(|from| (0..4).map(move |to| (from, to))).filter(|(from, to)| from != to) {
+            let (mesh_rad_s, r_k_per_w) = match (from ^ to) == 2 {
+                true => (vec![0.01472, 20.0], vec![84.8, -0.0537]),
+                false => (vec![0.0113823, 1.38577, 1.48868], vec![69.75, 1047.0, -979.9]),
+            };
+            cross.push(CrossHeatingParameters {
+                from,
+                to,
+                surface: vec![1.0; mesh_rad_s.len()],
+                mesh_rad_s,
+                r_k_per_w,
+            });
+        }
+        (QuiescentNetwork { own: own.collect(), cross }, [ReadingNoise { low_k: 0.03125, high_k: 0.00781 }; 4])
+    }
+
+    #[test]
+    fn quick_gains_of_dice_that_share_a_card_do_not_hold_and_are_left_out() {
+        let (network, noise) = card();
+        for bandwidth_hz in [0.5, 1.0, 2.0] {
+            let observer = network.adaptive_observer(bandwidth_hz, 0.005, &noise).unwrap();
+            assert!(observer.faster.is_empty(), "{bandwidth_hz} Hz");
+            assert!(observer.own.iter().all(|(_, config)| config.alarm.is_none()), "{bandwidth_hz} Hz");
+            let [sentence] = &observer.fixed[..] else { panic!("{:?}", observer.fixed) };
+            assert!(sentence.starts_with("die1, die2, die3, die4: "), "{sentence}");
+        }
+    }
+}

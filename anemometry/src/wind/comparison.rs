@@ -1,0 +1,193 @@
+//! Wind estimates compared with the true wind.
+//!
+//! | figure | over |
+//! |---|---|
+//! | speed | root mean square of (|v̂| − |v|)/|v| |
+//! | direction | root mean square of the angle between v̂ and v, of estimates that have a direction |
+//! | linear | the same angle of the linear inverse −Σ G_i n_i, for heads with axes in all directions |
+
+use dr_core::wind::QualityFlags;
+use wire::WindSample;
+
+/// Winds slower than this have no direction to speak of, and no relative speed, m/s.
+pub const SLOWEST_M_S: f64 = 0.3;
+
+/// Adds errors up.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct WindComparison {
+    speed: ErrorSum,
+    direction_deg: ErrorSum,
+    linear_deg: ErrorSum,
+    /// Estimates compared with a true wind that is fast enough.
+    pub count: u64,
+    /// Estimates of these without a wind.
+    pub failed: u64,
+    /// Estimates of these without a direction.
+    pub no_direction: u64,
+    /// Outward normal of a card: only the wind in its plane is compared.
+    plane: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct ErrorSum {
+    count: u64,
+    squares: f64,
+    sum: f64,
+    worst: f64,
+}
+
+impl ErrorSum {
+    fn add(&mut self, value: f64) {
+        self.count += 1;
+        self.squares += value * value;
+        self.sum += value;
+        self.worst = self.worst.max(value.abs());
+    }
+
+    fn worst(&self) -> Option<f64> {
+        (self.count > 0).then_some(self.worst)
+    }
+
+    fn rms(&self) -> Option<f64> {
+        (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
+    }
+}
+
+impl WindComparison {
+    /// For a card that outputs the wind in the plane across `normal` only; for any other head
+    /// without a normal.
+    pub fn in_plane(normal: Option<[f64; 3]>) -> Self {
+        Self { plane: normal, ..Self::default() }
+    }
+
+    /// Compares an estimate; `axes` are those of the surfaces, outward.
+    pub fn add(&mut self, estimate: &WindSample, axes: &[[f64; 3]], truth_m_s: [f64; 3]) {
+        let truth_m_s = match self.plane {
+            Some(normal) => {
+                let share = (0..3).map(|k| truth_m_s[k] * normal[k]).sum::<f64>() / length(normal).powi(2);
+                std::array::from_fn(|k| truth_m_s[k] - share * normal[k])
+            }
+            None => truth_m_s,
+        };
+        let speed_m_s = length(truth_m_s);
+        if speed_m_s < SLOWEST_M_S {
+            return;
+        }
+        self.count += 1;
+        if estimate.quality_flags.has(QualityFlags::FAILED) {
+            self.failed += 1;
+            return;
+        }
+        self.speed.add(f64::from(estimate.speed_m_s) / speed_m_s - 1.0);
+        if estimate.quality_flags.has(QualityFlags::NO_DIRECTION) {
+            self.no_direction += 1;
+        } else if self.plane.is_some() || !estimate.quality_flags.has(QualityFlags::UNDETERMINED) {
+            self.direction_deg.add(angle_deg(estimate.wind_m_s.map(f64::from), truth_m_s));
+        }
+        if axes.len() > 3 && self.plane.is_none() {
+            self.linear_deg.add(angle_deg(linear(estimate, axes), truth_m_s));
+        }
+    }
+
+    /// Relative error of speed, root mean square.
+    pub fn speed_rms(&self) -> Option<f64> {
+        self.speed.rms()
+    }
+
+    /// Relative error of speed, mean.
+    pub fn speed_bias(&self) -> Option<f64> {
+        (self.speed.count > 0).then(|| self.speed.sum / self.speed.count as f64)
+    }
+
+    /// Relative error of speed, greatest.
+    pub fn speed_worst(&self) -> Option<f64> {
+        self.speed.worst()
+    }
+
+    /// Error of direction, root mean square, °.
+    pub fn direction_rms_deg(&self) -> Option<f64> {
+        self.direction_deg.rms()
+    }
+
+    /// Error of direction, greatest, °.
+    pub fn direction_worst_deg(&self) -> Option<f64> {
+        self.direction_deg.worst()
+    }
+
+    /// Error of the linear inverse, root mean square, °.
+    pub fn linear_rms_deg(&self) -> Option<f64> {
+        self.linear_deg.rms()
+    }
+}
+
+/// Where the gas goes to by the linear inverse: away from the surfaces that lose most.
+fn linear(estimate: &WindSample, axes: &[[f64; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (axis, &conductance_w_k) in axes.iter().zip(&estimate.conductance_w_k) {
+        for (sum, component) in sum.iter_mut().zip(axis) {
+            *sum -= f64::from(conductance_w_k) * component;
+        }
+    }
+    sum
+}
+
+/// Euclidean norm.
+pub fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// Angle between two vectors, °.
+pub fn angle_deg(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    length(cross).atan2(dot).to_degrees()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// An estimate of this wind without errors, by four surfaces.
+    pub fn estimate(wind_m_s: [f32; 3]) -> WindSample {
+        WindSample {
+            quality_flags: QualityFlags::default(),
+            wind_m_s,
+            speed_m_s: wind_m_s.iter().map(|v| v * v).sum::<f32>().sqrt(),
+            across_m_s: 0.0,
+            covariance_m2_s2: [0.0; 6],
+            speed_error_m_s: 0.0,
+            direction_error_rad: 0.0,
+            chi_square: 0.0,
+            gas_c: 0.0,
+            conductance_w_k: [1.0, 1.0, 1.0, 2.0].into_iter().collect(),
+            raw_w_k: [1.0; 4].into_iter().collect(),
+        }
+    }
+
+    #[test]
+    fn of_a_card_only_the_wind_in_its_plane_is_compared() {
+        let mut errors = WindComparison::in_plane(Some([0.0, 0.0, 1.0]));
+        let other = WindSample { quality_flags: QualityFlags::UNDETERMINED, ..estimate([0.0, 2.0, 0.0]) };
+        errors.add(&other, &[], [2.0, 0.0, 5.0]);
+        assert!(errors.speed_rms().unwrap() < 1e-9);
+        assert!((errors.direction_rms_deg().unwrap() - 90.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn errors_are_those_of_the_estimates_that_count() {
+        let axes = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        let mut errors = WindComparison::default();
+        assert_eq!((errors.speed_worst(), errors.direction_worst_deg()), (None, None));
+        errors.add(&estimate([0.0, 2.2, 0.0]), &axes, [0.0, 2.0, 0.0]);
+        errors.add(&estimate([0.0, 1.8, 0.0]), &axes, [2.0, 0.0, 0.0]);
+        errors.add(&estimate([9.0, 9.0, 9.0]), &axes, [0.1, 0.0, 0.0]);
+        errors.add(&WindSample { quality_flags: QualityFlags::FAILED, ..estimate([0.0; 3]) }, &axes, [1.0, 0.0, 0.0]);
+        let flat = WindSample { quality_flags: QualityFlags::NO_DIRECTION, ..estimate([0.0, 0.0, 1.0]) };
+        errors.add(&flat, &axes, [0.0, 0.0, -1.0]);
+        assert_eq!((errors.count, errors.failed, errors.no_direction), (4, 1, 1));
+        assert!((errors.speed_rms().unwrap() - (0.02_f64 / 3.0).sqrt()).abs() < 1e-6);
+        assert!((errors.direction_rms_deg().unwrap() - (8100.0_f64 / 2.0).sqrt()).abs() < 1e-9);
+        // The fourth surface loses most: the wind goes away from it.
+        assert!((angle_deg(linear(&estimate([1.0; 3]), &axes), [1.0, 1.0, -1.0])).abs() < 1e-6);
+    }
+}

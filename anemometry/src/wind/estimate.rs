@@ -1,0 +1,222 @@
+//! Wind estimates of a recording: the board's anemometer goes through it tick by tick, so that the
+//! estimates equal those of the board to the bit.
+
+use std::path::{Path, PathBuf};
+
+use dr_core::wind::QualityFlags;
+use recording::text::tidy;
+use wire::WindSample;
+
+use super::comparison::WindComparison;
+use super::error::WindError;
+use super::gas_input::{GasInput, temperature_column};
+use super::given_winds::GivenWinds;
+use super::moment::{Moment, TickOrigin};
+use super::off_line::{OffLineAnemometer, axes};
+use super::replay::Replay;
+use super::report::WindReport;
+use super::tally::EstimateTally;
+use crate::head::calibration::checked::Calibration;
+use crate::head::file::Head;
+use crate::head::output::WindOutput;
+
+/// Share of a tick by which the output interval may be off.
+const WHOLE: f64 = 1e-3;
+
+/// Options of the estimation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindOptions {
+    /// Bandwidth of the convective powers, Hz.
+    pub bandwidth_hz: f64,
+    /// Whether the bandwidth stays after a jump of the wind.
+    pub fixed: bool,
+    /// Output interval, s; by default 0.01 or a tick.
+    pub interval_s: Option<f64>,
+    /// Temperature of the gas, a number in °C or a column; by default the head's reference or the
+    /// recording's.
+    pub gas_temperature: Option<String>,
+    /// Pressure of the gas, Pa; by default the recording's.
+    pub pressure_pa: Option<f64>,
+    /// Estimates before this time do not count in the report, s.
+    pub from_s: f64,
+    /// Of every stretch of one label, so many seconds do not count in the report.
+    pub settle_s: f64,
+}
+
+impl Default for WindOptions {
+    fn default() -> Self {
+        Self {
+            bandwidth_hz: WindOutput::DEFAULT_BANDWIDTH_HZ,
+            fixed: false,
+            interval_s: None,
+            gas_temperature: None,
+            pressure_pa: None,
+            from_s: 0.0,
+            settle_s: 0.0,
+        }
+    }
+}
+
+/// An estimate with the moment that it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedWind {
+    /// Time, tick and conditions.
+    pub moment: Moment,
+    /// As the board outputs it.
+    pub sample: WindSample,
+    /// True wind, where it is known, m/s.
+    pub true_wind_m_s: Option<[f64; 3]>,
+}
+
+/// A recording whose wind is being estimated.
+pub struct WindEstimation<'a> {
+    recording: PathBuf,
+    head: &'a Head,
+    calibration: &'a Calibration,
+    /// Bandwidth and interval.
+    pub output: WindOutput,
+    options: &'a WindOptions,
+    winds: Option<&'a GivenWinds>,
+    replay: Replay,
+    anemometer: OffLineAnemometer<'a>,
+    /// Pressure and temperature of the gas.
+    pub gas: GasInput,
+    axes: Vec<[f64; 3]>,
+    /// Label, and the time at which it began, s.
+    label: Option<(String, f64)>,
+    estimates: u64,
+    tally: EstimateTally,
+    comparison: WindComparison,
+    has_truth: bool,
+}
+
+impl<'a> WindEstimation<'a> {
+    /// Opens a recording of `head`; `winds` are the true winds where the recording has none.
+    ///
+    /// # Errors
+    /// If the recording cannot be read, the head has no calibration, or an option cannot be met.
+    pub fn new(
+        recording: &Path,
+        head: &'a Head,
+        options: &'a WindOptions,
+        winds: Option<&'a GivenWinds>,
+    ) -> Result<Self, WindError> {
+        let calibration = head.calibration.as_ref().ok_or_else(|| WindError::NoCalibration(head.name.clone()))?;
+        let replay = Replay::open(recording, head, temperature_column(options.gas_temperature.as_deref()))?;
+        let output = output(options, replay.sample_period_s())?;
+        let anemometer = OffLineAnemometer::new(head, calibration, &output, replay.sample_period_s())?;
+        let given = (options.pressure_pa, options.gas_temperature.as_deref());
+        let gas = GasInput::new(given, head, calibration, recording, &replay)?;
+        Ok(Self {
+            recording: recording.to_owned(),
+            head,
+            calibration,
+            output,
+            options,
+            winds,
+            replay,
+            anemometer,
+            gas,
+            axes: axes(head, calibration),
+            label: None,
+            estimates: 0,
+            tally: EstimateTally::default(),
+            comparison: WindComparison::in_plane(calibration.card_normal()),
+            has_truth: false,
+        })
+    }
+
+    /// Names of the elements of the surfaces.
+    pub fn surfaces(&self) -> Vec<String> {
+        self.calibration.surfaces.iter().map(|&place| self.head.elements[place].name.clone()).collect()
+    }
+
+    /// Whether true winds are given or stand in the recording.
+    pub fn has_truth(&self) -> bool {
+        self.winds.is_some() || self.replay.has_wind()
+    }
+
+    /// Whether the recording has a column of the gas's temperature.
+    pub fn has_gas(&self) -> bool {
+        self.replay.has_gas()
+    }
+
+    /// The next estimate; none after the last row.
+    ///
+    /// # Errors
+    /// If the recording is damaged, or the board refuses its gas.
+    pub fn next_estimate(&mut self) -> Result<Option<EstimatedWind>, WindError> {
+        while let Some(moment) = self.replay.next_moment()? {
+            let begun_s = match &self.label {
+                Some((label, begun_s)) if *label == moment.event => *begun_s,
+                _ => moment.time_s,
+            };
+            if begun_s == moment.time_s {
+                self.label = Some((moment.event.clone(), begun_s));
+            }
+            self.gas.set(&mut self.anemometer, &moment)?;
+            let Some(mut sample) = self.anemometer.step(&moment.tick) else { continue };
+            match moment.known {
+                TickOrigin::Recorded => {}
+                TickOrigin::AfterGap => sample.quality_flags = sample.quality_flags.with(QualityFlags::STARTING, true),
+                TickOrigin::Missing => continue,
+            }
+            let true_wind_m_s = match self.winds {
+                Some(winds) => winds.of(&moment.event),
+                None => moment.wind_m_s.filter(|wind| wind.iter().all(|of| of.is_finite())),
+            };
+            self.estimates += 1;
+            self.has_truth |= true_wind_m_s.is_some();
+            if moment.time_s >= self.options.from_s && moment.time_s - begun_s >= self.options.settle_s {
+                self.tally.add(&sample);
+                if let Some(truth) = true_wind_m_s {
+                    self.comparison.add(&sample, &self.axes, truth);
+                }
+            }
+            return Ok(Some(EstimatedWind { moment, sample, true_wind_m_s }));
+        }
+        Ok(None)
+    }
+
+    /// Statistics of the estimates so far.
+    pub fn report(self) -> WindReport {
+        let (gaps, missing_s) = self.replay.gaps();
+        WindReport {
+            recording: self.recording,
+            head: self.head.name.clone(),
+            made_from: self.calibration.made_from().to_owned(),
+            is_card: self.calibration.card_normal().is_some(),
+            estimates: self.estimates,
+            output: self.output,
+            fixed_for: self.anemometer.fixed().to_vec(),
+            gas: self.gas,
+            gaps,
+            missing_s,
+            from_s: self.options.from_s,
+            settle_s: self.options.settle_s,
+            counted: self.tally.summary(),
+            comparison: self.has_truth.then_some(self.comparison),
+            written: Vec::new(),
+        }
+    }
+}
+
+/// Bandwidth and interval, the latter a whole number of ticks.
+fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError> {
+    let mut output = WindOutput::new(Some(options.bandwidth_hz), options.interval_s, options.fixed, period_s);
+    let ticks = output.interval_s / period_s;
+    if let Some(interval_s) = options.interval_s
+        && !(ticks.is_finite() && ticks > 0.5 && (ticks - ticks.round()).abs() < WHOLE)
+    {
+        let (below, above) = (ticks.floor().max(1.0) * period_s, (ticks.floor() + 1.0).max(1.0) * period_s);
+        let nearest = match interval_s > period_s {
+            true => format!("{} s or {} s", tidy(below), tidy(above)),
+            false => format!("{} s", tidy(period_s)),
+        };
+        return Err(WindError::Interval { interval_s, sample_period_s: period_s, nearest });
+    }
+    // Twelve digits of a product, so that 3 × 0.01 is 0.03.
+    let interval_s = ticks.round().max(1.0) * period_s;
+    output.interval_s = format!("{interval_s:.11e}").parse().unwrap_or(interval_s);
+    Ok(output)
+}

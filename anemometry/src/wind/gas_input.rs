@@ -1,0 +1,162 @@
+//! Pressure and temperature of the gas for an anemometer, from the recording, from options, or from
+//! the head itself.
+
+use std::fmt;
+use std::path::Path;
+
+use diffusive::model::{SAME_PRESSURE, SAME_TEMPERATURE_K};
+use recording::{GAS_TEMPERATURE, Metadata};
+use serde::{Serialize, Serializer};
+
+use super::error::GasInputError;
+use super::moment::Moment;
+use super::off_line::OffLineAnemometer;
+use super::replay::Replay;
+use crate::head::calibration::checked::Calibration;
+use crate::head::file::Head;
+
+/// Source of the temperature.
+#[derive(Debug, Clone, PartialEq)]
+enum TemperatureSource {
+    /// Constant for the whole recording, °C.
+    Constant(f64),
+    /// A column, tick by tick.
+    Column(String),
+    /// An element of the head.
+    Element(String),
+}
+
+/// The gas of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GasInput {
+    species: &'static str,
+    pressure_pa: f64,
+    temperature: TemperatureSource,
+    last: Option<f32>,
+    has_begun: bool,
+    /// Where an option contradicts the recording.
+    pub warnings: Vec<String>,
+}
+
+/// The column that an option of the gas temperature names; none if it is a number in °C.
+pub fn temperature_column(option: Option<&str>) -> Option<&str> {
+    option.filter(|word| word.parse::<f64>().is_err())
+}
+
+impl GasInput {
+    /// `pressure_pa` and `temperature` (°C or a column) are options that stand before the
+    /// recording's own.
+    ///
+    /// # Errors
+    /// If a number is missing, or the head is calibrated for another gas.
+    pub fn new(
+        (pressure_pa, temperature): (Option<f64>, Option<&str>),
+        head: &Head,
+        calibration: &Calibration,
+        recording: &Path,
+        replay: &Replay,
+    ) -> Result<Self, GasInputError> {
+        let conditions = replay.conditions();
+        let species = calibration.species.name();
+        if let Some(of) = conditions.filter(|of| of.species != species) {
+            return Err(GasInputError::OtherGas {
+                recording: recording.to_owned(),
+                species: of.species.clone(),
+                head: head.name.clone(),
+                calibrated: species,
+            });
+        }
+        let pressure_pa = pressure_pa.or(conditions.map(|of| of.pressure_pa)).ok_or(GasInputError::NoPressure)?;
+        let temperature = match (calibration.reference, temperature) {
+            (Some(_), Some(_)) => return Err(GasInputError::GivenAndMeasured),
+            (Some(element), None) => TemperatureSource::Element(head.elements[element].name.clone()),
+            (None, Some(word)) => match word.parse() {
+                Ok(celsius) => TemperatureSource::Constant(celsius),
+                Err(_) => TemperatureSource::Column(word.to_owned()),
+            },
+            (None, None) => match conditions {
+                Some(of) => TemperatureSource::Constant(of.gas_temperature_c),
+                None => return Err(GasInputError::NoTemperature),
+            },
+        };
+        let mut warnings = Vec::new();
+        if let Some(of) = conditions {
+            if (pressure_pa / of.pressure_pa - 1.0).abs() > SAME_PRESSURE {
+                warnings.push(format!("--pressure is {pressure_pa} Pa, but the recording says {} Pa", of.pressure_pa));
+            }
+            if let TemperatureSource::Constant(celsius) = temperature
+                && (celsius - of.gas_temperature_c).abs() > SAME_TEMPERATURE_K
+            {
+                warnings.push(format!(
+                    "--gas-temperature is {celsius} °C, but the recording says {} °C",
+                    of.gas_temperature_c
+                ));
+            }
+        }
+        Ok(Self { species, pressure_pa, temperature, last: None, has_begun: false, warnings })
+    }
+
+    /// Sets the anemometer's gas before a tick, whenever it has changed.
+    ///
+    /// # Errors
+    /// If the board refuses a number.
+    pub fn set(&mut self, anemometer: &mut OffLineAnemometer<'_>, moment: &Moment) -> Result<(), GasInputError> {
+        let now = match &self.temperature {
+            TemperatureSource::Constant(celsius) => Some(*celsius as f32),
+            TemperatureSource::Column(_) => moment.gas_c.map(|celsius| celsius as f32),
+            TemperatureSource::Element(_) => None,
+        };
+        if self.has_begun && now == self.last {
+            return Ok(());
+        }
+        (self.has_begun, self.last) = (true, now);
+        Ok(anemometer.gas(self.pressure_pa as f32, now)?)
+    }
+
+    /// Metadata of a file of wind estimates.
+    pub fn metadata(&self) -> Metadata {
+        let key = if self.constant_c().is_some() { GAS_TEMPERATURE } else { "gas_temperature_from" };
+        let value = self.constant_c().map(|celsius| celsius.to_string()).or_else(|| self.from()).unwrap_or_default();
+        let pairs =
+            [("gas_species", self.species.to_owned()), ("gas_pressure_pa", self.pressure_pa.to_string()), (key, value)];
+        pairs.map(|(key, value)| (key.to_owned(), value)).into()
+    }
+
+    fn constant_c(&self) -> Option<f64> {
+        if let TemperatureSource::Constant(celsius) = self.temperature { Some(celsius) } else { None }
+    }
+
+    fn from(&self) -> Option<String> {
+        match &self.temperature {
+            TemperatureSource::Constant(_) => None,
+            TemperatureSource::Column(name) => Some(name.clone()),
+            TemperatureSource::Element(name) => Some(format!("element {name}")),
+        }
+    }
+}
+
+impl Serialize for GasInput {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct GasReport {
+            species: &'static str,
+            pressure_pa: f64,
+            temperature_c: Option<f64>,
+            temperature_from: Option<String>,
+        }
+        let (species, pressure_pa) = (self.species, self.pressure_pa);
+        let (temperature_c, temperature_from) = (self.constant_c(), self.from());
+        GasReport { species, pressure_pa, temperature_c, temperature_from }.serialize(serializer)
+    }
+}
+
+impl fmt::Display for GasInput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} Pa, ", self.species, self.pressure_pa)?;
+        match &self.temperature {
+            TemperatureSource::Constant(celsius) => write!(f, "{celsius} °C"),
+            TemperatureSource::Column(name) => write!(f, "its temperature from column `{name}`"),
+            TemperatureSource::Element(name) => write!(f, "its temperature by element `{name}`"),
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Wind from recordings: the board's own anemometer goes through the rows of a recording.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`estimate`] | wind estimates of a recording |
+//! | [`off_line`] | the anemometer of a calibrated head, off line |
+//! | [`moment`] | a tick with its conditions |
+//! | [`replay`] | a recording as the ticks that made it |
+//! | [`live`] | rows of a run while it goes on, as ticks |
+//! | [`gas_input`] | pressure and temperature of the gas |
+//! | [`given_winds`] | a table of true winds |
+//! | [`comparison`] | errors against the true wind |
+//! | [`tally`], [`median`] | statistics of the estimates |
+//! | [`report`] | all of these as text and as JSON |
+//! | [`error`] | what is refused |
+
+pub mod comparison;
+pub mod error;
+pub mod estimate;
+pub mod gas_input;
+pub mod given_winds;
+pub mod live;
+pub mod median;
+pub mod moment;
+pub mod off_line;
+pub mod replay;
+pub mod report;
+pub mod tally;
+
+pub use estimate::{EstimatedWind, WindEstimation, WindOptions};
+pub use report::WindReport;

@@ -1,0 +1,130 @@
+//! The board's anemometer, set up with a calibrated head, off line: it follows the ticks of a run
+//! or a recording.
+
+use std::path::PathBuf;
+
+use dr_core::control::Tick;
+use dr_core::wind::{Anemometer, WindCommand};
+use recording::toml_file::FileError;
+use wire::{MOST_ELEMENTS, WindSample};
+
+use crate::head::calibration::checked::Calibration;
+use crate::head::error::WindSetupError;
+use crate::head::file::Head;
+use crate::head::output::WindOutput;
+
+/// An anemometer that cannot be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OffLineError {
+    /// The calibration makes no commands.
+    #[error("{}: {error}", head.display())]
+    SetUp {
+        /// File of the head.
+        head: PathBuf,
+        /// What is wrong.
+        error: WindSetupError,
+    },
+    /// The board refuses a number of the head.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// A pressure or temperature of the gas that the board refuses.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct GasRefused(String);
+
+/// An anemometer that knows its head.
+#[derive(Debug, Clone)]
+pub struct OffLineAnemometer<'a> {
+    head: &'a Head,
+    anemometer: Anemometer<MOST_ELEMENTS>,
+    sample_period_s: f32,
+    fixed: Vec<String>,
+}
+
+impl<'a> OffLineAnemometer<'a> {
+    /// Sets an anemometer up.
+    ///
+    /// # Errors
+    /// If the bandwidth or the interval cannot be had, or the board refuses a number of the
+    /// calibration.
+    pub fn new(
+        head: &'a Head,
+        calibration: &Calibration,
+        output: &WindOutput,
+        sample_period_s: f64,
+    ) -> Result<Self, OffLineError> {
+        let (commands, observer) = calibration
+            .commands(output, sample_period_s)
+            .map_err(|error| OffLineError::SetUp { head: head.source.path.clone(), error })?;
+        let (anemometer, fixed) = (Anemometer::new(), observer.fixed);
+        let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, fixed };
+        head.set_up(&mut own.anemometer, &commands, sample_period_s)?;
+        Ok(own)
+    }
+
+    /// Elements whose bandwidth stays fixed although it was to rise after a jump, and why: a
+    /// sentence for each reason.
+    pub fn fixed(&self) -> &[String] {
+        &self.fixed
+    }
+
+    /// Sets the gas; its temperature only where the head has no reference.
+    ///
+    /// # Errors
+    /// The number that the board refuses.
+    pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), GasRefused> {
+        let set = self.anemometer.handle(&WindCommand::Gas { pressure_pa, temperature_c }, self.sample_period_s);
+        set.map_err(|error| GasRefused(error.to_string()))
+    }
+
+    /// Follows a tick; returns an estimate where one is due.
+    pub fn step(&mut self, tick: &Tick<MOST_ELEMENTS>) -> Option<WindSample> {
+        let head = self.head;
+        let estimate = self.anemometer.step(tick, |element, temperature_c| standing_w(head, element, temperature_c))?;
+        Some(WindSample::from(&estimate))
+    }
+}
+
+/// Power of an element at its low level, W.
+pub fn standing_w(head: &Head, element: usize, temperature_c: f32) -> f32 {
+    head.elements.get(element).map_or(0.0, |of| of.config.channel.standing_power_w(temperature_c))
+}
+
+/// Outward axes of the surfaces, for the linear inverse.
+pub fn axes(head: &Head, calibration: &Calibration) -> Vec<[f64; 3]> {
+    calibration.surfaces.iter().filter_map(|&place| head.elements[place].normal).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn sphere_b() -> Head {
+        Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml")).unwrap()
+    }
+
+    #[test]
+    fn quick_gains_of_a_sphere_hold() {
+        let calibration = sphere_b().calibration.unwrap();
+        for bandwidth_hz in [0.5, 1.0, 2.0, 5.0] {
+            let observer = calibration.network.adaptive_observer(bandwidth_hz, 1e-3, &calibration.noise).unwrap();
+            assert_eq!(observer.fixed, Vec::<String>::new(), "{bandwidth_hz} Hz");
+            assert!((0..4).all(|place| observer.has_schedule(place)), "{bandwidth_hz} Hz");
+        }
+    }
+
+    #[test]
+    fn the_board_takes_the_sets_of_any_rate_and_bandwidth() {
+        let head = sphere_b();
+        let calibration = head.calibration.as_ref().unwrap();
+        for (rate_hz, bandwidth_hz) in [(100.0, 2.0), (100.0, 3.0), (100.0, 5.0), (250.0, 5.0), (20.0, 1.0)] {
+            let output = WindOutput { bandwidth_hz, interval_s: 0.1, fixed: false };
+            let made = OffLineAnemometer::new(&head, calibration, &output, 1.0 / rate_hz);
+            assert!(made.is_ok(), "{rate_hz} Hz, {bandwidth_hz} Hz: {:?}", made.err());
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! Replay of a recording: the ticks of the instrument, row by row, in memory that does not grow
+//! with its length.
+//!
+//! Rows may be missing: samples get lost on the way. The time between two rows then says how many
+//! ticks there were, and they are handed out as [`TickOrigin::Missing`]: heated on with the mean
+//! power of the last second, and not read. What the structure stores is wrong afterwards by the
+//! difference of the true power to the mean: of a gap g and a time constant τ by a share g/τ, which
+//! decays with τ. So for ten times as long as the gap lasted moments are [`TickOrigin::AfterGap`];
+//! then 2 % of the error of the power are left.
+
+use std::path::{Path, PathBuf};
+
+use wire::MOST_ELEMENTS;
+
+use super::error::ReplayError;
+use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
+use crate::head::file::Head;
+use diffusive::model::Conditions;
+use recording::text::{suggest, tidy};
+use recording::toml_file::TomlSource;
+use recording::{
+    ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingReader, STATE, TEMPERATURE, TIME,
+    TRUE_WIND,
+};
+
+/// Moments are `AfterGap` for so many times as long as the gap lasted.
+const AFTER_GAP: f64 = 10.0;
+/// Longest time that is gone through in a gap, and longest time after one, s: nothing is left of
+/// the stored heat then.
+const LONGEST_GAP_S: f64 = 3600.0;
+/// Part of the sample period by which the time between two rows may be off: a written time may be
+/// rounded.
+const ROUNDED: f64 = 0.1;
+
+/// A recording that is being replayed.
+pub struct Replay {
+    path: PathBuf,
+    reader: RecordingReader,
+    places: ColumnPlaces,
+    sample_period_s: f64,
+    conditions: Option<Conditions>,
+    chunk: Vec<RecordingColumn>,
+    row: usize,
+    rows: Option<u64>,
+    ticks: Ticks,
+    /// Rows so far.
+    count: u64,
+    /// Time, label and gas of the last row.
+    last_s: Option<f64>,
+    last_event: String,
+    last_gas_c: Option<f64>,
+    /// The next row, and how many ticks are missing before it.
+    next: Option<ReplayedRow>,
+    missing: u64,
+    /// Gaps so far, and how long they were, s.
+    gaps: (u64, f64),
+    /// Until when moments are soon after a gap, s.
+    after_gap_s: f64,
+}
+
+/// A row as it stands in the file.
+struct ReplayedRow {
+    time_s: f64,
+    readings: [ElementReading; MOST_ELEMENTS],
+    event: String,
+    state: String,
+    true_wind_m_s: Option<[f64; 3]>,
+    gas_c: Option<f64>,
+}
+
+/// Where the columns stand among those that were selected.
+struct ColumnPlaces {
+    time: usize,
+    temperature: Vec<usize>,
+    power: Vec<usize>,
+    heater: Vec<usize>,
+    event: Option<usize>,
+    state: Option<usize>,
+    wind: Option<[usize; 3]>,
+    gas: Option<usize>,
+}
+
+impl Replay {
+    /// Opens the recording of a head; `gas` is the column of the gas's temperature, if one is
+    /// wanted.
+    ///
+    /// # Errors
+    /// If it cannot be read, or lacks a column of one of the head's elements.
+    pub fn open(path: &Path, head: &Head, gas: Option<&str>) -> Result<Self, ReplayError> {
+        let mut reader = RecordingReader::open(path)?;
+        let names: Vec<String> = reader.names().to_vec();
+        let mut selected = Vec::new();
+        let mut place = |name: &str| {
+            names.iter().position(|known| known == name).map(|column| {
+                selected.push(column);
+                selected.len() - 1
+            })
+        };
+        let lacking = |name: &str| {
+            let hint = suggest(name, names.iter().map(String::as_str));
+            ReplayError::content(path, format!("has no column `{name}`; {hint}"))
+        };
+        let mut needed = |name: String| place(&name).ok_or_else(|| lacking(&name));
+        let time = needed(TIME.to_owned())?;
+        let (mut temperature, mut power, mut heater) = (Vec::new(), Vec::new(), Vec::new());
+        for name in head.names() {
+            temperature.push(needed(recording::column_name(TEMPERATURE, name))?);
+            power.push(needed(recording::column_name(POWER, name))?);
+            heater.push(needed(recording::column_name(HEATER, name))?);
+        }
+        let gas = match gas {
+            Some(name) => Some(needed(recording::current_name(name).into_owned())?),
+            None => place(GAS_TEMPERATURE),
+        };
+        let (event, state) = (place(EVENT), place(STATE));
+        let wind = match TRUE_WIND.map(&mut place) {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+            _ => None,
+        };
+        for (name, column) in [(EVENT, event), (STATE, state)] {
+            if column.is_some()
+                && let Some(at) = names.iter().position(|known| known == name)
+            {
+                reader.read_as_text(at);
+            }
+        }
+        let metadata = reader.metadata();
+        let period = metadata.iter().find(|(key, _)| key == "sample_period_s").map(|(_, value)| value.parse::<f64>());
+        let said_s = period.and_then(Result::ok).filter(|period_s| *period_s > 0.0 && period_s.is_finite());
+        let sample_period_s = period_of(path, said_s)?;
+        reader.select(&selected);
+        Ok(Self {
+            rows: reader.rows(),
+            conditions: Conditions::of_metadata(&metadata),
+            path: path.to_owned(),
+            reader,
+            places: ColumnPlaces { time, temperature, power, heater, event, state, wind, gas },
+            sample_period_s,
+            chunk: Vec::new(),
+            row: 0,
+            ticks: Ticks::new(sample_period_s),
+            count: 0,
+            last_s: None,
+            last_event: String::new(),
+            last_gas_c: None,
+            next: None,
+            missing: 0,
+            gaps: (0, 0.0),
+            after_gap_s: f64::NEG_INFINITY,
+        })
+    }
+
+    /// Time between two ticks, s.
+    pub fn sample_period_s(&self) -> f64 {
+        self.sample_period_s
+    }
+
+    /// Gas and support, if the recording has them.
+    pub fn conditions(&self) -> Option<&Conditions> {
+        self.conditions.as_ref()
+    }
+
+    /// Number of rows, if the file has it.
+    pub fn rows(&self) -> Option<u64> {
+        self.rows
+    }
+
+    /// Whether it has columns of the true wind.
+    pub fn has_wind(&self) -> bool {
+        self.places.wind.is_some()
+    }
+
+    /// Whether it has a column of the gas's temperature, the requested one or the simulation's.
+    pub fn has_gas(&self) -> bool {
+        self.places.gas.is_some()
+    }
+
+    /// Gaps so far, and how long they were in all, s.
+    pub fn gaps(&self) -> (u64, f64) {
+        self.gaps
+    }
+
+    /// The next tick, recorded or not; none after the last row.
+    ///
+    /// # Errors
+    /// If the file is damaged, or its time does not ascend by whole sample periods.
+    pub fn next_moment(&mut self) -> Result<Option<Moment>, ReplayError> {
+        if self.next.is_none()
+            && let Some(row) = self.next_row()?
+        {
+            self.missing = self.missing_before(row.time_s)?;
+            self.next = Some(row);
+        }
+        if self.missing > 0 {
+            self.missing -= 1;
+            return Ok(Some(Moment {
+                time_s: self.last_s.unwrap_or_default(),
+                tick: self.ticks.missing(),
+                event: self.last_event.clone(),
+                state: String::new(),
+                wind_m_s: None,
+                gas_c: self.last_gas_c,
+                known: TickOrigin::Missing,
+            }));
+        }
+        let Some(row) = self.next.take() else { return Ok(None) };
+        self.last_s = Some(row.time_s);
+        self.last_event.clone_from(&row.event);
+        self.last_gas_c = row.gas_c;
+        let readings = row.readings.into_iter().take(self.places.power.len());
+        Ok(Some(Moment {
+            time_s: row.time_s,
+            tick: self.ticks.tick(row.time_s, run_state(&row.state), readings),
+            event: row.event,
+            state: row.state,
+            wind_m_s: row.true_wind_m_s,
+            gas_c: row.gas_c,
+            known: if row.time_s < self.after_gap_s { TickOrigin::AfterGap } else { TickOrigin::Recorded },
+        }))
+    }
+
+    /// How many ticks are missing between the last row and one of this time.
+    fn missing_before(&mut self, time_s: f64) -> Result<u64, ReplayError> {
+        let refuse = |problem: String| Err(ReplayError::content(&self.path, format!("row {}: {problem}", self.count)));
+        if !time_s.is_finite() {
+            return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
+        }
+        let Some(last_s) = self.last_s else { return Ok(0) };
+        if time_s <= last_s {
+            return refuse(format!("`{TIME}` goes from {last_s} s to {time_s} s, but time must ascend"));
+        }
+        let (step_s, period_s) = (time_s - last_s, self.sample_period_s);
+        let ticks = (step_s / period_s).round();
+        if ticks < 2.0 && (step_s / period_s - 1.0).abs() > ROUNDED {
+            let (step_s, period_s) = (tidy(step_s), tidy(period_s));
+            return refuse(format!(
+                "`{TIME}` moves on by {step_s} s, by {period_s} s elsewhere; resample the recording or cut it there"
+            ));
+        }
+        if ticks < 2.0 {
+            return Ok(0);
+        }
+        let gap_s = (ticks - 1.0) * period_s;
+        self.gaps = (self.gaps.0 + 1, self.gaps.1 + gap_s);
+        self.after_gap_s = self.after_gap_s.max(time_s + (AFTER_GAP * gap_s).min(LONGEST_GAP_S));
+        Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
+    }
+
+    fn next_row(&mut self) -> Result<Option<ReplayedRow>, ReplayError> {
+        while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
+            match self.reader.next_chunk()? {
+                None => return Ok(None),
+                Some(chunk) => (self.chunk, self.row) = (chunk, 0),
+            }
+        }
+        let row = self.row;
+        (self.row, self.count) = (row + 1, self.count + 1);
+        let (chunk, places) = (&self.chunk, &self.places);
+        let number = |place: usize| match &chunk[place].values {
+            ColumnValues::Numbers(numbers) => numbers[row],
+            ColumnValues::Words(_) => f64::NAN,
+        };
+        let word = |place: usize| match &chunk[place].values {
+            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
+            ColumnValues::Numbers(numbers) => numbers[row].to_string(),
+        };
+        let mut readings = [ElementReading { temperature_c: f32::NAN, power_w: 0.0, is_high: false }; MOST_ELEMENTS];
+        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
+        for (reading, ((&temperature, &heater), &power)) in readings.iter_mut().zip(columns) {
+            *reading = ElementReading {
+                temperature_c: number(temperature) as f32,
+                power_w: number(power) as f32,
+                is_high: number(heater) != 0.0,
+            };
+        }
+        Ok(Some(ReplayedRow {
+            time_s: number(places.time),
+            readings,
+            state: places.state.map(word).unwrap_or_default(),
+            event: places.event.map(word).unwrap_or_default(),
+            true_wind_m_s: places.wind.map(|places| places.map(number)),
+            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
+        }))
+    }
+}
+
+/// The sample period that the recording carries, or else the median time between its first rows;
+/// both have to agree.
+fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, ReplayError> {
+    let refuse = |sentence: String| ReplayError::content(path, sentence);
+    let mut reader = RecordingReader::open(path)?;
+    let time = reader.names().iter().position(|name| name == TIME);
+    reader.select(&[time.ok_or_else(|| refuse(format!("has no column `{TIME}`")))?]);
+    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows".to_owned()))?;
+    let ColumnValues::Numbers(time_s) = &chunk[0].values else {
+        return Err(refuse(format!("column `{TIME}` holds text where numbers belong")));
+    };
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(&usual_s) = steps.get(steps.len() / 2) else {
+        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by".to_owned()));
+    };
+    match said_s {
+        // A wrong step is for the row that has it.
+        _ if !(usual_s > 0.0 && usual_s.is_finite()) => {
+            said_s.ok_or_else(|| refuse(format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
+        }
+        None => Ok(usual_s),
+        Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
+        Some(said_s) => Err(refuse(format!(
+            "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
+            tidy(usual_s)
+        ))),
+    }
+}
+
+/// The requested head, or the one that the recording carries.
+///
+/// # Errors
+/// If there is none, or it cannot be read.
+pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, ReplayError> {
+    if let Some(path) = head {
+        return Ok(Head::read(path)?);
+    }
+    let metadata = RecordingReader::open(recording)?.metadata();
+    let text = metadata.iter().find(|(key, _)| key == "head").map(|(_, text)| text.clone());
+    let text = text.ok_or_else(|| ReplayError::content(recording, "carries no head; name one with --head"))?;
+    let path = format!("the head in {}", recording.display()).into();
+    Ok(Head::from_source(TomlSource { path, text })?)
+}
+
+#[cfg(test)]
+mod tests;

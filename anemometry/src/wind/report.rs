@@ -1,0 +1,209 @@
+//! Report of the wind estimates of a recording, as text and as JSON.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use recording::text::tidy;
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::comparison::WindComparison;
+use super::gas_input::GasInput;
+use super::tally::EstimateSummary;
+use crate::head::output::WindOutput;
+
+/// Summary of `anemo wind`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindReport {
+    /// The recording.
+    pub recording: PathBuf,
+    /// Name of the head.
+    pub head: String,
+    /// Recordings and cross-validation of its calibration, in words.
+    pub made_from: String,
+    /// Whether it is a card, which outputs the wind in its plane.
+    pub is_card: bool,
+    /// Number of all estimates.
+    pub estimates: u64,
+    /// Bandwidth and interval.
+    pub output: WindOutput,
+    /// Elements whose bandwidth stays fixed although it was to rise, and why.
+    pub fixed_for: Vec<String>,
+    /// The gas, with its source.
+    pub gas: GasInput,
+    /// Number of gaps of the recording.
+    pub gaps: u64,
+    /// How long the gaps are in all, s.
+    pub missing_s: f64,
+    /// Estimates before do not count, s.
+    pub from_s: f64,
+    /// Left out at the beginning of every label, s.
+    pub settle_s: f64,
+    /// Statistics of the estimates that count.
+    pub counted: EstimateSummary,
+    /// The same compared with the true wind, if any of it is known.
+    pub comparison: Option<WindComparison>,
+    /// Files that were written.
+    pub written: Vec<PathBuf>,
+}
+
+impl Serialize for WindReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (counted, none) = (&self.counted, WindComparison::default());
+        let errors = self.comparison.as_ref().unwrap_or(&none);
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("head", &self.head)?;
+        map.serialize_entry("estimates", &self.estimates)?;
+        map.serialize_entry("bandwidth_hz", &self.output.bandwidth_hz)?;
+        map.serialize_entry("fixed", &self.output.fixed)?;
+        map.serialize_entry("output_interval_s", &self.output.interval_s)?;
+        map.serialize_entry("gas", &self.gas)?;
+        map.serialize_entry("warnings", &self.gas.warnings)?;
+        map.serialize_entry("gaps", &self.gaps)?;
+        map.serialize_entry("missing_s", &self.missing_s)?;
+        map.serialize_entry("counted", &counted.estimates)?;
+        map.serialize_entry("quality_flags", &counted.quality_flags)?;
+        map.serialize_entry("mean_speed_m_s", &counted.mean_speed_m_s)?;
+        map.serialize_entry("speed_error_m_s", &counted.speed_error_m_s)?;
+        map.serialize_entry("speed_standard_error", &counted.speed_standard_error)?;
+        map.serialize_entry("direction_standard_error_deg", &counted.direction_standard_error_deg)?;
+        map.serialize_entry("compared", &errors.count)?;
+        map.serialize_entry("failed", &errors.failed)?;
+        map.serialize_entry("without_direction", &errors.no_direction)?;
+        map.serialize_entry("speed_rms_error", &errors.speed_rms())?;
+        map.serialize_entry("speed_bias", &errors.speed_bias())?;
+        map.serialize_entry("speed_worst_error", &errors.speed_worst())?;
+        map.serialize_entry("direction_rms_error_deg", &errors.direction_rms_deg())?;
+        map.serialize_entry("direction_worst_error_deg", &errors.direction_worst_deg())?;
+        map.serialize_entry("linear_direction_rms_error_deg", &errors.linear_rms_deg())?;
+        map.end()
+    }
+}
+
+impl fmt::Display for WindReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let WindOutput { bandwidth_hz, interval_s, fixed } = self.output;
+        writeln!(f, "{} · head {} · {}", self.recording.display(), self.head, self.made_from)?;
+        writeln!(f, "gas: {}", self.gas)?;
+        let fixed = if fixed { ", fixed" } else { "" };
+        writeln!(f, "{} wind estimates, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}", self.estimates)?;
+        for sentence in &self.fixed_for {
+            writeln!(f, "bandwidth fixed for {sentence}")?;
+        }
+        for warning in &self.gas.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
+        if self.gaps > 0 {
+            writeln!(
+                f,
+                "{} gaps in the recording, {} s in all: for ten times as long after each, estimates are flagged `starting`",
+                self.gaps,
+                tidy(self.missing_s)
+            )?;
+        }
+        self.counting(f)?;
+        self.quality(f)?;
+        if let Some(comparison) = &self.comparison {
+            compared(f, comparison, self.is_card)?;
+        }
+        for path in &self.written {
+            writeln!(f, "\nwritten to {}", path.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl WindReport {
+    /// Which estimates count, and how noisy they are.
+    fn counting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut which = Vec::new();
+        if self.from_s > 0.0 {
+            which.push(format!("from {} s on", self.from_s));
+        }
+        if self.settle_s > 0.0 {
+            which.push(format!("{} s after every change of label", self.settle_s));
+        }
+        match self.counted.estimates {
+            _ if which.is_empty() => {}
+            0 => writeln!(f, "none of them counts: {}", which.join(", "))?,
+            count => writeln!(f, "{count} of them count: {}", which.join(", "))?,
+        }
+        if let Some(error) = self.counted.speed_standard_error {
+            write!(f, "standard error by the noise of the readings, median: speed {:.2} %", 100.0 * error)?;
+            if let Some(error_deg) = self.counted.direction_standard_error_deg {
+                write!(f, ", direction {error_deg:.2}°")?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+
+    fn quality(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let EstimateSummary { estimates, quality_flags, .. } = &self.counted;
+        if *estimates > 0 && quality_flags.is_empty() {
+            writeln!(f, "no quality flags")?;
+        }
+        for (name, count) in quality_flags {
+            writeln!(f, "{name:<13} {count} estimates, {:.1} %", 100.0 * *count as f64 / *estimates as f64)?;
+        }
+        Ok(())
+    }
+}
+
+/// Errors of the estimates that count.
+fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, is_card: bool) -> fmt::Result {
+    if errors.count == 0 {
+        return writeln!(f, "\ncompared with the true wind: no estimates to compare");
+    }
+    write!(f, "\ncompared with the true wind, {} estimates", errors.count)?;
+    if errors.failed > 0 {
+        write!(f, ", {} of them without a wind", errors.failed)?;
+    }
+    writeln!(f)?;
+    if let (Some(rms), Some(bias), Some(worst)) = (errors.speed_rms(), errors.speed_bias(), errors.speed_worst()) {
+        let [rms, bias, worst] = [rms, bias, worst].map(|share| format!("{:.2} %", 100.0 * share));
+        writeln!(f, "  speed      {rms} rms, {bias} mean, {worst} at worst")?;
+    }
+    if let (Some(rms), Some(worst)) = (errors.direction_rms_deg(), errors.direction_worst_deg()) {
+        write!(f, "  direction  {rms:.2}° rms, {worst:.2}° at worst")?;
+        if is_card {
+            write!(f, ", in the plane of the card")?;
+        } else if let Some(linear) = errors.linear_rms_deg() {
+            write!(f, "; linear inverse {linear:.2}° rms")?;
+        }
+        writeln!(f)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Compared<'a>(&'a WindComparison);
+
+    impl fmt::Display for Compared<'_> {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            compared(f, self.0, false)
+        }
+    }
+
+    #[test]
+    fn what_was_not_compared_is_not_shown_as_perfect() {
+        let text = |errors: &WindComparison| Compared(errors).to_string();
+        assert_eq!(text(&WindComparison::default()), "\ncompared with the true wind: no estimates to compare\n");
+        // One axis: a speed, and no direction.
+        let mut errors = WindComparison::default();
+        let mut estimate = super::super::comparison::tests::estimate([0.0, 2.2, 0.0]);
+        estimate.quality_flags = dr_core::wind::QualityFlags::UNDETERMINED;
+        errors.add(&estimate, &[[0.0, 1.0, 0.0]; 2], [0.0, 2.0, 0.0]);
+        assert_eq!(
+            text(&errors),
+            "\ncompared with the true wind, 1 estimates\n  speed      10.00 % rms, 10.00 % mean, 10.00 % at worst\n"
+        );
+        let mut failed = WindComparison::default();
+        estimate.quality_flags = dr_core::wind::QualityFlags::FAILED;
+        failed.add(&estimate, &[], [0.0, 2.0, 0.0]);
+        assert!(text(&failed).ends_with("1 estimates, 1 of them without a wind\n"));
+    }
+}

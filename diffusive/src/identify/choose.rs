@@ -1,0 +1,365 @@
+//! Choosing for the user: every candidate scored by block cross-validation, the best one taken, and
+//! the reasons kept.
+//!
+//! Candidates are ordered from the most to the least cautious (higher edge, known initial state,
+//! stronger prior), and the most cautious one is taken that is as good as the best but for chance.
+//! Then the signs: if holding all resistances at or above zero costs no more than 5 % of the error,
+//! physics is kept; else those of an element's own heat alone; else none.
+
+use nalgebra::DMatrix;
+
+use super::candidates::{CandidateMesh, priors, terms};
+use super::design::{RegressionDesign, Role};
+use super::folds::{Score, score};
+use super::gram::Gram;
+use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
+use super::options::{Constraints, InitialState, Signs};
+use super::prior::{Prior, Scales};
+
+/// Candidates whose cross-validated error is at most that many times the choice's may be the truth
+/// as well.
+const PLAUSIBLE: f64 = 1.05;
+
+/// Ratio of mean squared errors from which on it costs too much to hold resistances at or above
+/// zero.
+const DEAR: f64 = 1.05;
+
+/// A candidate of one mesh, taken or not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScoredCandidate {
+    pub mesh: usize,
+    pub initial_state: InitialState,
+    pub feed_through: bool,
+    pub prior: Prior,
+    pub score: Score,
+}
+
+/// What one output's model was decided to be.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    pub trial: ScoredCandidate,
+    pub terms: Vec<ModelTerm>,
+    /// For every term, whether it is held at or above zero.
+    pub positive: Option<Vec<bool>>,
+    pub solution: PenalisedSolution,
+    pub rivals: Vec<ScoredCandidate>,
+    pub sign_reason: String,
+    /// By bank: how far candidates that predict about as well differ from it in the steady gain.
+    pub gain_spread: Vec<GainSpread>,
+    /// Why it is not the first choice, if it is not.
+    pub reason: Option<String>,
+}
+
+/// Absolute differences of others' steady gains from a choice's own, K/W.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct GainSpread {
+    pub gain: f64,
+    pub median: f64,
+    pub upper_decile: f64,
+}
+
+/// Everything that a choice is made from.
+pub struct CandidateSet<'a> {
+    pub meshes: &'a [CandidateMesh],
+    pub designs: &'a [RegressionDesign],
+    /// By design: the folds of one reading.
+    pub folds: &'a [Vec<Gram>],
+    pub scales: &'a Scales,
+    /// What drove each bank in the first row, and which input it belongs to.
+    pub first_drives: &'a [f64],
+    pub bank_input: &'a [usize],
+    pub outputs: usize,
+    /// The output that is chosen for, and what was subtracted from it.
+    pub output: usize,
+    pub output_shift: f64,
+    /// By bank: whether this output sees it.
+    pub sees: &'a [bool],
+    /// Whether feed-through columns are in the designs, and may be left out.
+    pub feed_through: &'a [bool],
+    pub constraints: &'a Constraints,
+    pub signs: &'a Signs,
+}
+
+impl CandidateSet<'_> {
+    fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
+        let all = terms(&self.designs[mesh].roles(), initial_state, feed_through, self.first_drives);
+        let seen = |term: &ModelTerm| match term.role {
+            Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => self.sees[bank],
+            Role::Initial { .. } | Role::Offset => true,
+        };
+        all.into_iter().filter(seen).collect()
+    }
+
+    fn initial_states(&self) -> Vec<InitialState> {
+        if let Some(initial_state) = self.constraints.initial_state {
+            return vec![initial_state];
+        }
+        let mut initial_states = vec![InitialState::Rest];
+        if self.first_drives.iter().any(|&drive| drive != 0.0) {
+            initial_states.push(InitialState::Settled);
+        }
+        initial_states.push(InitialState::Free);
+        initial_states
+    }
+
+    /// The choice for one output.
+    pub fn choose(&self) -> Choice {
+        let is_free = |&index: &usize| self.meshes[index].free;
+        let mut trials: Vec<ScoredCandidate> =
+            (0..self.meshes.len()).filter(is_free).flat_map(|index| self.tried(index)).collect();
+        let mut taken = best(&trials, self.meshes).clone();
+        let ordinary = taken.score.clone();
+        for index in (0..self.meshes.len()).filter(|index| !is_free(index)) {
+            let tried = self.tried(index);
+            self.prefer_slow(&tried, &ordinary, &mut taken);
+            trials.extend(tried);
+        }
+        self.settle(taken, trials)
+    }
+
+    /// All candidates of one mesh.
+    fn tried(&self, index: usize) -> Vec<ScoredCandidate> {
+        let mut trials = Vec::new();
+        for initial_state in self.initial_states() {
+            for &feed_through in self.feed_through {
+                self.try_priors(&mut trials, index, initial_state, feed_through);
+            }
+        }
+        trials
+    }
+
+    /// Takes a candidate of a slow mesh in place of what is `taken`, if it is clearly better.
+    /// `ordinary` is the score of the best other mesh.
+    ///
+    /// Poles far slower than the record are told from drift only if the initial state is known: if,
+    /// on such a mesh, rest (or settled) predicts as well as an initial state that may be anything.
+    fn prefer_slow(&self, tried: &[ScoredCandidate], ordinary: &Score, taken: &mut ScoredCandidate) {
+        let free = tried.iter().filter(|trial| trial.initial_state == InitialState::Free);
+        let free = free.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()));
+        let halves = |own: &Score, other: &Score| own.overall() <= 0.25 * other.overall();
+        for slow in tried.iter().filter(|trial| trial.initial_state != InitialState::Free) {
+            let is_known = free.is_none_or(|free| slow.score.is_as_good_as(&free.score, 1.1));
+            // Or it is evident: half the error of all ordinary meshes or less, and the free initial
+            // state not half of that again.
+            let is_evident =
+                halves(&slow.score, ordinary) && !free.is_some_and(|free| halves(&free.score, &slow.score));
+            let is_better =
+                slow.score.overall() < taken.score.overall() && !taken.score.is_as_good_as(&slow.score, 1.1);
+            if (is_evident || is_known && !self.meshes[slow.mesh].fine) && is_better {
+                *taken = slow.clone();
+            }
+        }
+    }
+
+    /// Slow rates and a initial state that may be anything explain the same drift: such candidates
+    /// are for comparison only.
+    fn is_fit(&self, trial: &ScoredCandidate) -> bool {
+        self.meshes[trial.mesh].free || trial.initial_state != InitialState::Free
+    }
+
+    /// The candidate that predicted held-out stretches best of all, but for chance, if it is not
+    /// the choice.
+    pub fn best_rival(&self, choice: &Choice) -> Option<Choice> {
+        let fit = || choice.rivals.iter().filter(|trial| self.is_fit(trial));
+        let best = fit().min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
+        let best = fit().find(|trial| trial.score.is_as_good_as(&best.score, 1.01)).unwrap_or(best);
+        let is_other = best.score.overall() < choice.trial.score.overall();
+        is_other.then(|| self.settle(best.clone(), choice.rivals.clone()))
+    }
+
+    fn try_priors(
+        &self,
+        trials: &mut Vec<ScoredCandidate>,
+        index: usize,
+        initial_state: InitialState,
+        feed_through: bool,
+    ) {
+        let mesh = &self.meshes[index];
+        let terms = self.terms(index, initial_state, feed_through);
+        let folds = self.problems(index, &terms);
+        let total = NormalEquations::total(&folds);
+        let of = |prior| self.scales.penalty(prior, &terms, &total);
+        let mut candidates = priors(mesh, self.constraints);
+        if mesh.smooth {
+            // Strength by generalised cross-validation: where the initial state is known and the
+            // mesh is guarded, the noise is what is left.
+            let gcv = |prior: &Prior| {
+                let solution = total.solve(&of(*prior), None);
+                solution.rss.ln() - 2.0 * (1.0 - solution.degrees / total.rows).max(1e-12).ln()
+            };
+            let strength = candidates.iter().copied().min_by(|a, b| gcv(a).total_cmp(&gcv(b)));
+            candidates = strength.into_iter().collect();
+        }
+        for prior in candidates {
+            let score = score(&folds, &total, &of(prior), None);
+            trials.push(ScoredCandidate { mesh: index, initial_state, feed_through, prior, score });
+        }
+    }
+
+    /// Steady gains by bank, and their variances.
+    fn gains(&self, terms: &[ModelTerm], solution: &PenalisedSolution) -> Vec<(f64, f64)> {
+        let of = |bank: usize| {
+            let is_its = |&index: &usize| match terms[index].role {
+                Role::Relaxation { bank: own, .. } | Role::FeedThrough { bank: own } => own == bank,
+                Role::Initial { .. } | Role::Offset => false,
+            };
+            let its: Vec<usize> = (0..terms.len()).filter(is_its).collect();
+            let pairs = its.iter().flat_map(|&i| its.iter().map(move |&j| (i, j)));
+            let variance: f64 = pairs.map(|at| solution.covariance[at]).sum();
+            (its.iter().map(|&i| solution.theta[i]).sum(), variance.max(0.0))
+        };
+        (0..self.bank_input.len()).map(of).collect()
+    }
+
+    /// Those that are for comparison only count as well: what a record leaves open is open. But
+    /// what a rival is itself unsure of is not held against the choice.
+    fn gain_spread(&self, taken: &ScoredCandidate, own: &[(f64, f64)], rivals: &[ScoredCandidate]) -> Vec<GainSpread> {
+        let plausible =
+            |rival: &&ScoredCandidate| *rival != taken && rival.score.is_plausible_beside(&taken.score, PLAUSIBLE);
+        let mut squares = vec![Vec::new(); own.len()];
+        for rival in rivals.iter().filter(plausible) {
+            let terms = self.terms(rival.mesh, rival.initial_state, rival.feed_through);
+            let total = NormalEquations::of(&Gram::total(&self.folds[rival.mesh]), &terms, self.outputs, self.output);
+            let solution = total.solve(&self.scales.penalty(rival.prior, &terms, &total), None);
+            for ((squares, (gain, variance)), own) in squares.iter_mut().zip(self.gains(&terms, &solution)).zip(own) {
+                squares.push(((gain - own.0).powi(2) - variance).max(0.0));
+            }
+        }
+        own.iter().zip(squares).map(|(own, squares)| GainSpread::of(own.0, squares)).collect()
+    }
+
+    fn problems(&self, mesh: usize, terms: &[ModelTerm]) -> Vec<NormalEquations> {
+        self.folds[mesh].iter().map(|fold| NormalEquations::of(fold, terms, self.outputs, self.output)).collect()
+    }
+
+    /// Makes a choice of a candidate: signs, solution, and how far others that may be the truth are
+    /// from it.
+    fn settle(&self, trial: ScoredCandidate, rivals: Vec<ScoredCandidate>) -> Choice {
+        let terms = self.terms(trial.mesh, trial.initial_state, trial.feed_through);
+        let folds = self.problems(trial.mesh, &terms);
+        let total = NormalEquations::total(&folds);
+        let penalty = self.scales.penalty(trial.prior, &terms, &total);
+        let (positive, sign_reason) = self.held_signs(&terms, &folds, &total, &penalty);
+        let solution = total.solve(&penalty, positive.as_deref());
+        let gain_spread = self.gain_spread(&trial, &self.gains(&terms, &solution), &rivals);
+        let begun_at_zero = self.begun_at_zero(&trial, &terms, &total, &penalty, positive.as_deref(), &solution);
+        let solution = begun_at_zero.unwrap_or(solution);
+        Choice { trial, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None }
+    }
+
+    /// Which parameters are held at or above zero, and why.
+    fn held_signs(
+        &self,
+        terms: &[ModelTerm],
+        folds: &[NormalEquations],
+        total: &NormalEquations,
+        penalty: &DMatrix<f64>,
+    ) -> (Option<Vec<bool>>, String) {
+        let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
+            let of = |term: &ModelTerm| match term.role {
+                Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => held(self.bank_input[bank]),
+                Role::Initial { .. } | Role::Offset => false,
+            };
+            terms.iter().map(of).collect()
+        };
+        match self.signs {
+            Signs::Any => return (None, "signs: any, as asked for".to_owned()),
+            Signs::AllPositive => return (Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
+            Signs::Positive(pairs) => {
+                let held = |input| pairs.contains(&(input, self.output));
+                return (Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned());
+            }
+            Signs::Choose => {}
+        }
+        let free = score(folds, total, penalty, None);
+        // The dearer of all questions together and of interpolation, which knows best what noise
+        // there is.
+        let price = |held: &Vec<bool>| {
+            let own = score(folds, total, penalty, Some(held));
+            let all = own.overall() / free.overall().max(1e-300);
+            all.max(own.mean_single() / free.mean_single().max(1e-300))
+        };
+        let all = mask(&|_| true);
+        let own = mask(&|input| input == self.output);
+        let price_of_all = price(&all);
+        if price_of_all <= DEAR {
+            (Some(all), format!("signs: none negative (cross-validated error {})", change(price_of_all)))
+        } else if own.contains(&true) && own != all && price(&own) <= DEAR {
+            (Some(own), "signs: own heat none negative, cross-heating any".to_owned())
+        } else {
+            (None, format!("signs: any (none negative: cross-validated error {})", change(price_of_all)))
+        }
+    }
+
+    /// From rest, an output that may as well have begun at zero did: one parameter less, and the
+    /// steady gain is surer.
+    fn begun_at_zero(
+        &self,
+        trial: &ScoredCandidate,
+        terms: &[ModelTerm],
+        total: &NormalEquations,
+        penalty: &DMatrix<f64>,
+        positive: Option<&[bool]>,
+        solution: &PenalisedSolution,
+    ) -> Option<PenalisedSolution> {
+        if trial.initial_state != InitialState::Rest || self.constraints.mesh_is_fixed() {
+            return None;
+        }
+        let offset = terms.iter().position(|term| term.role == Role::Offset)?;
+        let value = solution.theta[offset] + self.output_shift;
+        let is_zero = value.abs() < 2.0 * solution.covariance[(offset, offset)].sqrt();
+        if !is_zero {
+            return None;
+        }
+        let less = total.with_known(offset, -self.output_shift);
+        let penalty = penalty.clone().remove_row(offset).remove_column(offset);
+        let held = positive.map(|positive| {
+            let mut held = positive.to_vec();
+            held.remove(offset);
+            held
+        });
+        let known = less.solve(&penalty, held.as_deref());
+        let with_known = |of: DMatrix<f64>| of.insert_row(offset, 0.0).insert_column(offset, 0.0);
+        Some(PenalisedSolution {
+            theta: known.theta.insert_row(offset, -self.output_shift),
+            covariance: with_known(known.covariance),
+            inverse: with_known(known.inverse),
+            pulled: with_known(known.pulled),
+            ..known
+        })
+    }
+}
+
+/// The most cautious trial on a mesh for any initial state that is as good as the best. Fine meshes
+/// are left to a second opinion.
+///
+/// The lower edge first: the thesis' is kept unless its cross-validated error is more than a tenth
+/// greater. Then, among those of that edge, the first within one percent, if the folds do not agree
+/// that it is worse.
+fn best<'t>(trials: &'t [ScoredCandidate], meshes: &[CandidateMesh]) -> &'t ScoredCandidate {
+    let is_of = |trial: &&ScoredCandidate, edge: f64| meshes[trial.mesh].factor >= edge && !meshes[trial.mesh].fine;
+    let least = |edge: f64| {
+        let of_edge = trials.iter().filter(|trial| is_of(trial, edge));
+        of_edge.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall())).unwrap_or(&trials[0])
+    };
+    let bar = 1.1 * 1.1 * least(0.0).score.overall();
+    let good = trials.iter().filter(|trial| is_of(trial, 0.0) && trial.score.overall() <= bar);
+    let edge = good.map(|trial| meshes[trial.mesh].factor).fold(0.0, f64::max);
+    let best = least(edge);
+    let cautious = |trial: &&ScoredCandidate| is_of(trial, edge) && trial.score.is_as_good_as(&best.score, 1.01);
+    trials.iter().find(cautious).unwrap_or(best)
+}
+
+impl GainSpread {
+    /// 0 for none.
+    fn of(gain: f64, mut squares: Vec<f64>) -> Self {
+        squares.sort_by(f64::total_cmp);
+        let at = |part: f64| squares.get((part * squares.len() as f64) as usize).copied().unwrap_or(0.0).sqrt();
+        Self { gain, median: at(0.5), upper_decile: at(0.9) }
+    }
+}
+
+/// A ratio of mean squared errors as a change of the root in percent.
+pub fn change(ratio: f64) -> String {
+    format!("{:+.1} %", 100.0 * (ratio.sqrt() - 1.0))
+}

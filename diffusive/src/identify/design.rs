@@ -1,0 +1,81 @@
+//! Which columns the regression has: relaxations of driven banks, what the record began with, an
+//! offset, and the outputs.
+//!
+//! One row of the matrix, for outputs y at t_n (theory 2 and 3; normalised states x_k, so that all
+//! columns have like scales):
+//!
+//! ```text
+//! x_k of bank 1 … | u of bank 1, if it feeds through | x_k of bank 2 …
+//!     | e^(−ξ_k (t_n − t_0)) … | 1 | y_1 …
+//! ```
+//!
+//! A bank is driven by an input, by an input gated to one event class (thesis 2.19), or, for wind
+//! as feedback (theory 12), by an output gated to a class, by the gate alone, or by the gas.
+
+/// What drives a bank.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BankDrive {
+    /// An input in every interval.
+    Input(usize),
+    /// An input in the intervals of one class, nothing in the others.
+    Gated { input: usize, class: usize },
+    /// Output minus gas temperature (0 if it is unknown) in the intervals of one class.
+    Loss { output: usize, class: usize },
+    /// 1 in the intervals of one class.
+    Gate { class: usize },
+    /// Gas temperature minus that of the first row.
+    Gas,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelaxationBank {
+    pub drive: BankDrive,
+    /// Ascending rates.
+    pub rates_rad_s: Vec<f64>,
+    /// Whole samples by which the drive comes late.
+    pub delay: usize,
+    /// Whether the drive itself is a column too.
+    pub feed_through: bool,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegressionDesign {
+    pub banks: Vec<RelaxationBank>,
+    /// Rates of the decays that the record may have begun with.
+    pub initial_rad_s: Vec<f64>,
+    pub outputs: usize,
+}
+
+/// What a column means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Role {
+    Relaxation { bank: usize, k: usize, rate_rad_s: f64 },
+    FeedThrough { bank: usize },
+    Initial { rate_rad_s: f64 },
+    Offset,
+}
+
+impl RegressionDesign {
+    /// The roles of the columns that explain, in order. The outputs stand behind them.
+    pub fn roles(&self) -> Vec<Role> {
+        let mut roles = Vec::new();
+        for (index, bank) in self.banks.iter().enumerate() {
+            let relaxations = bank.rates_rad_s.iter().enumerate();
+            roles.extend(relaxations.map(|(k, &rate_rad_s)| Role::Relaxation { bank: index, k, rate_rad_s }));
+            roles.extend(bank.feed_through.then_some(Role::FeedThrough { bank: index }));
+        }
+        roles.extend(self.initial_rad_s.iter().map(|&rate_rad_s| Role::Initial { rate_rad_s }));
+        roles.push(Role::Offset);
+        roles
+    }
+
+    /// Columns of the matrix, outputs included.
+    pub fn width(&self) -> usize {
+        let banks: usize = self.banks.iter().map(|bank| bank.rates_rad_s.len() + usize::from(bank.feed_through)).sum();
+        banks + self.initial_rad_s.len() + 1 + self.outputs
+    }
+
+    pub fn longest_delay(&self) -> usize {
+        self.banks.iter().map(|bank| bank.delay).max().unwrap_or(0)
+    }
+}

@@ -1,0 +1,121 @@
+//! Identification: diffusive models from measured records, with their standard uncertainty.
+//!
+//! A heated body's temperature is a sum of first-order relaxations on a logarithmic grid of rates
+//! ξ_k, each with a thermal resistance R_k (a diffusive representation; a Foster network of thermal
+//! impedance Z_th). [`identify`] takes a record of heating power and temperature and returns the
+//! [`Model`]: resistances with standard errors, fit, warnings, and the reasons
+//! of every choice. The record is read block by block; memory does not grow with its length.
+//!
+//! ```
+//! use diffusive::identify::cole_cole::{ColeColeInput, case};
+//! use diffusive::identify::record::RecordTable;
+//! use diffusive::identify::{IdentifyOptions, identify};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A system whose answer is known: steady gain 1, from rest; one minute, with little noise.
+//! let case = case(ColeColeInput::Prbs, 1e-3, 1, Some(120_000));
+//! let column = |name: &str, values: &[f64]| vec![(name.to_owned(), values.to_vec())];
+//! let (u, y) = (column("u", &case.input), column("y", &case.output));
+//! let mut record = RecordTable::new(case.sample_period_s, u, y)?;
+//! let model = identify(&mut record, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {})?;
+//! assert!(model.fit_percent > 99.0);
+//! let pair = &model.pairs[0];
+//! let gain = pair.classes["all"].steady_gain_k_per_w;
+//! println!("{} rates, steady gain {gain:.2}", pair.mesh_rad_s.len());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! In the order in which a record goes through them:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`record`] | any uniformly sampled record, block by block |
+//! | [`options`], [`error`] | options, and every sentence that refuses them |
+//! | `validate_options` | checks of the options against the record's length, period and columns |
+//! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
+//! | `panels`, `gram`, `pass` | one reading of the record: normal equations, fold by fold |
+//! | `candidates`, `delay` | the models that are tried |
+//! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
+//! | `folds`, `choose` | block cross-validation, and the choice |
+//! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
+//! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
+//! | `residuals`, `residual_pass`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | [`report`] | the result for people |
+//! | [`validate`](mod@validate) | a model against another record |
+//! | [`cole_cole`] | a system whose response is known exactly |
+
+pub mod cole_cole;
+pub mod error;
+pub mod nonnegative;
+pub mod options;
+pub mod record;
+pub mod refine;
+pub mod report;
+pub mod symbol;
+pub mod validate;
+
+// The machinery, open to the benchmark of the sums alone.
+#[doc(hidden)]
+pub mod candidates;
+#[doc(hidden)]
+pub mod design;
+#[doc(hidden)]
+pub mod folds;
+#[doc(hidden)]
+pub mod gas_source;
+#[doc(hidden)]
+pub mod gram;
+#[doc(hidden)]
+pub mod normal_equations;
+#[doc(hidden)]
+pub mod pass;
+
+mod choose;
+mod conductance;
+mod delay;
+mod labels;
+mod outcome;
+mod panels;
+mod prior;
+mod residual_pass;
+mod residuals;
+mod rows;
+mod spread;
+mod support;
+mod tied;
+mod validate_options;
+mod whiteness;
+
+pub use error::{IdentifyError, Unidentifiable};
+pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
+pub use residuals::FitRow;
+
+use crate::model::{Model, Structure};
+use record::RecordSource;
+
+/// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
+/// row with the model's prediction.
+///
+/// # Errors
+/// A sentence that names the column or the row, and the remedy.
+pub fn identify(
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+    observer: &mut FitObserver<'_>,
+) -> Result<Model, IdentifyError> {
+    validate_options::refuse(source.survey(), options).map_err(|reason| IdentifyError::unfit(source, reason))?;
+    let mut model = match (options.free_poles, options.structure) {
+        (Some(poles), _) => {
+            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+            refine::refine(source, &mesh, poles, options, progress, observer)
+        }
+        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
+        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
+    }?;
+    model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
+    model.warnings.extend(validate_options::warnings(source.survey(), options));
+    model.warnings.extend(support::silent(&model));
+    model.supported = model.warnings.is_empty();
+    Ok(model)
+}

@@ -1,0 +1,116 @@
+//! Options of identification: structure, mesh, initial state, signs, gas. The default chooses
+//! everything by cross-validation.
+
+use super::residuals::FitRow;
+use crate::model::Structure;
+
+/// Options of one identification.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct IdentifyOptions {
+    /// `symbol` by default.
+    pub structure: Option<Structure>,
+    /// Fixed parts of the model; all others are chosen by cross-validation.
+    pub constraints: Constraints,
+    /// Which resistances may not be negative.
+    pub signs: Signs,
+    /// Order and edges of the pairs whose input is not the output's own, if they differ.
+    pub cross: Option<Constraints>,
+    /// Temperature of the gas for structure `conductance`.
+    pub gas: GasGiven,
+    /// The class to which ΔG = 0 belongs; by default the one with the least conductance.
+    pub reference: Option<String>,
+    /// Number of rates an output that are fitted to the record, starting from the mesh solution.
+    pub free_poles: Option<usize>,
+    /// Pairs i → j and j → i have the same resistances.
+    pub tie: bool,
+}
+
+/// Where the temperature of the gas comes from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum GasGiven {
+    /// It is estimated.
+    #[default]
+    Unknown,
+    /// The same all through, °C.
+    ConstantC(f64),
+    /// The record's gas column.
+    Column,
+}
+
+/// Parts of a model that the user fixes; `None` is chosen.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Constraints {
+    /// Number of rates.
+    pub order: Option<usize>,
+    /// First and last rate.
+    pub edges_rad_s: Option<(f64, f64)>,
+    /// Ridge on columns of unit norm.
+    pub ridge: Option<f64>,
+    /// The state at the first row.
+    pub initial_state: Option<InitialState>,
+    /// Whether the output may follow its input at once.
+    pub feed_through: Option<bool>,
+    /// Dead time, in samples.
+    pub delay: Option<usize>,
+}
+
+impl Constraints {
+    /// Whether the user knows the mesh, so that least squares is left as plain as the record
+    /// allows.
+    pub fn mesh_is_fixed(&self) -> bool {
+        self.order.is_some() && self.edges_rad_s.is_some()
+    }
+}
+
+/// The state of the body at the first row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InitialState {
+    /// Nothing stored: all states zero.
+    Rest,
+    /// As if the first row's inputs had been held for ever.
+    Settled,
+    /// Anything: one more parameter a rate.
+    Free,
+}
+
+impl InitialState {
+    /// As in a model file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rest => "rest",
+            Self::Settled => "settled",
+            Self::Free => "free",
+        }
+    }
+}
+
+/// Which resistances may not be negative.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Signs {
+    /// As many as cross-validation allows.
+    #[default]
+    Choose,
+    /// None is held.
+    Any,
+    /// Those of the banks of these inputs (by pair: input and output).
+    Positive(Vec<(usize, usize)>),
+    /// All are held.
+    AllPositive,
+}
+
+impl Signs {
+    /// Whether the user holds the resistances of a pair at or above zero.
+    pub fn asks(&self, input: usize, output: usize) -> bool {
+        match self {
+            Self::Choose | Self::Any => false,
+            Self::Positive(pairs) => pairs.contains(&(input, output)),
+            Self::AllPositive => true,
+        }
+    }
+}
+
+/// Called with the present step, rows done, and rows in all.
+pub type Progress<'a> = dyn FnMut(&'static str, u64, u64) + 'a;
+
+/// Called for every row with measured and predicted outputs, for whoever draws them.
+pub type FitObserver<'a> = dyn FnMut(&FitRow<'_>) + 'a;

@@ -1,0 +1,99 @@
+//! Event classes: the labels of an event column, numbered in the order of their first appearance.
+
+use std::collections::HashMap;
+
+use recording::ColumnValues;
+
+/// More labels than this are measured values, not conditions.
+const MOST: usize = 64;
+
+const ALL: &str = "all";
+const UNLABELLED: &str = "unlabelled";
+
+/// Why a label makes no class.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LabelError {
+    #[error(
+        "`{label}` is label number {}: a column of event classes has {MOST} labels at most, so name another column or none",
+        MOST + 1
+    )]
+    Many { label: String },
+    #[error("a label is missing; fill the gap or cut the record there")]
+    Missing,
+}
+
+pub(super) struct Classes {
+    names: Vec<String>,
+    known: HashMap<String, u32>,
+}
+
+impl Classes {
+    /// Of a record without an event column.
+    pub(super) fn none() -> Self {
+        Self { names: vec![ALL.to_owned()], known: HashMap::new() }
+    }
+
+    /// Of a record with one: they grow as its labels are met.
+    pub(super) fn growing() -> Self {
+        Self { names: Vec::new(), known: HashMap::new() }
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The classes of the next rows, in place of what `rows` held; on failure the row (counted
+    /// from 0) and the reason.
+    pub(super) fn fill(&mut self, labels: &ColumnValues, rows: &mut Vec<u32>) -> Result<(), (usize, LabelError)> {
+        rows.clear();
+        match labels {
+            ColumnValues::Words(words) => {
+                let mut classes = Vec::with_capacity(words.dictionary().len());
+                for (code, label) in words.dictionary().iter().enumerate() {
+                    let row = || words.codes().iter().position(|&at| at as usize == code).unwrap_or_default();
+                    classes.push(self.class(label).map_err(|error| (row(), error))?);
+                }
+                rows.extend(words.codes().iter().map(|&code| classes[code as usize]));
+            }
+            ColumnValues::Numbers(numbers) => {
+                let mut last = None;
+                for (row, &number) in numbers.iter().enumerate() {
+                    let class = match last {
+                        Some((same, class)) if same == number => class,
+                        _ if number.is_finite() => self.class(&number.to_string()).map_err(|error| (row, error))?,
+                        _ => return Err((row, LabelError::Missing)),
+                    };
+                    last = Some((number, class));
+                    rows.push(class);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn class(&mut self, label: &str) -> Result<u32, LabelError> {
+        // As in a Parquet file, where 1 and 1.0 are the same number.
+        let number = label.parse().ok().filter(|number: &f64| number.is_finite());
+        let label = match number {
+            Some(number) => number.to_string(),
+            None if label.is_empty() => UNLABELLED.to_owned(),
+            None => label.to_owned(),
+        };
+        if let Some(&class) = self.known.get(&label) {
+            return Ok(class);
+        }
+        refuse_if!(self.names.len() == MOST, LabelError::Many { label });
+        // Rows without a label are special only beside others that have one.
+        match self.names.as_mut_slice() {
+            [] if label == UNLABELLED => self.names.push(ALL.to_owned()),
+            [first] if self.known.contains_key(UNLABELLED) => {
+                UNLABELLED.clone_into(first);
+                self.names.push(label.clone());
+            }
+            _ => self.names.push(label.clone()),
+        }
+        let class = self.names.len() as u32 - 1;
+        self.known.insert(label, class);
+        Ok(class)
+    }
+}

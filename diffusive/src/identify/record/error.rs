@@ -1,0 +1,43 @@
+//! Why a record cannot be used: one sentence with the file, and the row and the column where there
+//! are such.
+
+use std::path::{Path, PathBuf};
+
+use recording::RecordingError;
+use recording::text::one_line;
+
+/// A record that cannot be read, or whose content identification cannot use.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] RecordingError),
+    /// A row, a column or the whole record is not as identification needs it; the sentence names it
+    /// and the remedy.
+    #[error("{}: {sentence}", record.display())]
+    Content {
+        /// The file, or what a table in memory is called.
+        record: PathBuf,
+        /// What is wrong, where, and what would be right.
+        sentence: String,
+    },
+}
+
+impl RecordError {
+    pub(super) fn content(record: &Path, sentence: impl Into<String>) -> Self {
+        Self::Content { record: record.to_owned(), sentence: one_line(sentence.into()) }
+    }
+}
+
+/// Refuses a value that is none, in the row counted from 1.
+pub(super) fn finite(record: &Path, column: &str, values: &[f64], first_row: u64) -> Result<(), RecordError> {
+    // Without a branch in the loop: this runs over every value of every record.
+    if values.iter().fold(true, |all, value| all & value.is_finite()) {
+        return Ok(());
+    }
+    let at = values.iter().position(|value| !value.is_finite()).unwrap_or_default();
+    let what = if values[at].is_nan() { "a value is missing" } else { "an infinite value" };
+    let row = first_row + at as u64 + 1;
+    let sentence = format!("row {row}, column `{column}`: {what}; cut the record there or fill the gap");
+    Err(RecordError::content(record, sentence))
+}

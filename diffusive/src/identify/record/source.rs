@@ -1,0 +1,133 @@
+//! What identification asks of a record: named columns, uniformly sampled rows in blocks, and
+//! labels of the conditions.
+//!
+//! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T.
+
+use std::path::PathBuf;
+
+use super::error::RecordError;
+use crate::model::Conditions;
+
+/// Rows of a block, at most.
+pub const BLOCK: usize = recording::CHUNK;
+
+/// Which columns play which part. Empty is the default; an element's name stands for its power as
+/// an input and for its temperature as an output or as the gas.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Heating powers, in the order wanted.
+    pub inputs: Vec<String>,
+    /// Temperatures, in the order wanted.
+    pub outputs: Vec<String>,
+    /// The column whose value is the event class.
+    pub event: Option<String>,
+    /// The column with the temperature of the gas.
+    pub gas: Option<String>,
+}
+
+/// What is known of a record before its rows are read: from its head and its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// The file, or what a table in memory is called.
+    pub path: PathBuf,
+    /// Name of the column of times.
+    pub time_column: String,
+    /// Names of the columns, in the order of a block's.
+    pub inputs: Vec<String>,
+    /// Likewise.
+    pub outputs: Vec<String>,
+    /// The column with the labels of the conditions.
+    pub event_column: Option<String>,
+    /// The column with the temperature of the gas.
+    pub gas_column: Option<String>,
+    /// Follows from the first and the last time in a CSV file until it has been read once; known
+    /// otherwise.
+    pub rows: u64,
+    /// Time of the first row.
+    pub first_time_s: f64,
+    /// Time of the last row.
+    pub last_time_s: f64,
+    /// Mean distance of rows in time.
+    pub sample_period_s: f64,
+    /// The gas in which it was taken, if it tells.
+    pub conditions: Option<Conditions>,
+    /// What was decided by default, and, once the record has been read, what was remarkable in it:
+    /// sentences for the user.
+    pub notes: Vec<String>,
+}
+
+/// Consecutive rows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Block {
+    /// A column for each input: held from its row's time to the next row's.
+    pub inputs: Vec<Vec<f64>>,
+    /// A column for each output, at the time of its row.
+    pub outputs: Vec<Vec<f64>>,
+    /// For every row, which of [`RecordSource::classes`] it has.
+    pub class: Vec<u32>,
+    /// Gas temperature; empty without a gas column.
+    pub gas: Vec<f64>,
+    /// How many rows stand before the block.
+    pub first_row: u64,
+    /// As written in the first and the last row.
+    pub time_s: (f64, f64),
+}
+
+impl Block {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.class.len()
+    }
+
+    /// Whether it has no rows.
+    pub fn is_empty(&self) -> bool {
+        self.class.is_empty()
+    }
+
+    /// Adds the rows of the block that follows.
+    pub(super) fn append(&mut self, more: &Self) {
+        if self.is_empty() {
+            *self = more.clone();
+            return;
+        }
+        let columns = self.inputs.iter_mut().chain(&mut self.outputs);
+        for (all, more) in columns.zip(more.inputs.iter().chain(&more.outputs)) {
+            all.extend(more);
+        }
+        self.class.extend(&more.class);
+        self.gas.extend(&more.gas);
+        self.time_s.1 = more.time_s.1;
+    }
+}
+
+/// A record that can be read from its start to its end, and again.
+///
+/// ```
+/// use diffusive::identify::record::{RecordSource, RecordTable};
+/// # fn main() -> Result<(), diffusive::identify::record::RecordError> {
+/// let power_w = vec![("power".into(), vec![0.0, 0.1, 0.1, 0.0])];
+/// let temperature_c = vec![("temperature".into(), vec![20.0, 20.0, 20.5, 20.7])];
+/// let mut table = RecordTable::new(0.01, power_w, temperature_c)?;
+/// while let Some(block) = table.next_block()? {
+///     for (power_w, temperature_c) in block.inputs[0].iter().zip(&block.outputs[0]) {
+///         println!("{power_w} W, {temperature_c} °C");
+///     }
+/// }
+/// table.restart()
+/// # }
+/// ```
+pub trait RecordSource {
+    /// What is known of the record.
+    fn survey(&self) -> &Survey;
+
+    /// The next rows, [`BLOCK`] of them at most; `None` after the last.
+    fn next_block(&mut self) -> Result<Option<&Block>, RecordError>;
+
+    /// Begins again with the first row.
+    fn restart(&mut self) -> Result<(), RecordError>;
+
+    /// Labels of the event classes met so far, in the order of their first appearance; complete
+    /// once the record has been read. A record without labels has one class, `all`; rows without a
+    /// label among others that have one are `unlabelled`.
+    fn classes(&self) -> &[String];
+}

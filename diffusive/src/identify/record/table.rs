@@ -1,0 +1,152 @@
+//! A record in memory, from arrays or from another source.
+
+use std::path::{Path, PathBuf};
+
+use super::classes::Classes;
+use super::error::{RecordError, finite};
+use super::source::{BLOCK, Block, RecordSource, Survey};
+use recording::{ColumnValues, ColumnWords};
+
+/// Rows are cut into blocks once, so that passes over them copy nothing.
+#[derive(Debug, Clone)]
+pub struct RecordTable {
+    survey: Survey,
+    blocks: Vec<Block>,
+    next: usize,
+    classes: Vec<String>,
+}
+
+impl RecordTable {
+    /// A record of named columns of equal length that begins at 0 s and has one class.
+    pub fn new(
+        sample_period_s: f64,
+        inputs: Vec<(String, Vec<f64>)>,
+        outputs: Vec<(String, Vec<f64>)>,
+    ) -> Result<Self, RecordError> {
+        let path = PathBuf::from("the table");
+        let refuse = |sentence: String| Err(RecordError::content(&path, sentence));
+        if !(sample_period_s.is_finite() && sample_period_s > 0.0) {
+            return refuse("its sample period must be finite and above 0 s".to_owned());
+        }
+        let (Some(_), Some((_, first))) = (inputs.first(), outputs.first()) else {
+            return refuse("needs at least one input and one output".to_owned());
+        };
+        let rows = first.len();
+        if rows < 2 {
+            return refuse(format!("has {rows} rows: at least two belong there"));
+        }
+        for (name, values) in inputs.iter().chain(&outputs) {
+            if values.len() != rows {
+                return refuse(format!("column `{name}` has {} rows where others have {rows}", values.len()));
+            }
+            finite(&path, name, values, 0)?;
+        }
+        let names = |columns: &[(String, Vec<f64>)]| columns.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        let cut = |columns: &[(String, Vec<f64>)], from: usize, to: usize| {
+            columns.iter().map(|(_, values)| values[from..to].to_vec()).collect::<Vec<_>>()
+        };
+        let time_s = |row: usize| row as f64 * sample_period_s;
+        let blocks = (0..rows).step_by(BLOCK).map(|from| {
+            let to = rows.min(from + BLOCK);
+            Block {
+                inputs: cut(&inputs, from, to),
+                outputs: cut(&outputs, from, to),
+                class: vec![0; to - from],
+                gas: Vec::new(),
+                first_row: from as u64,
+                time_s: (time_s(from), time_s(to - 1)),
+            }
+        });
+        let survey = Survey {
+            time_column: recording::TIME.to_owned(),
+            inputs: names(&inputs),
+            outputs: names(&outputs),
+            event_column: None,
+            gas_column: None,
+            rows: rows as u64,
+            first_time_s: 0.0,
+            last_time_s: time_s(rows - 1),
+            sample_period_s,
+            conditions: None,
+            notes: Vec::new(),
+            path: path.clone(),
+        };
+        Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
+    }
+
+    /// Gives every row the label of its conditions.
+    pub fn with_events<L: AsRef<str>>(mut self, labels: &[L]) -> Result<Self, RecordError> {
+        self.check_rows("event", labels.len())?;
+        let mut classes = Classes::growing();
+        for (block, labels) in self.blocks.iter_mut().zip(labels.chunks(BLOCK)) {
+            let mut words = ColumnWords::default();
+            labels.iter().for_each(|label| words.push(label.as_ref()));
+            classes.fill(&ColumnValues::Words(words), &mut block.class).map_err(|(at, sentence)| {
+                let row = block.first_row + at as u64 + 1;
+                RecordError::content(&self.survey.path, format!("row {row}, column `event`: {sentence}"))
+            })?;
+        }
+        self.survey.event_column = Some(recording::EVENT.to_owned());
+        self.classes = classes.names().to_vec();
+        Ok(self)
+    }
+
+    /// Gives every row the temperature of the gas.
+    pub fn with_gas(mut self, gas_c: &[f64]) -> Result<Self, RecordError> {
+        self.check_rows("gas", gas_c.len())?;
+        finite(&self.survey.path, "gas", gas_c, 0)?;
+        for (block, gas_c) in self.blocks.iter_mut().zip(gas_c.chunks(BLOCK)) {
+            block.gas = gas_c.to_vec();
+        }
+        self.survey.gas_column = Some("gas".to_owned());
+        Ok(self)
+    }
+
+    /// Takes all rows of another source into memory, for a method that goes through them many
+    /// times.
+    pub fn gather(source: &mut dyn RecordSource) -> Result<Self, RecordError> {
+        source.restart()?;
+        let mut blocks = Vec::new();
+        while let Some(block) = source.next_block()? {
+            blocks.push(block.clone());
+        }
+        source.restart()?;
+        Ok(Self { survey: source.survey().clone(), blocks, next: 0, classes: source.classes().to_vec() })
+    }
+
+    /// What errors and provenance call the table.
+    #[must_use]
+    pub fn named(mut self, path: &Path) -> Self {
+        self.survey.path = path.to_owned();
+        self
+    }
+
+    fn check_rows(&self, column: &str, rows: usize) -> Result<(), RecordError> {
+        if rows as u64 == self.survey.rows {
+            return Ok(());
+        }
+        let sentence = format!("column `{column}` has {rows} rows where others have {}", self.survey.rows);
+        Err(RecordError::content(&self.survey.path, sentence))
+    }
+}
+
+impl RecordSource for RecordTable {
+    fn survey(&self) -> &Survey {
+        &self.survey
+    }
+
+    fn next_block(&mut self) -> Result<Option<&Block>, RecordError> {
+        let block = self.blocks.get(self.next);
+        self.next += 1;
+        Ok(block)
+    }
+
+    fn restart(&mut self) -> Result<(), RecordError> {
+        self.next = 0;
+        Ok(())
+    }
+
+    fn classes(&self) -> &[String] {
+        &self.classes
+    }
+}

@@ -1,0 +1,107 @@
+//! What a search for free poles ended with: the choice, and what is to be said of poles at the edge
+//! of what the record shows.
+
+use super::super::choose::{Choice, ScoredCandidate};
+use super::super::design::Role;
+use super::super::error::Unidentifiable;
+use super::super::folds::score;
+use super::super::normal_equations::ModelTerm;
+use super::super::options::InitialState;
+use super::columns::Point;
+use super::search::{LEAST_RATIO, MOST_READINGS, RateSearch, SearchState};
+use crate::model::ModelOutput;
+
+/// One output's poles.
+pub struct FreePoles {
+    pub search: RateSearch,
+    pub choice: Choice,
+    pub point: Point,
+    pub warnings: Vec<String>,
+}
+
+/// Whether what another start led to leaves less of the record, or leads anywhere at all.
+pub fn is_better(new: &Result<FreePoles, Unidentifiable>, old: &Result<FreePoles, Unidentifiable>) -> bool {
+    match (new, old) {
+        (Ok(new), Ok(old)) => new.point.cost < old.point.cost,
+        (Ok(_), Err(_)) => true,
+        (Err(_), _) => false,
+    }
+}
+
+/// Refuses poles that came together; else the choice that the search ended with, and what is to be
+/// said of it.
+pub fn settled(
+    mut search: RateSearch,
+    outputs: &[ModelOutput],
+    poles: usize,
+    first_drives: &[f64],
+    nyquist_rad_s: f64,
+) -> Result<FreePoles, Unidentifiable> {
+    let name = &outputs[search.setup.output].name;
+    let pinned = search.pinned();
+    let Some(point) = search.take_best() else { return Err(Unidentifiable::NoRows) };
+    let rates = &point.rates_rad_s;
+    let close = match search.state {
+        SearchState::Merged(close) => Some(close),
+        _ => rates.windows(2).position(|two| two[1] < 1.01 * LEAST_RATIO * two[0]),
+    };
+    if let Some(close) = close {
+        let (slow, fast) = (rates[close], rates[close + 1]);
+        return Err(Unidentifiable::PolesTogether { poles, output: name.clone(), slow, fast });
+    }
+    let mut warnings = Vec::new();
+    for (k, _) in pinned.iter().enumerate().filter(|(_, pinned)| **pinned) {
+        let what = if search.is_at_slow_edge(rates[k]) {
+            "slower than a record of this length shows"
+        } else {
+            "faster than samples of this period show"
+        };
+        warnings.push(format!("`{name}`: the pole at {:.4e} rad/s stands at the edge of its range, {what}: ask for fewer with --free-poles", rates[k]));
+    }
+    for rate in rates.iter().filter(|rate| **rate > nyquist_rad_s) {
+        warnings.push(format!(
+            "`{name}`: the pole at {rate:.4e} rad/s is faster than samples of this period tell, {nyquist_rad_s:.4e} rad/s: its resistance is real, its rate and capacitance are not known from this record; sample faster, or ask for --feed-through yes and one pole less"
+        ));
+    }
+    for k in 0..poles - 1 {
+        let variance = point.covariance(k, k) + point.covariance(k + 1, k + 1) - 2.0 * point.covariance(k, k + 1);
+        if (rates[k + 1] / rates[k]).ln() < 2.0 * variance.max(0.0).sqrt() {
+            warnings.push(format!(
+                "`{name}`: the poles at {:.4e} and {:.4e} rad/s are no further apart than twice their standard error: {poles} poles are more than this record can tell apart; ask for fewer with --free-poles",
+                rates[k],
+                rates[k + 1]
+            ));
+        }
+    }
+    if let SearchState::Unsettled(step) = search.state {
+        warnings.push(format!(
+            "`{name}`: after {MOST_READINGS} readings the rates still move by {:.1e} of themselves: ask for fewer with --free-poles",
+            step
+        ));
+    }
+    let score = score(&point.folds, &point.total, &point.penalty, point.positive.as_deref());
+    let initial_state = search.setup.initial_state.unwrap_or(InitialState::Free);
+    let trial = ScoredCandidate {
+        mesh: 0,
+        initial_state,
+        feed_through: search.setup.feed_through,
+        prior: search.setup.prior,
+        score,
+    };
+    // Terms of the plain design stand in the order of θ; the rates' own behind them weigh no
+    // column.
+    let design = search.setup.design(rates);
+    let mut terms = search.setup.terms(&design, initial_state, first_drives);
+    terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
+    let choice = Choice {
+        trial,
+        terms,
+        positive: point.positive.clone(),
+        solution: point.solution(),
+        rivals: Vec::new(),
+        sign_reason: String::new(),
+        gain_spread: Vec::new(),
+        reason: None,
+    };
+    Ok(FreePoles { search, choice, point, warnings })
+}

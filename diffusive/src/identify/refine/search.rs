@@ -1,0 +1,197 @@
+//! Moving the rates by [damped descent](crate::optimise), one reading of the record a trial.
+//!
+//! Rates keep their order and a least ratio. A pole that would leave the range in which a record of
+//! this length and period shows anything stays at its edge, and is reported.
+
+use super::columns::{Point, Setup};
+use crate::optimise::{DampedDescent, DampingRule, DescentProblem};
+
+/// Neighbours closer than this are one pole to every record.
+pub const LEAST_RATIO: f64 = 1.05;
+/// Readings of the record at most.
+pub const MOST_READINGS: usize = 20;
+/// Of a rate, relative; or a thousandth of its standard error, if that is more.
+const SETTLED: f64 = 1e-6;
+const SETTLED_SE: f64 = 1e-3;
+
+/// Whether a search goes on, or how it ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SearchState {
+    /// Another reading is needed.
+    Going,
+    /// The rates have come to rest.
+    Settled,
+    /// Readings are used up; the next step would have been this.
+    Unsettled(f64),
+    /// Two neighbours, by the slower one's index, come together.
+    Merged(usize),
+}
+
+/// The poles of one output on their way: told points, it says which rates to read next.
+pub struct RateSearch {
+    /// What stays while the rates move.
+    pub setup: Setup,
+    /// Rates of the next reading.
+    pub trial_rad_s: Vec<f64>,
+    /// Readings that were taken.
+    pub readings: usize,
+    /// Whether it goes on, or how it ended.
+    pub state: SearchState,
+    rates: MovingRates,
+    descent: Option<DampedDescent<MovingRates>>,
+}
+
+/// Rates within their range, as the descent moves them.
+#[derive(Clone, Copy)]
+struct MovingRates {
+    bounds_rad_s: (f64, f64),
+}
+
+/// Which poles stand at the edge of their range and would leave it, and the undamped step of the
+/// others.
+struct Outlook {
+    pinned: Vec<bool>,
+    full: Vec<f64>,
+}
+
+const RULE: DampingRule = DampingRule {
+    start: 1e-3 / 10.0,
+    eased: |damping| damping / 10.0,
+    raised: |damping| (10.0 * damping).max(1e-3),
+    // A step that no damping makes better than standing still is one of rounding.
+    most: 1e6,
+};
+
+impl MovingRates {
+    fn pinned(self, best: &Point) -> Vec<bool> {
+        let free = vec![false; best.rates_rad_s.len()];
+        let outward = best.step(0.0, &free);
+        let (least, most) = self.bounds_rad_s;
+        let at = |rate: f64, step: f64| {
+            (rate <= least * (1.0 + 1e-9) && step <= 0.0) || (rate >= most * (1.0 - 1e-9) && step >= 0.0)
+        };
+        best.rates_rad_s.iter().zip(&outward).map(|(&rate, &step)| at(rate, step)).collect()
+    }
+}
+
+impl DescentProblem for MovingRates {
+    /// Rates, or the index of the slower of two neighbours that come together.
+    type Parameters = Result<Vec<f64>, usize>;
+    type Evaluation = Point;
+    type Linearisation = Outlook;
+
+    fn is_better(&self, new: &Point, best: &Point) -> bool {
+        // Sums of squares are differences of sums as large as yᵀy.
+        new.cost <= best.cost + 1e-13 * new.total.yy
+    }
+
+    fn linearise(&mut self, best: &Point) -> Option<Outlook> {
+        let pinned = self.pinned(best);
+        let full = best.step(0.0, &pinned);
+        let small = |(pole, step): (usize, &f64)| step.abs() <= SETTLED.max(SETTLED_SE * best.log_se(pole));
+        let settled = full.iter().enumerate().all(small);
+        (!settled).then_some(Outlook { pinned, full })
+    }
+
+    fn step(&mut self, best: &Point, outlook: &Outlook, damping: f64) -> Option<Self::Parameters> {
+        let mut step = best.step(damping, &outlook.pinned);
+        let longest = largest(&step);
+        if longest > 1.0 {
+            step.iter_mut().for_each(|step| *step /= longest);
+        }
+        let (least, most) = self.bounds_rad_s;
+        let moved = best.rates_rad_s.iter().zip(&step).map(|(rate, step)| (rate * step.exp()).clamp(least, most));
+        let moved: Vec<f64> = moved.collect();
+        match moved.windows(2).position(|two| two[1] < LEAST_RATIO * two[0]) {
+            None => Some(Ok(moved)),
+            Some(close) if longest < 0.01 => Some(Err(close)),
+            Some(_) => None,
+        }
+    }
+}
+
+fn largest(step: &[f64]) -> f64 {
+    step.iter().fold(0.0_f64, |most, step| most.max(step.abs()))
+}
+
+impl RateSearch {
+    /// A search from these rates on, within bounds.
+    pub fn new(setup: Setup, start_rad_s: &[f64], bounds_rad_s: (f64, f64)) -> Self {
+        Self {
+            setup,
+            trial_rad_s: spread(start_rad_s, bounds_rad_s),
+            readings: 0,
+            state: SearchState::Going,
+            rates: MovingRates { bounds_rad_s },
+            descent: None,
+        }
+    }
+
+    /// Takes what the reading of the trial gave, and decides on the next.
+    pub fn take(&mut self, point: Point) {
+        self.readings += 1;
+        let descent = match self.descent.take() {
+            None => DampedDescent::new(self.rates, point, RULE),
+            Some(mut descent) => {
+                descent.tell(Some(point));
+                descent
+            }
+        };
+        let descent = self.descent.insert(descent);
+        self.state = match descent.linear() {
+            Some(outlook) if self.readings == MOST_READINGS => SearchState::Unsettled(largest(&outlook.full)),
+            _ => match descent.ask() {
+                None => SearchState::Settled,
+                Some(Err(close)) => SearchState::Merged(close),
+                Some(Ok(rates_rad_s)) => {
+                    self.trial_rad_s = rates_rad_s;
+                    SearchState::Going
+                }
+            },
+        };
+    }
+
+    /// Whether a pole stands at the edge of its range and would leave it.
+    pub fn pinned(&self) -> Vec<bool> {
+        self.descent.as_ref().map_or(Vec::new(), |descent| self.rates.pinned(descent.best()))
+    }
+
+    /// The best point that was read, once the search is over.
+    pub fn take_best(&mut self) -> Option<Point> {
+        self.descent.take().map(DampedDescent::into_best)
+    }
+
+    /// Of the two edges of the range, whether it is the slow one that a rate is nearer to.
+    pub fn is_at_slow_edge(&self, rate_rad_s: f64) -> bool {
+        let (least, most) = self.rates.bounds_rad_s;
+        rate_rad_s * rate_rad_s < least * most
+    }
+}
+
+/// A start within its range, whose neighbours are far enough apart to move.
+fn spread(rates_rad_s: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
+    let apart = 1.3_f64.min((most / least).powf(1.0 / rates_rad_s.len() as f64));
+    let mut spread: Vec<f64> = rates_rad_s.iter().map(|rate| rate.clamp(least, most)).collect();
+    for k in 1..spread.len() {
+        spread[k] = spread[k].max(apart * spread[k - 1]);
+    }
+    let mut ceiling = most;
+    for rate in spread.iter_mut().rev() {
+        *rate = rate.min(ceiling);
+        ceiling = *rate / apart;
+    }
+    spread
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_is_spread_within_its_range_and_keeps_its_order() {
+        let spread = spread(&[1.0, 1.0, 50.0, 2000.0, 3000.0], (0.5, 1000.0));
+        assert_eq!(&spread[..3], [1.0, 1.3, 50.0]);
+        assert!(spread.windows(2).all(|two| two[1] >= 1.2999 * two[0]), "{spread:?}");
+        assert_eq!(spread[4], 1000.0);
+    }
+}

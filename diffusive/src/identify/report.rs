@@ -1,0 +1,157 @@
+//! What an identification reports: the model, what was decided before it, and where it was written.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::Path;
+
+use recording::text::{brief, estimate};
+use serde::Serialize;
+
+use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, Pair};
+
+/// Tables of resistances that are read; more than that are a file's matter.
+const MOST_TABLES: usize = 6;
+
+/// A model for people, by `Display`: resistances with their standard errors, fit, what was chosen
+/// and why. As JSON it is the model and nothing else.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct IdentifyReport<'a> {
+    /// What was identified.
+    pub model: &'a Model,
+    /// What the record's reader decided by default, and what it found remarkable.
+    #[serde(skip)]
+    pub notes: &'a [String],
+    /// The file that the model was written to.
+    #[serde(skip)]
+    pub written: Option<&'a Path>,
+}
+
+impl Display for IdentifyReport<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let &Self { model, notes, written } = self;
+        let provenance = &model.provenance;
+        writeln!(
+            f,
+            "{}: {} rows, one each {} s, {} s in all",
+            provenance.records.join(", "),
+            provenance.rows,
+            brief(model.sample_period_s),
+            brief(provenance.duration_s)
+        )?;
+        for note in notes {
+            writeln!(f, "  {note}")?;
+        }
+        let tables: usize = model.pairs.iter().map(|pair| pair.classes.len()).sum();
+        if tables > MOST_TABLES {
+            writeln!(f, "\nsteady gains; resistances stand in the model's file, and in --json and --plot")?;
+        }
+        for pair in &model.pairs {
+            for (label, class) in &pair.classes {
+                if tables > MOST_TABLES {
+                    steady_gain(f, model, pair, label, class)?;
+                } else {
+                    resistances(f, model, pair, label, class)?;
+                }
+            }
+        }
+        if let Some(wind) = &model.wind {
+            conductances(f, model, wind)?;
+        }
+        writeln!(f)?;
+        for output in &model.outputs {
+            fit(f, output)?;
+        }
+        if let Some(error) = &model.chosen.cross_validation {
+            writeln!(f, "cross-validated error: {} rms", estimate(error.value, error.se))?;
+        }
+        chosen(f, model)?;
+        match written {
+            Some(path) => writeln!(f, "\nmodel written to {}", path.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Reasons of what was chosen, and warnings.
+pub(super) fn chosen(f: &mut Formatter<'_>, model: &Model) -> fmt::Result {
+    if !model.chosen.reasons.is_empty() {
+        writeln!(f, "\nchosen:")?;
+    }
+    for reason in &model.chosen.reasons {
+        writeln!(f, "  {reason}")?;
+    }
+    for warning in &model.warnings {
+        writeln!(f, "\nwarning: {warning}")?;
+    }
+    Ok(())
+}
+
+fn subject(model: &Model, pair: &Pair, label: &str) -> String {
+    let label = if model.classes.len() > 1 { format!(", {label}") } else { String::new() };
+    format!("{} → {}{label}", pair.input, pair.output)
+}
+
+fn steady_gain(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, class: &Class) -> fmt::Result {
+    let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+    writeln!(f, "  {:<50} {gain}", subject(model, pair, label))
+}
+
+fn resistances(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, class: &Class) -> fmt::Result {
+    writeln!(f, "\n{}", subject(model, pair, label))?;
+    writeln!(f, "  {:>11} {:>11}   R ± standard error", "rate rad/s", "1/rate s")?;
+    let rows = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
+    for (k, ((rate, resistance), se)) in rows.enumerate() {
+        let fitted = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k));
+        let fitted = fitted.map_or(String::new(), |se| format!("   at {} rad/s", estimate(*rate, *se)));
+        let resistance = estimate(*resistance, *se);
+        writeln!(f, "  {:>11} {:>11}   {resistance}{fitted}", brief(*rate), brief(1.0 / rate))?;
+    }
+    if class.feed_through_k_per_w != 0.0 {
+        let at_once = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+        writeln!(f, "  {:>11} {:>11}   {at_once}", "at once", "0")?;
+    }
+    let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+    writeln!(f, "  steady gain {gain}")
+}
+
+fn conductances(f: &mut Formatter<'_>, model: &Model, wind: &ModelWind) -> fmt::Result {
+    let gas = match &wind.gas {
+        ModelGas::ConstantC(gas_c) => format!("at {} °C", brief(*gas_c)),
+        ModelGas::Column(name) => format!("in column `{name}`"),
+        ModelGas::EstimatedC(gas) => format!("estimated to be at {} °C", estimate(gas.value, gas.se)),
+    };
+    writeln!(f, "\nconductance to the gas beyond class `{}`, W/K; gas {gas}", wind.reference)?;
+    for (element, output) in wind.elements.iter().zip(&model.outputs) {
+        let of = if model.outputs.len() > 1 { format!("  {}", output.name) } else { String::new() };
+        for (label, value) in element.iter().filter(|(label, _)| **label != wind.reference) {
+            writeln!(f, "  {label:<12} {}{of}", estimate(value.value, value.se))?;
+        }
+    }
+    for (followed, output) in wind.following.iter().flat_map(|following| following.outputs.iter().zip(&model.outputs)) {
+        let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
+        writeln!(f, "{} follows the gas, in the end by {gain} K/K", output.name)?;
+    }
+    Ok(())
+}
+
+fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
+    write!(
+        f,
+        "{}: fit {:.2} %, residual {} rms, offset {}",
+        output.name,
+        output.fit_percent,
+        brief(output.residual_rms),
+        estimate(output.offset_c, output.se_offset_c)
+    )?;
+    if let Some(white) = &output.whiteness {
+        let verdict = if white.p_value >= 0.01 {
+            format!("residuals white (p = {:.2})", white.p_value)
+        } else if white.inflation < 1.2 {
+            "residuals all but white".to_owned()
+        } else {
+            format!("residuals coloured: standard errors are {:.1} times those stated", white.inflation)
+        };
+        write!(f, "; {verdict}")?;
+    }
+    writeln!(f)
+}

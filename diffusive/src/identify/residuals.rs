@@ -1,0 +1,253 @@
+//! What a model leaves of a record, row by row: a second reading, in bounded memory.
+//!
+//! ```text
+//! ρ_l = Σ e_n e_{n+l} / Σ e_n²,    Q = N (N + 2) Σ_l ρ_l² / (N − l)
+//! ```
+//!
+//! (Ljung and Box 1978, Biometrika 65, 297)
+//!
+//! White residuals have ρ within ±1.96/√N at nineteen lags of twenty, and Q follows χ² with as many
+//! degrees of freedom as lags.
+
+use std::collections::VecDeque;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::design::RegressionDesign;
+use super::gas_source::GasSource;
+use super::panels::{BATCH, LANES, Lanes, panels};
+use super::record::{RecordError, RecordSource};
+use super::rows::RegressionRows;
+use crate::model::{ModelOutput, Whiteness};
+
+/// Lags of the autocorrelation.
+pub const LAGS: usize = 40;
+
+/// Residuals that find room before the last ones move to the end again.
+const ROOM: usize = 1024;
+
+/// A row as it is seen by whoever draws or writes residuals.
+pub struct FitRow<'a> {
+    /// Its number, from 0.
+    pub row: u64,
+    /// Which event class it has.
+    pub class: usize,
+    /// By output.
+    pub measured: &'a [f64],
+    /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time
+    /// leaves without a known input.
+    pub predicted: &'a [f64],
+}
+
+/// Sums over the residuals of one output.
+#[derive(Debug, Clone, Default)]
+pub struct Residuals {
+    count: u64,
+    squares: f64,
+    products: Vec<f64>,
+    /// The last residuals, newest first, from `newest` on: the place before it is free until there
+    /// is none.
+    last: Vec<f64>,
+    newest: usize,
+    /// The greatest square, and the row that it is of.
+    greatest: (f64, u64),
+    first_y: f64,
+    y_sum: f64,
+    y_squares: f64,
+}
+
+impl Residuals {
+    pub fn push(&mut self, measured: f64, predicted: f64) {
+        let residual = measured - predicted;
+        if self.count == 0 {
+            self.products = vec![0.0; LAGS];
+            self.last = vec![0.0; ROOM + LAGS];
+            self.newest = ROOM;
+            self.first_y = measured;
+        }
+        self.count += 1;
+        self.squares += residual * residual;
+        if residual * residual > self.greatest.0 {
+            self.greatest = (residual * residual, self.count);
+        }
+        let moved = measured - self.first_y;
+        self.y_sum += moved;
+        self.y_squares += moved * moved;
+        for (product, before) in self.products.iter_mut().zip(&self.last[self.newest..]) {
+            *product += residual * before;
+        }
+        if self.newest == 0 {
+            self.last.copy_within(..LAGS, ROOM);
+            self.newest = ROOM;
+        }
+        self.newest -= 1;
+        self.last[self.newest] = residual;
+    }
+
+    pub fn rms(&self) -> f64 {
+        (self.squares / (self.count as f64).max(1.0)).sqrt()
+    }
+
+    /// A row, counted from 1, that alone makes more than half of all squares of at least a hundred
+    /// rows, and its part of them.
+    pub fn lonely_row(&self) -> Option<(u64, f64)> {
+        let part = self.greatest.0 / self.squares.max(f64::MIN_POSITIVE);
+        (self.count >= 100 && part > 0.5).then_some((self.greatest.1, part))
+    }
+
+    /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its
+    /// mean.
+    pub fn fit_percent(&self) -> f64 {
+        let n = (self.count as f64).max(1.0);
+        let spread = self.y_squares - self.y_sum * self.y_sum / n;
+        if spread > 0.0 { 100.0 * (1.0 - (self.squares / spread).sqrt()) } else { 0.0 }
+    }
+
+    /// What a model file says of the output.
+    pub fn output(&self, name: &str, offset_c: f64, offset_variance: f64) -> ModelOutput {
+        ModelOutput {
+            name: name.to_owned(),
+            offset_c,
+            se_offset_c: offset_variance.max(0.0).sqrt(),
+            residual_rms: self.rms(),
+            fit_percent: self.fit_percent(),
+            whiteness: self.whiteness(),
+        }
+    }
+
+    /// `None` for fewer rows than lags would need, or residuals that are all zero.
+    pub fn whiteness(&self) -> Option<Whiteness> {
+        let n = self.count as f64;
+        if self.count < 4 * LAGS as u64 || self.squares <= 0.0 {
+            return None;
+        }
+        let autocorrelation: Vec<f64> = self.products.iter().map(|product| product / self.squares).collect();
+        let terms = autocorrelation.iter().enumerate().map(|(lag, rho)| rho * rho / (n - (lag + 1) as f64));
+        let q = n * (n + 2.0) * terms.sum::<f64>();
+        let p_value = ChiSquared::new(LAGS as f64).map_or(f64::NAN, |law| law.sf(q));
+        // Up to the first lag at which the correlation is lost in chance.
+        let chance = 1.96 / n.sqrt();
+        let sum: f64 = autocorrelation.iter().take_while(|rho| **rho > chance).sum();
+        Some(Whiteness { autocorrelation, q, p_value, inflation: (1.0 + 2.0 * sum).sqrt() })
+    }
+}
+
+/// An output's model in the columns of a design.
+pub struct FittedOutput {
+    pub output: usize,
+    pub theta: Vec<f64>,
+    pub shift: f64,
+}
+
+/// Residuals of every output, and the state behind the last row.
+pub struct ResidualPass {
+    pub residuals: Vec<Residuals>,
+    /// By output: what each column's state amounts to after the last row, K.
+    pub end: Vec<Vec<f64>>,
+    pub next_time_s: f64,
+    /// The last inputs and their classes, oldest first, as many as the longest delay.
+    pub pending: Vec<(Vec<f64>, usize)>,
+}
+
+/// Reads the record again. All outputs share one design. `seen` hears of every row.
+pub fn read_residuals(
+    source: &mut dyn RecordSource,
+    design: &RegressionDesign,
+    gas: GasSource,
+    fitted: &[FittedOutput],
+    seen: &mut dyn FnMut(&FitRow<'_>),
+) -> Result<ResidualPass, RecordError> {
+    source.restart()?;
+    let survey = source.survey();
+    let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
+    let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
+    let weights: Vec<Vec<Lanes>> = fitted.iter().map(|fitted| in_lanes(&fitted.theta)).collect();
+    let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
+    let mut residuals = vec![Residuals::default(); outputs];
+    let (mut input_row, mut output_row, mut predicted) =
+        (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
+    let (mut count, mut next_time_s) = (0, 0.0);
+    let longest = design.longest_delay();
+    let mut pending = VecDeque::with_capacity(longest + 1);
+    while let Some(block) = source.next_block()? {
+        for at in 0..block.len() {
+            let n = at % BATCH;
+            if n == 0 {
+                rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
+            }
+            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
+                *value = column[at];
+            }
+            for (value, column) in output_row.iter_mut().zip(&block.outputs) {
+                *value = column[at];
+            }
+            let class = block.class[at] as usize;
+            for (fitted, weights) in fitted.iter().zip(&weights) {
+                let mut explained = [0.0; LANES];
+                for (panel, weights) in batch.iter().zip(weights) {
+                    for lane in 0..LANES {
+                        explained[lane] += panel[n][lane] * weights[lane];
+                    }
+                }
+                predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
+                // What drove the first rows of a model with dead time stood before the record.
+                if count < longest as u64 {
+                    predicted[fitted.output] = f64::NAN;
+                } else {
+                    residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
+                }
+            }
+            if longest > 0 {
+                pending.push_back((input_row.clone(), class));
+                if pending.len() > longest {
+                    pending.pop_front();
+                }
+            }
+            seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted });
+            count += 1;
+        }
+        next_time_s = block.time_s.1 + period_s;
+    }
+    source.restart()?;
+    let states = rows.states();
+    let end = fitted
+        .iter()
+        .map(|fitted| states.iter().zip(&fitted.theta).map(|(state, theta)| state * theta).collect())
+        .collect();
+    Ok(ResidualPass { residuals, end, next_time_s, pending: pending.into() })
+}
+
+/// Weights of columns, as the panels have them.
+fn in_lanes(theta: &[f64]) -> Vec<Lanes> {
+    let mut lanes = vec![[0.0; LANES]; panels(theta.len())];
+    lanes.as_flattened_mut()[..theta.len()].copy_from_slice(theta);
+    lanes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_that_remember_are_told_from_white_ones() {
+        let mut seed = 7_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let (mut white, mut coloured, mut slow) = (Residuals::default(), Residuals::default(), 0.0);
+        for _ in 0..20_000 {
+            let new = noise();
+            slow = 0.8 * slow + new;
+            white.push(new, 0.0);
+            coloured.push(slow, 0.0);
+        }
+        let (white, coloured) = (white.whiteness().unwrap(), coloured.whiteness().unwrap());
+        assert!(white.p_value > 0.001 && (white.inflation - 1.0).abs() < 0.1, "{white:?}");
+        assert!(coloured.p_value < 1e-9);
+        // ρ_l = 0.8^l, and 20 000 samples know it to 2 %
+        assert!((coloured.autocorrelation[0] - 0.8).abs() < 0.02);
+        // √(1 + 2·0.8/0.2) = 3, the sum cut where chance begins
+        assert!((coloured.inflation - 3.0).abs() < 0.3, "{}", coloured.inflation);
+    }
+}

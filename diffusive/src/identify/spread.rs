@@ -1,0 +1,96 @@
+//! How far values spread: their range and their first two moments, in one go.
+
+use pulp::{Simd, WithSimd};
+
+/// Values that are gone through side by side: a sum alone would wait for each of its additions.
+const ABREAST: usize = 16;
+
+/// Values that are gone through twice while they are at hand.
+const PART: usize = 1024;
+
+/// Of some values v, which are finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ValueSpread {
+    pub least: f64,
+    pub greatest: f64,
+    /// Σ(v − from) and Σ(v − from)²
+    pub sum: f64,
+    pub squares: f64,
+}
+
+impl ValueSpread {
+    /// The bits do not depend on the machine's vectors: each of the sums abreast runs by itself.
+    pub fn of(values: &[f64], from: f64) -> Self {
+        pulp::Arch::new().dispatch(Spreading { values, from })
+    }
+}
+
+struct Spreading<'a> {
+    values: &'a [f64],
+    from: f64,
+}
+
+impl WithSimd for Spreading<'_> {
+    type Output = ValueSpread;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> ValueSpread {
+        let Self { values, from } = self;
+        let (mut least, mut greatest) = ([f64::INFINITY; ABREAST], [f64::NEG_INFINITY; ABREAST]);
+        let (mut sum, mut squares) = ([0.0; ABREAST], [0.0; ABREAST]);
+        for part in values.chunks(PART) {
+            let (groups, rest) = part.as_chunks::<ABREAST>();
+            // Range and moments each by themselves: together they are more than registers hold, and
+            // more than a compiler sorts out.
+            for group in groups {
+                for lane in 0..ABREAST {
+                    least[lane] = if group[lane] < least[lane] { group[lane] } else { least[lane] };
+                }
+                for lane in 0..ABREAST {
+                    greatest[lane] = if group[lane] > greatest[lane] { group[lane] } else { greatest[lane] };
+                }
+            }
+            for group in groups {
+                for lane in 0..ABREAST {
+                    sum[lane] += group[lane] - from;
+                }
+                for lane in 0..ABREAST {
+                    squares[lane] += (group[lane] - from) * (group[lane] - from);
+                }
+            }
+            for (lane, &value) in rest.iter().enumerate() {
+                least[lane] = least[lane].min(value);
+                greatest[lane] = greatest[lane].max(value);
+                sum[lane] += value - from;
+                squares[lane] += (value - from) * (value - from);
+            }
+        }
+        ValueSpread {
+            least: least.into_iter().fold(f64::INFINITY, f64::min),
+            greatest: greatest.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            sum: sum.iter().sum(),
+            squares: squares.iter().sum(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn range_and_moments_hold_whatever_the_number_of_values() {
+        for count in [1_u32, 15, 16, 17, 160, 3_003] {
+            // 3, 4, 5 … : whole numbers, of which sums are exact
+            let values: Vec<f64> = (0..count).map(|n| f64::from(n + 3)).collect();
+            let n = f64::from(count) - 1.0;
+            let expected = ValueSpread {
+                least: 3.0,
+                greatest: n + 3.0,
+                sum: n * (n + 1.0) / 2.0,
+                squares: n * (n + 1.0) * (2.0 * n + 1.0) / 6.0,
+            };
+            assert_eq!(ValueSpread::of(&values, 3.0), expected, "{count} values");
+        }
+    }
+}

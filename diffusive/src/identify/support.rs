@@ -1,0 +1,124 @@
+//! Whether a record supports its model, and what it lacks if not.
+
+use super::error::{GREATEST, Unidentifiable};
+use super::folds::FOLDS;
+use super::pass::Facts;
+use super::record::Survey;
+use crate::model::{Model, ModelOutput};
+
+/// An input that is not at its first value in fewer rows than this, counted as rows of its greatest
+/// departure, excites too little.
+const FEW_ROWS: f64 = 5.0;
+
+/// Refuses what no model can come of.
+pub fn refuse(
+    survey: &Survey,
+    facts: &Facts,
+    classes: &[String],
+    gated: bool,
+    from_rest: bool,
+) -> Result<(), Unidentifiable> {
+    let columns = survey.inputs.iter().zip(&facts.input_range).chain(survey.outputs.iter().zip(&facts.output_range));
+    for (name, &[least, most]) in columns {
+        if most.abs().max(least.abs()) > GREATEST {
+            return Err(Unidentifiable::HugeValues { column: name.clone(), least, most });
+        }
+    }
+    for (input, name) in survey.inputs.iter().enumerate() {
+        let [value, _] = facts.input_range[input];
+        // From rest, a constant is a step at the first row.
+        if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
+            return Err(Unidentifiable::ConstantInput { column: name.clone(), value, rows: facts.rows });
+        }
+    }
+    if gated {
+        for (class, label) in classes.iter().enumerate() {
+            let excited = (0..survey.inputs.len()).any(|input| facts.class_input_sd(class, input) > 0.0);
+            if !excited {
+                return Err(Unidentifiable::SilentClass {
+                    label: label.clone(),
+                    column: survey.event_column.clone().unwrap_or_else(|| "event".to_owned()),
+                    rows: facts.class_rows.get(class).copied().unwrap_or(0),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What makes the record a poor one.
+pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (output, name) in survey.outputs.iter().enumerate() {
+        if facts.output_sd(output) == 0.0 {
+            let [value, _] = facts.output_range[output];
+            warnings.push(format!(
+                "`{name}` is {value} in all rows: the output does not answer; is it the right column, and is the sensor connected?"
+            ));
+        }
+    }
+    for (input, name) in survey.inputs.iter().enumerate() {
+        let full = facts.full_rows(input);
+        if full > 0.0 && full < FEW_ROWS {
+            warnings.push(format!(
+                "`{name}` leaves its first value for no more than {full:.1} rows' worth: what little heat that is tells next to nothing of slow rates; excite it all through the record"
+            ));
+        }
+    }
+    for i in 0..survey.inputs.len() {
+        for j in 0..i {
+            let correlation = facts.correlation(i, j);
+            if correlation.abs() > 0.999 {
+                warnings.push(format!(
+                    "inputs `{}` and `{}` move together (correlation {correlation:.4}): their effects cannot be told apart; drive them by different sequences, or name one of them with --input",
+                    survey.inputs[j], survey.inputs[i]
+                ));
+            }
+        }
+    }
+    warnings
+}
+
+/// Outputs that the model leaves as they are: an answer of nothing has no standard error that would
+/// give it away.
+pub fn silent(model: &Model) -> Vec<String> {
+    let is_nothing = |name: &str| {
+        let mut classes = model.pairs.iter().filter(|pair| pair.output == name).flat_map(|pair| pair.classes.values());
+        classes.all(|class| class.r_k_per_w.iter().chain([&class.feed_through_k_per_w]).all(|value| *value == 0.0))
+    };
+    let outputs = model.outputs.iter().filter(|output| output.residual_rms > 0.0 && is_nothing(&output.name));
+    let sentence = |output: &ModelOutput| {
+        format!(
+            "`{}`: no input explains any of it, and all resistances are zero: are these the right columns, and was the element heated?",
+            output.name
+        )
+    };
+    outputs.map(sentence).collect()
+}
+
+/// Most memory for the sums of all meshes together, bytes.
+const MOST_BYTES: f64 = 4e9;
+
+/// Refuses more unknowns than any machine should be asked for. `unknowns`: of every mesh that would
+/// be tried.
+pub fn affordable(unknowns: &[usize], inputs: usize, classes: usize) -> Result<(), Unidentifiable> {
+    let bytes: f64 = unknowns.iter().map(|&count| 8.0 * FOLDS as f64 * (count as f64).powi(2)).sum();
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let unknowns = unknowns.iter().copied().max().unwrap_or(0);
+    Err(Unidentifiable::Unaffordable { inputs, classes, unknowns, gigabytes: bytes / 1e9 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknowns_beyond_the_memory_of_machines_are_refused() {
+        assert_eq!(affordable(&[500, 800], 1, 60), Ok(()));
+        // 8 bytes, ten folds, 20 000²: 32 GB.
+        let sentence = affordable(&[500, 20_000], 10, 64).unwrap_err().to_string();
+        assert!(sentence.starts_with("has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
+    }
+}

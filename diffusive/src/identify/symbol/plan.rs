@@ -1,0 +1,197 @@
+//! What is tried for a record: which banks of relaxations its inputs and classes need, and on which
+//! meshes.
+
+use super::super::candidates::{self, CandidateMesh};
+use super::super::delay::{self, PathDecision};
+use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
+use super::super::error::{IdentifyError, Unidentifiable};
+use super::super::folds::FOLDS;
+use super::super::gas_source::GasSource;
+use super::super::options::{Constraints, InitialState};
+use super::super::options::{IdentifyOptions, Progress};
+use super::super::pass::{Facts, Passed, pass};
+use super::super::prior::Scales;
+use super::super::record::{RecordSource, Survey};
+use super::super::support;
+
+/// Unknowns beyond which only the smallest mesh is tried: the search takes time with their third
+/// power.
+const MOST_UNKNOWNS: usize = 300;
+
+/// A bank's part: which input drives it in which class, and whether it belongs to the element's own
+/// heat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BankPart {
+    pub input: usize,
+    pub class: usize,
+    pub kind: PairKind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PairKind {
+    /// For every output.
+    Any,
+    /// For the output of the same number only, or for all others.
+    Own,
+    Cross,
+}
+
+impl BankPart {
+    fn is_seen_by(self, output: usize) -> bool {
+        match self.kind {
+            PairKind::Any => true,
+            PairKind::Own => self.input == output,
+            PairKind::Cross => self.input != output,
+        }
+    }
+}
+
+/// Every input, in every class if there are several.
+fn parts(inputs: usize, classes: usize, kind: PairKind) -> Vec<BankPart> {
+    (0..inputs).flat_map(|input| (0..classes).map(move |class| BankPart { input, class, kind })).collect()
+}
+
+/// Meshes that the record's rows can determine, and that the machine can search.
+///
+/// # Errors
+/// If the rows are too few, or the unknowns too many.
+fn meshes(
+    rows: u64,
+    sample_period_s: f64,
+    inputs: usize,
+    classes: usize,
+    given: &Constraints,
+) -> Result<Vec<CandidateMesh>, Unidentifiable> {
+    let mut meshes = candidates::meshes(rows as f64 * sample_period_s, sample_period_s, classes, given);
+    let unknowns = |mesh: &CandidateMesh| mesh.rates_rad_s.len() * (inputs * classes + 1) + 1;
+    let fewest = meshes.iter().map(unknowns).min().unwrap_or(0);
+    refuse_if!(fewest as u64 >= rows, Unidentifiable::ManyUnknowns { rows, unknowns: fewest });
+    // What the rows cannot determine well is not worth a trial, nor what takes too long, unless it
+    // is the only one.
+    let most = (rows / 3).min(MOST_UNKNOWNS as u64).max(fewest as u64);
+    meshes.retain(|mesh| unknowns(mesh) as u64 <= most);
+    let all: Vec<usize> = meshes.iter().map(unknowns).collect();
+    support::affordable(&all, inputs, classes)?;
+    Ok(meshes)
+}
+
+/// What is tried for one record, and what all its designs have in common.
+pub struct SymbolPlan {
+    pub survey: Survey,
+    pub classes: Vec<String>,
+    /// Dead time and feed-through.
+    pub path: PathDecision,
+    pub meshes: Vec<CandidateMesh>,
+    /// By mesh.
+    pub designs: Vec<RegressionDesign>,
+    /// By bank.
+    pub parts: Vec<BankPart>,
+    /// By output and bank: whether the output sees it.
+    pub sees: Vec<Vec<bool>>,
+}
+
+/// What the record's sums are weighed with.
+pub struct BankFacts {
+    pub scales: Scales,
+    /// What drove each bank in the first row.
+    pub first_drives: Vec<f64>,
+}
+
+impl SymbolPlan {
+    pub fn of(
+        source: &mut dyn RecordSource,
+        survey: Survey,
+        classes: Vec<String>,
+        options: &IdentifyOptions,
+    ) -> Result<Self, IdentifyError> {
+        let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
+        let drives: Vec<BankDrive> = (0..inputs).map(BankDrive::Input).collect();
+        let path = delay::decide(source, &drives, &options.constraints)?;
+        let meshes = meshes(survey.rows, survey.sample_period_s, inputs, classes.len(), &options.constraints)
+            .map_err(|reason| IdentifyError::unfit(source, reason))?;
+        let parts_of = |kind| parts(inputs, classes.len(), kind);
+        let (parts, cross_rad_s) = match &options.cross {
+            None => (parts_of(PairKind::Any), None),
+            Some(given) => {
+                let parts = [parts_of(PairKind::Own), parts_of(PairKind::Cross)].concat();
+                let duration_s = survey.rows as f64 * survey.sample_period_s;
+                (parts, Some(cross_rates(given, &meshes, duration_s, survey.sample_period_s, classes.len())))
+            }
+        };
+        let bank = |part: &BankPart, mesh: &CandidateMesh| RelaxationBank {
+            drive: match classes.len() > 1 {
+                true => BankDrive::Gated { input: part.input, class: part.class },
+                false => BankDrive::Input(part.input),
+            },
+            rates_rad_s: match (&cross_rad_s, part.kind) {
+                (Some(cross), PairKind::Cross) => cross.clone(),
+                _ => mesh.rates_rad_s.clone(),
+            },
+            delay: path.delay,
+            feed_through: path.feed_through && part.kind != PairKind::Cross,
+        };
+        let may_begin = options.constraints.initial_state != Some(InitialState::Rest);
+        let design = |mesh: &CandidateMesh| RegressionDesign {
+            banks: parts.iter().map(|part| bank(part, mesh)).collect(),
+            initial_rad_s: if may_begin { mesh.rates_rad_s.clone() } else { Vec::new() },
+            outputs,
+        };
+        let designs = meshes.iter().map(design).collect();
+        let sees = |output| parts.iter().map(|part| part.is_seen_by(output)).collect();
+        let sees = (0..outputs).map(sees).collect();
+        Ok(Self { survey, classes, path, meshes, designs, parts, sees })
+    }
+
+    /// One reading of the record for all designs.
+    pub fn read(
+        &self,
+        source: &mut dyn RecordSource,
+        options: &IdentifyOptions,
+        progress: &mut Progress<'_>,
+    ) -> Result<Passed, IdentifyError> {
+        let mut tell = |done| progress("reading", done, self.survey.rows);
+        let passed = pass(source, &self.designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
+        let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
+        support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)
+            .map_err(|reason| IdentifyError::unfit(source, reason))?;
+        Ok(passed)
+    }
+
+    /// Whether inputs drive only in their class.
+    pub fn is_gated(&self) -> bool {
+        self.classes.len() > 1
+    }
+
+    pub fn duration_s(&self) -> f64 {
+        self.survey.rows as f64 * self.survey.sample_period_s
+    }
+
+    pub fn bank_facts(&self, facts: &Facts) -> BankFacts {
+        let (thesis_rad_s, _) = dr_core::model::mesh::thesis_edges_rad_s(
+            self.duration_s(),
+            self.survey.sample_period_s,
+            self.classes.len() as u32,
+        );
+        let first_drive = |part: &BankPart| match self.is_gated() && facts.first_class != part.class {
+            true => 0.0,
+            false => facts.first_inputs[part.input],
+        };
+        let drive = self.parts.iter().map(|part| facts.input_scale(part.input)).collect();
+        BankFacts { scales: Scales { drive, thesis_rad_s }, first_drives: self.parts.iter().map(first_drive).collect() }
+    }
+}
+
+/// Rates of cross-heating: what is not given is as on the first mesh.
+fn cross_rates(
+    given: &Constraints,
+    meshes: &[CandidateMesh],
+    duration_s: f64,
+    sample_period_s: f64,
+    classes: usize,
+) -> Vec<f64> {
+    let own = &meshes[0].rates_rad_s;
+    let edges = given.edges_rad_s.or(Some((own[0], own[own.len() - 1])));
+    let order = given.order.or(Some(own.len()));
+    let given = Constraints { order, edges_rad_s: edges, ..Constraints::default() };
+    candidates::meshes(duration_s, sample_period_s, classes, &given).remove(0).rates_rad_s
+}

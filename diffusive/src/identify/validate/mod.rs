@@ -1,0 +1,140 @@
+//! How well a model predicts a record that it has not seen.
+//!
+//! The model runs forward over the record's inputs. What it cannot know is taken from the record's
+//! outputs first: the offset, which belongs to the day, and what was stored before the first row.
+//! Or, if the record goes on where the identified one ended, the model goes on as well, and nothing
+//! is taken from the outputs.
+
+mod error;
+mod report;
+mod run;
+mod start;
+
+pub use error::{Mismatch, ValidateError};
+pub use report::{ValidatedOutput, ValidationReport, ValidationStart};
+
+use super::error::LEAST_ROWS;
+use super::options::FitObserver;
+use super::record::RecordSource;
+use super::residuals::Residuals;
+use crate::model::{Forward, Model, ModelGas, RecordEnd};
+use run::{Losses, run};
+use start::{estimate, prior_widths};
+
+/// Predicts the record. Its inputs and outputs are the model's, in order.
+///
+/// # Errors
+/// If the record cannot be read, or model, record and start do not go together.
+pub fn validate(
+    model: &Model,
+    source: &mut dyn RecordSource,
+    start: ValidationStart,
+    observer: &mut FitObserver<'_>,
+) -> Result<ValidationReport, ValidateError> {
+    let rows = source.survey().rows;
+    check_columns(model, source).map_err(|reason| ValidateError::unfit(source, reason))?;
+    let (mut forward, offsets) = started(model, source, start)?;
+    let mut residuals = vec![Residuals::default(); model.outputs.len()];
+    let mut constant: Vec<Option<f64>> = vec![None; model.outputs.len()];
+    run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
+        for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
+            residuals.push(*measured, *predicted);
+        }
+        for (constant, &measured) in constant.iter_mut().zip(seen.measured) {
+            *constant = if seen.row == 0 { Some(measured) } else { constant.filter(|first| *first == measured) };
+        }
+        observer(seen);
+    })?;
+    let validated = |output: usize| ValidatedOutput {
+        name: model.outputs[output].name.clone(),
+        rmse: residuals[output].rms(),
+        fit_percent: constant[output].is_none().then(|| residuals[output].fit_percent()),
+        constant: constant[output],
+        offset_c: offsets[output],
+        whiteness: residuals[output].whiteness(),
+    };
+    let outputs: Vec<ValidatedOutput> = (0..model.outputs.len()).map(validated).collect();
+    let is_finite = |output: &ValidatedOutput| output.rmse.is_finite() && output.fit_percent.is_none_or(f64::is_finite);
+    if let Some(output) = outputs.iter().find(|output| !is_finite(output)) {
+        return Err(ValidateError::unfit(source, Mismatch::TooLarge { output: output.name.clone() }));
+    }
+    let warnings = warnings(&outputs, rows);
+    Ok(ValidationReport { outputs, rows, start, warnings })
+}
+
+fn check_columns(model: &Model, source: &dyn RecordSource) -> Result<(), Mismatch> {
+    let survey = source.survey();
+    let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
+    let (model_inputs, model_outputs) = (model.inputs.len(), model.outputs.len());
+    if (inputs, outputs) != (model_inputs, model_outputs) {
+        return Err(Mismatch::Columns { inputs, outputs, model_inputs, model_outputs });
+    }
+    match model.wind.as_ref().map(|wind| &wind.gas) {
+        Some(ModelGas::Column(column)) if survey.gas_column.is_none() => {
+            Err(Mismatch::NoGasColumn { column: column.clone() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The model as it is before the first row, and the offsets of its outputs.
+fn started(
+    model: &Model,
+    source: &mut dyn RecordSource,
+    start: ValidationStart,
+) -> Result<(Forward, Vec<f64>), ValidateError> {
+    let (period_s, rows) = (source.survey().sample_period_s, source.survey().rows);
+    let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
+    let mut forward = Forward::at_rest(model, period_s);
+    match start {
+        ValidationStart::Rest => {}
+        ValidationStart::Continue => {
+            let end = continued(model, source).map_err(|reason| ValidateError::unfit(source, reason))?;
+            forward = Forward::going_on(model, end);
+        }
+        ValidationStart::Estimate => {
+            let unknowns = (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max();
+            let unknowns = unknowns.unwrap_or(1);
+            refuse_if!(rows <= unknowns as u64, ValidateError::unfit(source, Mismatch::FewRows { rows, unknowns }));
+            let estimated = estimate(model, source, &mut forward)?;
+            forward = Forward::at_rest(model, period_s);
+            for (output, estimated) in estimated.iter().enumerate() {
+                offsets[output] += estimated.offset_k;
+                forward.set_offset(output, offsets[output]);
+                forward.add_decays(output, &estimated.decays, period_s);
+            }
+        }
+    }
+    Ok((forward, offsets))
+}
+
+/// Where the identified record ended, if this one goes on with the next row.
+fn continued<'m>(model: &'m Model, source: &dyn RecordSource) -> Result<&'m RecordEnd, Mismatch> {
+    let survey = source.survey();
+    let end = model.end.as_ref().ok_or(Mismatch::NoEnd)?;
+    let gap_s = survey.first_time_s - end.next_time_s;
+    if gap_s.abs() < 0.5 * survey.sample_period_s {
+        return Ok(end);
+    }
+    Err(Mismatch::NotTheNextRow { first_time_s: shown_s(survey.first_time_s), next_time_s: shown_s(end.next_time_s) })
+}
+
+/// Why figures say less than they seem to.
+fn warnings(outputs: &[ValidatedOutput], rows: u64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (scored, value) in outputs.iter().filter_map(|scored| Some((scored, scored.constant?))) {
+        warnings.push(format!(
+            "`{}` is {value} in all rows, so there is no fit to tell: is it the right column, and is the sensor connected?",
+            scored.name
+        ));
+    }
+    if rows < LEAST_ROWS {
+        warnings.push(format!("{rows} rows say next to nothing of a model: give a record of {LEAST_ROWS} at least"));
+    }
+    warnings
+}
+
+/// A time without the digits that come of adding periods up.
+fn shown_s(time_s: f64) -> f64 {
+    format!("{time_s:.9e}").parse().unwrap_or(time_s)
+}

@@ -1,0 +1,67 @@
+//! A model that runs over a record, row by row.
+
+use super::super::record::RecordSource;
+use super::super::residuals::FitRow;
+use super::error::{Mismatch, ValidateError};
+use crate::model::{Forward, Model, ModelGas};
+
+/// By whose temperatures the wind takes heat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Losses {
+    Predicted,
+    Measured,
+}
+
+/// Runs the model over the record from its first row.
+pub(super) fn run(
+    model: &Model,
+    source: &mut dyn RecordSource,
+    forward: &mut Forward,
+    losses: Losses,
+    seen: &mut dyn FnMut(&FitRow<'_>),
+) -> Result<(), ValidateError> {
+    source.restart()?;
+    let event_column = source.survey().event_column.clone().unwrap_or_default();
+    let (inputs, outputs) = (model.inputs.len(), model.outputs.len());
+    let constant_gas_c = match model.wind.as_ref().map(|wind| &wind.gas) {
+        Some(ModelGas::ConstantC(gas_c)) => *gas_c,
+        Some(ModelGas::EstimatedC(gas)) => gas.value,
+        Some(ModelGas::Column(_)) | None => 0.0,
+    };
+    let (mut input_row, mut measured, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
+    let mut row = 0;
+    // Which of the model's classes each of the record's is.
+    let mut classes: Vec<usize> = Vec::new();
+    while let Some(block) = source.next_block()?.cloned() {
+        for label in source.classes().iter().skip(classes.len()) {
+            let known = model.classes.iter().position(|known| known == label);
+            if known.is_none() && model.classes.len() > 1 {
+                let reason = Mismatch::UnknownClass {
+                    column: event_column,
+                    label: label.clone(),
+                    classes: model.classes.clone(),
+                };
+                return Err(ValidateError::unfit(source, reason));
+            }
+            classes.push(known.unwrap_or(0));
+        }
+        for at in 0..block.len() {
+            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
+                *value = column[at];
+            }
+            for (value, column) in measured.iter_mut().zip(&block.outputs) {
+                *value = column[at];
+            }
+            let class = classes[block.class[at] as usize];
+            let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
+            match losses {
+                Losses::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
+                Losses::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
+            }
+            seen(&FitRow { row, class, measured: &measured, predicted: &predicted });
+            row += 1;
+        }
+    }
+    source.restart()?;
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! Checks of the options against a record's length, sample period and columns, before its rows are
+//! read.
+
+use std::f64::consts::PI;
+
+use super::error::{LEAST_ROWS, Unidentifiable};
+use super::options::IdentifyOptions;
+use super::record::Survey;
+use super::{refine, tied};
+use recording::text::tidy;
+
+/// A mesh's last rate in units of π/Ts, the record's fastest, beyond which it is marked, or
+/// refused.
+const MARKED: f64 = 10.0;
+const REFUSED: f64 = 1e3 / PI;
+
+/// Refuses options that this record cannot meet.
+pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), Unidentifiable> {
+    let (rows, period_s) = (survey.rows, survey.sample_period_s);
+    refuse_if!(rows < LEAST_ROWS, Unidentifiable::FewRows { rows });
+    if options.tie {
+        tied::refuse(survey, options)?;
+    }
+    if let Some(poles) = options.free_poles {
+        refine::refuse(poles, options)?;
+    }
+    if options.cross.is_some() && survey.inputs.len() == 1 && survey.outputs.len() == 1 {
+        let (input, output) = (survey.inputs[0].clone(), survey.outputs[0].clone());
+        return Err(Unidentifiable::NoCrossHeating { input, output });
+    }
+    if let Some(delay) = options.constraints.delay.filter(|&delay| delay as u64 > rows / 4) {
+        return Err(Unidentifiable::LongDeadTime { rows, delay });
+    }
+    for (first, last) in edges(options) {
+        // Far beyond what the record shows, rates cannot be told from feed-through or from an
+        // offset.
+        let (least, most) = (1e-4 / (rows as f64 * period_s), REFUSED * PI / period_s);
+        if first < least || last > most {
+            let duration_s = rows as f64 * period_s;
+            return Err(Unidentifiable::MeshBeyondRecord { duration_s, period_s, first, last, least, most });
+        }
+    }
+    Ok(())
+}
+
+/// Warns of options that this record meets badly.
+pub fn warnings(survey: &Survey, options: &IdentifyOptions) -> Vec<String> {
+    let fastest = PI / survey.sample_period_s;
+    let far = edges(options).filter(|(_, last)| *last > MARKED * fastest);
+    let sentence = |(_, last): (f64, f64)| {
+        format!(
+            "the mesh reaches to {last:.1e} rad/s, but samples every {} s show nothing beyond {fastest:.1e} (π/Ts): its fastest resistances are hardly more than the prior's; lower the last edge",
+            tidy(survey.sample_period_s)
+        )
+    };
+    far.map(sentence).collect()
+}
+
+/// Which input is whose own, where that matters: the order of the columns decides it.
+pub fn pairing(survey: &Survey, options: &IdentifyOptions) -> Option<String> {
+    let own: Vec<String> =
+        survey.inputs.iter().zip(&survey.outputs).map(|(input, output)| format!("`{input}` → `{output}`")).collect();
+    let matters = options.cross.is_some() || options.tie;
+    matters.then(|| {
+        format!("own heat, by the order of the columns: {}; every other pair is cross-heating", own.join(", "))
+    })
+}
+
+fn edges(options: &IdentifyOptions) -> impl Iterator<Item = (f64, f64)> {
+    let cross = options.cross.as_ref().and_then(|cross| cross.edges_rad_s);
+    options.constraints.edges_rad_s.into_iter().chain(cross)
+}

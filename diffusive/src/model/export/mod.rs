@@ -1,0 +1,36 @@
+//! A model in the forms that others use: networks, netlists, frequency responses, tables for a
+//! board.
+//!
+//! One pair of input and output in one event class is a one-port of thermal impedance, in K/W:
+//!
+//! ```text
+//! Z(s) = feed-through + Σ_k R_k / (1 + s/ξ_k)
+//! ```
+//!
+//! | module | form |
+//! |---|---|
+//! | [`response`](mod@response) | Z(jω), with dead time and with the wind of structure `conductance` |
+//! | [`symbol`] | the continuous symbol η(ξ_k) |
+//! | [`foster`] | R_k parallel C_k in series, straight from the model |
+//! | [`cauer`] | the ladder of the same impedance, and its cumulative structure function |
+//! | [`spice`] | either network as a netlist |
+//! | [`source`] | constants in C or Rust |
+//! | [`table`] | all that is a table, as CSV |
+//!
+//! [`PairClass`](super::PairClass) finds the pair and the class.
+
+pub mod cauer;
+mod error;
+pub mod foster;
+mod report;
+pub mod response;
+pub mod source;
+pub mod spice;
+pub mod symbol;
+pub mod table;
+
+pub use cauer::structure_function;
+pub use error::ExportError;
+pub use report::{ExportForm, ExportReport};
+pub use response::{response, response_in_class};
+pub use symbol::continuous_symbol;

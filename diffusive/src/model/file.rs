@@ -1,0 +1,164 @@
+//! Reading and writing a model's JSON: checked in full, written whole or not at all.
+
+use std::path::{Path, PathBuf};
+
+use super::content::{FORMAT, Model, ModelGas, ModelWind, VERSION};
+use super::content_error::ModelContentError;
+use recording::Temporary;
+use recording::text::one_line;
+
+/// Beyond it, squares and products of a model's numbers are no longer numbers.
+const GREATEST: f64 = 1e100;
+
+/// Why a model's file cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
+pub enum ModelError {
+    /// There is no such file.
+    #[error("{}: there is no such file", .0.display())]
+    Missing(PathBuf),
+    /// The file system refuses.
+    #[error("{}: cannot be {doing}: {reason}", path.display())]
+    Io { path: PathBuf, doing: &'static str, reason: String },
+    /// What the file holds is no model.
+    #[error("{}: {error}", path.display())]
+    Content { path: PathBuf, error: ModelContentError },
+}
+
+impl Model {
+    /// Reads a model's file and checks it.
+    ///
+    /// # Errors
+    /// If there is none, or what it holds is no model.
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
+        let content = |error| ModelError::Content { path: path.to_owned(), error };
+        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => ModelError::Missing(path.to_owned()),
+            std::io::ErrorKind::InvalidData => content(ModelContentError::NoText),
+            _ => ModelError::Io { path: path.to_owned(), doing: "read", reason: error.to_string() },
+        })?;
+        Self::from_json(&text).map_err(content)
+    }
+
+    /// Reads a model from a text and checks it.
+    ///
+    /// # Errors
+    /// The key and what would be right.
+    pub fn from_json(text: &str) -> Result<Self, ModelContentError> {
+        // Some editors put a byte order mark before a text that they save.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| ModelContentError::NoJson(one_line(error.to_string())))?;
+        refuse_if!(value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT), ModelContentError::NoModel);
+        match value.get("version").and_then(serde_json::Value::as_u64) {
+            Some(version) if version == u64::from(VERSION) => {}
+            Some(version) => return Err(ModelContentError::OtherVersion(version)),
+            None => return Err(ModelContentError::NoVersion),
+        }
+        if let Some(key) = too_large(&value) {
+            return Err(ModelContentError::TooLarge(one_line(key)));
+        }
+        let mut model: Self =
+            serde_json::from_value(value).map_err(|error| ModelContentError::NotWhole(one_line(error.to_string())))?;
+        model.rename_columns();
+        model.check()?;
+        Ok(model)
+    }
+
+    /// Gives the columns of a model that was identified before 0.2 their names of today.
+    fn rename_columns(&mut self) {
+        let columns = self.inputs.iter().chain(self.outputs.iter().map(|output| &output.name));
+        if !recording::is_format_1(columns.map(String::as_str)) {
+            return;
+        }
+        let mut names: Vec<&mut String> = self.inputs.iter_mut().chain(&mut self.event_column).collect();
+        names.extend(self.outputs.iter_mut().map(|output| &mut output.name));
+        names.extend(self.pairs.iter_mut().flat_map(|pair| [&mut pair.input, &mut pair.output]));
+        if let Some(ModelWind { gas: ModelGas::Column(gas), .. }) = &mut self.wind {
+            names.push(gas);
+        }
+        for name in names {
+            *name = recording::renamed(name).into_owned();
+        }
+    }
+
+    /// The text of its file.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a model holds nothing that JSON does not")
+    }
+
+    /// Writes its file, in whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<(), ModelError> {
+        Temporary::write(path, format!("{}\n", self.to_json()).as_bytes()).map_err(|error| ModelError::Io {
+            path: path.to_owned(),
+            doing: "written",
+            reason: error.to_string(),
+        })
+    }
+}
+
+/// The key of a number whose products are none any more, or that f64 does not hold, such as 1e999.
+fn too_large(value: &serde_json::Value) -> Option<String> {
+    use serde_json::Value;
+    let below = |key: String, value| {
+        let rest = too_large(value)?;
+        Some(if rest.is_empty() || rest.starts_with('[') { key + &rest } else { format!("{key}.{rest}") })
+    };
+    match value {
+        Value::Number(number) => {
+            let good = number.as_f64().is_some_and(|number| number.abs() <= GREATEST);
+            (!good).then(String::new)
+        }
+        Value::Array(items) => items.iter().enumerate().find_map(|(at, item)| below(format!("[{at}]"), item)),
+        Value::Object(keys) => keys.iter().find_map(|(key, item)| below(key.clone(), item)),
+        Value::Null | Value::Bool(_) | Value::String(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::content::{Following, ModelGas};
+    use super::super::testing;
+    use super::*;
+
+    fn model() -> Model {
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_wind(&mut model, "gust", 0.2);
+        testing::follow_gas(&mut model, 18.0);
+        model
+    }
+
+    #[test]
+    fn a_model_that_follows_its_gas_is_read_as_it_was_written() {
+        assert_eq!(Model::from_json(&model().to_json()).unwrap(), model());
+    }
+
+    #[test]
+    fn a_model_of_format_1_is_read_with_the_names_of_today() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/format1");
+        let model = Model::read(&folder.join("model.json")).unwrap();
+        assert_eq!((&model.inputs[..], model.pairs.len()), (&["power_w_sector1".to_owned()][..], 1));
+        assert!(model.pair("power_w_sector1", "temperature_c_sector1").is_some());
+        assert_eq!(model.outputs[0].name, "temperature_c_sector1");
+    }
+
+    #[test]
+    fn what_does_not_fit_the_gas_is_refused_by_its_key() {
+        let refused = |change: &dyn Fn(&mut Following)| {
+            let mut model = model();
+            change(model.wind.as_mut().unwrap().following.as_mut().unwrap());
+            Model::from_json(&model.to_json()).unwrap_err().to_string()
+        };
+        for (sentence, key) in [
+            (refused(&|following| following.mesh_rad_s[0] = 0.0), "`mesh_rad_s` must hold ascending"),
+            (refused(&|following| following.outputs.clear()), "`outputs` has 0 entries for the model's 1"),
+            (refused(&|following| following.outputs[0].f_k_per_k.clear()), "one value for each of the 1 rates"),
+            (refused(&|following| following.from_c = 30.0), "`from_c` is 30, which is not within `range_c`, 17 to 19"),
+        ] {
+            assert!(sentence.starts_with("`wind.following`") && sentence.contains(key), "{sentence}");
+        }
+        let mut constant = model();
+        constant.wind.as_mut().unwrap().gas = ModelGas::ConstantC(18.0);
+        assert!(Model::from_json(&constant.to_json()).unwrap_err().to_string().contains("needs the gas as a column"));
+    }
+}

@@ -1,0 +1,38 @@
+//! Diffusive models as files: what was identified, with its uncertainty, in JSON.
+//!
+//! A model leads from inputs u (heating power) to outputs y (temperature). Every pair of input and
+//! output has a mesh of rates ξ_k and, per event class, thermal resistances R_k (thesis 2.10,
+//! normalised states):
+//!
+//! ```text
+//! dx_k/dt = ξ_k (u(t − dead time) − x_k),    y = offset + Σ_pairs (Σ_k R_k x_k + feed-through · u)
+//! ```
+//!
+//! Structure `symbol` (thesis 2.19): a class's R_k weigh the heat that was injected while that
+//! class held. Structure `conductance` (wind as feedback): one class of R_k, and the wind in the
+//! input, w = u − ΔG_class · (y − T_gas), element by element; where the gas moved, outputs follow
+//! it as well ([`Following`]).
+//!
+//! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n
+//! − 1.
+
+mod check;
+mod conditions;
+mod content;
+mod content_error;
+pub mod export;
+mod file;
+mod forward;
+pub mod merge;
+pub mod pair_class;
+pub mod reduce;
+mod support;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+
+pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
+pub use content::*;
+pub use content_error::ModelContentError;
+pub use file::ModelError;
+pub use forward::Forward;
+pub use pair_class::{CrossHeatingError, PairClass, PairClassError};

@@ -1,0 +1,175 @@
+//! The surface on which the loop of one element slides: y = ΔT, for one symbol (thesis 2.47–2.53).
+//!
+//! With z_k = R_k x_k in K the model is dz_k/dt = −ξ_k z_k + η_k u, y = Σ z_k, and on y = ΔT
+//!
+//! ```text
+//! u_eq = Σ ξ_k z_k / Γ        dz/dt = −D z,    D = diag(ξ) − η ξᵀ/Γ,    Γ = Σ η_k = Σ ξ_k R_k
+//! ```
+//!
+//! Formulas that the board needs too are dr-core's.
+
+use dr_core::model::{Reachability, equivalent_control, reachability};
+use nalgebra::DMatrix;
+
+/// Why no loop can be analysed: the rest of a sentence that begins with what has the symbol.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
+pub enum SurfaceError {
+    /// Rates and resistances that do not match.
+    #[error(
+        "has {rates} rates and {resistances} resistances: there must be one resistance for every rate, and one at least"
+    )]
+    Shape { rates: usize, resistances: usize },
+    /// A rate that does not ascend from above zero.
+    #[error(
+        "has the pole {rate_rad_s} rad/s after {before_rad_s} rad/s: rates must ascend from above zero, as what is heated cools down again"
+    )]
+    Rate { rate_rad_s: f64, before_rad_s: f64 },
+    /// A resistance that is no number.
+    #[error("has the resistance {0} K/W: it must be a number")]
+    Resistance(f64),
+    /// A pair that power does not begin by warming.
+    #[error(
+        "has the high-frequency gain Γ = {0} K/J: power does not begin by warming it, so there is no sliding surface. A self-heating pair has Γ > 0; is this a cross-heating pair?"
+    )]
+    NoSurface(f64),
+    /// A pair that held power does not end by warming.
+    #[error("has the steady gain ΣR = {0} K/W: power that is held must end by warming it")]
+    NoGain(f64),
+    /// An output that follows its input at once.
+    #[error(
+        "follows the power at once by {0} K/W (feed-through): the loop would switch without end, and there is no sliding surface. Identify it without feed-through"
+    )]
+    FeedThrough(f64),
+}
+
+/// One symbol with a sliding surface. Immutable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlidingSurface {
+    rates_rad_s: Vec<f64>,
+    r_k_per_w: Vec<f64>,
+    eta_k_per_j: Vec<f64>,
+    gamma_k_per_j: f64,
+    steady_gain_k_per_w: f64,
+}
+
+impl SlidingSurface {
+    /// A symbol of resistances R_k in K/W at ascending rates in rad/s. Resistances may be zero (a
+    /// pole that this class does not heat) or negative, as long as Γ and ΣR are greater than zero.
+    ///
+    /// # Errors
+    /// What the symbol lacks, in words.
+    pub fn new(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Self, SurfaceError> {
+        let (rates, resistances) = (rates_rad_s.len(), r_k_per_w.len());
+        refuse_if!(rates == 0 || rates != resistances, SurfaceError::Shape { rates, resistances });
+        let mut before_rad_s = 0.0;
+        for &rate_rad_s in rates_rad_s {
+            if !(rate_rad_s.is_finite() && rate_rad_s > before_rad_s) {
+                return Err(SurfaceError::Rate { rate_rad_s, before_rad_s });
+            }
+            before_rad_s = rate_rad_s;
+        }
+        if let Some(r) = r_k_per_w.iter().find(|r| !r.is_finite()) {
+            return Err(SurfaceError::Resistance(*r));
+        }
+        let eta_k_per_j: Vec<f64> = rates_rad_s.iter().zip(r_k_per_w).map(|(rate, r)| rate * r).collect();
+        let gamma_k_per_j: f64 = eta_k_per_j.iter().sum();
+        refuse_if!(!(gamma_k_per_j.is_finite() && gamma_k_per_j > 0.0), SurfaceError::NoSurface(gamma_k_per_j));
+        let steady_gain_k_per_w: f64 = r_k_per_w.iter().sum();
+        if !(steady_gain_k_per_w.is_finite() && steady_gain_k_per_w > 0.0) {
+            return Err(SurfaceError::NoGain(steady_gain_k_per_w));
+        }
+        Ok(Self {
+            rates_rad_s: rates_rad_s.to_vec(),
+            r_k_per_w: r_k_per_w.to_vec(),
+            eta_k_per_j,
+            gamma_k_per_j,
+            steady_gain_k_per_w,
+        })
+    }
+
+    /// Number of rates K.
+    pub fn order(&self) -> usize {
+        self.rates_rad_s.len()
+    }
+
+    /// ξ_k, rad/s.
+    pub fn rates_rad_s(&self) -> &[f64] {
+        &self.rates_rad_s
+    }
+
+    /// R_k, K/W.
+    pub fn r_k_per_w(&self) -> &[f64] {
+        &self.r_k_per_w
+    }
+
+    /// η_k = ξ_k R_k, K/J.
+    pub fn eta_k_per_j(&self) -> &[f64] {
+        &self.eta_k_per_j
+    }
+
+    /// Γ, K/J.
+    pub fn gamma_k_per_j(&self) -> f64 {
+        self.gamma_k_per_j
+    }
+
+    /// ΣR_k, K/W.
+    pub fn steady_gain_k_per_w(&self) -> f64 {
+        self.steady_gain_k_per_w
+    }
+
+    /// u_eq in W of the states z_k in K.
+    pub fn equivalent_control_w(&self, weighted_k: &[f64]) -> f64 {
+        equivalent_control(&self.rates_rad_s, weighted_k, self.gamma_k_per_j)
+    }
+
+    /// Whether a rise in K can be held between two levels in W, and with which power.
+    pub fn reachability(&self, rise_k: f64, power_low_w: f64, power_high_w: f64) -> Reachability<f64> {
+        reachability(self.steady_gain_k_per_w, rise_k, power_low_w, power_high_w)
+    }
+
+    /// z_k in K after a power in W was held for long.
+    pub fn steady_state_k(&self, power_w: f64) -> Vec<f64> {
+        self.r_k_per_w.iter().map(|r| r * power_w).collect()
+    }
+
+    /// D of dz/dt = −D z (thesis 2.53), 1/s. One eigenvalue is 0, along which the rise is held; the
+    /// others are the zeros.
+    pub fn sliding_matrix(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.order(), self.order(), |i, j| {
+            let own = if i == j { self.rates_rad_s[i] } else { 0.0 };
+            own - self.eta_k_per_j[i] * self.rates_rad_s[j] / self.gamma_k_per_j
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sliding_keeps_the_rise_and_rests_where_the_steady_power_is() {
+        let surface = SlidingSurface::new(&[0.05, 0.4, 3.0, 25.0], &[30.0, 8.0, 2.5, 0.4]).unwrap();
+        let (d, steady) = (surface.sliding_matrix(), surface.steady_state_k(0.02));
+        assert!((surface.equivalent_control_w(&steady) / 0.02 - 1.0).abs() < 1e-14);
+        let drift = &d * nalgebra::DVector::from_vec(steady);
+        assert!(drift.amax() < 1e-14, "{drift}");
+        // 1ᵀ D = 0: whatever the states are, their sum stays.
+        assert!(d.row_sum().amax() < 1e-13);
+    }
+
+    #[test]
+    fn what_has_no_sliding_surface_is_refused_in_words() {
+        let refusal = |rates: &[f64], r: &[f64]| SlidingSurface::new(rates, r).unwrap_err();
+        assert_eq!(refusal(&[], &[]), SurfaceError::Shape { rates: 0, resistances: 0 });
+        assert_eq!(refusal(&[0.0, 1.0], &[1.0, 1.0]), SurfaceError::Rate { rate_rad_s: 0.0, before_rad_s: 0.0 });
+        assert!(matches!(refusal(&[-1.0], &[1.0]), SurfaceError::Rate { .. }));
+        assert!(matches!(refusal(&[f64::NAN], &[1.0]), SurfaceError::Rate { .. }));
+        assert!(matches!(refusal(&[1.0, 1.0], &[1.0, 1.0]), SurfaceError::Rate { .. }));
+        assert_eq!(refusal(&[1.0, 10.0], &[5.0, -1.0]), SurfaceError::NoSurface(-5.0));
+        assert_eq!(refusal(&[1.0, 10.0], &[-5.0, 1.0]), SurfaceError::NoGain(-4.0));
+        assert_eq!(refusal(&[1.0], &[0.0]), SurfaceError::NoSurface(0.0));
+        assert!(refusal(&[1.0], &[f64::INFINITY]).to_string().contains("inf K/W"));
+        assert!(refusal(&[1.0], &[0.0]).to_string().contains("no sliding surface"));
+    }
+}

@@ -1,0 +1,57 @@
+//! The part of a controller that enters the digest of a run.
+
+use super::{Controller, ElementState};
+use crate::control::drive::DriveState;
+use crate::control::state::Tick;
+use crate::digest::Digest;
+use crate::fields::{FieldVisitor, Fields};
+use crate::sensor::Level;
+use crate::signal::SigmaDelta;
+
+impl<const N: usize> Controller<N> {
+    /// Adds the state after `tick` to a digest: temperatures, bits, powers and every state of the
+    /// configured elements, so that the room for more elements does not matter. The configuration
+    /// does not enter.
+    pub fn digest(&self, tick: &Tick<N>, digest: &mut Digest) {
+        digest.word(tick.tick);
+        digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
+        digest.word(tick.state.word());
+        if let Some(equivalent_power_w) = &tick.equivalent_power_w {
+            for (state, &equivalent_w) in self.states.iter().zip(equivalent_power_w).take(self.configured) {
+                (state.observer, equivalent_w).visit(digest);
+            }
+        }
+        let elements = self.states.iter().zip(&tick.power_w).take(self.configured).enumerate();
+        elements.for_each(|(i, (state, &power_w))| state.digest(self.levels.level(i), power_w, digest));
+    }
+}
+
+impl ElementState {
+    fn digest(&self, level: Level, power_w: f32, digest: &mut Digest) {
+        let Self {
+            drive:
+                DriveState {
+                    modulator: SigmaDelta { accumulator },
+                    register,
+                    ticks_left,
+                    level: asked,
+                    saturated,
+                    target_c,
+                },
+            temperature_c,
+            resistance_ohm,
+            absent_ticks,
+            saturated_ticks,
+            code: _,
+            same_ticks: _,
+            model,
+            observer: _, // above
+        } = *self;
+        [temperature_c, resistance_ohm].visit(digest);
+        [absent_ticks, saturated_ticks, ticks_left].visit(digest);
+        digest.word(asked as u32 | u32::from(saturated) << 1 | (level as u32) << 2);
+        [power_w, accumulator, target_c].visit(digest);
+        digest.word(register.map_or(0, |register| register.register()));
+        model.visit(digest);
+    }
+}

@@ -1,0 +1,179 @@
+//! Gain schedule: fast gains after an abrupt change of the wind, slower ones afterwards.
+
+use super::config::{AlarmConfig, FASTER_SETS, FasterGainsConfig, GainsConfig};
+use crate::error::{self, ConfigError, Parameter, ParameterProblem};
+use crate::model::mesh;
+
+/// During an alarm the innovation contains the transient of the alarm itself: another alarm needs
+/// this multiple of the threshold.
+const ANOTHER: f32 = 4.0;
+
+/// State of the innovation monitor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InnovationMonitor {
+    /// Smoothed innovation, K.
+    pub smoothed_k: f32,
+    /// Ticks since the last alarm.
+    pub calm_ticks: u32,
+}
+
+impl Default for InnovationMonitor {
+    /// No alarm yet.
+    fn default() -> Self {
+        Self { smoothed_k: 0.0, calm_ticks: u32::MAX }
+    }
+}
+
+/// Sets of gains, each with the number of ticks after an alarm until which it is used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GainSets([Option<(u32, GainsConfig)>; FASTER_SETS]);
+
+impl GainSets {
+    /// Sets the gains of a set; those before it must have been set, and those after it are cleared.
+    pub fn set(&mut self, config: &FasterGainsConfig, sample_period_s: f32) -> Result<(), ConfigError> {
+        let set = usize::from(config.set);
+        let problem = ParameterProblem::OutOfRange { least: 0.0, most: (FASTER_SETS - 1) as f32 };
+        if set >= FASTER_SETS {
+            return Err(ConfigError { parameter: Parameter::GainSet, problem });
+        }
+        let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
+        let before = match set.checked_sub(1) {
+            None => Some(0),
+            Some(before) => self.0.get(before).copied().flatten().map(|(until, _)| until),
+        };
+        if before.is_none_or(|before| before >= until_ticks) {
+            return Err(ConfigError { parameter: Parameter::UntilS, problem: ParameterProblem::NotAscending });
+        }
+        let gains = checked(&config.gains)?;
+        // The sets after it were made for other times.
+        for (place, slot) in self.0.iter_mut().enumerate().skip(set) {
+            *slot = (place == set).then_some((until_ticks, gains));
+        }
+        Ok(())
+    }
+}
+
+impl Default for GainSets {
+    /// None.
+    fn default() -> Self {
+        Self([None; FASTER_SETS])
+    }
+}
+
+/// Gains of an element, checked and prepared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdaptiveGains {
+    steady: GainsConfig,
+    /// Share of a new innovation, and threshold in K.
+    alarm: Option<(f32, f32)>,
+    /// Index of the sets of this element.
+    pub sets: Option<u8>,
+}
+
+impl AdaptiveGains {
+    pub fn new(gains: &GainsConfig, alarm: Option<&AlarmConfig>, sample_period_s: f32) -> Result<Self, ConfigError> {
+        let alarm = match alarm {
+            None => None,
+            Some(alarm) => {
+                error::positive(Parameter::SmoothingS, alarm.smoothing_s)?;
+                error::positive(Parameter::AlarmThresholdK, alarm.threshold_k)?;
+                let share = mesh::gain(1.0 / f64::from(alarm.smoothing_s), f64::from(sample_period_s)) as f32;
+                Some((share, alarm.threshold_k))
+            }
+        };
+        Ok(Self { steady: checked(gains)?, alarm, sets: None })
+    }
+
+    /// Whether the element loses heat by convection.
+    pub fn convects(&self) -> bool {
+        self.steady.convection_w_per_k > 0.0
+    }
+
+    /// The gains for an innovation, before its weight, at a level.
+    #[inline]
+    pub fn at<'a>(
+        &'a self,
+        sets: Option<&'a GainSets>,
+        monitor: &mut InnovationMonitor,
+        error_k: f32,
+        level: usize,
+    ) -> &'a GainsConfig {
+        let Some((share, threshold_k)) = self.alarm else { return &self.steady };
+        monitor.smoothed_k += share * (self.steady.weights[level] * error_k - monitor.smoothed_k);
+        monitor.calm_ticks = monitor.calm_ticks.saturating_add(1);
+        let sets = || sets.into_iter().flat_map(|sets| sets.0.iter().map_while(Option::as_ref));
+        let is_fast = sets().any(|(until, _)| monitor.calm_ticks < *until);
+        let threshold_k = if is_fast { ANOTHER * threshold_k } else { threshold_k };
+        if monitor.smoothed_k > threshold_k || monitor.smoothed_k < -threshold_k {
+            monitor.calm_ticks = 0;
+        }
+        for (until_ticks, gains) in sets() {
+            if monitor.calm_ticks < *until_ticks {
+                return gains;
+            }
+        }
+        &self.steady
+    }
+}
+
+fn checked(gains: &GainsConfig) -> Result<GainsConfig, ConfigError> {
+    for correction in gains.correction_w_per_k {
+        error::within(Parameter::CorrectionWPerK, correction, -1e6, 1e6)?;
+    }
+    for weight in gains.weights {
+        error::positive(Parameter::ReadingWeight, weight)?;
+        error::within(Parameter::ReadingWeight, weight, 0.0, 1e3)?;
+    }
+    error::within(Parameter::ConvectionWPerK, gains.convection_w_per_k, 0.0, 1e6)?;
+    error::within(Parameter::VarianceW2, gains.variance_w2, 0.0, 1e6)?;
+    Ok(*gains)
+}
+
+crate::fields::fields!(AdaptiveGains { steady, alarm, sets });
+crate::fields::fields!(GainSets { 0 });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gains(convection_w_per_k: f32) -> GainsConfig {
+        GainsConfig { correction_w_per_k: [0.0; 8], convection_w_per_k, weights: [0.5, 1.5], variance_w2: 1e-9 }
+    }
+
+    #[test]
+    fn after_an_alarm_the_sets_follow_each_other_until_all_is_calm() {
+        let alarm = AlarmConfig { smoothing_s: 0.01, threshold_k: 0.001 };
+        let adaptive = AdaptiveGains::new(&gains(0.1), Some(&alarm), 0.001).unwrap();
+        let mut sets = GainSets::default();
+        for (set, until_s, convection) in [(0, 0.01, 0.9), (1, 0.03, 0.5)] {
+            let config = FasterGainsConfig { element: 0, set, until_s, gains: gains(convection) };
+            sets.set(&config, 0.001).unwrap();
+        }
+        let mut monitor = InnovationMonitor::default();
+        let mut at = |error_k: f32| adaptive.at(Some(&sets), &mut monitor, error_k, 1).convection_w_per_k;
+        assert!((0..1000).all(|n| at(if n % 2 == 0 { 0.002 } else { -0.002 }) == 0.1), "noise is no alarm");
+        assert!((0..20).any(|_| at(0.002) == 0.9), "a mean is one");
+        let after: std::vec::Vec<f32> = (0..100).map(|_| at(0.0)).collect();
+        let count = |convection: f32| after.iter().filter(|&&found| found == convection).count();
+        assert_eq!((count(0.9) + count(0.5) + count(0.1), after[99]), (100, 0.1));
+        assert!(count(0.5) == 20 && (8..14).contains(&count(0.9)), "{after:?}");
+    }
+
+    extern crate std;
+
+    #[test]
+    fn sets_come_in_the_order_of_their_times() {
+        let mut sets = GainSets::default();
+        let config = |set, until_s| FasterGainsConfig { element: 0, set, until_s, gains: gains(0.5) };
+        assert_eq!(sets.set(&config(1, 0.1), 0.001).unwrap_err().parameter, Parameter::UntilS);
+        sets.set(&config(0, 0.1), 0.001).unwrap();
+        assert_eq!(sets.set(&config(1, 0.05), 0.001).unwrap_err().parameter, Parameter::UntilS);
+        assert!(sets.set(&config(1, 0.2), 0.001).is_ok());
+        assert_eq!(sets.set(&config(16, 0.3), 0.001).unwrap_err().parameter, Parameter::GainSet);
+        // The first again, beyond the time of the second.
+        sets.set(&config(0, 0.5), 0.001).unwrap();
+        assert_eq!(sets.0.iter().flatten().count(), 1);
+        assert!(sets.set(&config(1, 0.6), 0.001).is_ok());
+        assert!(AdaptiveGains::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, 0.001).is_err());
+    }
+}

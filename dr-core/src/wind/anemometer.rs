@@ -1,0 +1,375 @@
+//! The anemometer: it estimates the wind from each tick of the controller.
+//!
+//! ```text
+//! tick ─► quiescent-gas network ─► convective powers q, surfaces Ts ─► conductances G ─► wind
+//!   └───► reference element ─► gas temperature ────────────────────────┘
+//! ```
+//!
+//! ```text
+//! G   = gain · (q + G_0 (Ts − T_ref)) / (Ts − T_gas)        var G = gain² var q / (Ts − T_gas)²
+//! raw = P / (T − T_gas)                                      with P smoothed
+//! ```
+//!
+//! G_0 is the conductance to quiescent gas at the temperature T_ref at which the quiescent-gas
+//! network was identified; the network contains it. A gas whose temperature differs from T_ref
+//! heats each surface by G_0 times the difference. This term is added here, so that the network
+//! needs no gas temperature.
+//!
+//! Initial state: a head that has stood at its low levels for long. If the head is warmer than
+//! that, G is negative at first, because the temperature of its structure is unknown. The estimate
+//! then carries the flag `starting` until the slowest relaxation of the network has decayed.
+//!
+//! `raw` follows from the power alone and contains the slow response of the structure. It is
+//! reported beside G and enters no estimate.
+//!
+//! The anemometer decides nothing: the controller does not read its output.
+
+pub mod command;
+
+mod checksums;
+mod head_inverse;
+mod integrity;
+mod output;
+mod setup;
+
+use crate::control::state::{RunState, Tick};
+use crate::digest::Digest;
+use crate::error::ConfigError;
+use crate::fields::Fields;
+use crate::model::convection_observer::{ConvectionEstimate, ConvectionObserver, ConvectionObserverState, TickInput};
+use crate::wind::estimate::WindEstimate;
+use crate::wind::gas::GasState;
+use crate::wind::quality_flags::QualityFlags;
+use crate::wind::sphere_inverse::{MeasuredConductance, WindState};
+use checksums::AnemometerChecksums;
+use command::{HeadSurface, MOST_SURFACES, WindCommand};
+use output::PreparedOutput;
+use setup::AnemometerSetup;
+
+/// Least overheat of a surface that enters the estimate, K.
+const LEAST_OVERHEAT_K: f32 = 1.0;
+/// After a warm start the estimate is `starting` for this many time constants of the network's
+/// slowest rate: 5 % of the initial error is left then.
+const STARTING_WARM: f32 = 3.0;
+
+/// The wind estimate of one tick, with the quantities from which it was made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindTick {
+    /// Number of valid entries in the lists below.
+    pub surfaces: u8,
+    /// Conductances of the surfaces to the gas, W/K; zero for a surface that is not measured.
+    pub conductance_w_k: [f32; MOST_SURFACES],
+    /// The same from the power alone, W/K.
+    pub raw_w_k: [f32; MOST_SURFACES],
+    /// Temperature of the gas, °C; zero if it is not known.
+    pub gas_c: f32,
+    /// The wind estimate.
+    pub wind: WindEstimate,
+    /// Quality flags of the estimate.
+    pub quality_flags: QualityFlags,
+}
+
+/// The anemometer of an instrument of up to N elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Anemometer<const N: usize> {
+    network: ConvectionObserver<N>,
+    setup: AnemometerSetup,
+    /// Set by the last command of the set-up.
+    output: Option<PreparedOutput>,
+    pressure_pa: Option<f32>,
+    given_gas_c: Option<f32>,
+    state: AnemometerState<N>,
+    checksums: AnemometerChecksums<N>,
+}
+
+/// State of the anemometer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct AnemometerState<const N: usize> {
+    network: ConvectionObserverState<N>,
+    /// Levels since the last tick.
+    levels: u16,
+    /// Ticks in a row without a reading.
+    absent_ticks: [u32; N],
+    /// Ticks in a row at the same level, of elements that have been heated since the run began.
+    level_ticks: [u32; N],
+    heated: u16,
+    /// Ticks since the network began, and how many of them it is starting.
+    ticks: u32,
+    starting_ticks: u32,
+    gas_c: Option<f32>,
+    /// Smoothed powers, W.
+    power_w: [f32; N],
+    wind: WindState,
+}
+
+impl<const N: usize> Default for AnemometerState<N> {
+    fn default() -> Self {
+        Self {
+            network: ConvectionObserverState::default(),
+            levels: 0,
+            absent_ticks: [0; N],
+            level_ticks: [0; N],
+            heated: 0,
+            ticks: 0,
+            starting_ticks: 0,
+            gas_c: None,
+            power_w: [0.0; N],
+            wind: WindState::default(),
+        }
+    }
+}
+
+impl<const N: usize> Default for Anemometer<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> Anemometer<N> {
+    /// An anemometer without a head; it outputs nothing.
+    pub fn new() -> Self {
+        Self {
+            network: ConvectionObserver::default(),
+            setup: AnemometerSetup::default(),
+            output: None,
+            pressure_pa: None,
+            given_gas_c: None,
+            state: AnemometerState::default(),
+            checksums: AnemometerChecksums::default(),
+        }
+    }
+
+    /// Whether the set-up is complete, so that it outputs estimates.
+    pub const fn is_configured(&self) -> bool {
+        self.output.is_some()
+    }
+
+    /// Resets the state; head and gas stay.
+    pub fn restart(&mut self) {
+        self.state = AnemometerState::default();
+    }
+
+    /// Carries out a command; `sample_period_s` is the controller's.
+    ///
+    /// # Errors
+    /// Names the number that is wrong or missing, and changes nothing.
+    pub fn handle(&mut self, command: &WindCommand, sample_period_s: f32) -> Result<(), ConfigError> {
+        match command {
+            WindCommand::SelfHeating { element, config } => {
+                self.network.set_self_heating(usize::from(*element), config, sample_period_s)?;
+            }
+            WindCommand::FasterGains(config) => self.network.set_faster_gains(config, sample_period_s)?,
+            WindCommand::CrossHeating(config) => self.network.set_cross_heating(config, sample_period_s)?,
+            WindCommand::NusseltPoint { point, amplitudes } => self.setup.set_point(*point, *amplitudes)?,
+            WindCommand::Surface { surface, config } => {
+                setup::check_element(self.network.knows(usize::from(config.element)))?;
+                self.setup.set_surface(*surface, config)?;
+            }
+            WindCommand::Card(config) => self.setup.set_card(config),
+            WindCommand::GasLaw(config) => self.setup.set_gas_law(config)?,
+            WindCommand::Output(config) => {
+                self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
+                self.restart();
+            }
+            WindCommand::Gas { pressure_pa, temperature_c } => {
+                setup::check_gas(*pressure_pa, *temperature_c)?;
+                (self.pressure_pa, self.given_gas_c) = (Some(*pressure_pa), *temperature_c);
+                self.update_gas_checksum();
+                return Ok(());
+            }
+        }
+        self.update_checksums();
+        Ok(())
+    }
+
+    /// Processes a tick of the controller; returns an estimate at the end of each output interval.
+    ///
+    /// `standing_w` returns the power of an element at its low level and a temperature. It is
+    /// called once, for the initial state: a run begins after a long standby.
+    pub fn step(&mut self, tick: &Tick<N>, standing_w: impl Fn(usize, f32) -> f32) -> Option<WindTick> {
+        let output = self.output?;
+        let state = &mut self.state;
+        let was_initialised = self.network.is_initialised(&state.network);
+        let standing_w = match was_initialised {
+            true => [0.0; N],
+            false => core::array::from_fn(|i| standing_w(i, tick.temperature_c[i])),
+        };
+        let input = TickInput {
+            temperature_c: &tick.temperature_c,
+            valid: tick.valid,
+            read_high: state.levels,
+            power_w: &tick.power_w,
+            standing_w: &standing_w,
+        };
+        let convection = self.network.step(&mut state.network, &input);
+        state.count(tick);
+        if !was_initialised {
+            state.ticks = 0;
+        }
+        state.smooth(&output, tick, convection.is_some());
+        if !was_initialised && let Some(convection) = &convection {
+            self.state.starting_ticks = self.starting_ticks(&output, convection);
+        }
+        if !tick.tick.is_multiple_of(u32::from(output.config.output_interval_ticks)) {
+            return None;
+        }
+        Some(self.report(&output, tick, convection.as_ref()))
+    }
+
+    /// The estimate at a tick.
+    fn report(
+        &mut self,
+        output: &PreparedOutput,
+        tick: &Tick<N>,
+        convection: Option<&ConvectionEstimate<N>>,
+    ) -> WindTick {
+        let gas_c = self.gas_c(output);
+        let gas = self.gas(gas_c);
+        let mut quality_flags = QualityFlags::default()
+            .with(QualityFlags::NO_GAS, gas.is_none())
+            .with(QualityFlags::NOT_RUNNING, tick.state != RunState::Running)
+            .with(QualityFlags::STARTING, convection.is_none() || self.state.ticks < self.state.starting_ticks)
+            .with(QualityFlags::SATURATED, self.is_saturated(output))
+            .with(QualityFlags::UNCALIBRATED, output.head.is_none());
+        let mut report = WindTick {
+            surfaces: output.config.surfaces,
+            conductance_w_k: [0.0; MOST_SURFACES],
+            raw_w_k: [0.0; MOST_SURFACES],
+            gas_c: gas_c.unwrap_or(0.0),
+            wind: WindEstimate::none(),
+            quality_flags,
+        };
+        let mut measured = [None; MOST_SURFACES];
+        if let (Some(convection), Some(gas_c)) = (convection, gas_c) {
+            for (p, part) in self.setup.surfaces().enumerate().take(usize::from(output.config.surfaces)) {
+                let i = usize::from(part.element);
+                // Every surface belongs to an element of the network. The check lets the compiler
+                // drop a panic.
+                if i >= N || p >= MOST_SURFACES {
+                    continue;
+                }
+                let overheat_k = convection.surface_c[i] - gas_c;
+                if overheat_k < LEAST_OVERHEAT_K {
+                    quality_flags = quality_flags.with(QualityFlags::COLD, true);
+                    continue;
+                }
+                let raw_k = tick.temperature_c[i] - gas_c;
+                if raw_k >= LEAST_OVERHEAT_K {
+                    report.raw_w_k[p] = self.state.power_w[i] / raw_k;
+                }
+                if self.state.absent_ticks[i] > output.reading_timeout_ticks {
+                    continue;
+                }
+                let conductance_w_k = part.gain * flow_w(part, output, convection) / overheat_k;
+                report.conductance_w_k[p] = conductance_w_k;
+                let share = part.gain / overheat_k;
+                measured[p] = Some(MeasuredConductance {
+                    conductance_w_k,
+                    variance_w2_k2: share * share * convection.variance_w2[i],
+                });
+            }
+        }
+        if let (Some(head), Some(gas)) = (&output.head, gas) {
+            report.wind = head.step(&mut self.state.wind, &gas, &measured);
+        }
+        report.quality_flags = QualityFlags(quality_flags.0 | QualityFlags::of(&report.wind.quality).0);
+        report
+    }
+
+    /// Ticks for which a network that was just initialised is starting: more if the heat flow of a
+    /// surface is negative, which only a warm structure explains.
+    fn starting_ticks(&self, output: &PreparedOutput, convection: &ConvectionEstimate<N>) -> u32 {
+        let gas_c = self.gas_c(output).unwrap_or(output.config.reference_gas_c);
+        // Every surface belongs to an element. The check lets the compiler drop a panic.
+        let mut surfaces =
+            self.setup.surfaces().take(usize::from(output.config.surfaces)).filter(|p| usize::from(p.element) < N);
+        let is_warm = surfaces.any(|part| {
+            let overheat_k = convection.surface_c[usize::from(part.element)] - gas_c;
+            overheat_k >= LEAST_OVERHEAT_K && flow_w(part, output, convection) < -part.windless_w_k * LEAST_OVERHEAT_K
+        });
+        let settling_ticks = if is_warm { (STARTING_WARM * self.network.slowest_ticks()) as u32 } else { 0 };
+        output.starting_ticks.max(settling_ticks)
+    }
+
+    /// Whether an element of the network has been at one level for too long.
+    fn is_saturated(&self, output: &PreparedOutput) -> bool {
+        let mut level_ticks = self.state.level_ticks.iter().enumerate();
+        level_ticks.any(|(i, &ticks)| ticks > output.saturated_ticks && self.network.knows(i))
+    }
+
+    /// Temperature of the gas, measured or given, °C.
+    fn gas_c(&self, output: &PreparedOutput) -> Option<f32> {
+        let Some(reference) = output.config.reference else { return self.given_gas_c };
+        let absent_ticks = *self.state.absent_ticks.get(usize::from(reference))?;
+        self.state.gas_c.filter(|_| absent_ticks <= output.reference_timeout_ticks)
+    }
+
+    fn gas(&self, gas_c: Option<f32>) -> Option<GasState> {
+        self.setup.gas_law()?.at(self.pressure_pa?, gas_c?).ok()
+    }
+
+    /// Adds the state and the estimate to a digest; nothing before the set-up is complete.
+    pub fn digest(&self, report: Option<&WindTick>, digest: &mut Digest) {
+        if self.output.is_none() {
+            return;
+        }
+        self.network.visit_state(&self.state.network, digest);
+        self.state.gas_c.unwrap_or(0.0).visit(digest);
+        self.state.power_w.visit(digest);
+        if let Some(report) = report {
+            let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces: _, gas_c: _ } = report;
+            quality_flags.0.visit(digest);
+            (*conductance_w_k, *raw_w_k).visit(digest);
+            (wind.wind_m_s, wind.covariance_m2_s2).visit(digest);
+            wind.speed_m_s.visit(digest);
+        }
+    }
+}
+
+/// Heat flow from a surface into the gas, before its gain, W.
+fn flow_w<const N: usize>(part: &HeadSurface, output: &PreparedOutput, convection: &ConvectionEstimate<N>) -> f32 {
+    let i = usize::from(part.element);
+    let to_reference_k = convection.surface_c[i] - output.config.reference_gas_c;
+    convection.power_w[i] + part.windless_w_k * to_reference_k
+}
+
+impl<const N: usize> AnemometerState<N> {
+    /// Updates the counters.
+    fn count(&mut self, tick: &Tick<N>) {
+        // An element that is not controlled, or was never heated, cannot saturate.
+        self.heated = if tick.state == RunState::Running { self.heated | tick.heaters.0 } else { 0 };
+        for i in 0..usize::from(tick.elements).min(N) {
+            let absent = &mut self.absent_ticks[i];
+            *absent = if tick.valid >> i & 1 == 1 { 0 } else { absent.saturating_add(1) };
+            let same = (tick.heaters.0 ^ self.levels) >> i & 1 == 0;
+            let level = &mut self.level_ticks[i];
+            *level = if same && self.heated >> i & 1 == 1 { level.saturating_add(1) } else { 0 };
+        }
+        self.levels = tick.heaters.0;
+    }
+
+    /// Gas temperature and powers.
+    fn smooth(&mut self, output: &PreparedOutput, tick: &Tick<N>, initialised: bool) {
+        if let Some(reference) = output.config.reference.map(usize::from)
+            && tick.valid >> reference & 1 == 1
+            && let Some(&read_c) = tick.temperature_c.get(reference)
+        {
+            self.gas_c = Some(match self.gas_c {
+                Some(gas_c) => gas_c + output.gas_share * (read_c - gas_c),
+                None => read_c,
+            });
+        }
+        if !initialised {
+            return;
+        }
+        for (smooth_w, power_w) in self.power_w.iter_mut().zip(tick.power_w) {
+            if power_w.is_finite() {
+                *smooth_w += output.power_share * (power_w - *smooth_w);
+            }
+        }
+        self.ticks = self.ticks.saturating_add(1);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! Commands that set an anemometer up.
+
+use crate::model::convection_observer::config::{
+    FasterGainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
+};
+use crate::wind::card_inverse::CardConfig;
+use crate::wind::gas_law::GasLawConfig;
+use crate::wind::nusselt::ORDERS;
+use crate::wind::surface::SurfaceConfig;
+
+/// Most surfaces of a head.
+pub const MOST_SURFACES: usize = 4;
+
+/// A surface of a head with the element that heats it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HeadSurface {
+    /// Which element.
+    pub element: u8,
+    /// Its place on the sphere; for a die the normal of its card, and its place on the card as
+    /// `corner`.
+    pub surface: SurfaceConfig,
+    /// True conductance over the conductance from power and temperature.
+    pub gain: f32,
+    /// Conductance to quiescent gas at [`WindOutputConfig::reference_gas_c`], W/K: it is part of
+    /// the quiescent-gas network.
+    pub windless_w_k: f32,
+}
+
+/// Output settings of the wind estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WindOutputConfig {
+    /// 4 sectors, 2 hemispheres, or 4 dice of a card.
+    pub surfaces: u8,
+    /// Diameter of the sphere, or side of a die, m.
+    pub diameter_m: f32,
+    /// Least and greatest Reynolds number of the points, or of the card's winds; none for a head
+    /// without calibration.
+    pub reynolds: Option<[f32; 2]>,
+    /// Directions with a larger standard error are flagged `no-direction`, rad.
+    pub direction_error_max_rad: f32,
+    /// Output interval, ticks.
+    pub output_interval_ticks: u16,
+    /// The element that measures the gas; without it the host gives the temperature.
+    pub reference: Option<u8>,
+    /// Smoothing times of its readings, and of the powers for raw conductances, s.
+    pub smoothing_s: [f32; 2],
+    /// Temperature of the gas in which the quiescent-gas network was identified, °C.
+    pub reference_gas_c: f32,
+}
+
+/// A command to the anemometer. Accepted in standby; [`Gas`](Self::Gas) at any time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum WindCommand {
+    /// Self-heating of an element. After the sample period.
+    SelfHeating {
+        /// Which, from 0.
+        element: u8,
+        /// Model and gains.
+        config: NetworkSelfHeatingConfig,
+    },
+    /// Faster gains of an element for the time after an alarm. After the element, from set 0 on.
+    FasterGains(FasterGainsConfig),
+    /// Cross-heating of a pair of elements. After both elements.
+    CrossHeating(NetworkCrossHeatingConfig),
+    /// Amplitudes of the local Nusselt number at a Reynolds number.
+    NusseltPoint {
+        /// Which point, from 0.
+        point: u8,
+        /// a_0 … a_5.
+        amplitudes: [f32; ORDERS],
+    },
+    /// A surface of the head.
+    Surface {
+        /// Which, from 0.
+        surface: u8,
+        /// What.
+        config: HeadSurface,
+    },
+    /// The gas.
+    GasLaw(GasLawConfig),
+    /// Last command of the set-up: estimates are output from now on.
+    Output(WindOutputConfig),
+    /// Present state of the gas.
+    Gas {
+        /// Pressure, Pa.
+        pressure_pa: f32,
+        /// Temperature, °C, where no element measures it.
+        temperature_c: Option<f32>,
+    },
+    /// Calibration of a card with four dice, in place of Nusselt points.
+    Card(CardConfig),
+}
+
+crate::fields::fields!(HeadSurface { element, surface, gain, windless_w_k });
+crate::fields::fields!(WindOutputConfig {
+    surfaces,
+    diameter_m,
+    reynolds,
+    direction_error_max_rad,
+    output_interval_ticks,
+    reference,
+    smoothing_s,
+    reference_gas_c,
+});

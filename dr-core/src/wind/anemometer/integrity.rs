@@ -1,0 +1,71 @@
+//! Integrity check of the anemometer's settings.
+//!
+//! The tables decide nothing, so one piece is verified per tick, in turn. A failed checksum trips
+//! the instrument, since a wrong estimate could not be distinguished from a right one.
+//!
+//! | piece | number |
+//! |---|---|
+//! | an element of the network, a pair of elements, a set of faster gains | [`ConvectionObserver::PIECES`] |
+//! | Nusselt points, surfaces, gas law, as they were set | 1 |
+//! | output settings, with the prepared inverse of the head | 1 |
+//! | the given pressure and temperature of the gas | 1 |
+//!
+//! States change in every tick and have no checksum: the network forgets a flipped bit as it
+//! forgets a wrong initial state.
+
+use super::Anemometer;
+use super::checksums::OTHERS;
+use crate::checksum::Checksum;
+use crate::model::convection_observer::ConvectionObserver;
+
+impl<const N: usize> Anemometer<N> {
+    const PIECES: usize = ConvectionObserver::<N>::PIECES + OTHERS;
+
+    /// AnemometerChecksums everything as it is now, which is right by what has just been checked.
+    #[inline(never)]
+    pub(super) fn update_checksums(&mut self) {
+        (0..Self::PIECES).for_each(|piece| self.update_piece_checksum(piece));
+        self.checksums.are_set = true;
+    }
+
+    /// Updates the checksum of the given gas alone: this command is allowed while running.
+    pub(super) fn update_gas_checksum(&mut self) {
+        if !self.checksums.are_set {
+            return self.update_checksums();
+        }
+        self.update_piece_checksum(Self::PIECES - 1);
+    }
+
+    fn update_piece_checksum(&mut self, piece: usize) {
+        let checksum = self.piece_checksum(piece);
+        if let Some(slot) = self.checksums.slot(piece) {
+            *slot = checksum;
+        }
+    }
+
+    /// Whether the piece whose turn it is in this tick is intact. Before the set-up there is
+    /// nothing to verify.
+    pub fn is_intact_at(&self, tick: u32) -> bool {
+        let piece = tick as usize % Self::PIECES;
+        self.output.is_none() || self.is_intact_in(piece)
+    }
+
+    /// Whether all pieces are intact.
+    pub fn is_whole(&self) -> bool {
+        !self.checksums.are_set || (0..Self::PIECES).all(|piece| self.is_intact_in(piece))
+    }
+
+    fn is_intact_in(&self, piece: usize) -> bool {
+        self.checksums.get(piece) == Some(self.piece_checksum(piece))
+    }
+
+    #[inline(never)] // in the image once
+    fn piece_checksum(&self, piece: usize) -> Checksum {
+        match piece.checked_sub(ConvectionObserver::<N>::PIECES) {
+            None => self.network.piece_checksum(piece),
+            Some(0) => Checksum::of(&self.setup),
+            Some(1) => Checksum::of(&self.output),
+            Some(_) => Checksum::of(&(self.pressure_pa, self.given_gas_c)),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Least squares for the Reynolds vector: Gauss–Newton, damped after Levenberg and Marquardt.
+//!
+//! ```text
+//! minimise  Σ W_i (Nu_i − Nu_i(r))²
+//! (A + λ diag A) Δ = Σ W_i J_i (Nu_i − Nu_i(r)),   A = Σ W_i J_i J_iᵀ
+//! ```
+//!
+//! λ begins at 0.01; a step that makes the sum smaller is taken and divides it by 10, down to 10⁻⁵;
+//! another one is dropped and multiplies it by 10. A step is never longer than 0.7 of r, or the
+//! least Reynolds number of the grid if that is more: Nu is steep at rest, and a longer one would
+//! run through it. It ends where an undamped step is a hundredth of its standard error or 10⁻⁵ of
+//! r, or after `MOST_STEPS`.
+//!
+//! All of it goes on in the components of the head's frame; those beyond its unknowns stay zero.
+
+use super::head_frame::HeadFrame;
+use super::normal::{Factors, Matrix, plus_outer};
+use super::nusselt::{CONDUCTION, Nusselt};
+use super::surface::{LocalNusselt, SphereSurface};
+use crate::arithmetic::{dot, length, plus, scaled};
+
+/// Most steps from one start, dropped ones included.
+pub const MOST_STEPS: u8 = 16;
+/// Most steps for one estimate: it must be finished before the next tick, whatever was measured.
+pub const MOST_STEPS_IN_ALL: u8 = 28;
+
+const DAMPING: f32 = 0.01;
+/// Enough for the equations to be solved where one direction has no effect.
+const LEAST_DAMPING: f32 = 1e-5;
+/// Damping above which the length of a step does not measure the distance to the minimum.
+const MOST_DAMPING_AT_THE_END: f32 = 0.1;
+const LONGEST_STEP: f32 = 0.7;
+const SMALL_STEP: f32 = 1e-5;
+/// (0.01 standard errors)²
+const SMALL_DECREASE: f32 = 1e-4;
+/// Rounding of the sum of squares: of the sum itself through its largest terms, and of an exact fit
+/// relative to Σ W Nu².
+const ROUNDING: f32 = 1e-3;
+const ROUNDING_OF_NOTHING: f32 = 1e-12;
+/// Share of the least Reynolds number of the grid below which there is no direction at all.
+const REST: f32 = 1e-6;
+
+/// A mean Nusselt number that was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightedNusselt {
+    pub nusselt: f32,
+    /// W: the least variance of all over that of this one.
+    pub weight: f32,
+}
+
+/// What is to be inverted.
+#[derive(Debug, Clone, Copy)]
+pub struct Inverse<'a, const N: usize> {
+    pub nusselt: &'a Nusselt,
+    pub surfaces: &'a [SphereSurface; N],
+    pub frame: &'a HeadFrame,
+    pub observed: [Option<WeightedNusselt>; N],
+    /// Of a Nusselt number of weight one.
+    pub variance: f32,
+}
+
+/// Where it ended.
+#[derive(Debug, Clone, Copy)]
+pub struct DescentResult {
+    /// r
+    pub reynolds: [f32; 3],
+    /// Σ W e²
+    pub cost: f32,
+    /// A in the frame, with 1 for what is no unknown.
+    pub normal: Matrix,
+    pub steps: u8,
+    pub converged: bool,
+}
+
+/// The equations at a Reynolds vector.
+pub struct DescentEquations {
+    cost: f32,
+    pub normal: Matrix,
+    right: [f32; 3],
+}
+
+/// The mean Nusselt numbers of surfaces in a wind, with their derivatives.
+pub fn locals<const N: usize>(
+    nusselt: &Nusselt,
+    surfaces: &[SphereSurface; N],
+    reynolds_vector: [f32; 3],
+) -> [LocalNusselt; N] {
+    let reynolds = length(reynolds_vector);
+    if reynolds <= REST * nusselt.least_reynolds() {
+        let slope = nusselt.slope_of_first_at_rest();
+        return surfaces.map(|part| part.local_at_rest(CONDUCTION, slope));
+    }
+    let amplitudes = nusselt.amplitudes(reynolds);
+    let from = scaled(reynolds_vector, -1.0 / reynolds);
+    core::array::from_fn(|i| surfaces[i].local(&amplitudes, reynolds, from))
+}
+
+impl<const N: usize> Inverse<'_, N> {
+    /// The surfaces that were measured.
+    pub fn seen(&self) -> impl Iterator<Item = (&SphereSurface, WeightedNusselt)> {
+        self.surfaces.iter().zip(self.observed).filter_map(|(part, observed)| observed.map(|observed| (part, observed)))
+    }
+
+    /// Goes down from a Reynolds vector.
+    ///
+    /// The steps are taken off `left`; with none left it goes nowhere.
+    pub fn descend(&self, start: [f32; 3], left: &mut u8) -> DescentResult {
+        let most = MOST_STEPS.min(*left);
+        let found = self.descend_within(start, most);
+        *left -= found.steps;
+        found
+    }
+
+    fn descend_within(&self, start: [f32; 3], most: u8) -> DescentResult {
+        let mut reynolds = start;
+        let mut here = self.equations(reynolds);
+        let mut damping = DAMPING;
+        let nothing = ROUNDING_OF_NOTHING * self.seen().map(|(_, o)| o.weight * o.nusselt * o.nusselt).sum::<f32>();
+        for steps in 0..most {
+            let found = |converged| DescentResult { reynolds, cost: here.cost, normal: here.normal, steps, converged };
+            let Some(factors) = Factors::of(&damped(&here.normal, damping)) else { return found(false) };
+            let step = factors.solve(here.right);
+            let (length_2, here_2) = (dot(step, step), dot(reynolds, reynolds));
+            let decrease = dot(step, here.right);
+            let small = decrease <= SMALL_DECREASE * self.variance || length_2 <= SMALL_STEP * SMALL_STEP * here_2;
+            if small && damping <= MOST_DAMPING_AT_THE_END {
+                return found(true);
+            }
+            let (size, longest) = (length(step), self.nusselt.least_reynolds().max(LONGEST_STEP * length(reynolds)));
+            let share = if size > longest { longest / size } else { 1.0 };
+            let next = plus(reynolds, share, self.frame.outward(step));
+            let there = self.equations(next);
+            if there.cost <= here.cost * (1.0 + ROUNDING) + nothing {
+                (reynolds, here) = (next, there);
+                damping = (0.1 * damping).max(LEAST_DAMPING);
+            } else {
+                damping *= 10.0;
+            }
+        }
+        DescentResult { reynolds, cost: here.cost, normal: here.normal, steps: most, converged: false }
+    }
+
+    /// The equations at a Reynolds vector.
+    pub fn equations(&self, reynolds: [f32; 3]) -> DescentEquations {
+        let unknowns = self.frame.unknowns();
+        let mut look = DescentEquations { cost: 0.0, normal: [[0.0; 3]; 3], right: [0.0; 3] };
+        let locals = locals(self.nusselt, self.surfaces, reynolds);
+        for (local, observed) in locals.iter().zip(self.observed) {
+            let Some(WeightedNusselt { nusselt, weight }) = observed else { continue };
+            let mut slope = self.frame.inward(local.gradient);
+            slope.iter_mut().skip(unknowns).for_each(|slope| *slope = 0.0);
+            let error = nusselt - local.nusselt;
+            look.cost += weight * error * error;
+            look.right = plus(look.right, weight * error, slope);
+            plus_outer(&mut look.normal, weight, slope);
+        }
+        for k in unknowns..3 {
+            look.normal[k][k] = 1.0;
+        }
+        look
+    }
+}
+
+/// A + λ diag A, and a trace of the whole where an unknown does nothing just here.
+fn damped(normal: &Matrix, damping: f32) -> Matrix {
+    let floor = 1e-5 * damping * (normal[0][0] + normal[1][1] + normal[2][2]);
+    let mut damped = *normal;
+    for (k, row) in damped.iter_mut().enumerate() {
+        row[k] += damping * row[k] + floor;
+    }
+    damped
+}

@@ -1,0 +1,76 @@
+//! Conductances of a heated sphere or card to the gas, and the wind vector that follows from them.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`gas`] | properties of the gas: density, viscosity, conductivity |
+//! | [`gas_law`] | the same from pressure and temperature |
+//! | [`nusselt`] | local Nusselt number of the sphere: Legendre amplitudes as functions of the Reynolds number |
+//! | [`surface`] | its mean over one surface of the sphere, and how that changes with the wind |
+//! | [`sphere`] | the surfaces of known heads: four tetrahedral sectors, two hemispheres |
+//! | [`sphere_inverse`] | the inverse: conductances in, wind vector with its covariance out |
+//! | [`card_inverse`] | the same for four dice on a card: speed and direction in its plane |
+//! | [`WindEstimate`] | the wind vector with its standard errors and quality |
+//! | [`QualityFlags`] | limitations of an estimate, one bit each |
+//! | [`anemometer`] | the wind estimate of each tick of the controller; it decides nothing |
+//!
+//! A wind vector points in the direction in which the gas moves. It comes in the frame in which the
+//! axes of the surfaces are given.
+//!
+//! All of it knows forced convection of a smooth sphere in a continuum, and nothing of its stem:
+//! what the stem, free convection or the gas's Prandtl number make of the amplitudes is for the
+//! calibration to put into them. It is meant for the decimated rate, 10 to 100 Hz. What runs there
+//! uses `+ − × ÷` on f32 in fixed order; root and logarithm are made of these here.
+//!
+//! ```
+//! use dr_core::wind::{
+//!     GasState, MeasuredConductance, NusseltConfig, WindState, WindVector, sphere,
+//! };
+//!
+//! // Amplitudes come from a calibration; these are of about the right size for Re 1 … 200.
+//! let amplitudes = core::array::from_fn(|j| {
+//!     let root = 1.089_f32.powi(j as i32); // √Re
+//!     [2.0 + 0.53 * root, 0.55 * root, 0.0, 0.0, 0.0, 0.0]
+//! });
+//! let nusselt = NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes };
+//! let head = WindVector::new(&nusselt, &sphere::tetrahedral_sectors(0.01), 0.01, 0.5)?;
+//! let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3)?; // CO2 of 700 Pa at 220 K
+//!
+//! let measured = head.conductances(&gas, [3.0, -4.0, 1.0]).map(|given| {
+//!     let conductance_w_k = given.conductance_w_k;
+//!     let error_w_k = 1e-3 * conductance_w_k;
+//!     Some(MeasuredConductance { conductance_w_k, variance_w2_k2: error_w_k * error_w_k })
+//! });
+//! let wind = head.step(&mut WindState::default(), &gas, &measured);
+//! assert!(!wind.quality.failed && (wind.wind_m_s[1] + 4.0).abs() < 1e-3);
+//! # Ok::<(), dr_core::ConfigError>(())
+//! ```
+
+pub mod anemometer;
+pub mod card_inverse;
+mod descent;
+mod estimate;
+pub mod gas;
+pub mod gas_law;
+mod head_frame;
+mod normal;
+pub mod nusselt;
+pub mod quality_flags;
+mod singularity;
+pub mod sphere;
+pub mod sphere_inverse;
+mod start;
+pub mod surface;
+
+pub use anemometer::command::{HeadSurface, MOST_SURFACES, WindCommand, WindOutputConfig};
+pub use anemometer::{Anemometer, WindTick};
+pub use card_inverse::{Card, CardConfig};
+pub use estimate::{Quality, WindEstimate};
+pub use gas::GasState;
+pub use gas_law::{GasLaw, GasLawConfig};
+pub use nusselt::{Nusselt, NusseltConfig};
+pub use quality_flags::QualityFlags;
+pub use sphere_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
+pub use surface::{SphereSurface, SurfaceConfig};
+
+#[cfg(test)]
+pub(crate) mod tests;

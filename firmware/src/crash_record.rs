@@ -1,0 +1,214 @@
+//! Crash record in RAM that survives a reset: start counter, and cause of the last crash.
+//!
+//! The start of the firmware does not clear this RAM. The record has thirteen words:
+//!
+//! | word | |
+//! |---|---|
+//! | 0 | starts since power-on |
+//! | 1 | 0: no crash; 1: panic; 2: fault; in the upper half the length of the text |
+//! | 2 | line or address |
+//! | 3 … 10 | text |
+//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹ |
+//! | 12 | CRC-32 of the words before |
+//!
+//! An invalid record, after power-on or a bit flip, counts as a first start.
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use dr_core::control::Cause;
+use wire::{Crash, CrashKind, Name, ResetCause};
+
+/// Length of the record.
+pub const WORDS: usize = 13;
+const TEXT: core::ops::Range<usize> = 3..11;
+
+/// The record as words in RAM.
+pub type CrashWords = [u32; WORDS];
+
+/// Without a table: small, and fast enough for one use per start.
+const CHECK: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// Start counter, and the last crash.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CrashRecord {
+    /// Starts since power-on, this one included.
+    pub starts: u32,
+    /// The crash that has not been acknowledged yet.
+    pub crash: Option<Crash>,
+}
+
+impl CrashRecord {
+    /// The record after power-on.
+    pub const FIRST: Self = Self { starts: 1, crash: None };
+
+    /// Decodes a record; none if it is invalid.
+    pub fn read(record: &CrashWords) -> Option<Self> {
+        let [words @ .., check] = record;
+        let [starts, head, at, ..] = *words;
+        let complement = words.last().copied()?;
+        if check_of(words) != *check || complement != !starts {
+            return None;
+        }
+        let kind = match head & 0xffff {
+            0 => return Some(Self { starts, crash: None }),
+            1 => CrashKind::Panic,
+            2 => CrashKind::Fault,
+            _ => return None,
+        };
+        let mut text = [0; 32];
+        for (bytes, word) in text.chunks_exact_mut(4).zip(words.get(TEXT)?) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        let text = text.get(..(head >> 16) as usize)?;
+        let file = Name::try_from(core::str::from_utf8(text).ok()?).ok()?;
+        Some(Self { starts, crash: Some(Crash { kind, file, at }) })
+    }
+
+    /// Encodes the record.
+    pub fn record(&self) -> CrashWords {
+        let mut record = [0; WORDS];
+        let [words @ .., check] = &mut record;
+        let [starts, head, at, text @ .., complement] = words;
+        (*starts, *complement) = (self.starts, !self.starts);
+        if let Some(crash) = &self.crash {
+            let kind = match crash.kind {
+                CrashKind::Panic => 1,
+                CrashKind::Fault => 2,
+            };
+            *head = kind | (crash.file.len() as u32) << 16;
+            *at = crash.at;
+            for (word, bytes) in text.iter_mut().zip(crash.file.as_bytes().chunks(4)) {
+                let mut four = [0; 4];
+                four.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+                *word = u32::from_le_bytes(four);
+            }
+        }
+        *check = check_of(words);
+        record
+    }
+
+    /// The record after this reset.
+    pub fn after(record: &CrashWords, reset: ResetCause) -> Self {
+        match Self::read(record) {
+            Some(past) if reset != ResetCause::PowerOn => Self { starts: past.starts.wrapping_add(1), ..past },
+            _ => Self::FIRST,
+        }
+    }
+
+    /// Cause for which the instrument is tripped after an unrequested start.
+    pub fn trip(&self, reset: ResetCause) -> Option<Cause> {
+        match (&self.crash, reset) {
+            (Some(Crash { kind: CrashKind::Panic, .. }), _) => Some(Cause::Panic),
+            (Some(Crash { kind: CrashKind::Fault, .. }), _) => Some(Cause::Fault),
+            (None, ResetCause::PowerOn | ResetCause::Pin) => None,
+            (None, ResetCause::Watchdog) => Some(Cause::Watchdog),
+            (None, ResetCause::BrownOut) => Some(Cause::BrownOut),
+            // Only a panic or a fault requests a reset: its record is lost, or the processor does
+            // not know the cause.
+            (None, ResetCause::Software | ResetCause::Unknown) => Some(Cause::Fault),
+        }
+    }
+}
+
+/// Passes the cause of a trip from the start to the controller. Every value of the word is a valid
+/// trip or none, so that a flipped bit causes another trip at most.
+pub struct CrashTrip(AtomicU32);
+
+impl CrashTrip {
+    /// No trip.
+    pub const fn none() -> Self {
+        Self(AtomicU32::new(0))
+    }
+
+    /// Sets the cause.
+    pub fn put(&self, cause: Cause) {
+        self.0.store(cause as u32 + 1, Relaxed);
+    }
+
+    /// Takes the cause; it is returned once.
+    pub fn take(&self) -> Option<Cause> {
+        let word = self.0.load(Relaxed).checked_sub(1)?;
+        self.0.store(0, Relaxed);
+        let known = [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut];
+        Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
+    }
+}
+
+/// The end of a path, as long as the record has room.
+pub fn end_of(path: &str) -> Name {
+    let mut from = path.len().saturating_sub(Name::new().capacity());
+    while !path.is_char_boundary(from) {
+        from += 1;
+    }
+    path.get(from..).and_then(|end| Name::try_from(end).ok()).unwrap_or_default()
+}
+
+fn check_of(words: &[u32]) -> u32 {
+    let mut digest = CHECK.digest();
+    words.iter().for_each(|word| digest.update(&word.to_le_bytes()));
+    digest.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn past() -> CrashRecord {
+        let file = end_of("/some/where/far/down/in/a/folder/dr-core/src/control/drive.rs");
+        CrashRecord { starts: 7, crash: Some(Crash { kind: CrashKind::Panic, file, at: 1234 }) }
+    }
+
+    #[test]
+    fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
+        let trip = CrashTrip::none();
+        assert_eq!(trip.take(), None);
+        for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut] {
+            trip.put(cause);
+            assert_eq!([trip.take(), trip.take()], [Some(cause), None]);
+        }
+        for bit in 0..32 {
+            let flipped = CrashTrip(AtomicU32::new(1 << bit));
+            assert!(flipped.take().is_some() && flipped.take().is_none());
+        }
+    }
+
+    #[test]
+    fn it_comes_out_as_it_went_in() {
+        let fault = Crash { kind: CrashKind::Fault, file: Name::new(), at: 0x0800_1234 };
+        for life in [past(), CrashRecord::FIRST, CrashRecord { starts: u32::MAX, crash: Some(fault) }] {
+            assert_eq!(CrashRecord::read(&life.record()), Some(life));
+        }
+        assert_eq!(past().crash.unwrap().file, "lder/dr-core/src/control/drive.rs"[1..]);
+    }
+
+    #[test]
+    fn a_flipped_bit_or_fresh_memory_is_a_first_start() {
+        for word in 0..WORDS {
+            for bit in 0..32 {
+                let mut record = past().record();
+                record[word] ^= 1 << bit;
+                assert_eq!(CrashRecord::after(&record, ResetCause::Pin), CrashRecord::FIRST, "word {word}, bit {bit}");
+            }
+        }
+        for record in [[0; WORDS], [u32::MAX; WORDS]] {
+            assert_eq!(CrashRecord::read(&record), None);
+        }
+    }
+
+    #[test]
+    fn a_crash_is_remembered_until_it_is_acknowledged_or_the_supply_goes() {
+        let second = CrashRecord::after(&past().record(), ResetCause::Pin);
+        assert_eq!((second.starts, second.trip(ResetCause::Pin)), (8, Some(Cause::Panic)));
+        assert_eq!(CrashRecord::after(&past().record(), ResetCause::PowerOn), CrashRecord::FIRST);
+    }
+
+    #[test]
+    fn an_unrequested_start_trips() {
+        let trips = |reset| CrashRecord::FIRST.trip(reset);
+        assert_eq!([trips(ResetCause::PowerOn), trips(ResetCause::Pin)], [None; 2]);
+        assert_eq!(trips(ResetCause::Watchdog), Some(Cause::Watchdog));
+        assert_eq!(trips(ResetCause::BrownOut), Some(Cause::BrownOut));
+        assert_eq!(trips(ResetCause::Software), Some(Cause::Fault));
+        assert_eq!(trips(ResetCause::Unknown), Some(Cause::Fault));
+    }
+}

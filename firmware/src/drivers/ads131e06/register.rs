@@ -1,0 +1,63 @@
+//! Registers of the ADC and the values by which a healthy chip is known.
+
+use core::fmt;
+
+/// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
+/// channels.
+pub(super) const IDENTITY: u8 = 0xD1;
+/// Largest offset of a healthy channel, 2 mV: the data sheet's typical 0.35 mV with much room.
+pub const OFFSET_LIMIT: i32 = 4_194;
+
+/// The registers that this driver sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Register {
+    /// Identity, read only.
+    Id,
+    /// Data rate.
+    Config1,
+    /// Test signals.
+    Config2,
+    /// Reference and its buffer.
+    Config3,
+    /// Threshold of the comparators that watch the input pins.
+    Fault,
+    /// Gain and input of a channel, from 0.
+    Channel(u8),
+}
+
+impl Register {
+    pub(super) const fn address(self) -> u8 {
+        match self {
+            Self::Id => 0x00,
+            Self::Config1 => 0x01,
+            Self::Config2 => 0x02,
+            Self::Config3 => 0x03,
+            Self::Fault => 0x04,
+            Self::Channel(channel) => 0x05 + channel,
+        }
+    }
+
+    /// Bits that read back as they were written.
+    pub(super) const fn mask(self) -> u8 {
+        match self {
+            // Bit 0 "reads back as either 1 or 0".
+            Self::Config3 => 0xFE,
+            _ => 0xFF,
+        }
+    }
+}
+
+impl fmt::Display for Register {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Id => f.write_str("ID"),
+            Self::Config1 => f.write_str("CONFIG1"),
+            Self::Config2 => f.write_str("CONFIG2"),
+            Self::Config3 => f.write_str("CONFIG3"),
+            Self::Fault => f.write_str("FAULT"),
+            // The data sheet counts channels from 1.
+            Self::Channel(channel) => write!(f, "CH{}SET", channel + 1),
+        }
+    }
+}

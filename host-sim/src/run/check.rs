@@ -1,0 +1,241 @@
+//! What an experiment would do, without doing it: for people, and as JSON.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write as _};
+
+use dr_core::control::Drive;
+use dr_core::sensor::Level;
+use serde::{Serialize, Serializer};
+
+use super::start::SetPointJudgement;
+use crate::experiment::Experiment;
+use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Sine, Spectrum, WindEntry};
+use anemometry::gas::Species;
+
+/// Entries of a list that are printed one by one.
+const MOST: usize = 12;
+
+/// An experiment with the verdict on its set-points.
+#[derive(Debug, Clone, Copy)]
+pub struct CheckReport<'a> {
+    /// What would run.
+    pub experiment: &'a Experiment,
+    /// How many of its set-points can be held.
+    pub judgement: SetPointJudgement,
+}
+
+impl Serialize for CheckReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct CheckJson<'a> {
+            title: &'a str,
+            head: &'a str,
+            ticks: u32,
+            sample_period_s: f64,
+            duration_s: f64,
+            drives: BTreeMap<&'a str, String>,
+            changes: Vec<ChangeJson<'a>>,
+            currents: BTreeMap<&'a str, CurrentsJson>,
+            gas_swing: Option<GasSwing>,
+            winds: usize,
+            judged: u32,
+            unjudged: u32,
+            models: Option<&'a str>,
+        }
+        #[derive(Serialize)]
+        struct ChangeJson<'a> {
+            start_s: f64,
+            drives: BTreeMap<&'a str, String>,
+        }
+        #[derive(Serialize)]
+        struct CurrentsJson {
+            low_a: f64,
+            high_a: f64,
+        }
+        let Self { experiment, judgement: SetPointJudgement { judged, unjudged } } = *self;
+        let names = experiment.head.names();
+        let described = |(element, drive): (usize, &Drive)| (names[element], describe(drive, experiment));
+        let json = CheckJson {
+            title: &experiment.title,
+            head: &experiment.head.name,
+            ticks: experiment.ticks,
+            sample_period_s: experiment.sample_period_s,
+            duration_s: experiment.duration_s(),
+            drives: experiment.drives.iter().enumerate().map(described).collect(),
+            changes: (experiment.changes.iter())
+                .map(|change| ChangeJson {
+                    start_s: experiment.time_s(change.tick),
+                    drives: change.drives.iter().map(|(element, drive)| described((*element, drive))).collect(),
+                })
+                .collect(),
+            currents: (experiment.currents.iter())
+                .map(|&element| {
+                    let nominal = &experiment.head.elements[element].nominal;
+                    let levels = CurrentsJson { low_a: nominal.current_low_a, high_a: nominal.current_high_a };
+                    (names[element], levels)
+                })
+                .collect(),
+            gas_swing: experiment.gas_swing,
+            winds: experiment.wind.len(),
+            judged,
+            unjudged,
+            models: experiment.models.as_ref().map(|models| models.conditions.as_str()),
+        };
+        json.serialize(serializer)
+    }
+}
+
+impl fmt::Display for CheckReport<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { experiment, judgement: SetPointJudgement { judged, unjudged } } = *self;
+        let names = experiment.head.names();
+        writeln!(
+            f,
+            "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C{}, support at {} °C\n",
+            experiment.title,
+            experiment.head.name,
+            experiment.ticks,
+            experiment.sample_period_s * 1e3,
+            experiment.duration_s(),
+            match experiment.species {
+                Species::CarbonDioxide => "CO2",
+                Species::Air => "air",
+            },
+            experiment.pressure_pa,
+            experiment.gas_temperature_c,
+            swing(experiment),
+            experiment.support_temperature_c
+        )?;
+        let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        for (name, drive) in names.iter().zip(&experiment.drives) {
+            writeln!(f, "{name:width$}  {}", describe(drive, experiment))?;
+        }
+        writeln!(f, "{}{}", changes(experiment, &names), currents(experiment, &names))?;
+        for entry in experiment.wind.iter().take(MOST) {
+            writeln!(
+                f,
+                "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{}  ({})",
+                entry.start_s,
+                // 7 m/min has no end in m/s.
+                (1e6 * entry.speed_m_s).round() / 1e6,
+                entry.azimuth_deg,
+                entry.elevation_deg,
+                blown(entry),
+                entry.label
+            )?;
+        }
+        f.write_str(&left_out(experiment.wind.len()))?;
+        for fault in &experiment.faults {
+            writeln!(f, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault)?;
+        }
+        let conditions = experiment.models.as_ref().map_or("", |models| &models.conditions);
+        match (judged, unjudged) {
+            (0, 0) => Ok(()),
+            (judged, 0) => writeln!(f, "\n{} can be held, say the models for {conditions}", set_points(judged)),
+            (0, unjudged) => {
+                writeln!(f, "\nno model of the experiment's judges {}", set_points(unjudged))
+            }
+            (judged, unjudged) => writeln!(
+                f,
+                "\n{} can be held, say the models for {conditions}; no model judges {}",
+                set_points(judged),
+                set_points(unjudged)
+            ),
+        }
+    }
+}
+
+/// What blows on top of a mean.
+fn blown(entry: &WindEntry) -> String {
+    let mut text = String::new();
+    if let Some(turbulence) = entry.turbulence {
+        let _ = write!(text, ", {} % turbulence", turbulence.intensity * 100.0);
+        let _ = match turbulence.spectrum {
+            Spectrum::Relaxation { .. } => Ok(()),
+            Spectrum::VonKarman { length_m } => write!(text, " (von Kármán, {length_m} m)"),
+            Spectrum::Kaimal { height_m } => write!(text, " (Kaimal, {height_m} m above ground)"),
+        };
+    }
+    if let Some(Sine { amplitude_m_s, frequency_hz }) = entry.sine {
+        let _ = write!(text, ", ± {amplitude_m_s} m/s at {frequency_hz} Hz");
+    }
+    if let Some(DirectionSwing { amplitude_deg, frequency_hz }) = entry.swing {
+        let _ = write!(text, ", ± {amplitude_deg}° at {frequency_hz} Hz");
+    }
+    if let Some(Gust { start_s, duration_s, rise_m_s, .. }) = entry.gust {
+        let _ = write!(text, ", a gust of {rise_m_s} m/s at {} s for {duration_s} s", entry.start_s + start_s);
+    }
+    if let Some(DustDevil { time_s, miss_m, swirl_m_s, .. }) = entry.dust_devil {
+        let _ = write!(
+            text,
+            ", a dust devil of {swirl_m_s} m/s passing at {} s in {} m",
+            entry.start_s + time_s,
+            miss_m.abs()
+        );
+    }
+    text
+}
+
+/// How the gas's temperature swings, if it does.
+fn swing(experiment: &Experiment) -> String {
+    let Some(GasSwing { amplitude_k, period_s, start_s }) = experiment.gas_swing else { return String::new() };
+    let from = if start_s > 0.0 { format!(" from {start_s} s on") } else { String::new() };
+    format!(" ± {amplitude_k} K in {period_s} s{from}")
+}
+
+/// What elements do later.
+fn changes(experiment: &Experiment, names: &[&str]) -> String {
+    let mut text = if experiment.changes.is_empty() { String::new() } else { "\n".to_owned() };
+    for change in experiment.changes.iter().take(MOST) {
+        let drives = change
+            .drives
+            .iter()
+            .map(|(element, drive)| format!("{}: {}", names[*element], describe(drive, experiment)));
+        let drives = drives.collect::<Vec<_>>().join("; ");
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "from {:>6} s  {drives}", experiment.time_s(change.tick));
+    }
+    text + &left_out(experiment.changes.len())
+}
+
+/// Levels that are the experiment's and not the head's.
+fn currents(experiment: &Experiment, names: &[&str]) -> String {
+    let mut text = if experiment.currents.is_empty() { String::new() } else { "\n".to_owned() };
+    for &element in &experiment.currents {
+        let nominal = &experiment.head.elements[element].nominal;
+        // 8.9 mA has no end in A.
+        let milliampere = |current_a: f64| (1e9 * current_a).round() / 1e6;
+        let (low, high) = (milliampere(nominal.current_low_a), milliampere(nominal.current_high_a));
+        let _ = writeln!(text, "{}: {low} mA low and {high} mA high, in place of the head's", names[element]);
+    }
+    text
+}
+
+/// What is not printed one by one.
+fn left_out(entries: usize) -> String {
+    match entries.checked_sub(MOST) {
+        Some(more @ 1..) => format!("… and {more} more\n"),
+        _ => String::new(),
+    }
+}
+
+fn describe(drive: &Drive, experiment: &Experiment) -> String {
+    let seconds = |ticks: u32| experiment.time_s(ticks);
+    match *drive {
+        Drive::Passive => "passive: only senses".to_owned(),
+        Drive::Level(Level::Low) => "constant current, low level".to_owned(),
+        Drive::Level(Level::High) => "constant current, high level".to_owned(),
+        Drive::Power { power_w } => format!("constant power, {power_w} W"),
+        Drive::Temperature { target_c } => format!("constant temperature, {target_c} °C"),
+        Drive::Prbs { order, seed, ticks_per_bit } => {
+            format!("pseudo-random bits of {} s, order {order}, seed {seed}", seconds(ticks_per_bit))
+        }
+        Drive::Setpoints { low_c, high_c, dwell_ticks, seed } => {
+            format!("random set-points from {low_c} to {high_c} °C, each for {} s, seed {seed}", seconds(dwell_ticks))
+        }
+    }
+}
+
+fn set_points(count: u32) -> String {
+    if count == 1 { "1 set-point".to_owned() } else { format!("{count} set-points") }
+}

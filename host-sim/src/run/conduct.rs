@@ -1,0 +1,92 @@
+//! A run tick by tick: every sample becomes a row, changes of drives come at their ticks. The same
+//! for every instrument.
+//!
+//! RecordingRow n holds sample n and the wind of the interval after it. Samples that got lost on
+//! the way leave a gap in the rows' times and are counted.
+
+use super::error::RunError;
+use super::start::{change_drives, start};
+use super::statistics::RunStatistics;
+use super::summary::RunSummary;
+use crate::experiment::Experiment;
+use crate::instrument::{InstrumentError, InstrumentPort};
+use recording::{RecordingRow, wind};
+
+/// Runs an experiment from start to end and hands every row to `sink`.
+///
+/// If the sink fails, the instrument is stopped and the sink's error returned.
+pub fn run(
+    experiment: &Experiment,
+    mut instrument: Box<dyn InstrumentPort>,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+) -> Result<RunSummary, RunError> {
+    let firmware = instrument.identity().firmware.as_str().to_owned();
+    let mut statistics = RunStatistics::new(experiment);
+    let observed = start(experiment, instrument.as_mut()).and_then(|judgement| {
+        observe(experiment, instrument.as_mut(), &mut statistics, sink)?;
+        Ok(judgement)
+    });
+    let hash = instrument.digest();
+    // Stopped whatever happened: a board must not be left heating.
+    let finished = instrument.finish();
+    let (judgement, report) = (observed?, finished?);
+    Ok(statistics.summary(experiment, firmware, judgement, hash, &report))
+}
+
+fn observe(
+    experiment: &Experiment,
+    instrument: &mut dyn InstrumentPort,
+    statistics: &mut RunStatistics,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+) -> Result<(), RunError> {
+    let names = experiment.head.names();
+    let observed = experiment.observed();
+    let parts = experiment.surfaces().len();
+    let mut next = 0;
+    let mut changes = experiment.changes.iter().peekable();
+    while next < experiment.ticks {
+        while let Some(change) = changes.next_if(|change| change.tick <= next) {
+            change_drives(experiment, instrument, change, &mut |element, drive| statistics.change(element, drive))?;
+        }
+        let observation = instrument.observe()?;
+        let sample = &observation.sample;
+        if sample.tick < next {
+            // Only a start in between, by somebody else, counts anew.
+            return Err(InstrumentError::Protocol(format!("sample {} came where {next} was due", sample.tick)).into());
+        }
+        if !observation.is_of(names.len()) {
+            let sentence = format!("sample {} is not one of {} elements, as the head is", sample.tick, names.len());
+            return Err(InstrumentError::Protocol(sentence).into());
+        }
+        statistics.lose(sample.tick.min(experiment.ticks) - next);
+        if sample.tick >= experiment.ticks {
+            // A real board goes on until it is stopped: the last ones of the run got lost.
+            break;
+        }
+        next = sample.tick + 1;
+        statistics.add(&observation, experiment, &names);
+        let mut temperature_c = sample.temperature_c.clone();
+        for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
+            if sample.valid >> i & 1 == 0 {
+                *temperature_c = f32::NAN;
+            }
+        }
+        // Asked to observe, a board sends nothing else; a sample without it is a missing number.
+        let observed_w = observation.equivalent_power_w.as_ref();
+        let equivalent_power_w: Vec<f32> =
+            observed.iter().map(|&i| observed_w.map_or(f32::NAN, |observed_w| observed_w[i])).collect();
+        sink(&RecordingRow {
+            time_s: experiment.time_s(sample.tick),
+            temperature_c: &temperature_c,
+            power_w: &sample.power_w,
+            equivalent_power_w: &equivalent_power_w,
+            heaters: sample.heaters.0,
+            event: experiment.event(sample.tick),
+            state: statistics.state(),
+            true_wind_m_s: observation.true_wind_m_s,
+            gas_temperature_c: observation.gas_temperature_c,
+            estimate: &wind::numbers(observation.wind.as_ref(), parts),
+        })?;
+    }
+    Ok(())
+}

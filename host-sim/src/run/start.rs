@@ -1,0 +1,124 @@
+//! Setting an instrument up for an experiment: the same steps for a rehearsal in this process and
+//! for the run itself.
+
+use dr_core::control::{Drive, Refusal};
+use dr_core::{Command, Reply};
+
+use super::error::RunError;
+use super::refusal;
+use crate::experiment::{DriveChange, Experiment};
+use crate::instrument::in_process::InProcess;
+use crate::instrument::setup::{self, ElementSetup, InstrumentSetup};
+use crate::instrument::{InstrumentError, InstrumentPort, LockStep};
+
+/// How many set-points of an experiment, those of its changes included, can be held by a model, and
+/// how many have no model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SetPointJudgement {
+    /// Set-points that a model says can be held.
+    pub judged: u32,
+    /// Set-points without a model.
+    pub unjudged: u32,
+}
+
+/// Lets a controller in this process judge the set-up and all changes before any instrument is
+/// touched.
+pub fn rehearse(experiment: &Experiment) -> Result<SetPointJudgement, RunError> {
+    // Which sensor is around it does not matter: no time passes.
+    let sensor = experiment.simulated(&experiment.sensor_config().unwrap_or_default())?;
+    let mut instrument = LockStep::new(InProcess::new(), sensor);
+    let judgement = start(experiment, &mut instrument)?;
+    for change in &experiment.changes {
+        change_drives(experiment, &mut instrument, change, &mut |_, _| ())?;
+    }
+    Ok(judgement)
+}
+
+/// Sets an instrument up for an experiment and starts it.
+///
+/// A refusal names the key of the file where the user can do something about it.
+pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Result<SetPointJudgement, RunError> {
+    let setup = setup_of(experiment)?;
+    let reply = setup::start(instrument, &setup).map_err(|error| match &error {
+        InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
+        InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
+            // It names the key where the user can do something about it.
+            Some(name) => {
+                experiment.source.refuse(&format!("drives.{name}"), refusal::of_a_drive(experiment, refusal)).into()
+            }
+            None => error.into(),
+        },
+        InstrumentError::TooManyElements { .. } => {
+            experiment.source.refuse("head", format!("cannot be used: {error}")).into()
+        }
+        _ => RunError::from(error),
+    })?;
+    let Reply::Started { judged, unjudged } = reply else {
+        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
+    };
+    let mut judgement = SetPointJudgement { judged: judged.into(), unjudged: unjudged.into() };
+    // The instrument does not know the later drives.
+    for (element, drive) in experiment.changes.iter().flat_map(|change| &change.drives) {
+        match (drive.target_range_c(), experiment.model(*element)) {
+            (None, _) => {}
+            (Some(_), Some(_)) => judgement.judged += 1,
+            (Some(_), None) => judgement.unjudged += 1,
+        }
+    }
+    Ok(judgement)
+}
+
+/// The set-up of an instrument for an experiment.
+///
+/// # Errors
+/// If the head's calibration cannot output the wind as the experiment asks.
+pub fn setup_of(experiment: &Experiment) -> Result<InstrumentSetup, RunError> {
+    Ok(InstrumentSetup {
+        sample_period_s: experiment.sample_period_s as f32,
+        guard: experiment.head.guard_config(experiment.sample_period_s),
+        observe: experiment.observe,
+        wind: experiment.wind_commands()?,
+        elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
+            .map(|(i, (element, &drive))| ElementSetup {
+                name: element.name.clone(),
+                config: element.config,
+                model: experiment.model(i),
+                drive,
+            })
+            .collect(),
+    })
+}
+
+/// Sets what the elements of an instrument do from now on. In lock-step that is the tick that comes
+/// next, on a board one soon after.
+///
+/// `taken` is called with every drive that begins.
+pub(super) fn change_drives(
+    experiment: &Experiment,
+    instrument: &mut dyn InstrumentPort,
+    change: &DriveChange,
+    taken: &mut dyn FnMut(usize, Drive),
+) -> Result<(), RunError> {
+    if change.drives.iter().any(|(_, drive)| drive.can_heat()) {
+        match instrument.command(setup::ARM) {
+            Ok(_) | Err(InstrumentError::Refused(Refusal::Tripped(_))) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    for &(place, drive) in &change.drives {
+        match instrument.command(Command::Drive { element: place as u8, drive }) {
+            Ok(_) => taken(place, drive),
+            // Heaters stay low from the trip on, whatever the experiment asks for; the samples
+            // report it.
+            Err(InstrumentError::Refused(Refusal::Tripped(_))) => return Ok(()),
+            Err(InstrumentError::Refused(refusal)) => {
+                let at = experiment.changes.iter().position(|own| own == change).unwrap_or_default();
+                let name = &experiment.head.elements[place].name;
+                let sentence = refusal::of_a_drive(experiment, &refusal);
+                return Err(experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into());
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,184 @@
+use std::path::Path;
+
+use super::*;
+use crate::experiment::Experiment;
+use crate::instrument::in_process::InProcess;
+use crate::instrument::{InstrumentPort, LockStep};
+
+/// A shipped experiment, shortened.
+fn shortened(name: &str, from: &str, to: &str) -> Experiment {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments").join(name);
+    let mut source = recording::toml_file::TomlSource::read(&path).unwrap();
+    assert!(source.text.contains(from));
+    source.text = source.text.replace(from, to);
+    Experiment::from_source(source).unwrap()
+}
+
+fn in_process(experiment: &Experiment) -> Box<dyn InstrumentPort> {
+    Box::new(LockStep::new(InProcess::new(), experiment.sensor().unwrap()))
+}
+
+#[test]
+fn every_tick_becomes_a_row_and_the_same_run_twice_is_the_same() {
+    let experiment = shortened("all-drives.toml", "duration_s = 120.0", "duration_s = 70.0");
+    let run_once = || {
+        let mut rows = 0;
+        let summary = run(&experiment, in_process(&experiment), &mut |row| {
+            assert_eq!(row.time_s, f64::from(rows) / 100.0);
+            assert_eq!(row.event, if rows < 6000 { "breeze" } else { "gust" });
+            assert_eq!(row.state, "running");
+            rows += 1;
+            Ok(())
+        });
+        assert_eq!(rows, 7000);
+        summary.unwrap()
+    };
+    let summary = run_once();
+    assert_eq!(summary, run_once());
+    assert_eq!((summary.ticks, summary.lost, summary.trips.len()), (7000, 0, 0));
+    assert!(summary.hash.is_some());
+    // core1 is held at its high level: I²R of 16 mA between −53 and 0 °C.
+    let power_w = summary.elements[4].mean_power_w;
+    assert!((0.0374..0.0449).contains(&power_w), "{power_w}");
+}
+
+#[test]
+fn an_open_resistor_trips_within_a_tick_and_shows_in_the_rows() {
+    let fault = "\n[[faults]]\nstart_s = 1.0\nelement = \"sector3\"\nkind = \"open\"\n\n[[wind]]\nstart_s = 0.0\n";
+    let experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", fault);
+    let mut rows = Vec::new();
+    let summary = run(&experiment, in_process(&experiment), &mut |row| {
+        rows.push((row.state.to_owned(), row.heaters, row.temperature_c[2]));
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(summary.trips, [TripSummary { time_s: 1.01, cause: "open", element: "sector3".to_owned() }]);
+    // The interval from tick 100 on is the first that flows through nothing: read at tick 101.
+    assert!(rows[..101].iter().all(|(state, _, _)| state == "running"));
+    assert!(
+        rows[101..].iter().all(|(state, heaters, t)| state == "tripped:open:sector3" && *heaters == 0 && t.is_nan())
+    );
+}
+
+#[test]
+fn a_change_after_a_trip_changes_nothing() {
+    let fault = "\n[[faults]]\nstart_s = 1.0\nelement = \"sector3\"\nkind = \"open\"\n\n[[wind]]\nstart_s = 0.0\n";
+    let change =
+        "\n[[changes]]\nstart_s = 2.0\ndrives = { sector1 = \"passive\", core2 = { temperature_c = -20.0 } }\n";
+    let run_of = |text: &str| {
+        let mut experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", text);
+        experiment.ticks = 300;
+        let mut rows = Vec::new();
+        let summary = run(&experiment, in_process(&experiment), &mut |row| {
+            rows.push((row.state.to_owned(), row.heaters));
+            Ok(())
+        });
+        (summary.unwrap(), rows)
+    };
+    let (summary, rows) = run_of(&format!("{change}{fault}"));
+    let (without, rows_without) = run_of(fault);
+    assert_eq!(summary.trips, [TripSummary { time_s: 1.01, cause: "open", element: "sector3".to_owned() }]);
+    assert_eq!((rows.len(), rows), (300, rows_without));
+    assert_eq!((summary.hash, summary.unreached), (without.hash, without.unreached));
+}
+
+#[test]
+fn set_points_of_changes_are_judged_and_said_to_be_missed_too() {
+    let wind = "\n[[wind]]\nstart_s = 0.0\n";
+    // core2 is far too cold to get to −20 °C in a second; core1 has a set-point for a while, and
+    // misses it.
+    let text = "\n[[changes]]\nstart_s = 1.0\ndrives = { core1 = { temperature_c = -20.0 }, core2 = { temperature_c = -20.0 } }\n\
+                \n[[changes]]\nstart_s = 1.5\ndrives = { core1 = \"passive\", sector1 = \"passive\" }\n";
+    let mut experiment = shortened("steady.toml", wind, &format!("{text}{wind}"));
+    experiment.ticks = 200;
+    let plain = shortened("steady.toml", wind, wind);
+    let (with, without) = (rehearse(&experiment).unwrap(), rehearse(&plain).unwrap());
+    assert_eq!(with.judged + with.unjudged, without.judged + without.unjudged + 2);
+    let summary = run(&experiment, in_process(&experiment), &mut |_| Ok(())).unwrap();
+    assert_eq!((summary.judged, summary.unjudged), (with.judged, with.unjudged));
+    assert!(summary.unreached.contains(&"core1".to_owned()) && summary.unreached.contains(&"core2".to_owned()));
+    assert_eq!(summary.unreached.iter().filter(|name| *name == "core1").count(), 1);
+}
+
+#[test]
+fn observing_changes_no_decision_and_its_power_goes_with_the_rows() {
+    let plain = shortened("gusts.toml", "duration_s = 1000.0", "duration_s = 900.0");
+    let mut rows = Vec::new();
+    run(&plain, in_process(&plain), &mut |row| {
+        assert!(row.equivalent_power_w.is_empty());
+        rows.push((row.temperature_c.to_vec(), row.heaters));
+        Ok(())
+    })
+    .unwrap();
+    let observing = shortened("gusts.toml", "duration_s = 1000.0", "observe = true\nduration_s = 900.0");
+    assert_eq!(observing.observed(), [0, 1, 2, 3, 4, 5]);
+    let (mut n, mut structure_w, mut mean_c) = (0, 0.0, 0.0);
+    run(&observing, in_process(&observing), &mut |row| {
+        assert_eq!((row.temperature_c.to_vec(), row.heaters), rows[n]);
+        // the last wind
+        if n >= 85_000 {
+            structure_w += f64::from(row.equivalent_power_w[0]) / 5000.0;
+            mean_c += f64::from(row.temperature_c[0]) / 5000.0;
+        }
+        n += 1;
+        Ok(())
+    })
+    .unwrap();
+    let model = observing.model(0).unwrap();
+    let steady_w = (mean_c - f64::from(model.reference_c)) / f64::from(model.r_k_per_w.iter().sum::<f32>());
+    println!("gusts, sector 1: the structure takes {structure_w:.5} W, at rest it would take {steady_w:.5} W");
+    // Held for 800 s, twice the slowest time constant of the still gas, in whatever wind; the
+    // closed loop's own are shorter.
+    assert!((structure_w / steady_w - 1.0).abs() < 0.02, "{structure_w} {steady_w}");
+}
+
+#[test]
+fn a_change_of_drives_begins_with_its_tick() {
+    let change = "\n[[changes]]\nstart_s = 1.0\ndrives = { sector1 = \"passive\", core2 = { level = \"high\" } }\n\n[[wind]]\nstart_s = 0.0\n";
+    let experiment = shortened("steady.toml", "\n[[wind]]\nstart_s = 0.0\n", change);
+    let mut heaters = Vec::new();
+    run(&experiment, in_process(&experiment), &mut |row| {
+        heaters.push(row.heaters);
+        Ok(())
+    })
+    .unwrap();
+    // From rest far below their set-points all heat, until sector 1 is told to stop.
+    assert!(heaters[..100].iter().all(|bits| *bits == 0b11_1111), "{heaters:?}");
+    assert!(heaters[100..].iter().all(|bits| bits & 1 == 0 && bits >> 5 == 1));
+    assert!(heaters[100..200].iter().all(|bits| *bits == 0b11_1110));
+}
+
+#[test]
+fn rows_carry_the_gas_only_where_it_swings() {
+    let gas = "temperature_c = -53.15";
+    let run_of = |text: &str| {
+        let experiment = shortened("steady.toml", gas, text);
+        let experiment = Experiment { ticks: 200, ..experiment };
+        let mut rows = Vec::new();
+        run(&experiment, in_process(&experiment), &mut |row| {
+            rows.push((row.time_s, row.gas_temperature_c));
+            Ok(())
+        })
+        .unwrap();
+        rows
+    };
+    assert!(run_of(gas).iter().all(|(_, gas_c)| gas_c.is_none()));
+    let swing = format!("{gas}\nswing = {{ amplitude_k = 2.0, period_s = 3.0, start_s = 1.0 }}");
+    for (time_s, gas_c) in run_of(&swing) {
+        // A third of a turn a second from 1 s on.
+        let expected = -53.15 + 2.0 * (std::f64::consts::TAU * (time_s - 1.0).max(0.0) / 3.0).sin();
+        assert!((gas_c.unwrap() - expected).abs() < 1e-9, "{time_s} s: {gas_c:?} for {expected}");
+    }
+}
+
+#[test]
+fn a_failing_sink_ends_the_run_with_its_error() {
+    let experiment = shortened("steady.toml", "duration_s = 300.0", "duration_s = 1.0");
+    let mut rows = 0;
+    let error = run(&experiment, in_process(&experiment), &mut |row| {
+        rows += 1;
+        if rows == 10 { Err(RunError::Interrupted { time_s: row.time_s }) } else { Ok(()) }
+    });
+    assert_eq!(error.unwrap_err().to_string(), "interrupted at 0.09 s; nothing was kept");
+    assert_eq!(rows, 10);
+}

@@ -1,0 +1,30 @@
+//! What every kind of convection needs: the limit of a continuum, a laminar plate, a scalar
+//! product.
+
+use anemometry::gas::IdealGas;
+
+use crate::sensor::error::SensorError;
+
+const HIGHEST_KNUDSEN: f64 = 0.01;
+
+/// Refuses a gas so thin that it is no continuum around a body of `length_m`.
+pub(super) fn continuum(gas: &IdealGas, length_m: f64) -> Result<(), SensorError> {
+    let knudsen = gas.knudsen(length_m);
+    if knudsen > HIGHEST_KNUDSEN {
+        return Err(SensorError::NotAContinuum {
+            knudsen,
+            pressure_pa: gas.pressure_pa,
+            lowest_pressure_pa: gas.pressure_pa * knudsen / HIGHEST_KNUDSEN,
+        });
+    }
+    Ok(())
+}
+
+/// Mean Nusselt number of a plate in a laminar layer (Pohlhausen): 0.664 Re^½ Pr^⅓.
+pub(super) fn plate_nusselt(reynolds: f64, prandtl_third: f64) -> f64 {
+    0.664 * reynolds.sqrt() * prandtl_third
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

@@ -1,0 +1,232 @@
+//! A simulated sensor tick by tick: wind and gas into its body, heater bits into powers,
+//! temperatures into codes.
+//!
+//! One tick: the controller decides the heater bits, [`Sensor::advance`] lets one sample period
+//! pass under them, [`Sensor::codes`] is what the converter then reads and [`Sensor::truth`] what
+//! only a simulation knows.
+
+use dr_core::sensor::FrontEndInput;
+use dr_core::sensor::reading::REFERENCE_CODE;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::body::ThermalBody;
+use super::config::{SensorConfig, TimedFault};
+use super::error::SensorError;
+use super::front_end::SimulatedFrontEnd;
+use super::gas_swing::GasSwing;
+use super::truth::SensorTruth;
+use super::wind::SimulatedWind;
+use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
+
+/// A simulated sensor with its front end in the wind tunnel, advanced tick by tick.
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    sample_period_s: f64,
+    tick: u64,
+    wind: SimulatedWind,
+    pub(super) body: ThermalBody,
+    gas_temperature_c: f64,
+    /// About that temperature.
+    gas_swing: Option<GasSwing>,
+    front_end: SimulatedFrontEnd,
+    faults: Vec<TimedFault>,
+    element_temperature_c: Vec<f64>,
+    codes: Vec<i32>,
+    wind_m_s: [f64; 3],
+}
+
+impl Sensor {
+    /// The sensor starts in the steady state of the first wind entry with all elements at their low
+    /// level, as it is after standing by for long.
+    pub fn new(config: &SensorConfig) -> Result<Sensor, SensorError> {
+        let sample_period_s = config.sample_period_s;
+        if !(1e-6..=10.0).contains(&sample_period_s) {
+            return Err(SensorError::out_of_range("sample_period_s", sample_period_s, "1e-6 to 10"));
+        }
+        let (expected, found) = (config.construction.elements().len(), config.elements.len());
+        if found != expected {
+            return Err(SensorError::Elements { sensor: config.construction.name(), expected, found });
+        }
+        let gas = IdealGas::new(config.species, config.pressure_pa, config.gas_temperature_c + ZERO_CELSIUS_K)?;
+        // Streams of one generator: noise does not change when turbulence is switched on, nor the
+        // resistors with either.
+        let stream = |number| {
+            let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
+            rng.set_stream(number);
+            rng
+        };
+        let wind = SimulatedWind::new(&config.wind, sample_period_s, stream(0))?;
+        let front_end = SimulatedFrontEnd::new(
+            &config.elements,
+            config.volt_per_code,
+            &config.imperfections,
+            stream(1),
+            stream(2),
+        )?;
+        let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
+        if let Some(swing) = &config.gas_swing {
+            swing.check(sample_period_s)?;
+            check_range(&gas, swing, &body)?;
+        }
+        let wind_m_s = wind.mean_m_s();
+        let mut sensor = Sensor {
+            sample_period_s,
+            tick: 0,
+            wind,
+            body,
+            gas_temperature_c: config.gas_temperature_c,
+            gas_swing: config.gas_swing,
+            front_end,
+            faults: checked_faults(&config.faults, expected)?,
+            element_temperature_c: vec![0.0; expected],
+            codes: vec![0; expected],
+            wind_m_s,
+        };
+        sensor.apply_faults();
+        sensor.settle_at_low_level();
+        Ok(sensor)
+    }
+
+    /// Lets one sample period pass with the heaters held; bit i of `heaters` is element i at its
+    /// high level.
+    pub fn advance(&mut self, heaters: u16) {
+        self.apply_faults();
+        self.wind_m_s = self.wind.advance();
+        if self.gas_swing.is_some() {
+            self.body.set_gas_temperature_k(self.gas_at_c(self.tick) + ZERO_CELSIUS_K);
+        }
+        self.body.set_wind(self.wind_m_s);
+        let front_end = &self.front_end;
+        self.body.advance(self.sample_period_s, |i, temperature_c| {
+            front_end.power_w(i, temperature_c, heaters >> i & 1 == 1)
+        });
+        self.tick += 1;
+        self.sample(heaters);
+    }
+
+    /// The converter's codes at the end of the last period, at the currents of that period; at
+    /// first at the low level.
+    pub fn codes(&self) -> &[i32] {
+        &self.codes
+    }
+
+    /// The codes that another input of the converter would have given then.
+    pub fn codes_of(&self, input: FrontEndInput) -> Vec<i32> {
+        match input {
+            FrontEndInput::Element => self.codes.clone(),
+            FrontEndInput::Shorted => self.front_end.codes_without_elements(0),
+            FrontEndInput::Reference => self.front_end.codes_without_elements(REFERENCE_CODE),
+        }
+    }
+
+    /// The true state at the end of the last period.
+    pub fn truth(&self) -> SensorTruth {
+        let flows = self.body.flows().clone();
+        SensorTruth {
+            time_s: self.time_s(),
+            element_temperature_c: self.element_temperature_c.clone(),
+            surface_temperature_c: (0..flows.convection_w.len()).map(|i| self.body.surface_temperature_c(i)).collect(),
+            power_w: flows.power_w,
+            convection_w: flows.convection_w,
+            radiation_w: flows.radiation_w,
+            conduction_w: flows.conduction_w,
+            support_w: flows.support_w,
+            gas_temperature_c: self.gas_temperature_c(),
+            wind_m_s: self.wind_m_s,
+            wind_extrapolated: self.wind_extrapolated(),
+        }
+    }
+
+    /// Names of the surfaces that the wind cools.
+    pub fn surface_names(&self) -> impl Iterator<Item = &str> {
+        self.body.surface_names()
+    }
+
+    /// Wind of the last period, m/s.
+    pub fn wind_m_s(&self) -> [f64; 3] {
+        self.wind_m_s
+    }
+
+    /// Temperature of the gas in the last period, °C.
+    pub fn gas_temperature_c(&self) -> f64 {
+        self.gas_at_c(self.tick.saturating_sub(1))
+    }
+
+    /// Whether the gas's temperature swings.
+    pub fn gas_swings(&self) -> bool {
+        self.gas_swing.is_some()
+    }
+
+    /// The wind of the last period was beyond what is known of convection from this body.
+    pub fn wind_extrapolated(&self) -> bool {
+        self.body.extrapolated(self.wind_m_s)
+    }
+
+    /// Label of the wind entry of the last period.
+    pub fn wind_label(&self) -> &str {
+        self.wind.label()
+    }
+
+    /// Time since the start, s.
+    pub fn time_s(&self) -> f64 {
+        self.tick as f64 * self.sample_period_s
+    }
+
+    /// Temperature of the gas over the period that begins with a tick, °C.
+    fn gas_at_c(&self, tick: u64) -> f64 {
+        let offset_k = self.gas_swing.map_or(0.0, |swing| swing.offset_k(tick as f64 * self.sample_period_s));
+        self.gas_temperature_c + offset_k
+    }
+
+    /// Faults whose time has come, at the resolution of a tick.
+    fn apply_faults(&mut self) {
+        let now_s = self.time_s() + 1e-6 * self.sample_period_s;
+        while let Some(fault) = self.faults.last().copied().filter(|fault| fault.start_s <= now_s) {
+            self.front_end.set_fault(fault.element, Some(fault.fault));
+            self.faults.pop();
+        }
+    }
+
+    fn settle_at_low_level(&mut self) {
+        self.body.set_wind(self.wind_m_s);
+        let front_end = &self.front_end;
+        self.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
+        self.sample(0);
+    }
+
+    fn sample(&mut self, heaters: u16) {
+        for (i, temperature_c) in self.element_temperature_c.iter_mut().enumerate() {
+            *temperature_c = self.body.element_temperature_c(i);
+        }
+        self.front_end.sample(&self.element_temperature_c, heaters, &mut self.codes);
+    }
+}
+
+/// Refuses a swing that leaves the range in which the gas or its convection is known.
+fn check_range(gas: &IdealGas, swing: &GasSwing, body: &ThermalBody) -> Result<(), SensorError> {
+    for end_k in [gas.temperature_k - swing.amplitude_k, gas.temperature_k + swing.amplitude_k] {
+        let gas = IdealGas::new(gas.species, gas.pressure_pa, end_k).map_err(|_| {
+            let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";
+            SensorError::out_of_range("gas.swing.amplitude_k", swing.amplitude_k, expected)
+        })?;
+        body.check_gas(&gas)?;
+    }
+    Ok(())
+}
+
+/// The faults, latest first, so that the next one is the last of the list.
+fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFault>, SensorError> {
+    for (i, fault) in faults.iter().enumerate() {
+        if fault.element >= elements {
+            let name = format!("faults[{i}].element");
+            return Err(SensorError::out_of_range(name, fault.element as f64, "the number of an element, from 0"));
+        }
+        if !(fault.start_s.is_finite() && fault.start_s >= 0.0) {
+            return Err(SensorError::out_of_range(format!("faults[{i}].start_s"), fault.start_s, "zero or more"));
+        }
+    }
+    let mut faults = faults.to_vec();
+    faults.sort_by(|a, b| b.start_s.total_cmp(&a.start_s));
+    Ok(faults)
+}

@@ -1,0 +1,71 @@
+//! The equations of the fit: their derivatives, and how winds are left out.
+
+use anemometry::calibrate::Scheme;
+use anemometry::calibrate::sphere::equations::{LAST, SphereProblem};
+use anemometry::calibrate::sphere::family::AmplitudeFamily;
+use anemometry::calibrate::sphere::folds::folds;
+use anemometry::calibrate::sphere::readings::{ready, winds};
+use dr_core::wind::nusselt::ORDERS;
+use nalgebra::DVector;
+
+use crate::tunnel::{Tunnel, speeds as progression};
+
+#[test]
+fn derivatives_agree_with_differences() {
+    let tunnel = Tunnel::sectors();
+    let head = ready(&tunnel.head()).unwrap();
+    let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
+    let reynolds = [15.0, 44.0, 110.0, 199.0];
+    let family = AmplitudeFamily::new(&reynolds, (0..ORDERS).collect(), 200);
+    let problem = SphereProblem::new(&head, &winds, family);
+    let mut place = problem.drawn();
+    for (k, c) in place.coefficients.iter_mut().enumerate() {
+        *c = (1.0 + k as f64).sin();
+    }
+    place.gains = vec![1.1, 0.9, 1.05, 0.95];
+    let place = problem.moved(&place, &DVector::zeros(problem.unknowns(&place)));
+    let here = problem.equations(&place, LAST);
+    for k in 0..problem.unknowns(&place) {
+        // Means are f32: a step large beside their rounding.
+        let step = 3e-3;
+        let cost = |sign: f64| {
+            let mut by = DVector::zeros(problem.unknowns(&place));
+            by[k] = sign * step;
+            problem.equations(&problem.moved(&place, &by), LAST).cost
+        };
+        let difference = (cost(-1.0) - cost(1.0)) / (4.0 * step);
+        // The cost is no parabola in gains and turns: second order of the step.
+        let scale = (here.h[(k, k)] * here.cost).sqrt();
+        assert!((difference - here.b[k]).abs() < 2e-4 * scale, "{k}: {difference} {}", here.b[k]);
+    }
+}
+
+#[test]
+fn neighbours_go_together_and_every_wind_is_left_out_once() {
+    let tunnel = Tunnel::sectors();
+    let head = ready(&tunnel.head()).unwrap();
+    let winds = winds(&head, &tunnel.readings(&progression(0.5, 14.0, 12), 10, 1e-3, 1)).unwrap();
+    for (scheme, expected) in [(Scheme::Directions, 120), (Scheme::Speeds, 100)] {
+        let folds = folds(&winds, scheme, 5);
+        let mut all = folds.concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!((folds.len(), all.len(), folds.concat().len()), (5, expected, expected));
+        for fold in &folds {
+            for wind in winds.iter().filter(|wind| !wind.is_quiescent() && !fold.contains(&wind.given)) {
+                for &out in fold {
+                    let same_direction = (0..3).all(|k| (winds[out].towards[k] - wind.towards[k]).abs() < 1e-9);
+                    let same_speed = (winds[out].reynolds / wind.reynolds - 1.0).abs() < 1e-9;
+                    assert!(!(if scheme == Scheme::Speeds { same_speed } else { same_direction }));
+                }
+            }
+        }
+    }
+    // Bands of two neighbouring speeds of the ten inner ones.
+    let bands = folds(&winds, Scheme::Speeds, 5);
+    let reynolds = |fold: &[usize]| fold.iter().map(|&out| winds[out].reynolds).collect::<Vec<_>>();
+    assert!(bands.windows(2).all(|pair| {
+        let [below, above] = [reynolds(&pair[0]), reynolds(&pair[1])];
+        below.iter().all(|b| above.iter().all(|a| b < a))
+    }));
+}

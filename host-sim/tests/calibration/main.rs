@@ -1,0 +1,8 @@
+//! Calibrations of simulated heads, whose truth the fit does not share a line with.
+
+mod cards;
+mod derivatives;
+mod refused;
+mod spheres;
+mod tunnel;
+mod winds;

@@ -1,0 +1,23 @@
+//! Analyses of a linked Cortex-M4F image, without a board: who calls whom, whether a task can
+//! panic, how much stack may be needed, and how many instructions and cycles a function takes.
+//!
+//! | file | what it finds |
+//! |---|---|
+//! | [`symbols`] | sections and symbols of an ELF image, with their sizes |
+//! | [`call_graph`] | which function calls which, and the stack frame of each, from the machine code |
+//! | [`thumb`] | what one decoded instruction means for those two |
+//! | [`panics`] | ways from a task to a panic |
+//! | [`stack`] | the most stack that all priorities can take together |
+//! | [`cortex_m4`] | cycles of one instruction, at best and at worst |
+//! | [`trace`] | instructions and cycles of a function, from the log of an emulator |
+//!
+//! Budgets and exceptions are the caller's: this crate reports, it does not judge.
+#![warn(missing_docs)]
+
+pub mod call_graph;
+pub mod cortex_m4;
+pub mod panics;
+pub mod stack;
+pub mod symbols;
+pub mod thumb;
+pub mod trace;

@@ -1,0 +1,192 @@
+//! No panic in what runs after start-up, shown on the linked image.
+//!
+//! Source that does not panic proves little: indices, divisions and whole libraries bring panics
+//! that no one has written. In the image they are calls of functions of `core::panicking`. From
+//! everything that an interrupt, an exception or the idle loop can reach there must be no way to
+//! one of them. Start-up may panic: no heater has been raised yet, and the board starts anew.
+//!
+//! What this does not see: whatever [`crate::call_graph`] does not, and code that stops without a
+//! panic (an endless loop, a fault; the watchdog and the fault handler are for those).
+
+use crate::call_graph::{CallGraph, Function};
+use anyhow::{Result, bail};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap, VecDeque};
+
+/// What is known of an image beforehand.
+pub struct Rules<'a> {
+    /// The idle loop: what runs before it is start-up.
+    pub idle: &'a str,
+    /// Functions whose panics are known not to happen, and why. Their other calls count.
+    pub allowed: &'a [(&'a str, &'a str)],
+    /// Vectors whose tasks may panic, and why.
+    pub exempt: &'a [(&'a str, &'a str)],
+}
+
+/// What was found of panics.
+#[derive(Debug, Default)]
+pub struct PanicFindings {
+    /// Exceptions that were made use of, with their reasons.
+    pub exceptions: Vec<String>,
+    /// Every way from what runs after start-up to a panic, one for each function that panics.
+    pub ways: Vec<String>,
+    /// How many functions can run after start-up.
+    pub reachable: usize,
+}
+
+/// Where a panic begins.
+pub fn is_panic(function: &Function) -> bool {
+    function.names.iter().any(|name| {
+        name.starts_with("core::panicking::")
+            || name.contains("rust_begin_unwind")
+            || name.contains("defmt_panic")
+            || name.starts_with("core::") && (name.ends_with("_failed") || name.ends_with("_fail"))
+    })
+}
+
+/// Looks for panics in what runs after start-up. An image in which nothing could be found is an
+/// error.
+pub fn find(graph: &CallGraph, rules: &Rules) -> Result<PanicFindings> {
+    let Some(idle) = graph.function(rules.idle) else { bail!("the image has no function `{}`", rules.idle) };
+    if !graph.functions.iter().any(is_panic) {
+        bail!(
+            "the image has no panic at all, not even at start-up: their names must have changed, so nothing is checked"
+        );
+    }
+    let exempt = |vector: &usize| {
+        rules.exempt.iter().any(|(name, _)| graph.functions[*vector].names.iter().any(|own| own == name))
+    };
+    let vectors = graph.vectors.iter().copied().filter(|vector| !exempt(vector));
+    let ways = ways(graph, vectors.chain([idle]), rules.allowed);
+    let mut exceptions = Vec::new();
+    for (name, why) in rules.exempt.iter().filter(|(name, _)| graph.function(name).is_some()) {
+        exceptions.push(format!("exempt is {name}: {why}"));
+    }
+    for (name, why) in rules.allowed {
+        if graph.function(name).is_some_and(|function| graph.callees(function).any(|f| is_panic(&graph.functions[f]))) {
+            exceptions.push(format!("allowed in {name}: {why}"));
+        }
+    }
+    Ok(PanicFindings { exceptions, ways, reachable: reachable(graph, idle) })
+}
+
+/// How many functions can run after start-up.
+fn reachable(graph: &CallGraph, idle: usize) -> usize {
+    let mut seen: BTreeSet<usize> = graph.vectors.iter().copied().chain([idle]).collect();
+    let mut queue: Vec<usize> = seen.iter().copied().collect();
+    while let Some(function) = queue.pop() {
+        queue.extend(graph.callees(function).filter(|callee| seen.insert(*callee)));
+    }
+    seen.len()
+}
+
+fn ways(graph: &CallGraph, roots: impl Iterator<Item = usize>, allowed: &[(&str, &str)]) -> Vec<String> {
+    let name = |function: usize| graph.functions[function].name();
+    let mut from: HashMap<usize, Option<usize>> = roots.map(|root| (root, None)).collect();
+    let mut queue: VecDeque<usize> = from.keys().copied().collect();
+    queue.make_contiguous().sort_unstable();
+    let mut ways = Vec::new();
+    while let Some(function) = queue.pop_front() {
+        let mut panics = false;
+        for callee in graph.callees(function) {
+            if is_panic(&graph.functions[callee]) {
+                if panics || allowed.iter().any(|(allowed, _)| *allowed == name(function)) {
+                    continue;
+                }
+                panics = true;
+                let mut way = vec![name(callee)];
+                let mut at = Some(function);
+                while let Some(function) = at {
+                    way.push(name(function));
+                    at = from.get(&function).copied().flatten();
+                }
+                way.reverse();
+                ways.push(way.join(" → "));
+            } else if let Entry::Vacant(new) = from.entry(callee) {
+                new.insert(Some(function));
+                queue.push_back(callee);
+            }
+        }
+    }
+    ways
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const IDLE: &str = "firmware::app::idle";
+
+    fn function(name: &str, calls: &[usize], calls_pointers: bool) -> Function {
+        let (names, calls) = (vec![name.to_owned()], calls.iter().copied().collect());
+        Function { names, calls, calls_pointers, frame: 0 }
+    }
+
+    /// Start-up panics; a task and the idle loop call a helper.
+    fn graph() -> CallGraph {
+        let functions = vec![
+            function("Reset", &[1, 2], false),
+            function("firmware::board::init", &[5], false),
+            function(IDLE, &[4], false),
+            function("EXTI4", &[4], false),
+            function("helper", &[], false),
+            function("core::option::unwrap_failed", &[6], false),
+            function("core::panicking::panic_fmt", &[], false),
+        ];
+        CallGraph::of(functions, [3])
+    }
+
+    fn found(graph: &CallGraph) -> PanicFindings {
+        find(graph, &Rules { idle: IDLE, allowed: &[], exempt: &[] }).expect("there are panics, and an idle loop")
+    }
+
+    #[test]
+    fn start_up_may_panic() {
+        let found = found(&graph());
+        assert!(found.ways.is_empty());
+        assert_eq!(found.reachable, 3);
+    }
+
+    #[test]
+    fn a_panic_behind_a_task_is_named_with_the_way_to_it() {
+        let mut graph = graph();
+        graph.functions[4].calls.insert(5);
+        assert_eq!(found(&graph).ways, ["firmware::app::idle → helper → core::option::unwrap_failed"]);
+        graph.functions[2].calls.clear();
+        assert_eq!(found(&graph).ways, ["EXTI4 → helper → core::option::unwrap_failed"]);
+    }
+
+    #[test]
+    fn an_exception_is_reported_with_its_reason_and_counts_for_what_it_names_only() {
+        let mut graph = graph();
+        graph.functions[4].calls.insert(5);
+        let rules = Rules { idle: IDLE, allowed: &[("helper", "it is known")], exempt: &[] };
+        let allowed = find(&graph, &rules).expect("there are panics, and an idle loop");
+        assert!(allowed.ways.is_empty());
+        assert_eq!(allowed.exceptions, ["allowed in helper: it is known"]);
+        let rules = Rules { idle: IDLE, allowed: &[], exempt: &[("EXTI4", "it may")] };
+        let exempt = find(&graph, &rules).expect("there are panics, and an idle loop");
+        assert_eq!(exempt.ways, ["firmware::app::idle → helper → core::option::unwrap_failed"]);
+        assert_eq!(exempt.exceptions, ["exempt is EXTI4: it may"]);
+    }
+
+    #[test]
+    fn a_call_by_pointer_may_lead_to_whatever_has_its_address_taken() {
+        let mut graph = graph();
+        graph.functions[4].calls_pointers = true;
+        assert!(found(&graph).ways.is_empty());
+        graph.pointed.insert(1);
+        let ways = found(&graph).ways;
+        assert!(ways[0].ends_with("helper → firmware::board::init → core::option::unwrap_failed"), "{ways:?}");
+    }
+
+    #[test]
+    fn an_image_whose_panics_have_other_names_is_not_believed() {
+        let mut graph = graph();
+        for function in &mut graph.functions[5..] {
+            function.names = vec!["other".to_owned()];
+        }
+        let outcome = find(&graph, &Rules { idle: IDLE, allowed: &[], exempt: &[] });
+        assert!(outcome.is_err_and(|error| error.to_string().contains("nothing is checked")));
+    }
+}

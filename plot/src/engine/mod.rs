@@ -1,0 +1,14 @@
+//! The one engine of all pictures: a figure is a column of rows of charts, which are laid out and
+//! painted to SVG here.
+
+pub mod axis;
+pub mod chart;
+pub mod colour;
+pub mod head;
+pub mod layout;
+pub mod paint;
+pub mod reduce;
+pub mod scaled;
+pub mod svg;
+pub mod trace;
+pub mod words;

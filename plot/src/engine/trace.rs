@@ -1,0 +1,127 @@
+//! One quantity of a chart: points or bins, and how they are drawn.
+
+use super::colour::{Colour, QUIET};
+use super::reduce::Bin;
+
+/// Width of a line, pixels.
+pub const CURVE: f64 = 1.4;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TraceStyle {
+    /// A line through points, or through the means of bins with the band of their extremes.
+    Line,
+    Dashed,
+    Points,
+    Stems,
+    /// The extremes of bins alone.
+    Band,
+    /// A row of its own in which the bins' means, from 0 to 1, are heights.
+    Bars,
+}
+
+/// One quantity of a chart, with its label in the legend; an empty label is left out there.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    pub(crate) label: String,
+    pub(crate) style: TraceStyle,
+    /// By position in the chart if not chosen.
+    pub(crate) colour: Option<Colour>,
+    pub(crate) points: Vec<(f64, f64)>,
+    /// Half the length of each point's error bar.
+    pub(crate) errors: Vec<f64>,
+    pub(crate) bins: Vec<Bin>,
+    /// Of the line, pixels.
+    pub(crate) width: f64,
+    /// Opacity of the band of a bin's extremes.
+    pub(crate) band: f64,
+}
+
+impl Trace {
+    pub(crate) fn new(label: impl Into<String>, style: TraceStyle, points: Vec<(f64, f64)>) -> Self {
+        let label = label.into();
+        Self { label, style, colour: None, points, errors: Vec::new(), bins: Vec::new(), width: CURVE, band: 0.25 }
+    }
+
+    /// Points (x, y) that a line joins; it is broken where a value is missing (NaN).
+    pub fn line(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(label, TraceStyle::Line, points)
+    }
+
+    /// Points that a dashed line joins.
+    pub fn dashed(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(label, TraceStyle::Dashed, points).width(1.6)
+    }
+
+    /// Dots.
+    pub fn points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(label, TraceStyle::Points, points)
+    }
+
+    /// Dots on stems from zero (from the bottom, on a logarithmic axis).
+    pub fn stems(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(label, TraceStyle::Stems, points)
+    }
+
+    /// What was reduced already: means as a line, extremes as a band.
+    pub fn bins(label: impl Into<String>, bins: Vec<Bin>) -> Self {
+        Self { bins, ..Self::new(label, TraceStyle::Line, Vec::new()) }
+    }
+
+    /// A quiet dashed line that stays at a value for a while.
+    pub(crate) fn held(from: f64, to: f64, value: f64) -> Self {
+        Self::dashed("", vec![(from, value), (to, value)]).width(1.0).painted(QUIET)
+    }
+
+    /// The extremes of bins as a band of some opacity, without a line.
+    pub(crate) fn extremes(bins: Vec<Bin>, opacity: f64) -> Self {
+        Self { style: TraceStyle::Band, ..Self::bins("", bins).band(opacity) }
+    }
+
+    /// Error bars: each reaches so far above its point, and below.
+    #[must_use]
+    pub fn errors(mut self, half_lengths: Vec<f64>) -> Self {
+        self.errors = half_lengths;
+        self
+    }
+
+    /// Width of a line in pixels, 1.4 if not called.
+    #[must_use]
+    pub fn width(mut self, pixels: f64) -> Self {
+        self.width = pixels;
+        self
+    }
+
+    /// Opacity of the band behind a line of bins.
+    #[must_use]
+    pub(crate) fn band(mut self, opacity: f64) -> Self {
+        self.band = opacity;
+        self
+    }
+
+    /// One of eight colours by number (more begin again): blue, orange, green, purple, vermilion,
+    /// sky blue, ink, grey.
+    #[must_use]
+    pub fn colour(self, number: usize) -> Self {
+        self.painted(Colour::numbered(number))
+    }
+
+    #[must_use]
+    pub(crate) fn painted(mut self, colour: Colour) -> Self {
+        self.colour = Some(colour);
+        self
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.points.is_empty() && self.bins.is_empty()
+    }
+
+    pub(crate) fn places(&self) -> impl Iterator<Item = f64> {
+        let points = self.points.iter().map(|point| point.0);
+        points.chain(self.bins.iter().flat_map(|bin| [bin.from_s, bin.to_s]))
+    }
+
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
+        let points = self.points.iter().map(|point| point.1);
+        points.chain(self.bins.iter().flat_map(|bin| [bin.least, bin.most]))
+    }
+}

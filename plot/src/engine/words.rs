@@ -1,0 +1,163 @@
+//! Words that have to fit: numbers in three digits, units with a power of ten, text in lines,
+//! legends in rows.
+
+use super::axis::power_of_ten;
+
+/// About how wide a text will be: fonts are the viewer's, and some are wider than others.
+pub fn width(text: &str, size: f64) -> f64 {
+    let share = |letter: char| match letter {
+        'i' | 'j' | 'l' | 't' | 'f' | '.' | ',' | ':' | ';' | ' ' | '|' | '\'' => 0.34,
+        'm' | 'w' | 'M' | 'W' => 0.94,
+        _ => 0.6,
+    };
+    text.chars().map(share).sum::<f64>() * size
+}
+
+/// A number in three digits, as people write it.
+pub fn brief(number: f64) -> String {
+    if number == 0.0 || !number.is_finite() {
+        return if number == 0.0 { "0".to_owned() } else { "–".to_owned() };
+    }
+    let exponent = number.abs().log10().floor() as i32;
+    let text = if (-3..6).contains(&exponent) {
+        let text = format!("{number:.*}", (2 - exponent).max(0) as usize);
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{:.2}·{}", number / 10_f64.powi(exponent), power_of_ten(exponent))
+    };
+    text.replace('-', "−")
+}
+
+/// A value with its standard error: as many decimals as leave the error two digits.
+pub fn estimate(value: f64, se: f64) -> String {
+    if !(se.is_finite() && se > 0.0) {
+        return brief(value);
+    }
+    let largest = value.abs().max(se).log10().floor() as i32;
+    let (exponent, decimals) = (se.log10().floor() as i32, 1 - se.log10().floor() as i32);
+    if !(-4..6).contains(&largest) || !(-8..6).contains(&exponent) {
+        return format!("{} ± {}", brief(value), brief(se));
+    }
+    let decimals = decimals.max(0) as usize;
+    format!("{value:.decimals$} ± {se:.decimals$}").replace('-', "−")
+}
+
+/// A unit times 10^exponent (a multiple of three), with a prefix where it has one.
+pub fn unit(name: &str, exponent: i32) -> String {
+    let prefix = match exponent {
+        0 => return name.to_owned(),
+        -9 => "n",
+        -6 => "µ",
+        -3 => "m",
+        3 => "k",
+        6 => "M",
+        _ => "",
+    };
+    let takes_prefix = if exponent < 0 {
+        ["K", "W", "V", "A", "s", "K/W", "K/J", "J/K", "K/s"].contains(&name)
+    } else {
+        ["W", "J/K"].contains(&name)
+    };
+    match (takes_prefix && !prefix.is_empty(), name.is_empty()) {
+        (true, _) => format!("{prefix}{name}"),
+        (false, true) => power_of_ten(exponent),
+        (false, false) => format!("{} {name}", power_of_ten(exponent)),
+    }
+}
+
+/// A text with its middle left out, so that it fits.
+pub fn shortened(text: &str, size: f64, room: f64) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if width(text, size) <= room {
+        return text.to_owned();
+    }
+    (1..letters.len())
+        .map(|cut| {
+            let kept = letters.len() - cut;
+            let (head, tail) = (kept.div_ceil(2), kept / 2);
+            letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect::<String>()
+        })
+        .find(|short| width(short, size) <= room)
+        .unwrap_or_default()
+}
+
+/// Text in lines of at most `room` pixels, of which the first has less by `taken`.
+pub fn wrapped(text: &str, size: f64, room: f64, taken: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let limit = if lines.len() == 1 { room - taken } else { room };
+        let Some(line) = lines.last_mut() else { continue };
+        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        if width(&longer, size) <= limit {
+            *line = longer;
+        } else if line.is_empty() && limit >= room {
+            *line = shortened(word, size, room);
+        } else {
+            lines.push(shortened(word, size, room));
+        }
+    }
+    lines
+}
+
+/// Notes with commas between them, in lines of at most `room` pixels, of which the first has less
+/// by `taken`. A note stays in one line if it can.
+pub fn listed(notes: &[String], size: f64, room: f64, taken: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for (i, note) in notes.iter().enumerate() {
+        let note = if i + 1 < notes.len() { format!("{note},") } else { note.clone() };
+        let limit = if lines.len() == 1 { room - taken } else { room };
+        let Some(line) = lines.last_mut() else { continue };
+        let longer = if line.is_empty() { note.clone() } else { format!("{line} {note}") };
+        if width(&longer, size) <= limit {
+            *line = longer;
+        } else if width(&note, size) <= room {
+            lines.push(note);
+        } else {
+            lines.extend(wrapped(&note, size, room, 0.0));
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_whatever_their_size() {
+        let expected = [(0.0, "0"), (-1.5, "−1.5"), (123_456.0, "123456"), (2e-6, "2.00·10⁻⁶"), (0.012_345, "0.0123")];
+        for (number, text) in expected {
+            assert_eq!(brief(number), text);
+        }
+        assert_eq!(brief(f64::NAN), "–");
+    }
+
+    #[test]
+    fn an_estimate_has_the_digits_that_its_error_leaves() {
+        assert_eq!(estimate(12.346, 0.123), "12.35 ± 0.12");
+        assert_eq!(estimate(-3.0, 40.0), "−3 ± 40");
+        assert_eq!(estimate(5.0, 0.0), "5");
+        assert_eq!(estimate(2e-9, 1e-10), "2.00·10⁻⁹ ± 1.00·10⁻¹⁰");
+    }
+
+    #[test]
+    fn units_take_prefixes_that_exist() {
+        assert_eq!(unit("K", -3), "mK");
+        assert_eq!(unit("°C", -3), "10⁻³ °C");
+        assert_eq!(unit("s", 6), "10⁶ s");
+        assert_eq!(unit("", 9), "10⁹");
+    }
+
+    #[test]
+    fn long_words_lose_their_middle_and_long_texts_are_wrapped() {
+        let short = shortened("temperature_c_a_probe_with_quite_a_name", 12.0, 120.0);
+        assert!(short.starts_with("tempe") && short.ends_with("name") && width(&short, 12.0) <= 120.0, "{short}");
+        let lines = wrapped("one two three four five six", 12.0, 80.0, 40.0);
+        assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 12.0) <= 80.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "one two three four five six");
+        let notes = ["K/W", "one two three", "four five six seven eight nine ten"].map(str::to_owned);
+        let lines = listed(&notes, 12.0, 120.0, 40.0);
+        assert_eq!(lines[..2], ["K/W,", "one two three,"]);
+        assert!(lines.len() > 3 && lines.iter().all(|line| width(line, 12.0) <= 120.0), "{lines:?}");
+    }
+}

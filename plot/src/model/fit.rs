@@ -1,0 +1,329 @@
+//! How well a model follows a record: measured and predicted values over time, residuals and their
+//! autocorrelation.
+//!
+//! ```text
+//! e = y − ŷ,    fit = 100 (1 − ‖e‖ / ‖y − mean y‖) %,    95 % of white noise: |ρ(lag)| < 1.96/√n
+//! ```
+
+use crate::engine::axis::Scale;
+use crate::engine::chart::Chart;
+use crate::engine::reduce::Bin;
+use crate::engine::trace::Trace;
+use crate::engine::words::{brief, shortened, unit};
+use diffusive::model::Whiteness;
+
+/// Bins are merged in pairs when there are so many: between one and two for two pixels remain.
+const MOST_BINS: usize = 1460;
+/// Event stretches beyond it would be a smear.
+const MOST_STRETCHES: usize = 300;
+/// Residuals beyond so many times what 98 of 100 bins keep within are cut.
+const OUTLIER: f64 = 6.0;
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub const NORMAL_95: f64 = 1.96;
+
+/// Least, greatest and sum of the values of a bin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reach {
+    least: f64,
+    most: f64,
+    sum: f64,
+    count: f64,
+}
+
+impl Reach {
+    fn of(value: f64) -> Self {
+        if value.is_finite() {
+            Self { least: value, most: value, sum: value, count: 1.0 }
+        } else {
+            Self { least: f64::NAN, most: f64::NAN, sum: 0.0, count: 0.0 }
+        }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            least: self.least.min(other.least),
+            most: self.most.max(other.most),
+            sum: self.sum + other.sum,
+            count: self.count + other.count,
+        }
+    }
+}
+
+/// Some rows in a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FitBin {
+    from_s: f64,
+    /// Measured, predicted, residual.
+    values: [Reach; 3],
+    /// Of the first row.
+    class: usize,
+}
+
+/// Takes a record row by row and keeps what a picture of it needs, however long it is.
+#[derive(Debug, Clone)]
+pub struct FitBuilder {
+    name: String,
+    unit: String,
+    rows: u64,
+    /// Rows of a full bin: a power of two.
+    width: u64,
+    bins: Vec<FitBin>,
+    last_s: f64,
+    step_s: f64,
+    /// Rows that have both values, their mean and squared distances from it, and their squared
+    /// residuals.
+    good: f64,
+    mean: f64,
+    spread: f64,
+    squares: f64,
+}
+
+impl FitBuilder {
+    /// The next row. Times ascend; a missing value is NaN. `class` is an index into the model's
+    /// classes.
+    pub fn push(&mut self, time_s: f64, measured: f64, predicted: f64, class: usize) {
+        let residual = measured - predicted;
+        if residual.is_finite() {
+            self.good += 1.0;
+            let distance = measured - self.mean;
+            self.mean += distance / self.good;
+            self.spread += distance * (measured - self.mean);
+            self.squares += residual * residual;
+        }
+        if self.rows > 0 {
+            self.step_s = time_s - self.last_s;
+        }
+        self.last_s = time_s;
+        let values = [measured, predicted, residual].map(Reach::of);
+        if self.rows.is_multiple_of(self.width) {
+            if self.bins.len() == MOST_BINS {
+                self.halve();
+            }
+            // Halved, the last bin is full still: the number of bins is even.
+            self.bins.push(FitBin { from_s: time_s, values, class });
+        } else if let Some(bin) = self.bins.last_mut() {
+            bin.values = std::array::from_fn(|i| bin.values[i].with(values[i]));
+        }
+        self.rows += 1;
+    }
+
+    fn halve(&mut self) {
+        let merged = self.bins.chunks(2).map(|pair| {
+            let (first, second) = (pair[0], pair[pair.len() - 1]);
+            FitBin { values: std::array::from_fn(|i| first.values[i].with(second.values[i])), ..first }
+        });
+        self.bins = merged.collect();
+        self.width *= 2;
+    }
+
+    /// The whiteness of the residuals, if it was looked at.
+    pub fn finish(self, whiteness: Option<Whiteness>) -> FitSeries {
+        let end_s = self.last_s + if self.step_s > 0.0 { self.step_s } else { 1.0 };
+        let rms = (self.good > 0.0).then(|| (self.squares / self.good).sqrt());
+        let fit_percent = (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()));
+        let Self { name, unit, rows, bins, .. } = self;
+        FitSeries { name, unit, rows, bins, end_s, rms, fit_percent, whiteness }
+    }
+}
+
+/// Measured and predicted values of one output, reduced to what a picture can hold.
+#[derive(Debug, Clone)]
+pub struct FitSeries {
+    pub(super) name: String,
+    unit: String,
+    pub(super) rows: u64,
+    bins: Vec<FitBin>,
+    end_s: f64,
+    rms: Option<f64>,
+    fit_percent: Option<f64>,
+    pub(super) whiteness: Option<Whiteness>,
+}
+
+impl FitSeries {
+    /// Begins one of the output called `name`, measured in `unit`.
+    pub fn builder(name: impl Into<String>, unit: impl Into<String>) -> FitBuilder {
+        FitBuilder {
+            name: name.into(),
+            unit: unit.into(),
+            rows: 0,
+            width: 1,
+            bins: Vec::new(),
+            last_s: 0.0,
+            step_s: 0.0,
+            good: 0.0,
+            mean: 0.0,
+            spread: 0.0,
+            squares: 0.0,
+        }
+    }
+
+    fn bins(&self, which: usize) -> Vec<Bin> {
+        let ends = self.bins.iter().skip(1).map(|bin| bin.from_s).chain([self.end_s]);
+        let bins = self.bins.iter().zip(ends).map(|(bin, to_s)| {
+            let Reach { least, most, sum, count } = bin.values[which];
+            Bin { from_s: bin.from_s, to_s, least, most, mean: if count > 0.0 { sum / count } else { f64::NAN } }
+        });
+        bins.collect()
+    }
+
+    /// From, to and class of the stretches in which one class held, as far as bins tell them apart.
+    fn stretches(&self) -> Vec<(f64, f64, usize)> {
+        let mut stretches: Vec<(f64, f64, usize)> = Vec::new();
+        for bin in &self.bins {
+            match stretches.last_mut() {
+                Some(last) if last.2 == bin.class => {}
+                last => {
+                    if let Some(last) = last {
+                        last.1 = bin.from_s;
+                    }
+                    stretches.push((bin.from_s, self.end_s, bin.class));
+                }
+            }
+        }
+        stretches
+    }
+
+    /// Measured and predicted, then what is left, over the ground of the event classes.
+    pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
+        let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
+        let mut fit = Chart::new(shortened(&self.name, 14.0, 420.0), &self.unit).height(170.0);
+        fit = match self.fit_percent {
+            Some(percent) => fit.note(format!("fit {} %", brief(percent))),
+            None => fit,
+        };
+        fit = fit
+            .trace(Trace::bins("measured", self.bins(0)).colour(7).width(2.8))
+            .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(1.2));
+        let residuals = self.bins(2);
+        let mut left =
+            Chart::new("Residuals", left_unit).height(90.0).trace(Trace::bins("", residuals.clone()).colour(6));
+        if let Some(rms) = self.rms {
+            left = left.note(format!("rms {}", with_unit(rms, left_unit)));
+        }
+        let mut distances: Vec<f64> =
+            residuals.iter().map(|bin| bin.most.max(-bin.least)).filter(|d| d.is_finite()).collect();
+        distances.sort_by(f64::total_cmp);
+        let (greatest, usual) = (distances.last(), distances.get(distances.len() * 98 / 100));
+        if let (Some(&greatest), Some(&usual)) = (greatest, usual)
+            && greatest > OUTLIER * usual
+            && usual > 0.0
+        {
+            let range = 2.0 * usual;
+            left = left.range(-range, range).note(format!("cut, the greatest is {}", with_unit(greatest, left_unit)));
+        }
+        if classes.len() < 2 {
+            return [fit, left];
+        }
+        let stretches = self.stretches();
+        if stretches.len() > MOST_STRETCHES {
+            return [fit.note("classes change too often to be shown"), left];
+        }
+        for (from_s, to_s, class) in stretches {
+            let label = classes.get(class).map_or("", String::as_str);
+            fit = fit.shading(from_s, to_s, class, label);
+            left = left.shading(from_s, to_s, class, "");
+        }
+        [fit, left]
+    }
+}
+
+/// Autocorrelation of `rows` residuals.
+pub fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
+    let lags = whiteness.autocorrelation.iter().enumerate();
+    let limit = NORMAL_95 / (rows.max(1) as f64).sqrt();
+    let p = if whiteness.p_value < 1e-4 { "< 0.0001".to_owned() } else { format!("= {}", brief(whiteness.p_value)) };
+    let caption = match name {
+        "" => "Autocorrelation of the residuals".to_owned(),
+        _ => format!("Autocorrelation, {}", shortened(name, 14.0, 220.0)),
+    };
+    Chart::new(caption, "")
+        .x(Scale::Linear, "lag")
+        .height(150.0)
+        .note(format!("p {p} (Ljung–Box)"))
+        .note(format!("95 % of white noise within ±{}", brief(limit)))
+        .limit(limit)
+        .limit(-limit)
+        .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).colour(6))
+}
+
+/// A size with its unit, in thousandths where that reads better.
+fn with_unit(value: f64, name: &str) -> String {
+    let exponent = if value > 0.0 { (value.log10() / 3.0).floor() as i32 * 3 } else { 0 };
+    let exponent = if (-9..0).contains(&exponent) { exponent } else { 0 };
+    format!("{} {}", brief(value / 10_f64.powi(exponent)), unit(name, exponent)).trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::reduce::bins;
+
+    fn measured(n: usize) -> f64 {
+        (n * 7919 % 1009) as f64 * 0.01
+    }
+
+    fn fit(rows: usize) -> FitSeries {
+        let mut builder = FitSeries::builder("y", "°C");
+        for n in 0..rows {
+            builder.push(n as f64 * 0.5, measured(n), measured(n) - 0.25, n / 1000 % 2);
+        }
+        builder.finish(None)
+    }
+
+    #[test]
+    fn bins_of_a_stream_are_those_of_the_whole_record() {
+        // 1000 bins of 64 rows: a power of two of rows, so that both cut at the same places.
+        let (rows, count) = (64_000, 1000);
+        let time_s: Vec<f64> = (0..rows).map(|n| n as f64 * 0.5).collect();
+        let whole = bins(&time_s, measured, count);
+        let stream = fit(rows).bins(0);
+        assert_eq!(stream.len(), count);
+        for (a, b) in stream.iter().zip(&whole) {
+            assert_eq!((a.from_s, a.to_s, a.least, a.most), (b.from_s, b.to_s, b.least, b.most));
+            // sums of 64 values in another order
+            assert!((a.mean - b.mean).abs() < 1e-13, "{} {}", a.mean, b.mean);
+        }
+    }
+
+    #[test]
+    fn memory_does_not_grow_with_the_record() {
+        for rows in [1, 2, MOST_BINS, MOST_BINS + 1, 2 * MOST_BINS + 1, 100_000, 1_000_003] {
+            let fit = fit(rows);
+            assert!(
+                fit.bins.len() <= MOST_BINS && fit.bins.len() >= rows.min(MOST_BINS / 2),
+                "{rows}: {}",
+                fit.bins.len()
+            );
+            let counted: f64 = fit.bins.iter().map(|bin| bin.values[0].count).sum();
+            assert_eq!(counted, rows as f64);
+            assert_eq!(fit.end_s, if rows == 1 { 1.0 } else { rows as f64 * 0.5 });
+        }
+    }
+
+    #[test]
+    fn figures_are_those_of_every_row() {
+        let fit = fit(50_000);
+        // All residuals are 0.25 K, so the fit is 1 − 0.25/σ of a value drawn from 0, 0.01 … 10.08,
+        // which is nearly uniform.
+        assert!((fit.rms.unwrap() - 0.25).abs() < 1e-12);
+        let sigma = 10.09 / 12_f64.sqrt();
+        assert!((fit.fit_percent.unwrap() - 100.0 * (1.0 - 0.25 / sigma)).abs() < 0.01, "{:?}", fit.fit_percent);
+    }
+
+    #[test]
+    fn classes_are_told_apart_where_they_change() {
+        let stretches = fit(5000).stretches();
+        // bins of 4 rows begin at the changes after 1000, 2000, … rows
+        let expected =
+            [(0.0, 500.0, 0), (500.0, 1000.0, 1), (1000.0, 1500.0, 0), (1500.0, 2000.0, 1), (2000.0, 2500.0, 0)];
+        assert_eq!(stretches, expected);
+    }
+
+    #[test]
+    fn sizes_are_said_in_thousandths() {
+        assert_eq!(with_unit(0.0049, "K"), "4.9 mK");
+        assert_eq!(with_unit(2.5, "K"), "2.5 K");
+        assert_eq!(with_unit(0.0, "V"), "0 V");
+        assert_eq!(with_unit(0.0049, ""), "4.9 10⁻³");
+    }
+}

@@ -1,0 +1,15 @@
+//! Models of heated bodies: time-constant spectra, frequency responses, structure functions, and
+//! how well they fit a record.
+
+mod bode;
+mod figure;
+mod fit;
+mod naming;
+mod spectrum;
+mod structure;
+
+pub use figure::figure;
+pub use fit::{FitBuilder, FitSeries};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+//! Gathering a run's rows in memory, as the columns that would be read back from its file.
+
+use std::path::PathBuf;
+
+use crate::column::{ColumnKind, ColumnValues, ColumnWords, Metadata, RecordingColumn, RowCell};
+use crate::error::RecordingError;
+use crate::recording::Recording;
+use crate::row::{RecordingLayout, RecordingRow};
+use crate::writer::with_format;
+
+/// Rows gathered in memory instead of in a file.
+#[derive(Debug)]
+pub struct Collector {
+    layout: RecordingLayout,
+    recording: Recording,
+}
+
+impl Collector {
+    /// Starts a recording with what is known of it beforehand.
+    pub fn new(layout: RecordingLayout, metadata: &Metadata) -> Self {
+        let empty = |kind| match kind {
+            ColumnKind::Text => ColumnValues::Words(ColumnWords::default()),
+            _ => ColumnValues::Numbers(Vec::new()),
+        };
+        let columns =
+            layout.columns().into_iter().map(|(name, kind)| RecordingColumn { name, values: empty(kind) }).collect();
+        let recording = Recording { path: PathBuf::from("this run"), metadata: with_format(metadata), columns };
+        Self { layout, recording }
+    }
+
+    /// What the rows consist of.
+    pub fn layout(&self) -> &RecordingLayout {
+        &self.layout
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// If it does not fit the layout.
+    pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
+        self.layout.check(row)?;
+        for (column, cell) in self.recording.columns.iter_mut().zip(row.cells()) {
+            match (&mut column.values, cell) {
+                (ColumnValues::Numbers(values), RowCell::Number(number)) => values.push(number),
+                (ColumnValues::Words(values), RowCell::Text(word)) => values.push(word),
+                // The cells are of the layout's kinds.
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The recording, with what is known at its end.
+    pub fn finish(mut self, metadata: &Metadata) -> Recording {
+        self.recording.metadata.extend(metadata.iter().cloned());
+        self.recording
+    }
+}

@@ -1,0 +1,159 @@
+//! Columns in memory, and what every format of file can do with them.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::error::RecordingError;
+
+/// Ordered pairs of key and value; a key stands once.
+pub type Metadata = Vec<(String, String)>;
+
+/// Rows that are handed on at once, at most.
+pub const CHUNK: usize = 16_384;
+
+/// A column of a chunk or of a whole recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingColumn {
+    /// Name, with the quantity and its unit.
+    pub name: String,
+    /// One value a row.
+    pub values: ColumnValues,
+}
+
+/// The values of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColumnValues {
+    /// A missing number is NaN.
+    Numbers(Vec<f64>),
+    /// Text.
+    Words(ColumnWords),
+}
+
+/// Text that repeats: each word once, and which one a row has.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ColumnWords {
+    dictionary: Vec<String>,
+    rows: Vec<u32>,
+    known: HashMap<String, u32>,
+}
+
+impl ColumnWords {
+    /// Adds a row.
+    pub fn push(&mut self, word: &str) {
+        // Neighbours are alike most of the time.
+        if let Some(&last) = self.rows.last().filter(|&&last| self.dictionary[last as usize] == word) {
+            self.rows.push(last);
+            return;
+        }
+        let code = match self.known.get(word) {
+            Some(&code) => code,
+            None => {
+                let code = u32::try_from(self.dictionary.len()).expect("a recording of fewer than 2^32 rows");
+                self.dictionary.push(word.to_owned());
+                self.known.insert(word.to_owned(), code);
+                code
+            }
+        };
+        self.rows.push(code);
+    }
+
+    /// The different words, in the order of their first appearance.
+    pub fn dictionary(&self) -> &[String] {
+        &self.dictionary
+    }
+
+    /// For every row, which word of the dictionary it has.
+    pub fn codes(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The word of every row.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.rows.iter().map(|&code| self.dictionary[code as usize].as_str())
+    }
+
+    /// Stretches of rows with the same word: `(first row, one past the last, word)`.
+    pub fn stretches(&self) -> impl Iterator<Item = (usize, usize, &str)> {
+        let mut start = 0;
+        self.rows.chunk_by(|a, b| a == b).map(move |stretch| {
+            let from = start;
+            start += stretch.len();
+            (from, start, self.dictionary[stretch[0] as usize].as_str())
+        })
+    }
+}
+
+impl ColumnValues {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Words(words) => words.len(),
+        }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub(crate) fn append(&mut self, more: Self) -> Result<(), ()> {
+        match (self, more) {
+            (Self::Numbers(all), Self::Numbers(more)) => all.extend(more),
+            (Self::Words(all), Self::Words(more)) => more.iter().for_each(|word| all.push(word)),
+            _ => return Err(()),
+        }
+        Ok(())
+    }
+}
+
+/// How a column is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ColumnKind {
+    /// f64.
+    Wide,
+    /// f32.
+    Number,
+    /// 0 or 1.
+    Bit,
+    /// A whole number, or none.
+    Flags,
+    Text,
+}
+
+/// A value on its way into a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum RowCell<'a> {
+    /// A missing number is NaN.
+    Number(f64),
+    Text(&'a str),
+}
+
+/// The writer of a format: rows go in, cell by cell in the order of the columns.
+pub(crate) trait RowSink {
+    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>, path: &Path) -> Result<(), RecordingError>;
+    fn finish(self: Box<Self>, metadata: &Metadata, path: &Path) -> Result<(), RecordingError>;
+}
+
+/// The reader of a format: what [`crate::RecordingReader`] says of each of these holds here.
+pub(crate) trait ChunkSource {
+    fn names(&self) -> &[String];
+    fn names_mut(&mut self) -> &mut [String];
+    fn metadata(&self) -> Metadata;
+    fn rows(&self) -> Option<u64>;
+    fn holds_text(&mut self, path: &Path) -> Result<Vec<bool>, RecordingError>;
+    fn select(&mut self, columns: &[usize]);
+    fn read_as_text(&mut self, column: usize);
+    fn skip(&mut self, rows: u64, path: &Path) -> Result<u64, RecordingError>;
+    fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<RecordingColumn>>, RecordingError>;
+}

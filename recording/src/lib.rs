@@ -1,0 +1,87 @@
+//! Recordings and tables as files: one row a sample period, in Parquet or CSV by the file's
+//! extension, with the same columns in both.
+//!
+//! ```
+//! use recording::{Recording, write_columns};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("heating.csv");
+//! let power_w: (_, &[f64]) = ("power_w_core", &[0.0, 1.0, 1.0, 1.0]);
+//! let temperature_c: (_, &[f64]) = ("temperature_c_core", &[20.0, 20.0, 20.4, 20.6]);
+//! write_columns(&path, 0.5, &[power_w, temperature_c], &Vec::new())?;
+//!
+//! let recording = Recording::read(&path)?;
+//! assert_eq!(recording.sample_period_s()?, 0.5);
+//! assert_eq!(recording.elements(), ["core"]);
+//! assert_eq!(recording.numbers("temperature_c_core")?, temperature_c.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | column | meaning | unit |
+//! |---|---|---|
+//! | `time_s` | t_n of row n | s |
+//! | `temperature_c_<element>` | temperature at t_n | °C |
+//! | `power_w_<element>` | heating power held over [t_n, t_{n+1}) | W |
+//! | `equivalent_power_w_<element>` | conduction into the element's structure at t_n, by its observer; only where one ran | W |
+//! | `heater_<element>` | 1 while the element is held at its high level over [t_n, t_{n+1}) | 0 or 1 |
+//! | `event` | label of the conditions | text |
+//! | `state` | `standby`, `running` or `tripped:<cause>:<element>` | text |
+//! | `true_wind_x_m_s`, `true_wind_y_m_s`, `true_wind_z_m_s` | wind of the simulation over the interval | m/s |
+//! | `gas_temperature_c` | gas temperature of the simulation over the interval, when it changes | °C |
+//! | `wind_…`, `conductance_w_k_<element>`, `raw_w_k_<element>`, `quality_flags` | the wind estimate ([`wind`]), of calibrated heads | |
+//!
+//! Hyphens in an element's name are underscores in its columns. Metadata (`format = 2`, head,
+//! experiment, firmware, losses, hash …) are Parquet's key-values and, in CSV, lines `# key:
+//! value`: above the header what is known beforehand, below the last row what is known at the end
+//! of a run. Times are stored in f64, the rest in f32, which is what the instrument computes in.
+//! Files of before 0.2 (`power_w:sector1`, `answer_x_m_s`) are read with the names above. Any other
+//! uniformly sampled table with named columns can be read just as well, with its own names.
+//!
+//! | module or type | what it is |
+//! |---|---|
+//! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
+//! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file; into memory; columns into a file |
+//! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
+//! | [`wind`] | columns of the wind estimate |
+//! | [`Temporary`] | a file that appears under its name when it is complete |
+//! | [`toml_file`] | strict reading of TOML files: errors name file, line and key |
+//! | [`text`] | numbers and tables as text |
+//!
+//! The feature `parquet` (on by default) reads and writes Parquet; without it, a `.parquet` file is
+//! refused.
+
+mod collector;
+mod column;
+mod csv;
+mod error;
+mod file_format;
+mod format1;
+mod names;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod reader;
+mod recording;
+mod row;
+mod temporary;
+pub mod text;
+pub mod toml_file;
+pub mod wind;
+mod writer;
+
+pub use collector::Collector;
+pub use column::{CHUNK, ColumnValues, ColumnWords, Metadata, RecordingColumn};
+pub use error::RecordingError;
+pub use file_format::check_name;
+pub use format1::{current_name, is_format_1, is_pair, renamed};
+pub use names::{
+    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
+    STATE, TEMPERATURE, TIME, TRUE_WIND, column_name, element_of, in_columns, shared_column,
+};
+pub use reader::RecordingReader;
+pub use recording::Recording;
+pub use row::{RecordingLayout, RecordingRow};
+pub use temporary::Temporary;
+pub use writer::{RecordingWriter, write_columns};
+
+#[cfg(all(test, feature = "parquet"))]
+mod tests;

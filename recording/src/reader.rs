@@ -1,0 +1,88 @@
+//! Reading a recording in chunks.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use crate::column::{ChunkSource, Metadata, RecordingColumn};
+use crate::csv::CsvReader;
+use crate::error::RecordingError;
+use crate::file_format::FileFormat;
+use crate::format1::rename_columns;
+use crate::names::duplicate;
+
+/// A recording that is read chunk by chunk, in memory that does not grow with its length.
+pub struct RecordingReader {
+    path: PathBuf,
+    source: Box<dyn ChunkSource>,
+}
+
+impl RecordingReader {
+    /// Opens a file. Columns of format 1 get their names of today.
+    ///
+    /// # Errors
+    /// If there is no such file, its extension is not known, or it is no table with named columns.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let format = FileFormat::of(path)?;
+        let file = File::open(path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => RecordingError::Missing(path.to_owned()),
+            _ => RecordingError::io(path, "read", &error),
+        })?;
+        if path.is_dir() {
+            return Err(RecordingError::io(path, "read", &"it is a folder"));
+        }
+        let mut source: Box<dyn ChunkSource> = match format {
+            #[cfg(feature = "parquet")]
+            FileFormat::Parquet => Box::new(crate::parquet::ParquetReader::open(file, path)?),
+            FileFormat::Csv => Box::new(CsvReader::open(file, path)?),
+        };
+        let metadata = source.metadata();
+        rename_columns(source.names_mut(), &metadata);
+        if let Some(name) = duplicate(source.names().iter().map(String::as_str)) {
+            return Err(RecordingError::content(path, format!("two columns are named `{name}`: rename one of them")));
+        }
+        Ok(Self { path: path.to_owned(), source })
+    }
+
+    /// Names of the columns, in the file's order.
+    pub fn names(&self) -> &[String] {
+        self.source.names()
+    }
+
+    /// What the file says of itself. A CSV file may say more below its last row: complete after the
+    /// last chunk.
+    pub fn metadata(&self) -> Metadata {
+        self.source.metadata()
+    }
+
+    /// Number of rows, where the file knows it beforehand: a Parquet file does.
+    pub fn rows(&self) -> Option<u64> {
+        self.source.rows()
+    }
+
+    /// Whether each column holds text: by its type, or by its first row in a CSV file.
+    pub fn holds_text(&mut self) -> Result<Vec<bool>, RecordingError> {
+        self.source.holds_text(&self.path)
+    }
+
+    /// Hands out only these columns (as they stand in [`RecordingReader::names`]), in this order,
+    /// and spares itself the others. Before the first chunk.
+    pub fn select(&mut self, columns: &[usize]) {
+        self.source.select(columns);
+    }
+
+    /// Takes a column of a CSV file for text even if its first row looks like a number. Parquet's
+    /// columns have their types.
+    pub fn read_as_text(&mut self, column: usize) {
+        self.source.read_as_text(column);
+    }
+
+    /// Passes over rows before the first chunk; returns how many there were.
+    pub fn skip(&mut self, rows: u64) -> Result<u64, RecordingError> {
+        self.source.skip(rows, &self.path)
+    }
+
+    /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after the last.
+    pub fn next_chunk(&mut self) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
+        self.source.next_chunk(&self.path)
+    }
+}

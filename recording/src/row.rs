@@ -1,0 +1,135 @@
+//! What a recording's rows consist of.
+
+use std::path::Path;
+
+use crate::column::{ColumnKind, RowCell};
+use crate::error::RecordingError;
+use crate::names::{
+    EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, STATE, TEMPERATURE, TIME, TRUE_WIND, column_name,
+    shared_column,
+};
+use crate::wind;
+
+/// What a recording's rows consist of.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RecordingLayout {
+    /// Names of the elements, in the order of the rows' slices.
+    pub elements: Vec<String>,
+    /// Whether the rows carry the true wind.
+    pub true_wind: bool,
+    /// Whether the rows carry the true temperature of the gas.
+    pub gas: bool,
+    /// Names of the elements whose rows carry the equivalent power of an observer.
+    pub observed: Vec<String>,
+    /// Names of the elements of a head that outputs wind estimates; none if it does not.
+    pub estimates: Vec<String>,
+}
+
+/// One tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordingRow<'a> {
+    /// Time, s.
+    pub time_s: f64,
+    /// At `time_s`, one an element; NaN where the reading was no temperature.
+    pub temperature_c: &'a [f32],
+    /// Held until the next row, one an element.
+    pub power_w: &'a [f32],
+    /// At `time_s`, one an observed element.
+    pub equivalent_power_w: &'a [f32],
+    /// Bit i set: element i is held at its high level until the next row.
+    pub heaters: u16,
+    /// Label of the conditions.
+    pub event: &'a str,
+    /// State of the instrument.
+    pub state: &'a str,
+    /// Wind of the simulation, held until the next row.
+    pub true_wind_m_s: Option<[f64; 3]>,
+    /// Held until the next row.
+    pub gas_temperature_c: Option<f64>,
+    /// The wind estimate, as [`wind::numbers`] has it.
+    pub estimate: &'a [f32],
+}
+
+impl RecordingRow<'_> {
+    /// The row's cells, in the order of [`RecordingLayout::columns`].
+    pub(crate) fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
+        let heaters = (0..self.temperature_c.len()).map(|i| RowCell::Number(f64::from(self.heaters >> i & 1)));
+        let conditions = self.true_wind_m_s.into_iter().flatten().chain(self.gas_temperature_c);
+        std::iter::once(RowCell::Number(self.time_s))
+            .chain(numbers(self.temperature_c))
+            .chain(numbers(self.power_w))
+            .chain(numbers(self.equivalent_power_w))
+            .chain(heaters)
+            .chain([RowCell::Text(self.event), RowCell::Text(self.state)])
+            .chain(conditions.map(RowCell::Number))
+            .chain(numbers(self.estimate))
+    }
+}
+
+/// Cells of numbers.
+fn numbers<'a>(numbers: &'a [f32]) -> impl Iterator<Item = RowCell<'a>> {
+    numbers.iter().map(|&number| RowCell::Number(number.into()))
+}
+
+impl RecordingLayout {
+    /// Names and kinds of the columns, in the order in which they are written.
+    pub(crate) fn columns(&self) -> Vec<(String, ColumnKind)> {
+        let of = |quantity: &'static str, kind, elements: &[String]| -> Vec<(String, ColumnKind)> {
+            elements.iter().map(|element| (column_name(quantity, element), kind)).collect()
+        };
+        let mut columns = vec![(TIME.to_owned(), ColumnKind::Wide)];
+        columns.extend(of(TEMPERATURE, ColumnKind::Number, &self.elements));
+        columns.extend(of(POWER, ColumnKind::Number, &self.elements));
+        columns.extend(of(EQUIVALENT_POWER, ColumnKind::Number, &self.observed));
+        columns.extend(of(HEATER, ColumnKind::Bit, &self.elements));
+        columns.extend([EVENT, STATE].map(|name| (name.to_owned(), ColumnKind::Text)));
+        if self.true_wind {
+            columns.extend(TRUE_WIND.map(|name| (name.to_owned(), ColumnKind::Number)));
+        }
+        if self.gas {
+            columns.push((GAS_TEMPERATURE.to_owned(), ColumnKind::Number));
+        }
+        columns.extend(wind::columns(&self.estimates).into_iter().map(|name| {
+            let kind = if name == wind::QUALITY_FLAGS { ColumnKind::Flags } else { ColumnKind::Number };
+            (name, kind)
+        }));
+        columns
+    }
+
+    /// Refuses elements that the rows cannot carry.
+    pub(crate) fn check_elements(&self, path: &Path) -> Result<(), RecordingError> {
+        let fault = match self.elements.len() {
+            count @ 17.. => Some(format!("{count} elements do not fit: 16 do at most")),
+            _ => shared_column(self.elements.iter().map(String::as_str)),
+        };
+        fault.map_or(Ok(()), |sentence| Err(RecordingError::content(path, sentence)))
+    }
+
+    pub(crate) fn check(&self, row: &RecordingRow) -> Result<(), RecordingError> {
+        let refuse = |sentence: String| Err(RecordingError::Row { time_s: row.time_s, sentence });
+        let wanted = self.elements.len();
+        for (what, given) in [("temperatures", row.temperature_c.len()), ("powers", row.power_w.len())] {
+            if given != wanted {
+                return refuse(format!("{given} {what} for {wanted} elements"));
+            }
+        }
+        let (given, wanted) = (row.equivalent_power_w.len(), self.observed.len());
+        if given != wanted {
+            return refuse(format!("{given} equivalent powers for {wanted} observed elements"));
+        }
+        if row.true_wind_m_s.is_some() != self.true_wind {
+            return refuse("the wind belongs in every row or in none".to_owned());
+        }
+        if row.gas_temperature_c.is_some() != self.gas {
+            return refuse("the temperature of the gas belongs in every row or in none".to_owned());
+        }
+        let (given, wanted) = (row.estimate.len(), wind::columns(&self.estimates).len());
+        if given != wanted {
+            return refuse(format!("{given} numbers of a wind estimate where {wanted} belong"));
+        }
+        if !row.time_s.is_finite() {
+            return refuse("its time is not finite".to_owned());
+        }
+        Ok(())
+    }
+}

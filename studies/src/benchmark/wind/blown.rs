@@ -1,0 +1,87 @@
+//! A run with anemometers beside it: several modes on the same ticks, for an anemometer decides
+//! nothing.
+
+use wire::WindSample;
+
+use super::chain::rows;
+use super::sphere::WindMode;
+use crate::thesis::StudyError;
+use anemometry::head::{Head, WindOutput};
+use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::Moment;
+use anemometry::wind::off_line::OffLineAnemometer;
+use host_sim::experiment::Experiment;
+
+/// Runs an experiment, whose head has the elements of the calibrated one, and hands out every
+/// answer of every mode by its place.
+///
+/// # Errors
+/// What could not be run, or which bandwidth cannot be had.
+pub fn blow(
+    experiment: &Experiment,
+    head: &Head,
+    modes: &[WindMode],
+    each: &mut dyn FnMut(usize, &Moment, &WindSample),
+) -> Result<(), StudyError> {
+    let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
+    let calibration = head.calibration.as_ref().ok_or_else(none)?;
+    let period_s = experiment.sample_period_s;
+    let told_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
+    let mut anemometers = Vec::with_capacity(modes.len());
+    for mode in modes {
+        let answering = WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
+        let mut anemometer = OffLineAnemometer::new(head, calibration, &answering, period_s)
+            .map_err(|error| StudyError::Other(error.to_string()))?;
+        anemometer.gas(experiment.pressure_pa as f32, told_c).map_err(|error| StudyError::Other(error.to_string()))?;
+        anemometers.push(anemometer);
+    }
+    let mut live = LiveRows::new(period_s);
+    rows(experiment, &mut |row| {
+        let moment = live.moment(row);
+        for (place, anemometer) in anemometers.iter_mut().enumerate() {
+            if let Some(answer) = anemometer.step(&moment.tick) {
+                each(place, &moment, &answer);
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Mean of the raw conductances of the parts that are measured, W/K.
+pub fn raw_w_k(answer: &WindSample) -> f64 {
+    let parts = answer.raw_w_k.iter().filter(|&&w_k| w_k != 0.0);
+    let (sum, count) = parts.fold((0.0, 0), |(sum, count), &w_k| (sum + f64::from(w_k), count + 1));
+    sum / f64::from(count.max(1))
+}
+
+/// Speeds by raw conductances: the power law U ∝ G^n through two winds in which they have long been
+/// settled.
+#[derive(Debug, Clone, Copy)]
+pub struct RawLaw {
+    /// Speed in m/s and mean raw conductance in W/K in the slower wind.
+    pub slow: (f64, f64),
+    /// The same in the faster wind.
+    pub fast: (f64, f64),
+}
+
+impl RawLaw {
+    /// Speed at a mean raw conductance, m/s.
+    pub fn speed_m_s(&self, raw_w_k: f64) -> f64 {
+        let power = (self.fast.0 / self.slow.0).ln() / (self.fast.1 / self.slow.1).ln();
+        self.slow.0 * (raw_w_k / self.slow.1).powf(power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_law_goes_through_both_of_its_winds() {
+        // G = 3 √U.
+        let law = RawLaw { slow: (4.0, 6.0), fast: (9.0, 9.0) };
+        for (speed_m_s, raw) in [(4.0, 6.0), (9.0, 9.0), (1.0, 3.0)] {
+            assert!((law.speed_m_s(raw) - speed_m_s).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! From the experiments of a head to its calibration, in memory: what `anemo run`, `anemo network`
+//! and `anemo calibrate` do with files.
+
+use crate::thesis::{StudyError, StudyLab};
+use anemometry::calibrate::SteadyWind;
+use anemometry::calibrate::calibrator::{Calibrator, conductance_noise_w_k};
+use anemometry::head::Head;
+use anemometry::network::identify::{PolesPerPair, identify};
+use anemometry::network::record::QuiescentRecord;
+use anemometry::wind::live::LiveRows;
+use diffusive::model::Model;
+use host_sim::experiment::Experiment;
+use host_sim::instrument::LockStep;
+use host_sim::instrument::in_process::InProcess;
+use host_sim::run::{RunError, run};
+use recording::{Collector, Metadata, RecordingLayout, RecordingRow};
+
+/// Diameter of both spheres, m.
+const DIAMETER_M: f64 = 0.01;
+/// Left out of every wind of a tunnel, s.
+const SETTLE_S: f64 = 20.0;
+/// Directions that are more uncertain are none, °.
+const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
+/// Bandwidths whose noise is told, Hz.
+const NOISE_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
+/// The windless network from a record of each element, of which each lasts as its file says, or so
+/// many seconds.
+///
+/// # Errors
+/// What could not be run or identified.
+pub fn network(
+    lab: &StudyLab,
+    elements: &[&str],
+    poles: PolesPerPair,
+    duration_s: Option<f64>,
+) -> Result<Model, StudyError> {
+    let mut records = Vec::with_capacity(elements.len());
+    for element in elements {
+        let mut experiment = lab.experiment(&format!("identify-{element}"))?;
+        if let Some(duration_s) = duration_s {
+            experiment.ticks = (duration_s / experiment.sample_period_s).round() as u32;
+        }
+        lab.announce(&experiment);
+        records.push(recorded(&experiment)?);
+    }
+    identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {}).map_err(other)
+}
+
+/// A record in memory.
+fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
+    let names = experiment.head.names();
+    let layout = RecordingLayout {
+        elements: names.iter().copied().map(str::to_owned).collect(),
+        true_wind: true,
+        gas: false,
+        observed: Vec::new(),
+        estimates: Vec::new(),
+    };
+    let mut known: Metadata = experiment.conditions().to_metadata();
+    known.push(("head".to_owned(), experiment.head.source.text.clone()));
+    let mut collector = Collector::new(layout, &known);
+    rows(experiment, &mut |row| Ok(collector.push(row)?))?;
+    QuiescentRecord::of(&collector.finish(&Metadata::new())).map_err(other)
+}
+
+/// The calibrated head and its file, from the run in the tunnel.
+///
+/// # Errors
+/// What could not be run, or which winds are missing.
+pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), StudyError> {
+    let tunnel = lab.experiment("tunnel")?;
+    lab.announce(&tunnel);
+    let calibrator = Calibrator::new(&tunnel.head, model, DIAMETER_M).map_err(other)?;
+    let steady = steady(&calibrator, &tunnel, SETTLE_S)?;
+    let made = calibrator.calibrated(&steady, tunnel.species, 1, DIRECTION_ERROR_MAX_DEG);
+    let made = made.map_err(other)?;
+    Ok((made.head, made.text))
+}
+
+/// The steady winds of a run.
+///
+/// # Errors
+/// What could not be run, or is not known of the gas.
+pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Result<Vec<SteadyWind>, StudyError> {
+    let search = calibrator.search(settle_s, None);
+    let name = tunnel.title.clone();
+    let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s).map_err(other)?;
+    let mut live = LiveRows::new(tunnel.sample_period_s);
+    let mut failed = None;
+    rows(tunnel, &mut |row| {
+        if failed.is_none() {
+            failed = looking.take(&live.moment(row)).err();
+        }
+        Ok(())
+    })?;
+    match failed {
+        Some(error) => Err(other(error)),
+        None => Ok(looking.finish().map_err(other)?.steady),
+    }
+}
+
+fn other(error: impl std::fmt::Display) -> StudyError {
+    StudyError::Other(error.to_string())
+}
+
+/// Runs an experiment in process; a trip is an error.
+pub(super) fn rows(
+    experiment: &Experiment,
+    sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
+) -> Result<(), StudyError> {
+    let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
+    let summary = run(experiment, Box::new(instrument), sink)?;
+    match summary.trips.first() {
+        None => Ok(()),
+        Some(trip) => Err(StudyError::Other(format!(
+            "{} tripped at {} s: {}, {}",
+            experiment.title, trip.time_s, trip.cause, trip.element
+        ))),
+    }
+}
+
+/// Noise of a part's conductance by bandwidth, W/K, as far as it can be had.
+pub(super) fn noise_w_k(head: &Head) -> Vec<(f64, f64)> {
+    let of = |bandwidth_hz| Some((bandwidth_hz, conductance_noise_w_k(head, bandwidth_hz)?));
+    NOISE_HZ.into_iter().filter_map(of).collect()
+}

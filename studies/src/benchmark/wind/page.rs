@@ -1,0 +1,82 @@
+//! The page of the benchmark, `wind.md`: the bars with what was measured, and tables by bandwidth.
+
+use super::directions::SETTLE_S;
+use super::findings::{findings, percent};
+use super::measure::MeasuredSphere;
+use crate::template::{TemplateError, fill};
+
+/// The page over some spheres.
+///
+/// # Errors
+/// If the templates of the page do not go with its values.
+pub fn page(all: &[MeasuredSphere]) -> Result<String, TemplateError> {
+    let spheres = all.iter().map(section).collect::<Result<String, _>>()?;
+    fill(include_str!("pages/wind.md"), &[("spheres", &spheres)])
+}
+
+fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
+    let bands = of.turbulence.first().map_or(&[][..], |first| &first.bands);
+    let headings: String = bands.iter().map(|band| format!(" {} to {} Hz |", band.from_hz, band.to_hz)).collect();
+    let values: [(&str, &str); 10] = [
+        ("title", of.sphere.title),
+        ("made_from", &of.made_from),
+        ("settle_s", &SETTLE_S.to_string()),
+        (
+            "findings",
+            &rows(findings(of).findings.iter().map(|finding| {
+                let met = finding.met.map_or("", |met| if met { "met" } else { "**not met**" });
+                format!("{} | {} | {} | {} | {met}", finding.what, finding.bar, finding.ours, finding.published)
+            })),
+        ),
+        (
+            "directions",
+            &rows(of.directions.iter().map(|row| {
+                let errors = &row.errors;
+                let degrees = |deg: Option<f64>| deg.map_or("–".to_owned(), |deg| format!("{deg:.2}°"));
+                let share = |share: Option<f64>| share.map_or("–".to_owned(), |share| percent(share, 2));
+                format!(
+                    "{} | {} | {} | {} | {} | {} | {}",
+                    row.mode,
+                    share(errors.speed_rms()),
+                    share(errors.speed_bias()),
+                    share(errors.speed_worst()),
+                    degrees(errors.direction_rms_deg()),
+                    degrees(errors.direction_worst_deg()),
+                    degrees(errors.linear_rms_deg())
+                )
+            })),
+        ),
+        (
+            "steps",
+            &rows(of.steps.iter().flat_map(|steps| steps.ways.iter().map(move |way| (steps, way))).map(
+                |(steps, way)| {
+                    format!(
+                        "{} | {} m/s | {:.2} s | {:.2} s | {} | {}",
+                        steps.mode,
+                        way.to_m_s,
+                        way.mean_response_s,
+                        way.single_response_s,
+                        percent(way.noise, 2),
+                        percent(way.outside, 1)
+                    )
+                },
+            )),
+        ),
+        ("bands", &headings),
+        ("rule", &"---|".repeat(bands.len())),
+        (
+            "turbulence",
+            &rows(of.turbulence.iter().map(|row| {
+                let bands = row.bands.iter().map(|band| format!("{:.3}, {:.3}", band.coherence, band.gain));
+                format!("{} | {}", row.mode, bands.collect::<Vec<_>>().join(" | "))
+            })),
+        ),
+        ("noise", &rows(of.noise_w_k.iter().map(|(hz, w_k)| format!("{hz} Hz | {:.1} µW/K", 1e6 * w_k)))),
+    ];
+    fill(include_str!("pages/sphere.md"), &values)
+}
+
+/// Rows of a table, without the end of the last line.
+fn rows(rows: impl Iterator<Item = String>) -> String {
+    rows.map(|row| format!("| {row} |")).collect::<Vec<_>>().join("\n")
+}

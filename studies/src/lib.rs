@@ -1,0 +1,25 @@
+//! The experiments of the thesis, and the benchmark of the whole instrument, both on the simulated
+//! sensors.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`thesis`] | its experiments, with its published values beside ours: `anemo thesis` |
+//! | [`benchmark`] | what the whole instrument has to reach, and what it reaches: `anemo benchmark` |
+//! | [`template`] | fills the pages that both write |
+//!
+//! ```
+//! use studies::thesis::{STUDIES, StudyLab};
+//!
+//! let progress = |line: &str| eprintln!("{line}");
+//! let experiments = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/thesis");
+//! let lab = StudyLab::new(experiments, &progress);
+//! let names: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
+//! assert_eq!(names[0], "rems-self");
+//! // STUDIES[0].run(&lab)? would take some seconds.
+//! assert_eq!(lab.experiment("rems-self-still")?.sample_period_s, 0.05);
+//! # Ok::<(), studies::thesis::StudyError>(())
+//! ```
+
+pub mod benchmark;
+pub mod template;
+pub mod thesis;

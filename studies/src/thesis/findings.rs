@@ -1,0 +1,176 @@
+//! What a study found: published values, ours, and the bar between them.
+
+use plot::{Chart, Figure};
+use serde::{Serialize, Serializer};
+
+/// One line of a study's table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StudyFinding {
+    /// What the value is of.
+    pub what: String,
+    /// Empty where nothing was published.
+    pub published: String,
+    /// The value that we found, with its unit.
+    pub ours: String,
+    /// What had to be reached; empty where the value is only reported.
+    pub bar: String,
+    /// Whether the bar is reached, where there is one.
+    pub met: Option<bool>,
+}
+
+impl StudyFinding {
+    /// A value without a bar.
+    pub fn reported(what: impl Into<String>, published: impl Into<String>, ours: impl Into<String>) -> Self {
+        let (published, ours) = (with_minus(&published.into()), with_minus(&ours.into()));
+        Self { what: what.into(), published, ours, bar: String::new(), met: None }
+    }
+
+    /// A value with a bar that the caller has judged.
+    #[must_use]
+    pub fn judged(mut self, bar: impl Into<String>, met: bool) -> Self {
+        self.bar = bar.into();
+        self.met = Some(met);
+        self
+    }
+
+    /// A value in a unit, which has to lie in a range.
+    pub fn between(
+        what: impl Into<String>,
+        published: impl Into<String>,
+        (ours, unit): (f64, &str),
+        (least, most): (f64, f64),
+    ) -> Self {
+        let number = plot::brief;
+        let bar = match (least.is_finite(), most.is_finite()) {
+            (true, true) => format!("{} to {}", number(least), number(most)),
+            (true, false) => format!("at least {}", number(least)),
+            _ => format!("at most {}", number(most)),
+        };
+        let met = (least..=most).contains(&ours);
+        Self::reported(what, published, in_unit(ours, unit)).judged(in_words(bar, unit), met)
+    }
+
+    /// A value within some percent of a published one.
+    pub fn near(what: impl Into<String>, published: f64, (ours, unit): (f64, &str), percent: f64) -> Self {
+        let off = 100.0 * (ours / published - 1.0);
+        let ours = format!("{} ({off:+.1} %)", in_unit(ours, unit));
+        let met = off.abs() <= percent;
+        Self::reported(what, in_unit(published, unit), ours).judged(format!("within {percent} %"), met)
+    }
+
+    /// A value within a factor of a published one, where the figure that it was read from is
+    /// logarithmic.
+    pub fn within_factor(what: impl Into<String>, published: f64, (ours, unit): (f64, &str), factor: f64) -> Self {
+        let met = (published / factor..=published * factor).contains(&ours);
+        Self::reported(what, in_unit(published, unit), in_unit(ours, unit))
+            .judged(format!("within a factor {factor}"), met)
+    }
+}
+
+pub(super) fn in_unit(value: f64, unit: &str) -> String {
+    in_words(plot::brief(value), unit)
+}
+
+/// A hyphen before a digit, and not within a word, is a minus.
+fn with_minus(text: &str) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    let is_minus = |at: usize| {
+        let before = at.checked_sub(1).map(|before| letters[before]);
+        letters[at] == '-'
+            && letters.get(at + 1).is_some_and(char::is_ascii_digit)
+            && before.is_none_or(|before| before.is_whitespace() || "([".contains(before))
+    };
+    (0..letters.len()).map(|at| if is_minus(at) { '−' } else { letters[at] }).collect()
+}
+
+fn in_words(words: String, unit: &str) -> String {
+    if unit.is_empty() { words } else { format!("{words} {unit}") }
+}
+
+/// All of a study.
+#[derive(Debug, Clone, Default)]
+pub struct StudyFindings {
+    /// Values for the placeholders of the page.
+    pub values: Vec<(&'static str, String)>,
+    /// Lines of the table.
+    pub findings: Vec<StudyFinding>,
+    /// The picture.
+    pub figure: Figure,
+    /// What the picture shows, for those who cannot see it.
+    pub caption: String,
+}
+
+impl Serialize for StudyFindings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct FindingsJson<'a> {
+            bars: usize,
+            met: usize,
+            findings: &'a [StudyFinding],
+        }
+        let (bars, met) = self.score();
+        FindingsJson { bars, met, findings: &self.findings }.serialize(serializer)
+    }
+}
+
+impl StudyFindings {
+    /// Draws rows of charts as the study's picture.
+    pub fn picture(&mut self, title: &str, caption: impl Into<String>, rows: impl IntoIterator<Item = Vec<Chart>>) {
+        self.caption = caption.into();
+        self.figure = rows.into_iter().fold(Figure::new(title), Figure::row);
+    }
+
+    /// Adds a line.
+    pub fn push(&mut self, finding: StudyFinding) {
+        self.findings.push(finding);
+    }
+
+    /// The value of one of the page's placeholders.
+    pub fn fill(&mut self, name: &'static str, value: impl Into<String>) {
+        self.values.push((name, value.into()));
+    }
+
+    /// How many bars there are, and how many are met.
+    pub fn score(&self) -> (usize, usize) {
+        let judged = || self.findings.iter().filter_map(|finding| finding.met);
+        (judged().count(), judged().filter(|met| *met).count())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_below_zero_have_a_minus_and_words_keep_their_hyphens() {
+        let found = StudyFinding::reported("", "-1 to 2 Hz", "0.202 Hz (-1.1 %) of card1-die1, 2-D");
+        assert_eq!(
+            (found.published.as_str(), found.ours.as_str()),
+            ("−1 to 2 Hz", "0.202 Hz (−1.1 %) of card1-die1, 2-D")
+        );
+    }
+
+    #[test]
+    fn bars_are_met_up_to_their_edges_and_not_beyond() {
+        let near = |ours| StudyFinding::near("", 0.2, (ours, "Hz"), 20.0).met;
+        assert_eq!([near(0.161), near(0.239), near(0.159), near(0.241)], [true, true, false, false].map(Some));
+        let factor = |ours| StudyFinding::within_factor("", 2e-4, (ours, "Hz"), 1.5).met;
+        assert_eq!(
+            [factor(1.34e-4), factor(2.99e-4), factor(1.3e-4), factor(3.1e-4)],
+            [true, true, false, false].map(Some)
+        );
+        let between = |ours| StudyFinding::between("", "", (ours, "%"), (97.0, f64::INFINITY)).met;
+        assert_eq!([between(97.0), between(96.9), between(f64::NAN)], [true, false, false].map(Some));
+    }
+
+    #[test]
+    fn a_finding_says_its_bar_and_what_was_found() {
+        let of = StudyFinding::between("", "", (99.5, "%"), (97.0, f64::INFINITY));
+        assert_eq!((of.ours.as_str(), of.bar.as_str()), ("99.5 %", "at least 97 %"));
+        let of = StudyFinding::within_factor("", 2e-3, (1e-3, "Hz"), 1.5);
+        assert_eq!((of.ours.as_str(), of.bar.as_str(), of.met), ("0.001 Hz", "within a factor 1.5", Some(false)));
+        let told = StudyFinding::reported("", "", "3 s");
+        let findings = StudyFindings { findings: vec![of, told], ..StudyFindings::default() };
+        assert_eq!(findings.score(), (1, 0));
+    }
+}

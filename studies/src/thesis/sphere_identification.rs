@@ -1,0 +1,305 @@
+//! Why sphere A answers with a tail and sphere B does not, read off models that were identified
+//! open loop.
+
+use std::f64::consts::TAU;
+
+use dr_core::sensor::Level;
+
+use super::error::StudyError;
+use super::findings::{StudyFinding, StudyFindings};
+use super::identified::for_a_loop;
+use super::lab::StudyLab;
+use super::record::StudyRecord;
+use super::settling::{SHARES, StepResponse};
+use super::sphere_response::{FAST_PERIOD_S, of_a, of_b_repeated};
+use diffusive::identify::InitialState;
+use diffusive::identify::record::RecordTable;
+use diffusive::model::Model;
+use diffusive::model::pair_class::PairClass;
+use diffusive::predict::analysis::{Analysis, LoopConditions, analyse};
+use diffusive::predict::loop_model::LoopModel;
+use host_sim::experiment::Experiment;
+use plot::{Chart, Scale, Trace, brief};
+
+/// The spheres' set-point, °C.
+const TARGET_C: f64 = -23.15;
+/// Of each wind, so much belongs to the wind before and to warming up, s.
+const FORGOTTEN_S: f64 = 400.0;
+/// A zero whose weight in the power is less than this share of its steady value is no tail.
+const MATTERS: f64 = 0.02;
+
+/// One prototype.
+struct ThesisSphere {
+    letter: char,
+    prbs: &'static str,
+    step: &'static str,
+    parts: &'static [&'static str],
+    /// Rates of the parts together, and of the front part by itself.
+    poles: (usize, usize),
+    /// Whether the thesis found it so.
+    fast: bool,
+}
+
+const A: ThesisSphere = ThesisSphere {
+    letter: 'A',
+    prbs: "sphere-a-prbs",
+    step: "sphere-a-step",
+    parts: &["hemisphere1", "hemisphere2"],
+    poles: (3, 4),
+    fast: false,
+};
+const B: ThesisSphere = ThesisSphere {
+    letter: 'B',
+    prbs: "sphere-b-prbs",
+    step: "sphere-b-step",
+    parts: &["sector1", "sector2", "sector3", "sector4"],
+    poles: (2, 3),
+    fast: true,
+};
+
+/// What one wind shows.
+struct SphereInWind {
+    label: String,
+    /// Mean temperature of the parts under the power that each gets.
+    together: Analysis,
+    /// Temperature of the front part under the same power.
+    front: Analysis,
+    points: Vec<(f64, f64)>,
+    front_points: Vec<(f64, f64)>,
+}
+
+pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
+    let mut findings = StudyFindings::default();
+    let a = winds(lab, &A)?;
+    let b = winds(lab, &B)?;
+    findings.fill("poles_and_zeros", poles_and_zeros(&[(&A, &a), (&B, &b)]));
+    for ([wind, verdict, front], winds) in
+        [(["wind_a", "verdict_a", "front_verdict_a"], &a), (["wind_b", "verdict_b", "front_verdict_b"], &b)]
+    {
+        let last = &winds[winds.len() - 1];
+        findings.fill(wind, last.label.clone());
+        findings.fill(verdict, last.together.verdict(&[]));
+        findings.fill(front, last.front.verdict(&[]));
+    }
+    judge(&mut findings, (&a, &b));
+    let measured_a = of_a(lab)?;
+    let measured_b = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
+    let slow_period_s = lab.experiment(A.step)?.sample_period_s;
+    for (sphere, winds, measured, period_s) in
+        [(&A, &a, &measured_a, slow_period_s), (&B, &b, &measured_b, FAST_PERIOD_S)]
+    {
+        predicted(&mut findings, sphere, &winds[winds.len() - 1], (measured, period_s));
+    }
+    let chart =
+        |sphere: &ThesisSphere, winds: &[SphereInWind], of: fn(&SphereInWind) -> &Vec<(f64, f64)>, what: &str| {
+            let base = Chart::new(format!("Sphere {}, {what}", sphere.letter), "K/W").x(Scale::Log, "Hz").height(220.0);
+            winds.iter().fold(base, |chart, wind| chart.trace(Trace::stems(wind.label.clone(), of(wind).clone())))
+        };
+    findings.picture(
+        "Spheres A and B: why one is slow and one is fast",
+        "Thermal resistances over frequency: sphere A with three poles between 2 mHz and 20 Hz, sphere B with one near 1.5 mHz and a weak one at 70 Hz; and below, the same of the front part by itself",
+        [
+            vec![
+                chart(&A, &a, |wind| &wind.points, "parts together"),
+                chart(&B, &b, |wind| &wind.points, "parts together"),
+            ],
+            vec![
+                chart(&A, &a, |wind| &wind.front_points, "hemisphere1"),
+                chart(&B, &b, |wind| &wind.front_points, "sector1"),
+            ],
+        ],
+    );
+    Ok(findings)
+}
+
+fn winds(lab: &StudyLab, sphere: &ThesisSphere) -> Result<Vec<SphereInWind>, StudyError> {
+    let loops = lab.experiment(sphere.step)?;
+    let (experiment, record) = lab.run(sphere.prbs)?;
+    let ends = experiment.wind.iter().skip(1).map(|wind| wind.start_s).chain([experiment.duration_s()]);
+    let spans = experiment.wind.iter().zip(ends);
+    let of = |(wind, to_s): (&host_sim::sensor::WindEntry, f64)| {
+        let from_s = wind.start_s + FORGOTTEN_S;
+        let model = |output: &[&str], poles: usize| {
+            for_a_loop(mean_of(&record, sphere.parts, output, (from_s, to_s))?, poles, InitialState::Free)
+        };
+        let together = model(sphere.parts, sphere.poles.0)?;
+        let front = model(&sphere.parts[..1], sphere.poles.1)?;
+        Ok(SphereInWind {
+            label: wind.label.clone(),
+            points: points(&together),
+            front_points: points(&front),
+            together: analysed(&together, &loops)?,
+            front: analysed(&front, &loops)?,
+        })
+    };
+    spans.map(of).collect()
+}
+
+/// The mean power of some elements as the input, the mean temperature of some as the output.
+fn mean_of(
+    record: &StudyRecord,
+    inputs: &[&str],
+    outputs: &[&str],
+    (from_s, to_s): (f64, f64),
+) -> Result<RecordTable, StudyError> {
+    let tick = |time_s: f64| (time_s / record.sample_period_s).round() as usize;
+    let span = tick(from_s)..tick(to_s).min(record.ticks());
+    let mean = |columns: Vec<&[f64]>| -> Vec<f64> {
+        let count = columns.len() as f64;
+        span.clone().map(|n| columns.iter().map(|column| column[n]).sum::<f64>() / count).collect()
+    };
+    let powers = inputs.iter().map(|name| record.power_w(name)).collect::<Result<_, _>>()?;
+    let celsius = outputs.iter().map(|name| record.temperature_c(name)).collect::<Result<_, _>>()?;
+    let input = ("power_w_sphere".to_owned(), mean(powers));
+    let output = ("temperature_c_sphere".to_owned(), mean(celsius));
+    Ok(RecordTable::new(record.sample_period_s, vec![input], vec![output])?)
+}
+
+fn points(model: &Model) -> Vec<(f64, f64)> {
+    let pair = &model.pairs[0];
+    let r = pair.classes.values().next().into_iter().flat_map(|class| &class.r_k_per_w);
+    pair.mesh_rad_s.iter().map(|rate| rate / TAU).zip(r.copied()).collect()
+}
+
+/// The loop of the step experiment around such a model.
+fn analysed(model: &Model, loops: &Experiment) -> Result<Analysis, StudyError> {
+    let part = PairClass::find(model, None, None).map_err(|error| StudyError::Other(error.to_string()))?;
+    let loop_model = LoopModel::of(&part, None).map_err(|error| StudyError::Other(error.to_string()))?;
+    let level = |level: Level| loops.head.elements[0].power_w(TARGET_C, level);
+    let conditions = LoopConditions {
+        target_c: TARGET_C,
+        power_low_w: level(Level::Low),
+        power_high_w: level(Level::High),
+        sample_period_s: loops.sample_period_s,
+    };
+    Ok(analyse(&loop_model, Some(conditions)))
+}
+
+/// The slowest zero that weighs something, rad/s.
+fn slowest(analysis: &Analysis) -> Option<(f64, f64)> {
+    let weighty = analysis.zeros.iter().filter(|(_, weight)| weight.norm() >= MATTERS);
+    weighty.map(|(rate, weight)| (rate.re, weight.re)).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+fn poles_and_zeros(spheres: &[(&ThesisSphere, &Vec<SphereInWind>)]) -> String {
+    let mut text = String::new();
+    for (sphere, winds) in spheres {
+        for wind in *winds {
+            let seconds: Vec<String> = wind.together.poles_rad_s.iter().map(|rate| brief(1.0 / rate)).collect();
+            let r: Vec<String> = wind.points.iter().map(|(_, r)| brief(*r)).collect();
+            let zeros = wind.together.zeros.iter();
+            let zeros: Vec<String> =
+                zeros.map(|(rate, weight)| format!("{} ({})", brief(1.0 / rate.re), brief(weight.re))).collect();
+            let name = format!("{}, {}", sphere.letter, wind.label);
+            text += &format!("| {name} | {} | {} | {} |\n", seconds.join(", "), r.join(", "), zeros.join(", "));
+        }
+    }
+    text.trim_end().to_owned()
+}
+
+fn judge(findings: &mut StudyFindings, (a, b): (&[SphereInWind], &[SphereInWind])) {
+    for (letter, winds, fast) in [('A', a, A.fast), ('B', b, B.fast)] {
+        let verdicts: Vec<bool> = winds.iter().map(|wind| wind.together.is_fast(&[])).collect();
+        let words = |is_fast: &bool| if *is_fast { "fast" } else { "with a tail" };
+        let ours = verdicts.iter().map(words).collect::<Vec<_>>().join(", ");
+        let published = if fast { "one significant pole: fast" } else { "several poles: slow" };
+        let bar = if fast { "fast in all winds" } else { "a tail in all winds" };
+        let finding = StudyFinding::reported(format!("{letter}: verdict in 2, 4 and 6 m/s"), published, ours);
+        findings.push(finding.judged(bar, verdicts.iter().all(|is_fast| *is_fast == fast)));
+    }
+    for (letter, winds) in [('A', a), ('B', b)] {
+        let share = |wind: &SphereInWind| {
+            let most = wind.points.iter().map(|(_, r)| *r).fold(0.0, f64::max);
+            100.0 * most / wind.together.steady_gain_k_per_w
+        };
+        let least = winds.iter().map(share).fold(f64::INFINITY, f64::min);
+        let what = format!("{letter}: largest pole's share in the steady gain, least of the winds");
+        findings.push(StudyFinding::reported(what, "", format!("{} %", brief(least))));
+        let beside = |wind: &SphereInWind| slowest(&wind.front).map(|(rate, weight)| (1.0 / rate, 100.0 * weight));
+        if let Some((seconds, percent)) = winds.last().and_then(beside) {
+            let words = format!("{} s, weight {} %", brief(seconds), brief(percent));
+            findings.push(StudyFinding::reported(
+                format!("{letter}: slowest zero of the front part under equal powers, 6 m/s"),
+                "",
+                words,
+            ));
+        }
+    }
+}
+
+/// The rate that a zero becomes when the loop decides once a sample period: the root of H(−μ) = −S
+/// between the pole below and the zero.
+fn of_one_bit(points: &[(f64, f64)], zero_rad_s: f64, period_s: f64) -> f64 {
+    let poles = || points.iter().map(|(hz, r)| (TAU * hz, *r));
+    let s: f64 = poles().map(|(rate, r)| -r * (-rate * period_s).exp_m1()).sum();
+    let sum = |mu: f64| s + poles().map(|(rate, r)| rate * r / (rate - mu)).sum::<f64>();
+    let below = poles().map(|(rate, _)| rate).filter(|rate| *rate < zero_rad_s).fold(0.0, f64::max);
+    let (mut low, mut high) = (below, zero_rad_s);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if sum(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    f64::midpoint(low, high)
+}
+
+/// Times to 10, 5 and 2 % from the slowest zero, beside those of the step.
+fn predicted(
+    findings: &mut StudyFindings,
+    sphere: &ThesisSphere,
+    wind: &SphereInWind,
+    (measured, period_s): (&StepResponse, f64),
+) {
+    let Some((rate, _)) = slowest(&wind.together) else { return };
+    let sampled = of_one_bit(&wind.points, rate, period_s);
+    for share in SHARES {
+        let (limit_s, own_s) = ((100.0 / share).ln() / rate, (100.0 / share).ln() / sampled);
+        let what = format!(
+            "{}: time to {share} % after a step to {}: in the limit, with a bit each {} ms, measured",
+            sphere.letter,
+            wind.label,
+            1e3 * period_s
+        );
+        let seen = match measured.settled_s(share) {
+            Some(time_s) => format!(
+                "{} s, {} s ({:+.0} %), {} s",
+                brief(limit_s),
+                brief(own_s),
+                100.0 * (own_s / time_s - 1.0),
+                brief(time_s)
+            ),
+            None => format!("{} s, {} s, not in this run", brief(limit_s), brief(own_s)),
+        };
+        findings.push(StudyFinding::reported(what, "", seen));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_loop_acts_as_a_resistance_beside_the_solder() {
+        // Silver of 0.118 J/K behind 2 W/K and a chip without capacity to speak of: C (R + S) is
+        // the loop's time constant.
+        let points = [(0.01 / TAU, 800.0), (400.0 / TAU, 0.47)];
+        let chip = 1.0 - (-0.4_f64).exp();
+        let s = 800.0 * 1e-5 + 0.47 * chip;
+        let limit = slow_zero(&points);
+        let found = of_one_bit(&points, limit, 1e-3);
+        // 8/(0.01 − μ) + 0.47·400/(400 − μ) + S = 0 at the root, by its parts.
+        let value = 8.0 / (0.01 - found) + 0.47 * 400.0 / (400.0 - found) + s;
+        assert!(value.abs() < 1e-6 && found < limit && found > 0.5 * limit, "{found} {limit} {value}");
+        // Infinitely fast, it is the zero.
+        assert!((of_one_bit(&points, limit, 1e-12) / limit - 1.0).abs() < 1e-6);
+    }
+
+    /// Of two poles, in closed form: Σ η_k (ξ_other − μ) = 0.
+    fn slow_zero(points: &[(f64, f64); 2]) -> f64 {
+        let [(a, ra), (b, rb)] = points.map(|(hz, r)| (TAU * hz, r));
+        a * b * (ra + rb) / (a * ra + b * rb)
+    }
+}

@@ -1,0 +1,230 @@
+//! The same step of the wind on both spheres: how long until the front part tells, in closed loop
+//! and in open loop.
+
+use super::error::StudyError;
+use super::findings::{StudyFinding, StudyFindings};
+use super::lab::StudyLab;
+use super::settling::{SHARES, StepResponse, Window};
+use host_sim::experiment::Experiment;
+use host_sim::sensor::WindEntry;
+use plot::{Chart, Scale, Trace, brief};
+
+/// Repetitions of the step for times below a second.
+const REPEATED: usize = 100;
+/// Each wind of a repetition, s.
+const EACH_S: f64 = 2.5;
+/// Until cores and stem have come to rest, s.
+const WARM_S: f64 = 400.0;
+pub const FAST_PERIOD_S: f64 = 1e-3;
+/// Half of a moving average over such steps.
+const SMOOTHED_S: f64 = 0.015;
+/// What a slow part may leave for later, %.
+const MOST_LEFT: f64 = 2.0;
+/// Less is noise in any of the runs, %.
+const LEAST_SHOWN: f64 = 0.05;
+/// A tail worth the name, s.
+const TAIL_S: f64 = 20.0;
+
+/// One line of the table.
+struct StepCase {
+    what: &'static str,
+    response: StepResponse,
+}
+
+pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
+    let mut findings = StudyFindings::default();
+    let a = of_a(lab)?;
+    let (b, b_long) = of_b(lab, "sphere-b-step")?;
+    let (b_off, b_off_long) = of_b(lab, "sphere-b-cores-off")?;
+    let b_slow = lab.experiment("sphere-b-step")?;
+    let b_slow = of_b_repeated(lab, &b_slow, b_slow.sample_period_s)?;
+    let power = open(lab, "sphere-b-power")?;
+    let current = open(lab, "sphere-b-current")?;
+    let cases = [
+        StepCase { what: "A, closed loop", response: a },
+        StepCase { what: "B, closed loop", response: b },
+        StepCase { what: "B, closed loop at 100 Hz", response: b_slow },
+        StepCase { what: "B, closed loop, cores passive", response: b_off },
+        StepCase { what: "B, constant power", response: power },
+        StepCase { what: "B, constant current, cores passive", response: current },
+    ];
+    findings.fill("times", table(&cases));
+    let [a, b, b_slow, b_off, power, current] = &cases;
+    findings.fill("repeated", REPEATED.to_string());
+    for (name, case) in
+        [("resolution_b_s", b), ("resolution_a_s", a), ("resolution_open_s", power), ("resolution_slow_s", b_slow)]
+    {
+        findings.fill(name, brief(case.response.resolution_s));
+    }
+    judge(&mut findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
+    let line = |case: &StepCase, from_s: f64| Trace::line(case.what, absolute(case.response.points(from_s, 1e4)));
+    let chart = Chart::new("Missing after the step", "% of the change")
+        .x(Scale::Log, "s")
+        .y(Scale::Log)
+        .height(300.0)
+        .note("below the noise of each, lines mean nothing")
+        .trace(line(a, 0.5))
+        .trace(line(b, 0.01))
+        .trace(line(b_slow, 0.01))
+        .trace(line(b_off, 0.01))
+        .trace(line(power, 1.0))
+        .trace(line(current, 1.0))
+        .limit(10.0)
+        .limit(5.0)
+        .limit(2.0);
+    let gone = |case: &StepCase, from_s: f64| {
+        let points = case.response.points(from_s, 1e4);
+        Trace::line(case.what, points.into_iter().map(|(time_s, missing)| (time_s, 100.0 - missing)).collect())
+    };
+    let answered = Chart::new("Answered after the step", "% of the change")
+        .x(Scale::Log, "s")
+        .height(220.0)
+        .trace(gone(a, 0.5))
+        .trace(gone(b, 0.01))
+        .trace(gone(b_slow, 0.01))
+        .trace(gone(b_off, 0.01))
+        .trace(gone(power, 1.0))
+        .trace(gone(current, 1.0));
+    findings.picture(
+        "Spheres A and B: a step of the wind from 2 to 6 m/s",
+        "Share of the change that the front part has answered, and what is missing, over time after the step: sphere B in closed loop within a second, sphere A in a minute and a half, sphere B in open loop in up to eleven minutes",
+        [vec![answered], vec![chart]],
+    );
+    Ok(findings)
+}
+
+fn absolute(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let shown = |missing: f64| if missing.abs() < LEAST_SHOWN { f64::NAN } else { missing.abs() };
+    points.into_iter().map(|(time_s, missing)| (time_s, shown(missing))).collect()
+}
+
+fn judge(
+    findings: &mut StudyFindings,
+    [a, b, b_off, power, current]: [&StepCase; 5],
+    (b_long, b_off_long): (&Long, &Long),
+) -> Result<(), StudyError> {
+    let settled = |case: &StepCase| -> Result<f64, StudyError> {
+        let never = || StudyError::Other(format!("{}: the run is too short for its 2 %", case.what));
+        case.response.settled_s(2.0).ok_or_else(never)
+    };
+    let tail = "tail of tens of seconds or more";
+    findings.push(StudyFinding::between(
+        "A: time to 2 % of the change",
+        tail,
+        (settled(a)?, "s"),
+        (TAIL_S, f64::INFINITY),
+    ));
+    for (case, long) in [(b, b_long), (b_off, b_off_long)] {
+        let most = case.response.most_missing_after(1.0);
+        let what = format!("{}: most that is missing after 1 s", case.what);
+        findings.push(StudyFinding::between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT)));
+        let what = format!("{}: missing from 1 to 11 s, of what comes in 15 min", case.what);
+        findings.push(StudyFinding::between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT)));
+    }
+    for case in [b, b_off] {
+        findings.push(StudyFinding::reported(
+            format!("{}: time to 2 %", case.what),
+            "",
+            format!("{} s", brief(settled(case)?)),
+        ));
+    }
+    for (open, closed) in [(power, b), (current, b_off)] {
+        let factor = settled(open)? / settled(closed)?;
+        let what = format!("{} against closed loop, times to 2 %", open.what);
+        findings.push(StudyFinding::between(what, "over 100 expected", (factor, ""), (100.0, f64::INFINITY)));
+    }
+    let watts = |case: &StepCase| format!("{:.2} to {:.2} mW", 1e3 * case.response.before, 1e3 * case.response.finally);
+    for case in [a, b, b_off] {
+        findings.push(StudyFinding::reported(format!("{}: power of the front part", case.what), "", watts(case)));
+    }
+    for case in [power, current] {
+        let celsius = format!("{:.2} to {:.2} °C", case.response.before, case.response.finally);
+        findings.push(StudyFinding::reported(format!("{}: temperature of the front part", case.what), "", celsius));
+    }
+    Ok(())
+}
+
+fn table(cases: &[StepCase]) -> String {
+    let mut text = String::new();
+    for case in cases {
+        let times = SHARES.map(|share| match case.response.settled_s(share) {
+            Some(time_s) => format!("{} s", brief(time_s)),
+            None => "not in this run".to_owned(),
+        });
+        text += &format!("| {} | {} | {:.2} % |\n", case.what, times.join(" | "), case.response.noise);
+    }
+    text.trim_end().to_owned()
+}
+
+/// Sphere A in closed loop: one step and its end minutes later.
+pub fn of_a(lab: &StudyLab) -> Result<StepResponse, StudyError> {
+    let (experiment, record) = lab.run("sphere-a-step")?;
+    let (step, after) = step(&experiment)?;
+    let window = Window { before: after / 3, after, end: after / 3, half: 100 };
+    Ok(StepResponse::of(record.power_w("hemisphere1")?, &[step], window, experiment.sample_period_s))
+}
+
+/// What a long run says of the tail.
+struct Long {
+    /// Of the whole change in %, missing in the mean from 1 to 11 s after the step.
+    left: f64,
+}
+
+/// Sphere B in closed loop: its repeated step, and the tail of the long one.
+fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long), StudyError> {
+    let base = lab.experiment(name)?;
+    let record = lab.record(&base)?;
+    let (_, after) = step(&base)?;
+    let at_s = base.wind[1].start_s;
+    let end_s = at_s + after as f64 * base.sample_period_s;
+    let before = record.mean_power_w("sector1", at_s - 300.0, at_s)?;
+    let soon = record.mean_power_w("sector1", at_s + 1.0, at_s + 11.0)?;
+    let finally = record.mean_power_w("sector1", end_s - 300.0, end_s)?;
+    let long = Long { left: 100.0 * (finally - soon) / (finally - before) };
+    Ok((of_b_repeated(lab, &base, FAST_PERIOD_S)?, long))
+}
+
+/// Sphere B's repeated step, sampled every so often.
+pub fn of_b_repeated(lab: &StudyLab, base: &Experiment, period_s: f64) -> Result<StepResponse, StudyError> {
+    let record = lab.record(&repeated(base, period_s))?;
+    let tick = |time_s: f64| (time_s / period_s).round() as usize;
+    let steps: Vec<usize> = (0..REPEATED).map(|n| tick(WARM_S + 2.0 * EACH_S * n as f64)).collect();
+    let window = Window { before: tick(1.0), after: tick(EACH_S), end: tick(1.0), half: tick(SMOOTHED_S).max(5) };
+    Ok(StepResponse::of(record.power_w("sector1")?, &steps, window, period_s))
+}
+
+/// An experiment's first two winds in turn, sampled every so often.
+fn repeated(base: &Experiment, period_s: f64) -> Experiment {
+    let at = |wind: &WindEntry, start_s: f64| WindEntry { start_s, ..wind.clone() };
+    let (calm, gust) = (&base.wind[0], &base.wind[1]);
+    let mut wind = vec![at(calm, 0.0)];
+    for n in 0..REPEATED {
+        let start_s = WARM_S + 2.0 * EACH_S * n as f64;
+        wind.extend([at(gust, start_s), at(calm, start_s + EACH_S)]);
+    }
+    let duration_s = WARM_S + 2.0 * EACH_S * REPEATED as f64;
+    Experiment {
+        title: format!("{}, repeated, {} ms", base.title, 1e3 * period_s),
+        sample_period_s: period_s,
+        ticks: (duration_s / period_s).round() as u32,
+        wind,
+        ..base.clone()
+    }
+}
+
+/// The temperature of a sector under what it is given.
+fn open(lab: &StudyLab, name: &str) -> Result<StepResponse, StudyError> {
+    let (experiment, record) = lab.run(name)?;
+    let (step, after) = step(&experiment)?;
+    let window = Window { before: 2000, after, end: after / 6, half: 10 };
+    Ok(StepResponse::of(record.temperature_c("sector1")?, &[step], window, experiment.sample_period_s))
+}
+
+/// Tick of an experiment's first change of the wind, and ticks until the next.
+fn step(experiment: &Experiment) -> Result<(usize, usize), StudyError> {
+    let tick = |time_s: f64| (time_s / experiment.sample_period_s).round() as usize;
+    let none = || StudyError::Other(format!("{}: its wind does not step", experiment.title));
+    let first = tick(experiment.wind.get(1).ok_or_else(none)?.start_s);
+    let next = experiment.wind.get(2).map_or(experiment.ticks as usize, |wind| tick(wind.start_s));
+    Ok((first, next - first))
+}

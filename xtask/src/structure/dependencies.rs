@@ -1,0 +1,113 @@
+//! Which crates of the workspace there are, and which of a few heavy dependencies each brings
+//! along, itself or by another one.
+//!
+//! The dependencies are those of a crate that is built for itself with its default features (`cargo
+//! tree`): what somebody gets who wants that crate only.
+
+use crate::shell;
+use anyhow::{Context, Result, bail};
+use std::collections::BTreeSet;
+use std::process::Stdio;
+
+const WATCHED: [&str; 5] = ["clap", "nix", "parquet", "plotters", "serialport"];
+
+/// Folders of all crates, and what each has of [`WATCHED`].
+const CRATES: [(&str, &[&str]); 13] = [
+    ("dr-core", &[]),
+    ("wire", &[]),
+    ("firmware", &[]),
+    ("recording", &["parquet"]),
+    ("diffusive", &["parquet"]),
+    ("anemometry", &["parquet"]),
+    ("plot", &["parquet"]),
+    ("host-sim", &["nix", "parquet", "serialport"]),
+    ("anemo", &["clap", "nix", "parquet", "serialport"]),
+    ("studies", &["parquet"]),
+    ("tests", &["nix", "parquet", "serialport"]),
+    ("xtask", &["clap"]),
+    ("image-analysis", &[]),
+];
+
+pub fn find() -> Result<Vec<String>> {
+    let (mut faults, present) = (Vec::new(), members()?);
+    for (folder, package) in &present {
+        match CRATES.iter().find(|(known, _)| known == folder) {
+            Some((_, listed)) => faults.extend(compare(package, listed, &tree(package)?)),
+            None => faults.push(format!("{folder}/ is a crate that is not on the list; {LIST}")),
+        }
+    }
+    for (folder, _) in CRATES.iter().filter(|(known, _)| !present.iter().any(|(folder, _)| folder == known)) {
+        faults.push(format!("there is no crate {folder}/; {LIST}"));
+    }
+    Ok(faults)
+}
+
+const LIST: &str = "make it, or change `CRATES` in xtask/src/structure/dependencies.rs and say why";
+
+/// What differs between a crate's list and its dependencies, as `cargo tree --prefix none` prints
+/// them.
+fn compare(package: &str, listed: &[&str], tree: &str) -> Vec<String> {
+    let names: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
+    let fault = |dependency: &&str| match (names.contains(dependency), listed.contains(dependency)) {
+        (true, false) => Some(format!(
+            "{package} depends on {dependency}, which is not on its list; `cargo tree -p {package} -e normal -i {dependency}` shows how"
+        )),
+        (false, true) => Some(format!(
+            "{package} does not depend on {dependency} any more: take it off its list in xtask/src/structure/dependencies.rs"
+        )),
+        _ => None,
+    };
+    WATCHED.iter().filter_map(fault).collect()
+}
+
+fn tree(package: &str) -> Result<String> {
+    output(&["tree", "--quiet", "-p", package, "-e", "normal", "--prefix", "none"])
+}
+
+/// Folder and package of every crate of the workspace.
+fn members() -> Result<Vec<(String, String)>> {
+    let metadata: serde_json::Value =
+        serde_json::from_str(&output(&["metadata", "--no-deps", "--format-version", "1"])?)?;
+    let member = |package: &serde_json::Value| {
+        let (folder, _) = package["manifest_path"].as_str()?.rsplit_once(['/', '\\'])?;
+        let folder = folder.rsplit(['/', '\\']).next()?;
+        Some((folder.to_owned(), package["name"].as_str()?.to_owned()))
+    };
+    metadata["packages"]
+        .as_array()
+        .context("cargo names no packages")?
+        .iter()
+        .map(|package| member(package).context("cargo names a package without a folder"))
+        .collect()
+}
+
+fn output(arguments: &[&str]) -> Result<String> {
+    let output = shell::cargo().args(arguments).stderr(Stdio::inherit()).output().context("cargo cannot be started")?;
+    if !output.status.success() {
+        bail!("`cargo {}` failed; its message stands above", arguments.join(" "));
+    }
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dependency_too_many_and_one_too_few_are_named() {
+        let tree = "diffusive v0.1.0 (/p/diffusive)\nserde v1.0.0\nnix v0.31.0\nserialport-not v1.0.0 (*)\n";
+        let faults = compare("diffusive", &["parquet"], tree);
+        assert_eq!(faults.len(), 2, "{faults:?}");
+        assert!(faults[0].starts_with("diffusive depends on nix, which is not on its list"), "{faults:?}");
+        assert!(faults[1].starts_with("diffusive does not depend on parquet any more"), "{faults:?}");
+        assert!(compare("diffusive", &["nix"], tree).is_empty());
+    }
+
+    #[test]
+    fn models_and_records_come_without_commands_ports_and_pictures() {
+        for name in ["recording", "diffusive", "anemometry"] {
+            let (_, listed) = CRATES.iter().find(|(folder, _)| *folder == name).expect("it is on the list");
+            assert!(listed.iter().all(|dependency| *dependency == "parquet"), "{name}");
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! The modules of one crate: what each defines, imports and mentions, and which module a path leads
+//! to in the end.
+//!
+//! A path is followed as the compiler does, through `use` and `pub use`, to the module that defines
+//! the name. What only the compiler knows is not followed: methods, names that a macro makes up,
+//! paths in texts (of serde). Imports inside of a function count as if they stood at the top of its
+//! module.
+
+use super::parsed::ParsedFile;
+use proc_macro2::{TokenStream, TokenTree};
+use std::collections::{BTreeMap, BTreeSet};
+use syn::visit::{self, Visit};
+
+pub struct ModuleTree {
+    /// The first one is the root.
+    pub modules: Vec<ModuleContent>,
+}
+
+#[derive(Default)]
+pub struct ModuleContent {
+    /// The file that it stands in.
+    pub file: String,
+    parent: usize,
+    children: BTreeMap<String, usize>,
+    defined: BTreeSet<String>,
+    pub imports: Vec<Import>,
+    /// Paths that its code mentions.
+    pub mentioned: BTreeSet<Vec<String>>,
+}
+
+pub struct Import {
+    pub path: Vec<String>,
+    /// What it is called here; `None` for all names of the path.
+    pub name: Option<String>,
+    pub is_reexport: bool,
+}
+
+/// Where a path leads.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Destination {
+    Module(usize),
+    /// Anything else, and the module that defines it.
+    Definition(usize, String),
+}
+
+impl ModuleTree {
+    /// Reads the modules of the crate with this root file.
+    pub fn read(root: &str, files: &BTreeMap<&str, &ParsedFile>) -> ModuleTree {
+        let mut tree = ModuleTree { modules: Vec::new() };
+        if let Some(file) = files.get(root) {
+            let folder = root.rsplit_once('/').map_or("", |(folder, _)| folder);
+            tree.add(0, root, folder, &file.syntax.items, files);
+        }
+        tree
+    }
+
+    /// Adds a module of `items`, whose children lie in `folder`.
+    fn add(
+        &mut self,
+        parent: usize,
+        file: &str,
+        folder: &str,
+        items: &[syn::Item],
+        files: &BTreeMap<&str, &ParsedFile>,
+    ) -> usize {
+        let index = self.modules.len();
+        self.modules.push(ModuleContent { file: file.to_owned(), parent, ..ModuleContent::default() });
+        for item in items {
+            let syn::Item::Mod(module) = item else {
+                self.modules[index].defined.extend(defined_name(item));
+                self.modules[index].visit_item(item);
+                continue;
+            };
+            let name = module.ident.to_string();
+            let below = format!("{folder}/{name}");
+            let child = match &module.content {
+                Some((_, items)) => self.add(index, file, &below, items, files),
+                None => {
+                    let beside = file.rsplit_once('/').map_or("", |(folder, _)| folder);
+                    let candidates = match path_attribute(&module.attrs) {
+                        Some(path) => [joined(beside, &path), String::new()],
+                        None => [format!("{below}.rs"), format!("{below}/mod.rs")],
+                    };
+                    let Some(found) = candidates.iter().find_map(|path| files.get(path.as_str())) else { continue };
+                    self.add(index, &found.path, &below, &found.syntax.items, files)
+                }
+            };
+            self.modules[index].children.insert(name, child);
+        }
+        index
+    }
+
+    /// Where a path leads that stands in module `from`. It may be several things of one name (a
+    /// module and a function), or of another crate: nothing.
+    pub fn resolve(&self, from: usize, path: &[String]) -> Vec<Destination> {
+        self.follow(from, path, &mut BTreeSet::new())
+    }
+
+    fn follow(&self, from: usize, path: &[String], under_way: &mut BTreeSet<(usize, String)>) -> Vec<Destination> {
+        let mut reached = vec![Destination::Module(from)];
+        for (i, segment) in path.iter().enumerate() {
+            let step = |at: &Destination| match (at, segment.as_str()) {
+                (Destination::Definition(..), _) => vec![at.clone()],
+                (Destination::Module(_), "crate") => vec![Destination::Module(0)],
+                (Destination::Module(_), "self") => vec![at.clone()],
+                (Destination::Module(module), "super") => vec![Destination::Module(self.modules[*module].parent)],
+                (Destination::Module(module), name) => self.look_up(*module, name, under_way),
+            };
+            reached = reached.iter().flat_map(step).collect();
+            // With more to come, a function or a constant is not meant.
+            let modules: Vec<_> = reached.iter().filter(|at| matches!(at, Destination::Module(_))).cloned().collect();
+            if i + 1 < path.len() && !modules.is_empty() {
+                reached = modules;
+            }
+        }
+        reached
+    }
+
+    fn look_up(&self, module: usize, name: &str, under_way: &mut BTreeSet<(usize, String)>) -> Vec<Destination> {
+        let content = &self.modules[module];
+        let mut found: Vec<_> =
+            content.children.get(name).map(|&child| Destination::Module(child)).into_iter().collect();
+        if content.defined.contains(name) {
+            found.push(Destination::Definition(module, name.to_owned()));
+        }
+        // Imports may lead back to where they are asked for.
+        if !under_way.insert((module, name.to_owned())) {
+            return found;
+        }
+        for import in content.imports.iter().filter(|import| import.name.as_deref() == Some(name)) {
+            found.extend(self.follow(module, &import.path, under_way));
+        }
+        if found.is_empty() {
+            for import in content.imports.iter().filter(|import| import.name.is_none()) {
+                for target in self.follow(module, &import.path, under_way) {
+                    if let Destination::Module(target) = target {
+                        found.extend(self.look_up(target, name, under_way));
+                    }
+                }
+            }
+        }
+        under_way.remove(&(module, name.to_owned()));
+        found
+    }
+}
+
+impl<'a> Visit<'a> for ModuleContent {
+    fn visit_item_use(&mut self, item: &'a syn::ItemUse) {
+        if item.leading_colon.is_none() {
+            self.add_imports(&mut Vec::new(), &item.tree, !matches!(item.vis, syn::Visibility::Inherited));
+        }
+    }
+
+    fn visit_path(&mut self, path: &'a syn::Path) {
+        if path.leading_colon.is_none() {
+            self.mentioned.insert(path.segments.iter().map(|segment| segment.ident.to_string()).collect());
+        }
+        visit::visit_path(self, path);
+    }
+
+    /// What a macro is given is no syntax yet: every row of names joined by `::` is taken for a
+    /// path.
+    fn visit_token_stream(&mut self, tokens: &'a TokenStream) {
+        let mut path: Vec<String> = Vec::new();
+        let mut colons = 0;
+        for token in tokens.clone() {
+            match token {
+                TokenTree::Ident(name) => {
+                    if colons != 2 && !path.is_empty() {
+                        self.mentioned.insert(std::mem::take(&mut path));
+                    }
+                    path.push(name.to_string());
+                    colons = 0;
+                }
+                TokenTree::Punct(mark) if mark.as_char() == ':' && !path.is_empty() => colons += 1,
+                other => {
+                    if !path.is_empty() {
+                        self.mentioned.insert(std::mem::take(&mut path));
+                    }
+                    colons = 0;
+                    if let TokenTree::Group(group) = other {
+                        let stream = group.stream();
+                        visit_owned(self, &stream);
+                    }
+                }
+            }
+        }
+        if !path.is_empty() {
+            self.mentioned.insert(path);
+        }
+    }
+}
+
+/// The same for tokens that live for the call only.
+fn visit_owned(content: &mut ModuleContent, tokens: &TokenStream) {
+    Visit::visit_token_stream(content, tokens);
+}
+
+impl ModuleContent {
+    fn add_imports(&mut self, path: &mut Vec<String>, tree: &syn::UseTree, is_reexport: bool) {
+        let mut add = |path: Vec<String>, name: Option<String>| self.imports.push(Import { path, name, is_reexport });
+        let extended = |name: &syn::Ident| {
+            // `use a::{self}` is `use a`.
+            let more = (name != "self" || path.is_empty()).then(|| name.to_string());
+            path.iter().cloned().chain(more).collect::<Vec<_>>()
+        };
+        match tree {
+            syn::UseTree::Name(leaf) => {
+                let whole = extended(&leaf.ident);
+                let name = whole.last().cloned();
+                add(whole, name);
+            }
+            syn::UseTree::Rename(leaf) => add(extended(&leaf.ident), Some(leaf.rename.to_string())),
+            syn::UseTree::Glob(_) => add(path.clone(), None),
+            syn::UseTree::Path(inner) => {
+                path.push(inner.ident.to_string());
+                self.add_imports(path, &inner.tree, is_reexport);
+                path.pop();
+            }
+            syn::UseTree::Group(group) => {
+                for tree in &group.items {
+                    self.add_imports(path, tree, is_reexport);
+                }
+            }
+        }
+    }
+}
+
+fn defined_name(item: &syn::Item) -> Option<String> {
+    Some(match item {
+        syn::Item::Const(item) => item.ident.to_string(),
+        syn::Item::Enum(item) => item.ident.to_string(),
+        syn::Item::Fn(item) => item.sig.ident.to_string(),
+        syn::Item::Macro(item) => item.ident.as_ref()?.to_string(),
+        syn::Item::Static(item) => item.ident.to_string(),
+        syn::Item::Struct(item) => item.ident.to_string(),
+        syn::Item::Trait(item) => item.ident.to_string(),
+        syn::Item::Type(item) => item.ident.to_string(),
+        syn::Item::Union(item) => item.ident.to_string(),
+        _ => return None,
+    })
+}
+
+/// The value of `#[path = "…"]`.
+fn path_attribute(attributes: &[syn::Attribute]) -> Option<String> {
+    attributes.iter().find_map(|attribute| match &attribute.meta {
+        syn::Meta::NameValue(pair) if pair.path.is_ident("path") => match &pair.value {
+            syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value()),
+            _ => None,
+        },
+        _ => None,
+    })
+}
+
+fn joined(folder: &str, path: &str) -> String {
+    let mut parts: Vec<&str> = folder.split('/').collect();
+    for part in path.split('/') {
+        match part {
+            ".." => drop(parts.pop()),
+            "." => {}
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structure::parsed::testing::parsed;
+
+    fn tree(files: &[(&str, &str)]) -> ModuleTree {
+        let parsed = parsed(files);
+        ModuleTree::read(files[0].0, &parsed.iter().map(|file| (file.path.as_str(), file)).collect())
+    }
+
+    fn file_of(tree: &ModuleTree, path: &str) -> Vec<String> {
+        let path: Vec<String> = path.split("::").map(str::to_owned).collect();
+        let file = |to: &Destination| match to {
+            Destination::Module(module) => format!("module {}", tree.modules[*module].file),
+            Destination::Definition(module, name) => format!("{name} {}", tree.modules[*module].file),
+        };
+        tree.resolve(0, &path).iter().map(file).collect()
+    }
+
+    #[test]
+    fn a_name_is_followed_through_reexports_renames_and_globs_to_where_it_is_defined() {
+        let tree = tree(&[
+            ("a/src/lib.rs", "mod b; pub use b::*; use b::Deep as Shallow; use self::b::{c as d, Deep};"),
+            ("a/src/b/mod.rs", "pub mod c; pub use c::Deep; pub use super::b::c::work; pub fn own() {}"),
+            ("a/src/b/c.rs", "pub struct Deep; pub fn work() {} pub enum Kind { One }"),
+        ]);
+        for path in ["b::Deep", "Shallow", "crate::b::c::Deep", "self::Deep", "d::Deep", "b::Deep::new"] {
+            assert_eq!(file_of(&tree, path), ["Deep a/src/b/c.rs"], "{path}");
+        }
+        assert_eq!(file_of(&tree, "work"), ["work a/src/b/c.rs"]);
+        assert_eq!(file_of(&tree, "own"), ["own a/src/b/mod.rs"]);
+        assert_eq!(file_of(&tree, "d::Kind::One"), ["Kind a/src/b/c.rs"]);
+        assert_eq!(file_of(&tree, "b::c"), ["module a/src/b/c.rs"]);
+        assert_eq!(file_of(&tree, "std::fmt::Display"), [""; 0]);
+    }
+
+    #[test]
+    fn a_module_and_a_function_of_one_name_are_both_found() {
+        let tree = tree(&[
+            ("a/src/lib.rs", "mod work; pub use work::work;"),
+            ("a/src/work.rs", "pub fn work() {} fn help() {}"),
+        ]);
+        assert_eq!(file_of(&tree, "work"), ["module a/src/work.rs", "work a/src/work.rs"]);
+        assert_eq!(file_of(&tree, "work::help"), ["help a/src/work.rs"]);
+    }
+
+    #[test]
+    fn imports_in_a_ring_lead_nowhere() {
+        let tree = tree(&[("a/src/lib.rs", "mod b { pub use super::c::*; } mod c { pub use super::b::*; } use b::X;")]);
+        assert_eq!(file_of(&tree, "X"), [""; 0]);
+    }
+
+    #[test]
+    fn modules_lie_where_the_compiler_looks_for_them() {
+        let tree = tree(&[
+            ("a/src/bin/b.rs", "#[path = \"../halt.rs\"] mod halt; mod inner { pub mod c; } mod d;"),
+            ("a/src/halt.rs", "pub fn halt() {}"),
+            ("a/src/bin/inner/c.rs", "pub fn c() {}"),
+            ("a/src/bin/d.rs", "pub mod e;"),
+            ("a/src/bin/d/e.rs", "pub fn e() {}"),
+        ]);
+        assert_eq!(file_of(&tree, "halt::halt"), ["halt a/src/halt.rs"]);
+        assert_eq!(file_of(&tree, "inner::c::c"), ["c a/src/bin/inner/c.rs"]);
+        assert_eq!(file_of(&tree, "d::e::e"), ["e a/src/bin/d/e.rs"]);
+    }
+
+    #[test]
+    fn what_macros_are_given_is_searched_for_paths() {
+        let tree = tree(&[("a/src/lib.rs", "fn f() { print!(\"{}\", [crate::b::c, x::y::<u8>(z)]); }")]);
+        let mentioned = &tree.modules[0].mentioned;
+        for path in [["crate", "b", "c"].as_slice(), &["x", "y"], &["z"]] {
+            assert!(mentioned.contains(&path.iter().map(|&name| name.to_owned()).collect::<Vec<_>>()), "{path:?}");
+        }
+    }
+}
