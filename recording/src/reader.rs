@@ -81,7 +81,8 @@ impl RecordingReader {
         self.source.skip(rows, &self.path)
     }
 
-    /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after the last.
+    /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after
+    /// the last.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
         self.source.next_chunk(&self.path)
     }

@@ -237,7 +237,8 @@ impl Forward {
         self.past.remove(0);
     }
 
-    /// Decays that stand for the whole present state, by output: what [`RecordEnd`](crate::model::RecordEnd) keeps.
+    /// Decays that stand for the whole present state, by output: what
+    /// [`RecordEnd`](crate::model::RecordEnd) keeps.
     pub fn decays(&self, model: &Model) -> Vec<Vec<(f64, f64)>> {
         let mut all = vec![Vec::new(); self.offset_c.len()];
         for decay in &self.decays {

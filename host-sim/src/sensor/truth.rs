@@ -9,7 +9,8 @@ pub struct SensorTruth {
     pub element_temperature_c: Vec<f64>,
     /// Electrical heat of every element.
     pub power_w: Vec<f64>,
-    /// Of every surface, in the order of [`Sensor::surface_names`](super::Sensor::surface_names); so are the next three.
+    /// Of every surface, in the order of
+    /// [`Sensor::surface_names`](super::Sensor::surface_names); so are the next three.
     pub surface_temperature_c: Vec<f64>,
     /// To the gas.
     pub convection_w: Vec<f64>,
