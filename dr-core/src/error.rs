@@ -5,10 +5,12 @@
 use core::fmt;
 
 /// A parameter of a configuration, by the name that users see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(missing_docs)] // the names are the documentation
 pub enum Parameter {
+    #[strum(to_string = "resistance_0c_ohm")]
     Resistance0cOhm,
     CoefficientPerC,
     VoltPerCode,
@@ -20,22 +22,29 @@ pub enum Parameter {
     CodeMax,
     RateRadS,
     SamplePeriodS,
+    #[strum(to_string = "r_k_per_w")]
     ResistanceKPerW,
     ReferenceC,
+    #[strum(to_string = "order")]
     PrbsOrder,
+    #[strum(to_string = "seed")]
     PrbsSeed,
     TicksPerBit,
+    #[strum(to_string = "temperature_c")]
     TargetC,
     PowerW,
     LowC,
     HighC,
     DwellTicks,
+    #[strum(to_string = "ratio")]
     DecimatorRatio,
     MissingLimitTicks,
     UnreachableLimitTicks,
     LeastReynolds,
     MostReynolds,
+    #[strum(to_string = "nusselt_a0")]
     NusseltMean,
+    #[strum(to_string = "nusselt_a1")]
     NusseltFirst,
     NusseltAmplitudes,
     Axis,
@@ -47,13 +56,16 @@ pub enum Parameter {
     DirectionErrorMaxRad,
     DensityKgM3,
     ViscosityPaS,
+    #[strum(to_string = "conductivity_w_m_k")]
     ConductivityWMK,
     SurfaceShare,
     CorrectionWPerK,
     ConvectionWPerK,
     ReadingWeight,
     VarianceW2,
+    #[strum(to_string = "windless_w_k")]
     WindlessWK,
+    #[strum(to_string = "gain")]
     PartGain,
     PartElement,
     Parts,
@@ -66,8 +78,10 @@ pub enum Parameter {
     GasPolynomial,
     NusseltPoint,
     CrossHeating,
+    #[strum(to_string = "threshold_k")]
     AlarmThresholdK,
     UntilS,
+    #[strum(to_string = "set")]
     GainSet,
     CardMean,
     CardDifference,
@@ -79,75 +93,8 @@ pub enum Parameter {
 
 impl Parameter {
     /// The name in the files and on the wire, unit included.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Resistance0cOhm => "resistance_0c_ohm",
-            Self::CoefficientPerC => "coefficient_per_c",
-            Self::VoltPerCode => "volt_per_code",
-            Self::CurrentLowA => "current_low_a",
-            Self::CurrentHighA => "current_high_a",
-            Self::ResistanceMinOhm => "resistance_min_ohm",
-            Self::ResistanceMaxOhm => "resistance_max_ohm",
-            Self::TemperatureMaxC => "temperature_max_c",
-            Self::CodeMax => "code_max",
-            Self::RateRadS => "rate_rad_s",
-            Self::SamplePeriodS => "sample_period_s",
-            Self::ResistanceKPerW => "r_k_per_w",
-            Self::ReferenceC => "reference_c",
-            Self::PrbsOrder => "order",
-            Self::PrbsSeed => "seed",
-            Self::TicksPerBit => "ticks_per_bit",
-            Self::TargetC => "temperature_c",
-            Self::PowerW => "power_w",
-            Self::LowC => "low_c",
-            Self::HighC => "high_c",
-            Self::DwellTicks => "dwell_ticks",
-            Self::DecimatorRatio => "ratio",
-            Self::MissingLimitTicks => "missing_limit_ticks",
-            Self::UnreachableLimitTicks => "unreachable_limit_ticks",
-            Self::LeastReynolds => "least_reynolds",
-            Self::MostReynolds => "most_reynolds",
-            Self::NusseltMean => "nusselt_a0",
-            Self::NusseltFirst => "nusselt_a1",
-            Self::NusseltAmplitudes => "nusselt_amplitudes",
-            Self::Axis => "axis",
-            Self::Corner => "corner",
-            Self::AreaM2 => "area_m2",
-            Self::SectorMeans => "sector_means",
-            Self::SectorThreefold => "sector_threefold",
-            Self::DiameterM => "diameter_m",
-            Self::DirectionErrorMaxRad => "direction_error_max_rad",
-            Self::DensityKgM3 => "density_kg_m3",
-            Self::ViscosityPaS => "viscosity_pa_s",
-            Self::ConductivityWMK => "conductivity_w_m_k",
-            Self::SurfaceShare => "surface_share",
-            Self::CorrectionWPerK => "correction_w_per_k",
-            Self::ConvectionWPerK => "convection_w_per_k",
-            Self::ReadingWeight => "reading_weight",
-            Self::VarianceW2 => "variance_w2",
-            Self::WindlessWK => "windless_w_k",
-            Self::PartGain => "gain",
-            Self::PartElement => "part_element",
-            Self::Parts => "parts",
-            Self::OutputIntervalTicks => "output_interval_ticks",
-            Self::ReferenceElement => "reference_element",
-            Self::SmoothingS => "smoothing_s",
-            Self::GasTemperatureC => "gas_temperature_c",
-            Self::PressurePa => "pressure_pa",
-            Self::GasConstantJKgK => "gas_constant_j_kg_k",
-            Self::GasPolynomial => "gas_polynomial",
-            Self::NusseltPoint => "nusselt_point",
-            Self::CrossHeating => "cross_heating",
-            Self::AlarmThresholdK => "threshold_k",
-            Self::UntilS => "until_s",
-            Self::GainSet => "set",
-            Self::CardMean => "card_mean",
-            Self::CardDifference => "card_difference",
-            Self::CardAnisotropy => "card_anisotropy",
-            Self::CardShare => "card_share",
-            Self::WindowS => "window_s",
-            Self::PulseS => "pulse_s",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -225,8 +172,13 @@ pub(crate) fn within(parameter: Parameter, value: f32, least: f32, most: f32) ->
     if (least..=most).contains(&finite(parameter, value)?) {
         Ok(value)
     } else {
-        Err(ConfigError { parameter, problem: ParameterProblem::OutOfRange { least, most } })
+        Err(out_of_range(parameter, least, most))
     }
+}
+
+/// A value that does not lie between the bounds.
+pub(crate) const fn out_of_range(parameter: Parameter, least: f32, most: f32) -> ConfigError {
+    ConfigError { parameter, problem: ParameterProblem::OutOfRange { least, most } }
 }
 
 /// The pair, if both are finite and the second is the greater.

@@ -51,9 +51,9 @@ impl<const N: usize> Instrument<N> {
         let reply = self.controller.handle(command)?;
         match command {
             // A flipped bit cannot be located: all settings are void.
-            Command::Acknowledge if had_bit_flip => self.anemometer = Anemometer::new(),
+            Command::Acknowledge if had_bit_flip => self.anemometer = Anemometer::default(),
             // Its gains were for the old period, or for another head.
-            Command::Clear | Command::SamplePeriod { .. } => self.anemometer = Anemometer::new(),
+            Command::Clear | Command::SamplePeriod { .. } => self.anemometer = Anemometer::default(),
             Command::Start => self.anemometer.restart(),
             _ => {}
         }

@@ -18,7 +18,7 @@ pub struct CheckIns([AtomicBool; 3]);
 
 impl CheckIns {
     /// No task yet.
-    pub const fn new() -> Self {
+    pub const fn none() -> Self {
         Self([const { AtomicBool::new(false) }; 3])
     }
 
@@ -43,12 +43,6 @@ impl CheckIns {
     }
 }
 
-impl Default for CheckIns {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,7 +51,7 @@ mod tests {
     fn the_watchdog_starves_as_soon_as_one_task_is_silent() {
         let members = [Member::Control, Member::Receive, Member::Transmit];
         for silent in members {
-            let check_ins = CheckIns::new();
+            let check_ins = CheckIns::none();
             for _ in 0..3 {
                 members.iter().for_each(|&member| check_ins.check_in(member));
                 assert!(check_ins.all_anew());

@@ -23,7 +23,7 @@ pub struct DeadManCounter(AtomicU8);
 
 impl DeadManCounter {
     /// Stopped: no heater is high.
-    pub const fn new() -> Self {
+    pub const fn stopped() -> Self {
         Self(AtomicU8::new(0))
     }
 
@@ -40,19 +40,13 @@ impl DeadManCounter {
     }
 }
 
-impl Default for DeadManCounter {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn it_expires_once_when_two_ticks_have_passed() {
-        let timer = DeadManCounter::new();
+        let timer = DeadManCounter::stopped();
         timer.decided(true);
         assert!(!timer.tick_passed());
         timer.decided(true);
@@ -62,7 +56,7 @@ mod tests {
 
     #[test]
     fn low_heaters_may_stand_for_ever() {
-        let timer = DeadManCounter::new();
+        let timer = DeadManCounter::stopped();
         timer.decided(true);
         timer.decided(false);
         assert!((0..10).all(|_| !timer.tick_passed()));

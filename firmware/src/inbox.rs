@@ -26,7 +26,7 @@ pub struct TelemetryRequests {
 
 impl TelemetryRequests {
     /// After a start: the identity is requested, and a sample every tick.
-    pub const fn new() -> Self {
+    pub const fn starting() -> Self {
         Self { identity: AtomicBool::new(true), telemetry_every: AtomicU16::new(1) }
     }
 
@@ -51,12 +51,6 @@ impl TelemetryRequests {
             0 => false,
             every => tick.is_multiple_of(u32::from(every)),
         }
-    }
-}
-
-impl Default for TelemetryRequests {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -154,7 +148,7 @@ mod tests {
     fn with_inbox<R>(is_virtual: bool, test: impl FnOnce(&mut Inbox, &TelemetryRequests) -> R) -> R {
         let (mut requests, mut exchanges, mut jobs) =
             (Queue::<_, 3>::new(), Queue::<_, 3>::new(), Queue::<_, 3>::new());
-        let telemetry_requests = TelemetryRequests::new();
+        let telemetry_requests = TelemetryRequests::starting();
         let (requests, exchanges, jobs) = (requests.split().0, exchanges.split().0, jobs.split().0);
         test(&mut Inbox::new(requests, exchanges, jobs, &telemetry_requests, is_virtual), &telemetry_requests)
     }

@@ -12,7 +12,6 @@ pub mod crash_record;
 pub mod dead_man;
 pub mod drivers;
 pub mod inbox;
-pub mod margins;
 pub mod outbox;
 pub mod queue;
 pub mod settings;

@@ -34,20 +34,20 @@ mod app {
     use super::settings_loader::{Outcome, SettingsLoader};
     use super::vitals::{self, Health};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Cause, Refusal, RunState};
+    use dr_core::control::{Cause, Margins, Refusal, RunState};
     use dr_core::{Command, Instrument};
     use firmware::check_ins::{CheckIns, Member};
     use firmware::crash_record::CrashTrip;
     use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
-    use firmware::margins::MarginBoard;
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use firmware::queue;
     use firmware::settings::{PendingFindings, SettingsServer, StandbyLock};
     use heapless::spsc::{Consumer, Producer, Queue};
+    use rtic::Mutex;
     use stm32f4xx_hal::pac::Interrupt;
     use wire::{
-        Event, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest, ToBoard,
-        encode,
+        Event, FromBoard, LinkCounters, List, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
+        ToBoard, encode,
     };
 
     /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
@@ -70,10 +70,9 @@ mod app {
     /// sample.
     const TELEMETRY_SLOTS: usize = 32;
 
-    static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::new();
-    static UNSENT: Unsent = Unsent::new();
-    static CHECK_INS: CheckIns = CheckIns::new();
-    static MARGINS: MarginBoard<ELEMENTS> = MarginBoard::new();
+    static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
+    static UNSENT: Unsent = Unsent::none();
+    static CHECK_INS: CheckIns = CheckIns::none();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
@@ -99,6 +98,9 @@ mod app {
         status: Option<wire::Status>,
         /// Findings of the last self-test that are not stored yet.
         findings: PendingFindings,
+        /// Of each element, to the levels. The health task copies them once a second, some 200
+        /// bytes, for which the control task waits a microsecond.
+        margins: List<Option<Margins>>,
     }
 
     #[local]
@@ -160,6 +162,7 @@ mod app {
                 host_counters: LinkCounters::default(),
                 status: None,
                 findings: PendingFindings::of(&identity),
+                margins: List::new(),
             },
             Local {
                 instrument: Instrument::new(),
@@ -218,7 +221,7 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings, margins])]
     fn control(mut cx: control::Context) {
         let control::LocalResources { instrument, front_end, requests, orders, outcomes, outbox, last_state, .. } =
             cx.local;
@@ -235,13 +238,14 @@ mod app {
         }
         while let Some(command) = orders.dequeue() {
             // It has room for one, and the loader takes each outcome before its next order.
-            queue::put(outcomes, handle(instrument, front_end, command).map(drop)).ok();
+            let result = handle(instrument, front_end, &mut cx.shared.margins, command);
+            queue::put(outcomes, result.map(drop)).ok();
         }
         // While settings are written or loaded, the host's commands wait: nothing starts then.
         while !STANDBY_LOCK.is_taken()
             && let Some((sequence, command)) = requests.dequeue()
         {
-            let result = handle(instrument, front_end, command);
+            let result = handle(instrument, front_end, &mut cx.shared.margins, command);
             outbox.put(FromBoard::Reply { to: sequence, result });
         }
 
@@ -303,6 +307,7 @@ mod app {
     fn handle(
         instrument: &mut Instrument<ELEMENTS>,
         front_end: &mut FrontEnd,
+        margins: &mut impl Mutex<T = List<Option<Margins>>>,
         command: Command,
     ) -> Result<dr_core::Reply, Refusal> {
         if let (Command::SamplePeriod { sample_period_s }, RunState::Standby) =
@@ -312,7 +317,12 @@ mod app {
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
         let reply = instrument.handle(command)?;
-        MARGINS.put(instrument.controller().margins());
+        margins.lock(|margins| {
+            margins.clear();
+            for of_element in instrument.controller().margins() {
+                margins.push(of_element).ok();
+            }
+        });
         match command {
             // Not before: a start that is refused must not disturb the run.
             Command::Start => front_end.restart(),
@@ -452,7 +462,7 @@ mod app {
     /// Twenty times a second: feeds the watchdog if every task has checked in, and clears the
     /// check-ins. Once a second: status. Priority 2; late by more than the watchdog's half second
     /// resets the board.
-    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox])]
+    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins])]
     fn health(mut cx: health::Context) {
         if cx.local.health.beat(&CHECK_INS) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
@@ -468,7 +478,7 @@ mod app {
                 armed: ARMED.load(Relaxed),
                 control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
                 tick_cycles: TICK_CYCLES.load(Relaxed),
-                margins: MARGINS.read(),
+                margins: cx.shared.margins.lock(|margins| margins.clone()),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
         }

@@ -13,19 +13,13 @@ pub struct Unsent(AtomicU32);
 
 impl Unsent {
     /// None yet.
-    pub const fn new() -> Self {
+    pub const fn none() -> Self {
         Self(AtomicU32::new(0))
     }
 
     /// How many so far.
     pub fn count(&self) -> u32 {
         self.0.load(Relaxed)
-    }
-}
-
-impl Default for Unsent {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -94,7 +88,7 @@ mod tests {
 
     #[test]
     fn the_host_learns_exactly_what_was_dropped() {
-        let (mut queue, unsent) = (Queue::<FromBoard, 4>::new(), Unsent::new());
+        let (mut queue, unsent) = (Queue::<FromBoard, 4>::new(), Unsent::none());
         let (producer, mut consumer) = queue.split();
         let mut outbox = Outbox::new(producer, &unsent);
         let (mut sequence, mut receiver) = (Sequence::default(), Receiver::new());

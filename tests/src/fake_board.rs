@@ -180,7 +180,7 @@ impl Life {
             (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Queue::<FromBoard, 32>::new());
         let ((request_in, mut requests), (exchange_in, _), (message_in, mut messages)) =
             (requests.split(), exchanges.split(), messages.split());
-        let (questions, unsent) = (TelemetryRequests::new(), Unsent::new());
+        let (questions, unsent) = (TelemetryRequests::starting(), Unsent::none());
         let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());

@@ -43,8 +43,11 @@ pub type SettingValue = heapless::Vec<u8, MOST_VALUE>;
 /// Number of a key.
 pub type KeyNumber = u16;
 
-/// What kind of thing a key is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// What kind of thing a key is of, in the order of a set-up.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, strum::EnumString, strum::FromRepr, strum::IntoStaticStr,
+)]
+#[strum(serialize_all = "snake_case")]
 #[repr(u8)]
 pub enum SettingKind {
     /// What the instrument is called.
@@ -52,6 +55,7 @@ pub enum SettingKind {
     /// Ticks a sample.
     TelemetryEvery = 0x02,
     /// Length of a tick.
+    #[strum(to_string = "sample_period_s")]
     SamplePeriod = 0x03,
     /// Limits of the guard.
     Guard = 0x04,
@@ -64,20 +68,26 @@ pub enum SettingKind {
     /// What it does.
     Drive = 0x12,
     /// Self-heating of an element.
+    #[strum(to_string = "own")]
     SelfHeating = 0x20,
     /// Faster gains.
+    #[strum(to_string = "faster")]
     FasterGains = 0x21,
     /// Cross-heating of a pair.
+    #[strum(to_string = "cross")]
     CrossHeating = 0x22,
     /// Amplitudes at a Reynolds number.
+    #[strum(to_string = "point")]
     NusseltPoint = 0x23,
     /// A surface of the head.
+    #[strum(to_string = "part")]
     Surface = 0x24,
     /// Four dice on a card.
     Card = 0x25,
     /// The gas.
     GasLaw = 0x26,
     /// Output settings of the wind estimate.
+    #[strum(to_string = "answer")]
     WindOutput = 0x27,
     /// State of the gas.
     Gas = 0x28,
@@ -88,52 +98,9 @@ pub enum SettingKind {
 }
 
 impl SettingKind {
-    /// All kinds, in the order of a set-up.
-    pub const ALL: [Self; 19] = [
-        Self::Name,
-        Self::TelemetryEvery,
-        Self::SamplePeriod,
-        Self::Guard,
-        Self::Observe,
-        Self::Element,
-        Self::Model,
-        Self::Drive,
-        Self::SelfHeating,
-        Self::FasterGains,
-        Self::CrossHeating,
-        Self::NusseltPoint,
-        Self::Surface,
-        Self::Card,
-        Self::GasLaw,
-        Self::WindOutput,
-        Self::Gas,
-        Self::Tested,
-        Self::TestedAtStart,
-    ];
-
     /// Its name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Name => "name",
-            Self::TelemetryEvery => "telemetry_every",
-            Self::SamplePeriod => "sample_period_s",
-            Self::Guard => "guard",
-            Self::Observe => "observe",
-            Self::Element => "element",
-            Self::Model => "model",
-            Self::Drive => "drive",
-            Self::SelfHeating => "own",
-            Self::FasterGains => "faster",
-            Self::CrossHeating => "cross",
-            Self::NusseltPoint => "point",
-            Self::Surface => "part",
-            Self::Card => "card",
-            Self::GasLaw => "gas_law",
-            Self::WindOutput => "answer",
-            Self::Gas => "gas",
-            Self::Tested => "tested",
-            Self::TestedAtStart => "tested_at_start",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -155,8 +122,7 @@ impl SettingKey {
     /// The key of a number, if it is one.
     pub fn of_number(number: KeyNumber) -> Option<Self> {
         let [kind, which] = number.to_be_bytes();
-        let kind = SettingKind::ALL.into_iter().find(|known| *known as u8 == kind)?;
-        Some(Self { kind, which })
+        Some(Self { kind: SettingKind::from_repr(kind)?, which })
     }
 }
 

@@ -58,7 +58,7 @@ impl<'a> OffLineAnemometer<'a> {
         let (commands, observer) = calibration
             .commands(output, sample_period_s)
             .map_err(|error| OffLineError::SetUp { head: head.source.path.clone(), error })?;
-        let (anemometer, fixed) = (Anemometer::new(), observer.fixed);
+        let (anemometer, fixed) = (Anemometer::default(), observer.fixed);
         let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, fixed };
         head.set_up(&mut own.anemometer, &commands, sample_period_s)?;
         Ok(own)

@@ -17,9 +17,9 @@ use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::state::{ElementConfig, Heaters, Probe, RunState, Tick};
 use super::targets::{self, Margins};
+use crate::checksum::Checksum;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
-use checksums::ControllerChecksums;
 
 /// A configured element.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +74,12 @@ pub struct Controller<const N: usize> {
     tick: u32,
     /// Ticks for which commands that can heat are still accepted.
     armed_ticks: u32,
-    checksums: ControllerChecksums<N>,
+    /// Checksum of the settings that are verified in every tick.
+    sealed_settings: Checksum,
+    /// Checksum of the states that are verified in every tick.
+    sealed_states: Checksum,
+    /// Checksums of each element's drive, model and observer.
+    sealed_elements: [Checksum; N],
     /// Number of checksums that have failed.
     bit_flips: u32,
 }
@@ -102,7 +107,9 @@ impl<const N: usize> Controller<N> {
             state: RunState::Standby,
             tick: 0,
             armed_ticks: 0,
-            checksums: ControllerChecksums::default(),
+            sealed_settings: Checksum::default(),
+            sealed_states: Checksum::default(),
+            sealed_elements: [Checksum::default(); N],
             bit_flips: 0,
         };
         new.update_checksums();
@@ -360,7 +367,6 @@ impl<const N: usize> Controller<N> {
 
 #[cfg(any(test, feature = "bit-flips"))]
 pub mod bit_flips;
-mod checksums;
 mod digest;
 mod handle;
 mod integrity;

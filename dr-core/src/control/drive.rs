@@ -81,7 +81,7 @@ pub struct DriveInput {
 }
 
 /// What a drive remembers between ticks. Which fields are in use depends on the drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveState {
     /// Modulator of `Power`.
     pub modulator: SigmaDelta,
@@ -96,19 +96,6 @@ pub struct DriveState {
     pub saturated: bool,
     /// The set-point in force, °C.
     pub target_c: f32,
-}
-
-impl Default for DriveState {
-    fn default() -> Self {
-        Self {
-            modulator: SigmaDelta::default(),
-            register: None,
-            ticks_left: 0,
-            level: Level::Low,
-            saturated: false,
-            target_c: 0.0,
-        }
-    }
 }
 
 crate::fields::fields!(enum Drive {

@@ -23,7 +23,8 @@ use crate::sensor::{Channel, Level, Platinum, Reading};
 use core::fmt;
 
 /// Why the heaters went off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(missing_docs)] // the table above is the documentation
 pub enum Cause {
@@ -37,9 +38,12 @@ pub enum Cause {
     Unreachable,
     Stuck,
     BitFlip,
+    #[strum(to_string = "deadline-missed")]
     Deadline,
+    #[strum(to_string = "heater-pin")]
     Heater,
     Panic,
+    #[strum(to_string = "processor-fault")]
     Fault,
     Watchdog,
     BrownOut,
@@ -47,25 +51,8 @@ pub enum Cause {
 
 impl Cause {
     /// The name in recordings and logs.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Open => "open",
-            Self::Short => "short",
-            Self::OutOfRange => "out-of-range",
-            Self::OverTemperature => "over-temperature",
-            Self::NonFinite => "non-finite",
-            Self::Missing => "missing",
-            Self::Stale => "stale",
-            Self::Unreachable => "unreachable",
-            Self::Stuck => "stuck",
-            Self::BitFlip => "bit-flip",
-            Self::Deadline => "deadline-missed",
-            Self::Heater => "heater-pin",
-            Self::Panic => "panic",
-            Self::Fault => "processor-fault",
-            Self::Watchdog => "watchdog",
-            Self::BrownOut => "brown-out",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

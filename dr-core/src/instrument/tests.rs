@@ -108,7 +108,7 @@ fn another_period_or_another_head_is_forgotten_by_both() {
         let mut instrument = instrument();
         assert!(sensed(&mut instrument).is_some());
         instrument.handle(command).unwrap();
-        assert_eq!(instrument.anemometer, Anemometer::new(), "{command:?}");
+        assert_eq!(instrument.anemometer, Anemometer::default(), "{command:?}");
         assert!(sensed(&mut instrument).is_none());
     }
     // What is refused changes nothing.

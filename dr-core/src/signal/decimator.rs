@@ -14,7 +14,7 @@
 //! Sums are kept in wrapping integers of 2⁻²⁸ W: a comb then takes off exactly what an integrator
 //! took in (Hogenauer, 1981), which floats would not. Range ±8 W; the last bit is 3.7 nW.
 
-use crate::error::{ConfigError, Parameter, ParameterProblem};
+use crate::error::{self, ConfigError, Parameter};
 
 /// Counts a watt.
 const COUNTS_PER_WATT: f32 = 268_435_456.0;
@@ -54,10 +54,7 @@ impl<const M: usize> Decimator<M> {
         let gain = (0..M).try_fold(1_u64, |gain, _| gain.checked_mul(u64::from(ratio))).unwrap_or(u64::MAX);
         if ratio == 0 || gain > 1 << 32 {
             let most = libm::floor(libm::pow(4_294_967_296.0, 1.0 / M as f64) + 1e-9) as f32;
-            return Err(ConfigError {
-                parameter: Parameter::DecimatorRatio,
-                problem: ParameterProblem::OutOfRange { least: 1.0, most },
-            });
+            return Err(error::out_of_range(Parameter::DecimatorRatio, 1.0, most));
         }
         Ok(Self { ratio, watt_per_count: (1.0 / (gain as f64 * f64::from(COUNTS_PER_WATT))) as f32 })
     }
@@ -99,6 +96,7 @@ impl<const M: usize> Decimator<M> {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::error::ParameterProblem;
     use crate::signal::sigma_delta::SigmaDelta;
     use std::vec::Vec;
 

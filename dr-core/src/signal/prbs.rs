@@ -5,7 +5,7 @@
 //! the band in which the sequence is as good as white is ω_p/(2ⁿ−1) ≤ ω ≤ ω_p/2.3 (thesis 2.5).
 //! Taps: P. Alfke, Xilinx XAPP052, table 3.
 
-use crate::error::{ConfigError, Parameter, ParameterProblem};
+use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
 /// Least and greatest register length.
 pub const ORDERS: core::ops::RangeInclusive<u8> = 2..=32;
@@ -73,17 +73,11 @@ impl Prbs {
     /// If the order is not 2 … 32, or the seed has bits above the n-th, or is the lock-up word of n
     /// ones.
     pub fn new(order: u8, seed: u32) -> Result<Self, ConfigError> {
-        let taps =
-            *order.checked_sub(*ORDERS.start()).and_then(|index| TAPS.get(usize::from(index))).ok_or(ConfigError {
-                parameter: Parameter::PrbsOrder,
-                problem: ParameterProblem::OutOfRange { least: 2.0, most: 32.0 },
-            })?;
+        let taps = order.checked_sub(*ORDERS.start()).and_then(|index| TAPS.get(usize::from(index)));
+        let taps = *taps.ok_or(error::out_of_range(Parameter::PrbsOrder, 2.0, 32.0))?;
         let mask = u32::MAX >> (32 - u32::from(order));
         if seed > mask {
-            return Err(ConfigError {
-                parameter: Parameter::PrbsSeed,
-                problem: ParameterProblem::OutOfRange { least: 0.0, most: mask as f32 },
-            });
+            return Err(error::out_of_range(Parameter::PrbsSeed, 0.0, mask as f32));
         }
         if seed == mask {
             return Err(ConfigError { parameter: Parameter::PrbsSeed, problem: ParameterProblem::LockUp });

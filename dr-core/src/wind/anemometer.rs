@@ -26,22 +26,24 @@
 
 pub mod command;
 
-mod checksums;
 mod head_inverse;
 mod integrity;
 mod output;
 mod setup;
 
+use crate::checksum::Checksum;
 use crate::control::state::{RunState, Tick};
 use crate::digest::Digest;
-use crate::error::ConfigError;
+use crate::error::{self, ConfigError, Parameter};
 use crate::fields::Fields;
-use crate::model::convection_observer::{ConvectionEstimate, ConvectionObserver, ConvectionObserverState, TickInput};
+use crate::model::convection_observer::{
+    ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
+};
 use crate::wind::estimate::WindEstimate;
 use crate::wind::gas::GasState;
+use crate::wind::gas_law::GasLaw;
 use crate::wind::quality_flags::QualityFlags;
 use crate::wind::sphere_inverse::{MeasuredConductance, WindState};
-use checksums::AnemometerChecksums;
 use command::{HeadSurface, MOST_SURFACES, WindCommand};
 use output::PreparedOutput;
 use setup::AnemometerSetup;
@@ -51,6 +53,11 @@ const LEAST_OVERHEAT_K: f32 = 1.0;
 /// After a warm start the estimate is `starting` for this many time constants of the network's
 /// slowest rate: 5 % of the initial error is left then.
 const STARTING_WARM: f32 = 3.0;
+
+/// Settings that are verified piece by piece, beside those of the network.
+const OTHER_PIECES: usize = 3;
+/// Pieces of the largest instrument, which has 16 elements.
+const MOST_PIECES: usize = ConvectionObserver::<16>::PIECES + OTHER_PIECES;
 
 /// The wind estimate of one tick, with the quantities from which it was made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,8 +76,9 @@ pub struct WindTick {
     pub quality_flags: QualityFlags,
 }
 
-/// The anemometer of an instrument of up to N elements.
-#[derive(Debug, Clone, PartialEq)]
+/// The anemometer of an instrument of up to N elements. At first it has no head, and outputs
+/// nothing.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Anemometer<const N: usize> {
     network: ConvectionObserver<N>,
     setup: AnemometerSetup,
@@ -79,7 +87,9 @@ pub struct Anemometer<const N: usize> {
     pressure_pa: Option<f32>,
     given_gas_c: Option<f32>,
     state: AnemometerState<N>,
-    checksums: AnemometerChecksums<N>,
+    /// Of all pieces; set with the first command. Checksums in the constructor would make the
+    /// compiler build the large value on the stack and copy it.
+    checksums: Option<[Checksum; MOST_PIECES]>,
 }
 
 /// State of the anemometer.
@@ -119,31 +129,7 @@ impl<const N: usize> Default for AnemometerState<N> {
     }
 }
 
-impl<const N: usize> Default for Anemometer<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<const N: usize> Anemometer<N> {
-    /// An anemometer without a head; it outputs nothing.
-    pub fn new() -> Self {
-        Self {
-            network: ConvectionObserver::default(),
-            setup: AnemometerSetup::default(),
-            output: None,
-            pressure_pa: None,
-            given_gas_c: None,
-            state: AnemometerState::default(),
-            checksums: AnemometerChecksums::default(),
-        }
-    }
-
-    /// Whether the set-up is complete, so that it outputs estimates.
-    pub const fn is_configured(&self) -> bool {
-        self.output.is_some()
-    }
-
     /// Resets the state; head and gas stay.
     pub fn restart(&mut self) {
         self.state = AnemometerState::default();
@@ -162,17 +148,22 @@ impl<const N: usize> Anemometer<N> {
             WindCommand::CrossHeating(config) => self.network.set_cross_heating(config, sample_period_s)?,
             WindCommand::NusseltPoint { point, amplitudes } => self.setup.set_point(*point, *amplitudes)?,
             WindCommand::Surface { surface, config } => {
-                setup::check_element(self.network.knows(usize::from(config.element)))?;
+                if !self.network.knows(usize::from(config.element)) {
+                    return Err(NO_SUCH_ELEMENT);
+                }
                 self.setup.set_surface(*surface, config)?;
             }
-            WindCommand::Card(config) => self.setup.set_card(config),
-            WindCommand::GasLaw(config) => self.setup.set_gas_law(config)?,
+            WindCommand::Card(config) => self.setup.card = Some(*config),
+            WindCommand::GasLaw(config) => self.setup.gas_law = Some(GasLaw::new(config)?),
             WindCommand::Output(config) => {
                 self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
                 self.restart();
             }
             WindCommand::Gas { pressure_pa, temperature_c } => {
-                setup::check_gas(*pressure_pa, *temperature_c)?;
+                error::positive(Parameter::PressurePa, *pressure_pa)?;
+                if let Some(temperature_c) = *temperature_c {
+                    error::within(Parameter::GasTemperatureC, temperature_c, -273.15, 1e4)?;
+                }
                 (self.pressure_pa, self.given_gas_c) = (Some(*pressure_pa), *temperature_c);
                 self.update_gas_checksum();
                 return Ok(());
@@ -272,7 +263,7 @@ impl<const N: usize> Anemometer<N> {
         if let (Some(head), Some(gas)) = (&output.head, gas) {
             report.wind = head.step(&mut self.state.wind, &gas, &measured);
         }
-        report.quality_flags = QualityFlags(quality_flags.0 | QualityFlags::of(&report.wind.quality).0);
+        report.quality_flags = quality_flags.with(report.wind.quality, true);
         report
     }
 
@@ -305,7 +296,7 @@ impl<const N: usize> Anemometer<N> {
     }
 
     fn gas(&self, gas_c: Option<f32>) -> Option<GasState> {
-        self.setup.gas_law()?.at(self.pressure_pa?, gas_c?).ok()
+        self.setup.gas_law.as_ref()?.at(self.pressure_pa?, gas_c?).ok()
     }
 
     /// Adds the state and the estimate to a digest; nothing before the set-up is complete.

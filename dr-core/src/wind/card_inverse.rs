@@ -33,9 +33,10 @@
 //! *Limits.* Mirror-symmetric about the boom. The wind across the plane is not determined; it
 //! appears as an error of the speed. Above the calibration the last slopes go on.
 
-use super::estimate::{Quality, WindEstimate};
+use super::estimate::WindEstimate;
 use super::gas::GasState;
 use super::normal::{Factors, Matrix, plus_outer, quadratic};
+use super::quality_flags::QualityFlags;
 use super::sphere_inverse::{MeasuredConductance, nusselt_numbers};
 use super::surface::SurfaceConfig;
 use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
@@ -194,12 +195,14 @@ impl Card {
     }
 
     /// Towards the tip and around the boom, of length one.
-    pub const fn basis(&self) -> [[f32; 3]; 2] {
+    #[cfg(test)]
+    pub(super) const fn basis(&self) -> [[f32; 3]; 2] {
         self.basis
     }
 
     /// Conductances of the dice in a wind, W/K; only its component in the plane counts.
-    pub fn conductances_w_k(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [f32; DICE] {
+    #[cfg(test)]
+    pub(super) fn conductances_w_k(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [f32; DICE] {
         let per_nusselt = self.per_nusselt_w_k(gas);
         let flat = self.basis.map(|b| dot(b, wind_m_s));
         let root = sqrt(sqrt(flat[0] * flat[0] + flat[1] * flat[1]) * gas.reynolds_per_speed(self.side_m));
@@ -215,7 +218,7 @@ impl Card {
 
     /// The wind from what was measured; dice that were not are `None`.
     pub fn step(&self, gas: &GasState, measured: &[Option<MeasuredConductance>; DICE]) -> WindEstimate {
-        let mut quality = Quality { undetermined: true, ..Quality::default() };
+        let mut quality = QualityFlags::UNDETERMINED;
         let per_nusselt = self.per_nusselt_w_k(gas);
         let nusselt = nusselt_numbers(measured, |_| per_nusselt, &mut quality);
         let estimate = self.fit(&nusselt).map(|fitted| self.estimate(gas, &fitted, quality));
@@ -252,7 +255,7 @@ impl Card {
         Some(FittedDice { mean: x[0], downstream: [-x[1], -x[2]], covariance, chi_square, degrees_of_freedom })
     }
 
-    fn estimate(&self, gas: &GasState, fitted: &FittedDice, mut quality: Quality) -> WindEstimate {
+    fn estimate(&self, gas: &GasState, fitted: &FittedDice, mut quality: QualityFlags) -> WindEstimate {
         let size = sqrt(fitted.downstream[0] * fitted.downstream[0] + fitted.downstream[1] * fitted.downstream[1]);
         let direction = self.direction(fitted.downstream);
         // Standard errors along and across the differences: of the readings, and of the curves.
@@ -264,7 +267,7 @@ impl Card {
             Some(direction) if size > 0.0 => (direction.per_angle * sqrt(across) / size).min(PI),
             _ => PI,
         };
-        quality.no_direction = angle_rad > self.direction_error_max_rad;
+        let no_direction = angle_rad > self.direction_error_max_rad;
 
         let of_wind = self.mean_share * (fitted.mean - self.mean.at(0.0));
         let mean_variance = fitted.covariance[0][0] + of_wind * of_wind;
@@ -273,7 +276,7 @@ impl Card {
             |root_seen: f32| (seen_root / root_seen, mean_variance * per_mean * per_mean / (root_seen * root_seen));
         let (mut chi_square, mut degrees_of_freedom) = (fitted.chi_square, fitted.degrees_of_freedom);
         let (root, variance, with_angle) = match &direction {
-            Some(direction) if !quality.no_direction => {
+            Some(direction) if !no_direction => {
                 let (d, per) = self.difference.inverse(size / direction.size);
                 let per = per / direction.size;
                 let (m, m_variance) = by_mean(direction.root_seen);
@@ -299,7 +302,9 @@ impl Card {
             }
         };
         let root = root.max(0.0);
-        quality.extrapolated = root > self.most_root;
+        quality = quality
+            .with(QualityFlags::NO_DIRECTION, no_direction)
+            .with(QualityFlags::EXTRAPOLATED, root > self.most_root);
         let speed_per_reynolds = 1.0 / gas.reynolds_per_speed(self.side_m);
         let speed_m_s = root * root * speed_per_reynolds;
         // Of a square near zero: 2 x σ is less than σ² then.

@@ -2,33 +2,12 @@
 
 use super::head_frame::HeadFrame;
 use super::normal::{Factors, Matrix, decouple, quadratic, scale};
+use super::quality_flags::QualityFlags;
 use crate::arithmetic::{length, scaled, sqrt};
 use core::f32::consts::PI;
 
 /// Variance of every component of a failed estimate, m²/s².
 const UNKNOWN_M2_S2: f32 = f32::MAX;
-
-/// Quality of an estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Quality {
-    /// No estimate: too few surfaces, or no best fit was found. The vector is zero and each
-    /// variance is `f32::MAX`.
-    pub failed: bool,
-    /// A conductance or its variance was not a finite positive number and was left out.
-    pub refused: bool,
-    /// Fewer surfaces than the head has.
-    pub degraded: bool,
-    /// Another wind fits as well; it is in `other_m_s`.
-    pub ambiguous: bool,
-    /// The head does not determine all components; `across_m_s` is the speed in the directions left
-    /// open.
-    pub undetermined: bool,
-    /// The standard error of the direction is above the requested bound.
-    pub no_direction: bool,
-    /// The Reynolds number lies above the calibration.
-    pub extrapolated: bool,
-}
 
 /// The wind vector with its standard errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,20 +33,20 @@ pub struct WindEstimate {
     pub degrees_of_freedom: u8,
     /// Gauss–Newton steps of the solution, rejected ones included.
     pub steps: u8,
-    /// The other wind that fits as well, m/s; without what the head leaves open.
+    /// The other wind that fits as well (`AMBIGUOUS`), m/s; without what the head leaves open.
     pub other_m_s: Option<[f32; 3]>,
-    /// Quality of the estimate.
-    pub quality: Quality,
+    /// What limits the estimate. `FAILED`: the vector is zero, and each variance is `f32::MAX`.
+    pub quality: QualityFlags,
 }
 
 impl WindEstimate {
     /// No estimate, before a measurement.
     pub fn none() -> Self {
-        Self::failed(Quality::default())
+        Self::failed(QualityFlags::default())
     }
 
     /// A failed estimate.
-    pub(super) fn failed(quality: Quality) -> Self {
+    pub(super) fn failed(quality: QualityFlags) -> Self {
         let mut covariance_m2_s2 = [[0.0; 3]; 3];
         for (k, row) in covariance_m2_s2.iter_mut().enumerate() {
             row[k] = UNKNOWN_M2_S2;
@@ -83,7 +62,11 @@ impl WindEstimate {
             degrees_of_freedom: 0,
             steps: 0,
             other_m_s: None,
-            quality: Quality { failed: true, no_direction: true, ambiguous: false, extrapolated: false, ..quality },
+            quality: quality
+                .without(QualityFlags::AMBIGUOUS)
+                .without(QualityFlags::EXTRAPOLATED)
+                .with(QualityFlags::FAILED, true)
+                .with(QualityFlags::NO_DIRECTION, true),
         }
     }
 
@@ -116,7 +99,7 @@ pub struct LeastSquaresSolution<'a> {
 
 impl LeastSquaresSolution<'_> {
     /// Vector and errors; nothing if the equations do not say where the minimum is.
-    pub fn describe(&self, direction_error_max_rad: f32, mut quality: Quality) -> Option<WindEstimate> {
+    pub fn describe(&self, direction_error_max_rad: f32, mut quality: QualityFlags) -> Option<WindEstimate> {
         let (determined, unknowns) = (self.frame.determined(), self.frame.unknowns());
         let components = self.frame.inward(self.wind_m_s);
         let mut covariance = Factors::of(&self.normal)?.inverse().map(|row| scaled(row, self.scale_m2_s2));
@@ -138,7 +121,8 @@ impl LeastSquaresSolution<'_> {
         if !self.fits && speed_m_s * speed_m_s > 4.0 * trace {
             return None;
         }
-        quality.no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
+        let no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
+        quality = quality.with(QualityFlags::NO_DIRECTION, no_direction);
 
         if determined < 3 {
             let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;

@@ -23,7 +23,7 @@
 //!
 //! ```
 //! use dr_core::wind::{
-//!     GasState, MeasuredConductance, NusseltConfig, WindState, WindVector, sphere,
+//!     GasState, MeasuredConductance, NusseltConfig, QualityFlags, WindState, WindVector, sphere,
 //! };
 //!
 //! // Amplitudes come from a calibration; these are of about the right size for Re 1 … 200.
@@ -41,7 +41,7 @@
 //!     Some(MeasuredConductance { conductance_w_k, variance_w2_k2: error_w_k * error_w_k })
 //! });
 //! let wind = head.step(&mut WindState::default(), &gas, &measured);
-//! assert!(!wind.quality.failed && (wind.wind_m_s[1] + 4.0).abs() < 1e-3);
+//! assert!(!wind.quality.has(QualityFlags::FAILED) && (wind.wind_m_s[1] + 4.0).abs() < 1e-3);
 //! # Ok::<(), dr_core::ConfigError>(())
 //! ```
 
@@ -64,7 +64,7 @@ pub mod surface;
 pub use anemometer::command::{HeadSurface, MOST_SURFACES, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
 pub use card_inverse::{Card, CardConfig};
-pub use estimate::{Quality, WindEstimate};
+pub use estimate::WindEstimate;
 pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};

@@ -1,6 +1,5 @@
 //! Quality flags of a wind estimate: one bit for each limitation.
 
-use super::estimate::Quality;
 use core::fmt;
 
 /// A set of flags; empty if the standard errors describe the estimate completely.
@@ -9,7 +8,7 @@ use core::fmt;
 pub struct QualityFlags(pub u16);
 
 impl QualityFlags {
-    /// There is no wind vector.
+    /// There is no wind vector: too few surfaces, or no best fit was found.
     pub const FAILED: Self = Self(1);
     /// A conductance or its variance was not a finite positive number and was left out.
     pub const REFUSED: Self = Self(1 << 1);
@@ -63,16 +62,9 @@ impl QualityFlags {
         if so { Self(self.0 | other.0) } else { self }
     }
 
-    /// The flags of an inverse.
-    pub(super) const fn of(quality: &Quality) -> Self {
-        Self(0)
-            .with(Self::FAILED, quality.failed)
-            .with(Self::REFUSED, quality.refused)
-            .with(Self::DEGRADED, quality.degraded)
-            .with(Self::AMBIGUOUS, quality.ambiguous)
-            .with(Self::UNDETERMINED, quality.undetermined)
-            .with(Self::NO_DIRECTION, quality.no_direction)
-            .with(Self::EXTRAPOLATED, quality.extrapolated)
+    /// The set less `other`.
+    pub(super) const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 }
 

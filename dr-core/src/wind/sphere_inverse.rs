@@ -32,11 +32,12 @@
 //! `descent::MOST_STEPS_IN_ALL` steps from all starts together.
 
 use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, WeightedNusselt, locals};
-use super::estimate::{LeastSquaresSolution, Quality, WindEstimate};
+use super::estimate::{LeastSquaresSolution, WindEstimate};
 use super::gas::GasState;
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
+use super::quality_flags::QualityFlags;
 use super::start::starts;
 use super::surface::{SphereSurface, SurfaceConfig};
 use crate::arithmetic::{length, plus as along, scaled};
@@ -139,7 +140,7 @@ impl<const N: usize> WindVector<N> {
         gas: &GasState,
         measured: &[Option<MeasuredConductance>; N],
     ) -> WindEstimate {
-        let mut quality = Quality { undetermined: self.frame.determined() < 3, ..Quality::default() };
+        let mut quality = QualityFlags::default().with(QualityFlags::UNDETERMINED, self.frame.determined() < 3);
         let per_nusselt = |i: usize| gas.conductance_per_nusselt_w_k(self.diameter_m, self.surfaces[i].area_m2());
         let nusselt = nusselt_numbers(measured, per_nusselt, &mut quality);
         let seen = nusselt.iter().flatten().count();
@@ -156,16 +157,16 @@ impl<const N: usize> WindVector<N> {
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
         let speed_per_reynolds = 1.0 / per_speed;
         let last = state.last_m_s.map(|wind| scaled(wind, per_speed));
-        let Some((found, other)) = solve(&inverse, last, quality.degraded || uneven) else {
+        let degraded = quality.has(QualityFlags::DEGRADED);
+        let Some((found, other)) = solve(&inverse, last, degraded || uneven) else {
             return WindEstimate::failed(quality);
         };
 
-        quality.ambiguous = other.is_some();
-        quality.extrapolated = self.nusselt.extrapolates(length(found.reynolds));
+        quality = quality
+            .with(QualityFlags::AMBIGUOUS, other.is_some())
+            .with(QualityFlags::EXTRAPOLATED, self.nusselt.extrapolates(length(found.reynolds)));
         let (mut normal, least_across) = self.normal_off_the_axes(&inverse, &found);
-        if quality.degraded
-            && let Some(singularity) = inverse.singularity(&found)
-        {
+        if degraded && let Some(singularity) = inverse.singularity(&found) {
             plus(&mut normal, &singularity.information);
         }
         let solution = LeastSquaresSolution {
@@ -184,7 +185,7 @@ impl<const N: usize> WindVector<N> {
             ..wind
         });
         let Some(wind) = estimate.filter(WindEstimate::is_finite) else { return WindEstimate::failed(quality) };
-        if !wind.quality.no_direction {
+        if !wind.quality.has(QualityFlags::NO_DIRECTION) {
             state.last_m_s = Some(solution.wind_m_s);
         }
         wind
@@ -209,7 +210,7 @@ impl<const N: usize> WindVector<N> {
 pub(super) fn nusselt_numbers<const N: usize>(
     measured: &[Option<MeasuredConductance>; N],
     per_nusselt_w_k: impl Fn(usize) -> f32,
-    quality: &mut Quality,
+    quality: &mut QualityFlags,
 ) -> [Option<(f32, f32)>; N] {
     core::array::from_fn(|i| {
         let good = measured[i].and_then(|measured| {
@@ -217,10 +218,10 @@ pub(super) fn nusselt_numbers<const N: usize>(
             let nusselt = measured.conductance_w_k / per_nusselt;
             let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
             let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
-            quality.refused |= !good;
+            *quality = quality.with(QualityFlags::REFUSED, !good);
             good.then_some((nusselt, variance))
         });
-        quality.degraded |= good.is_none();
+        *quality = quality.with(QualityFlags::DEGRADED, good.is_none());
         good
     })
 }

@@ -11,7 +11,7 @@
 use core::hint::black_box;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use dr_core::control::{Controller, Drive, ElementConfig, Limits, Tick};
+use dr_core::control::{Controller, Drive, ElementConfig, Heaters, Limits, Tick};
 use dr_core::model::{
     AlarmConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, RelaxationState, Relaxations,
     SelfHeatingConfig, Symbol, mesh,
@@ -26,10 +26,8 @@ use dr_core::{Command, Instrument};
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
-/// Of the sensor board's controller.
+/// Of the sensor board's controller; the virtual board's has room for 16.
 const ELEMENTS: usize = 6;
-/// Of the virtual board's.
-const MOST_ELEMENTS: usize = wire::MOST_ELEMENTS;
 const SAMPLE_PERIOD_S: f32 = 0.01;
 /// Of the ADC: 4 V full scale, 24 bit.
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
@@ -43,30 +41,22 @@ const OUTPUT_INTERVAL: u16 = 10;
 /// One compensated step of 8 relaxations, and the temperature that they amount to.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn relaxations_8_poles(
-    relaxations: &Relaxations<8>,
-    symbol: &Symbol<8>,
-    state: &mut RelaxationState<8>,
-    input: f32,
-) -> f32 {
-    relaxations.step(state, input);
+fn relaxations_8_poles(poles: &Relaxations<8>, symbol: &Symbol<8>, state: &mut RelaxationState<8>, input: f32) -> f32 {
+    poles.step(state, input);
     symbol.output(state)
 }
 
 /// All that the control task decides in a tick.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn control_6_elements(controller: &mut Controller<ELEMENTS>, readings: &[Reading; ELEMENTS]) -> Tick<ELEMENTS> {
+fn control_6_elements(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
     controller.tick(readings)
 }
 
 /// The same while the observers run.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn control_6_elements_observing(
-    controller: &mut Controller<ELEMENTS>,
-    readings: &[Reading; ELEMENTS],
-) -> Tick<ELEMENTS> {
+fn control_6_elements_observing(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
     // A word of its own keeps the linker from merging it with the function above.
     black_box(controller).tick(readings)
 }
@@ -74,20 +64,14 @@ fn control_6_elements_observing(
 /// Six elements on a controller that has room for more.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn control_6_of_16(
-    controller: &mut Controller<MOST_ELEMENTS>,
-    readings: &[Reading; MOST_ELEMENTS],
-) -> Tick<MOST_ELEMENTS> {
+fn control_6_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
     controller.tick(readings)
 }
 
 /// Thirteen elements.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn control_13_of_16(
-    controller: &mut Controller<MOST_ELEMENTS>,
-    readings: &[Reading; MOST_ELEMENTS],
-) -> Tick<MOST_ELEMENTS> {
+fn control_13_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
     // A word of its own keeps the linker from merging it with the function above.
     black_box(controller).tick(readings)
 }
@@ -123,29 +107,21 @@ fn decimator_push(decimator: &Decimator<2>, state: &mut DecimatorState<2>, power
     decimator.push(state, power_w)
 }
 
+type OfSectors = [Option<MeasuredConductance>; 4];
+
 /// The wind from the conductances of four sectors.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_4_sectors(
-    vector: &WindVector<4>,
-    state: &mut WindState,
-    gas: &GasState,
-    measured: &[Option<MeasuredConductance>; 4],
-) -> WindEstimate {
-    vector.step(state, gas, measured)
+fn wind_4_sectors(head: &WindVector<4>, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
+    head.step(state, gas, measured)
 }
 
 /// The wind from the three that are left, or that are known well.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_3_sectors(
-    vector: &WindVector<4>,
-    state: &mut WindState,
-    gas: &GasState,
-    measured: &[Option<MeasuredConductance>; 4],
-) -> WindEstimate {
+fn wind_3_sectors(head: &WindVector<4>, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
     // A word of its own keeps the linker from merging it with the function above.
-    black_box(vector).step(state, gas, measured)
+    black_box(head).step(state, gas, measured)
 }
 
 /// The anemometer's half of a tick: quiescent-gas network of six elements with all cross-heating,
@@ -200,6 +176,21 @@ fn measure() -> Option<()> {
 }
 
 /// Of the sphere on which the wind is counted.
+/// Wiring and limits of every element.
+fn element() -> Option<ElementConfig> {
+    let platinum = Platinum::linear(175.0, 0.0031).ok()?;
+    let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
+    let limits =
+        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    Some(ElementConfig { channel, limits })
+}
+
+/// What the ADC reads of an element.
+fn reading(config: &ElementConfig, temperature_c: f32, is_high: bool) -> Reading {
+    let current_a = if is_high { CURRENT_HIGH_A } else { CURRENT_LOW_A };
+    Reading::Code((config.channel.platinum().resistance_ohm(temperature_c) * current_a / VOLT_PER_CODE) as i32)
+}
+
 const DIAMETER_M: f32 = 0.01;
 
 /// a_0 and a_1 of about the right size; for what it costs no more is needed.
@@ -254,12 +245,9 @@ fn anemometer() -> Option<()> {
     let mut instrument = Instrument::<ELEMENTS>::new();
     let mut send = |command| instrument.handle(command).ok();
     send(Command::SamplePeriod { sample_period_s: 1e-3 })?;
-    let platinum = Platinum::linear(175.0, 0.0031).ok()?;
-    let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
-    let limits =
-        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    let config = element()?;
     for element in 0..ELEMENTS as u8 {
-        send(Command::Element { element, config: ElementConfig { channel, limits } })?;
+        send(Command::Element { element, config })?;
         send(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } })?;
         let config = NetworkSelfHeatingConfig {
             // The body's own pole, and others that cost as much and do nothing.
@@ -321,15 +309,12 @@ fn anemometer() -> Option<()> {
     let vector = WindVector::new(&nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
     let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut temperature_c = [-30.0_f32; ELEMENTS];
-    let mut heaters = 0_u16;
+    let mut heaters = Heaters::default();
     for n in 0..CONTROL_TICKS {
-        let readings = core::array::from_fn(|i| {
-            let current_a = if heaters >> i & 1 == 1 { CURRENT_HIGH_A } else { CURRENT_LOW_A };
-            Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
-        });
+        let readings = core::array::from_fn(|i| reading(&config, temperature_c[i], heaters.is_high(i)));
         let conductances = vector.conductances(&gas, [3.0, -4.0 + 0.005 * n as f32, 1.0]);
         let tick = instrument.tick(black_box(&readings));
-        heaters = tick.heaters.0;
+        heaters = tick.heaters;
         let outputs = n % u32::from(OUTPUT_INTERVAL) == 0;
         let sense = if outputs { anemometer_6_elements } else { anemometer_between_outputs };
         black_box(sense(black_box(&mut instrument), black_box(&tick)));
@@ -351,10 +336,7 @@ fn control<const N: usize>(
     let mut controller = Controller::<N>::new();
     controller.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S }).ok()?;
     controller.handle(Command::Observe { on: observe }).ok()?;
-    let platinum = Platinum::linear(175.0, 0.0031).ok()?;
-    let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
-    let limits =
-        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    let config = element()?;
     let model = SelfHeatingConfig {
         mesh_rad_s: mesh::geometric(0.003, 30.0).ok()?,
         r_k_per_w: [600.0, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1],
@@ -369,7 +351,7 @@ fn control<const N: usize>(
         Drive::Setpoints { low_c: -45.0, high_c: -35.0, dwell_ticks: 50, seed: 1 },
     ];
     for (element, &drive) in (0_u8..).zip(drives.iter().cycle()).take(elements) {
-        controller.handle(Command::Element { element, config: ElementConfig { channel, limits } }).ok()?;
+        controller.handle(Command::Element { element, config }).ok()?;
         controller.handle(Command::Model { element, model }).ok()?;
         controller.handle(Command::Drive { element, drive }).ok()?;
     }
@@ -377,19 +359,16 @@ fn control<const N: usize>(
     controller.handle(Command::Start).ok()?;
 
     let mut temperature_c = [-50.0_f32; N];
-    let mut heaters = 0_u16;
+    let mut heaters = Heaters::default();
     for n in 0..CONTROL_TICKS {
         let readings = core::array::from_fn(|i| match (n % 100, i) {
             (98, 3) => Reading::Missing,
             (99, 4) => Reading::Stale,
             _ if n + 1 == CONTROL_TICKS && i == 5 => Reading::Code(i32::MAX >> 8),
-            _ => {
-                let current_a = if heaters >> i & 1 == 1 { CURRENT_HIGH_A } else { CURRENT_LOW_A };
-                Reading::Code((platinum.resistance_ohm(temperature_c[i]) * current_a / VOLT_PER_CODE) as i32)
-            }
+            _ => reading(&config, temperature_c[i], heaters.is_high(i)),
         });
         let tick = tick(black_box(&mut controller), black_box(&readings));
-        heaters = tick.heaters.0;
+        heaters = tick.heaters;
         for (temperature, power_w) in temperature_c.iter_mut().zip(tick.power_w) {
             *temperature += 0.02 * (-50.0 + 600.0 * power_w - *temperature);
         }

@@ -58,7 +58,7 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 
 const BAUD: u32 = 921_600;
 
-static DEAD_MAN: DeadManCounter = DeadManCounter::new();
+static DEAD_MAN: DeadManCounter = DeadManCounter::stopped();
 /// Sequence number of the silence that needs a reply, plus one; 0 if there is none.
 static SILENCE: AtomicU32 = AtomicU32::new(0);
 

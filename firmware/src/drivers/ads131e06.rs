@@ -94,24 +94,12 @@ pub const SUPPLY_CODES: [i32; CHANNELS] = {
     [ANALOG, ANALOG, DIGITAL, DIGITAL, ANALOG, ANALOG]
 };
 
-/// One conversion of all channels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ConversionFrame {
-    /// Code of each channel, its offset taken off; [`CODE_MAX`] and [`CODE_MIN`] stay what they
-    /// are.
-    pub codes: [i32; CHANNELS],
-    /// Bit i: the positive pin of channel i is outside 5 … 95 % of the supply.
-    pub positive_pin_faults: u8,
-    /// Bit i: the negative pin of channel i is outside 5 … 95 % of the supply.
-    pub negative_pin_faults: u8,
-}
-
 /// The chip on its SPI device, with its reset pin.
 #[derive(Debug)]
 pub struct Ads131e06<SPI, RST> {
     spi: SPI,
     reset: RST,
+    /// Of each channel, as measured with its inputs shorted; taken off the codes of every frame.
     offsets: [i32; CHANNELS],
 }
 
@@ -127,7 +115,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// # Errors
     /// Another chip or none, a register that does not hold what was written, an offset beyond
     /// [`OFFSET_LIMIT`], or a bus or pin that failed. The chip is then not converting.
-    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.reset(delay)?;
         // After a reset the chip sends data of its own accord, and would take no register command.
         self.command(command::SDATAC, delay)?;
@@ -167,7 +155,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// # Errors
     /// A register that does not hold what was written, or a bus that failed. The chip is then not
     /// converting, or not at this rate; another call may find it better.
-    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.write_register(Register::Config1, config1(rate), delay)?;
@@ -182,7 +170,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// # Errors
     /// A register that does not hold what was written, or a bus that failed. The chip is then not
     /// converting; another call may find it better.
-    pub fn select(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    pub fn select(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.connect(input, delay)?;
@@ -192,39 +180,29 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     }
 
     /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select
-    /// may rise.
+    /// may rise. Returns the code of each channel, its offset taken off; [`CODE_MAX`] and
+    /// [`CODE_MIN`] stay what they are.
     ///
     /// # Errors
     /// A status word without its mark (the frame is shifted, late, or no chip responds), or a bus
     /// that failed.
-    pub fn read_frame(&mut self) -> Result<ConversionFrame, AdcError<SPI::Error>> {
+    pub fn read_frame(&mut self) -> Result<[i32; CHANNELS], AdcError> {
         // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler
         // is the bus' choice.
         let mut bytes = [0; FRAME_BYTES];
         self.spi
             .transaction(&mut [Operation::TransferInPlace(&mut bytes), Operation::DelayNs(DECODE_NS)])
-            .map_err(AdcError::Spi)?;
-        let mut frame = parse(&bytes)?;
-        for (code, offset) in frame.codes.iter_mut().zip(&self.offsets) {
+            .map_err(|_| AdcError::Spi)?;
+        let mut codes = parse(&bytes)?;
+        for (code, offset) in codes.iter_mut().zip(&self.offsets) {
             if (CODE_MIN + 1..CODE_MAX).contains(code) {
                 *code -= offset;
             }
         }
-        Ok(frame)
+        Ok(codes)
     }
 
-    /// Offset of each channel as measured with its inputs shorted; already taken off the codes of
-    /// every frame.
-    pub const fn offsets(&self) -> &[i32; CHANNELS] {
-        &self.offsets
-    }
-
-    /// Gives the SPI device and the reset pin back.
-    pub fn release(self) -> (SPI, RST) {
-        (self.spi, self.reset)
-    }
-
-    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.reset.set_high().map_err(|_| AdcError::ResetPin)?;
         delay.delay_ms(POWER_ON_MS);
         self.reset.set_low().map_err(|_| AdcError::ResetPin)?;
@@ -234,17 +212,17 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         Ok(())
     }
 
-    fn connect(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    fn connect(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8, delay))
     }
 
-    fn verify_connected(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    fn verify_connected(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         (0..CHANNELS as u8).try_for_each(|channel| self.verify_register(Register::Channel(channel), input as u8, delay))
     }
 
     /// Mean code of every channel with its inputs shorted; converts for the purpose and stops
     /// again.
-    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.command(command::START, delay)?;
         // The first conversion after START is settled, and comes after 4.5 conversion periods.
         delay.delay_us(5 * rate.conversion_us());
@@ -252,8 +230,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         for _ in 0..OFFSET_CONVERSIONS {
             // Longer than a conversion, so that none is counted twice.
             delay.delay_us(rate.conversion_us() + rate.conversion_us() / 4);
-            let frame = self.read_on_demand()?;
-            for (sum, code) in sums.iter_mut().zip(frame.codes) {
+            for (sum, code) in sums.iter_mut().zip(self.read_on_demand()?) {
                 *sum += code;
             }
         }
@@ -268,7 +245,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         Ok(())
     }
 
-    fn read_on_demand(&mut self) -> Result<ConversionFrame, AdcError<SPI::Error>> {
+    fn read_on_demand(&mut self) -> Result<[i32; CHANNELS], AdcError> {
         let mut bytes = [0; FRAME_BYTES];
         self.spi
             .transaction(&mut [
@@ -277,24 +254,19 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::TransferInPlace(&mut bytes),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(AdcError::Spi)?;
+            .map_err(|_| AdcError::Spi)?;
         parse(&bytes)
     }
 
-    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), AdcError<SPI::Error>> {
+    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.spi
             .transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)])
-            .map_err(AdcError::Spi)?;
+            .map_err(|_| AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
-    fn write_register(
-        &mut self,
-        register: Register,
-        value: u8,
-        delay: &mut impl DelayNs,
-    ) -> Result<(), AdcError<SPI::Error>> {
+    fn write_register(&mut self, register: Register, value: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         self.spi
             .transaction(&mut [
                 Operation::Write(&[command::WREG | register.address()]),
@@ -305,12 +277,12 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::Write(&[value]),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(AdcError::Spi)?;
+            .map_err(|_| AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
-    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError<SPI::Error>> {
+    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError> {
         let mut value = [0];
         self.spi
             .transaction(&mut [
@@ -321,17 +293,12 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 Operation::TransferInPlace(&mut value),
                 Operation::DelayNs(DECODE_NS),
             ])
-            .map_err(AdcError::Spi)?;
+            .map_err(|_| AdcError::Spi)?;
         delay.delay_us(DESELECTED_US);
         Ok(value[0])
     }
 
-    fn verify_register(
-        &mut self,
-        register: Register,
-        written: u8,
-        delay: &mut impl DelayNs,
-    ) -> Result<(), AdcError<SPI::Error>> {
+    fn verify_register(&mut self, register: Register, written: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
         let read = self.read_register(register, delay)?;
         if (read ^ written) & register.mask() != 0 {
             return Err(AdcError::NotKept { register, written, read });
@@ -350,7 +317,7 @@ const fn config1(rate: DataRate) -> u8 {
 
 /// Status: 1100, eight bits for the positive pins, eight for the negative ones, four GPIO; then the
 /// channels, high byte first.
-fn parse<E>(bytes: &[u8; FRAME_BYTES]) -> Result<ConversionFrame, AdcError<E>> {
+fn parse(bytes: &[u8; FRAME_BYTES]) -> Result<[i32; CHANNELS], AdcError> {
     let (status, data) = bytes.split_at(3);
     let status = u32::from_be_bytes([0, status[0], status[1], status[2]]);
     if (status >> 20) as u8 != STATUS_MARK {
@@ -361,7 +328,7 @@ fn parse<E>(bytes: &[u8; FRAME_BYTES]) -> Result<ConversionFrame, AdcError<E>> {
         // The code in the upper three bytes: shifting it down extends its sign.
         *code = i32::from_be_bytes([bytes[0], bytes[1], bytes[2], 0]) >> 8;
     }
-    Ok(ConversionFrame { codes, positive_pin_faults: (status >> 12) as u8, negative_pin_faults: (status >> 4) as u8 })
+    Ok(codes)
 }
 
 #[cfg(test)]

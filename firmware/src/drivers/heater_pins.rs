@@ -8,8 +8,6 @@
 //! Limits: a pin is written, not read back. That the current really follows is seen by the guard in
 //! the voltage.
 
-use core::fmt;
-
 use dr_core::control::Heaters;
 use embedded_hal::digital::OutputPin;
 
@@ -27,7 +25,7 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
     ///
     /// # Errors
     /// The first pin that failed; the others are low.
-    pub fn new(pins: [P; N]) -> Result<Self, HeaterError<P::Error>> {
+    pub fn new(pins: [P; N]) -> Result<Self, HeaterError> {
         let mut heaters = Self { pins };
         heaters.all_low()?;
         Ok(heaters)
@@ -41,7 +39,7 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
     /// # Errors
     /// A bit without an element, or a pin that failed. In both cases all pins that can be are low
     /// afterwards.
-    pub fn apply(&mut self, heaters: Heaters) -> Result<(), HeaterError<P::Error>> {
+    pub fn apply(&mut self, heaters: Heaters) -> Result<(), HeaterError> {
         let applied = self.try_apply(heaters.0);
         if applied.is_err() {
             // The first error is the one to report; a second one would not change what to do.
@@ -54,23 +52,23 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
     ///
     /// # Errors
     /// The first pin that failed; the others are low.
-    pub fn all_low(&mut self) -> Result<(), HeaterError<P::Error>> {
+    pub fn all_low(&mut self) -> Result<(), HeaterError> {
         let mut first = Ok(());
         for (element, pin) in self.pins.iter_mut().enumerate() {
-            let written = pin.set_low().map_err(|error| HeaterError::Pin { element, error });
+            let written = pin.set_low().map_err(|_| HeaterError::Pin { element });
             first = first.and(written);
         }
         first
     }
 
-    fn try_apply(&mut self, bits: u16) -> Result<(), HeaterError<P::Error>> {
+    fn try_apply(&mut self, bits: u16) -> Result<(), HeaterError> {
         if u32::from(bits) >> N != 0 {
-            return Err(HeaterError::NoSuchElement { bits, elements: N });
+            return Err(HeaterError::NoSuchElement);
         }
         for high in [false, true] {
             for (element, pin) in self.pins.iter_mut().enumerate() {
                 if (bits >> element) & 1 == u16::from(high) {
-                    pin.set_state(high.into()).map_err(|error| HeaterError::Pin { element, error })?;
+                    pin.set_state(high.into()).map_err(|_| HeaterError::Pin { element })?;
                 }
             }
         }
@@ -81,40 +79,15 @@ impl<P: OutputPin, const N: usize> HeaterPins<P, N> {
 /// Why the heaters are off instead of as decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum HeaterError<E> {
+pub enum HeaterError {
     /// A bit is set beyond the last element.
-    NoSuchElement {
-        /// The requested level.
-        bits: u16,
-        /// Elements that there are.
-        elements: usize,
-    },
+    NoSuchElement,
     /// A pin could not be written.
     Pin {
         /// The element whose pin it is, from 0.
         element: usize,
-        /// Error of its driver.
-        error: E,
     },
 }
-
-impl<E: fmt::Debug> fmt::Display for HeaterError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchElement { bits, elements } => {
-                write!(
-                    f,
-                    "heater bits {bits:#06x} name an element beyond the {elements} that are wired; all are set low"
-                )
-            }
-            Self::Pin { element, error } => {
-                write!(f, "the heater pin of element {element} cannot be written ({error:?}); all others are low")
-            }
-        }
-    }
-}
-
-impl<E: fmt::Debug> core::error::Error for HeaterError<E> {}
 
 #[cfg(test)]
 mod tests {
@@ -184,7 +157,7 @@ mod tests {
     #[test]
     fn all_low_reaches_every_pin_past_a_broken_one() {
         let mut heaters = HeaterPins::new(pins([&[low(), low()], &[low(), broken(low())], &[low(), low()]])).unwrap();
-        assert!(matches!(heaters.all_low(), Err(HeaterError::Pin { element: 1, .. })));
+        assert!(matches!(heaters.all_low(), Err(HeaterError::Pin { element: 1 })));
         done(heaters);
     }
 
@@ -192,18 +165,14 @@ mod tests {
     fn a_pin_that_fails_takes_the_others_down() {
         let mut heaters =
             HeaterPins::new(pins([&[low(), high(), low()], &[low(), broken(high()), low()], &[low(), low()]])).unwrap();
-        assert!(matches!(heaters.apply(Heaters(0b111)), Err(HeaterError::Pin { element: 1, .. })));
+        assert!(matches!(heaters.apply(Heaters(0b111)), Err(HeaterError::Pin { element: 1 })));
         done(heaters);
     }
 
     #[test]
     fn a_bit_without_an_element_heats_nothing() {
         let mut heaters = HeaterPins::new(pins([&[low(), low()], &[low(), low()], &[low(), low()]])).unwrap();
-        let error = heaters.apply(Heaters(0b1001)).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "heater bits 0x0009 name an element beyond the 3 that are wired; all are set low"
-        );
+        assert_eq!(heaters.apply(Heaters(0b1001)), Err(HeaterError::NoSuchElement));
         done(heaters);
     }
 
@@ -211,7 +180,7 @@ mod tests {
     fn a_broken_pin_is_named_at_the_start() {
         let broken_pins = pins([&[low()], &[low()], &[broken(low())]]);
         let mut handles = broken_pins.clone();
-        assert!(matches!(HeaterPins::new(broken_pins), Err(HeaterError::Pin { element: 2, .. })));
+        assert!(matches!(HeaterPins::new(broken_pins), Err(HeaterError::Pin { element: 2 })));
         for pin in &mut handles {
             pin.done();
         }

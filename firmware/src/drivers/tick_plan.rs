@@ -11,6 +11,9 @@
 //! | f_DR | data rate of the ADC | conversions/s |
 //! | n | conversions in a tick | 1 |
 //!
+//! Each conversion looks back over three periods: the new level must have settled one conversion
+//! after the edge that ended the tick before.
+//!
 //! 4 kSPS is taken for ticks under 100 ms: the three conversions that are discarded then cost 0.75
 //! ms. From 100 ms on, 1 kSPS throws away 3 % of the tick at most and asks the processor for a
 //! quarter of the transfers. The period is an integer number of microseconds, so that no rounding
@@ -115,14 +118,6 @@ impl TickPlan {
     pub const fn conversions(self) -> u32 {
         self.conversions
     }
-
-    /// Time after the tick's last data-ready by which the new level must have settled, µs.
-    ///
-    /// Each conversion looks back over three conversion periods, so the first that counts, the
-    /// fourth, begins to look one period after the edge that ended the tick before.
-    pub const fn deadline_us(self) -> u32 {
-        self.rate.conversion_us()
-    }
 }
 
 const OUT_OF_RANGE: ParameterProblem =
@@ -200,11 +195,5 @@ mod tests {
         ] {
             assert_eq!(TickPlan::from_seconds(sample_period_s), Err(refused(problem)), "{sample_period_s}");
         }
-    }
-
-    #[test]
-    fn the_new_level_must_stand_within_one_conversion() {
-        assert_eq!(TickPlan::new(10_000).unwrap().deadline_us(), 250);
-        assert_eq!(TickPlan::new(200_000).unwrap().deadline_us(), 1000);
     }
 }

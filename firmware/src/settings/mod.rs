@@ -19,7 +19,7 @@ pub mod store;
 pub use findings::PendingFindings;
 pub use server::SettingsServer;
 pub use standby_lock::StandbyLock;
-pub use store::{Store, StoreError};
+pub use store::Store;
 
 #[cfg(test)]
 pub(crate) mod mock;

@@ -4,7 +4,7 @@
 //! Values in flash are not trusted: a value that this firmware cannot decode, or that the
 //! instrument refuses, stays where it is, is counted and reported, and is never used.
 
-use super::store::{Store, StoreError};
+use super::store::Store;
 use embedded_storage::nor_flash::NorFlash;
 use wire::MOST_ELEMENTS;
 use wire::settings::{
@@ -55,17 +55,6 @@ impl<F: NorFlash> SettingsServer<F> {
         self.store.as_ref().is_some_and(Store::is_whole)
     }
 
-    /// Whether a request writes, which is for standby.
-    pub const fn writes(request: &SettingsRequest) -> bool {
-        match request {
-            SettingsRequest::Store { .. }
-            | SettingsRequest::Erase { .. }
-            | SettingsRequest::EraseAll
-            | SettingsRequest::Load => true,
-            SettingsRequest::Read { .. } | SettingsRequest::Next { .. } | SettingsRequest::Check => false,
-        }
-    }
-
     /// Carries out a request, except `Load`. The caller has made sure of standby.
     pub fn answer(&mut self, to: u16, request: &SettingsRequest) -> SettingsAnswer {
         SettingsAnswer { to, result: self.carry_out(request) }
@@ -77,22 +66,15 @@ impl<F: NorFlash> SettingsServer<F> {
             SettingsRequest::Store { key, value } => {
                 // A value that could not be decoded is not written.
                 Setting::read(*key, value).map_err(SettingsRefusal::Unusable)?;
-                store.write(*key, value).map_err(refusal)?;
-                Ok(SettingsReply::Done)
+                store.write(*key, value).map(|()| SettingsReply::Done)
             }
             SettingsRequest::Read { key } => self.value(*key),
             SettingsRequest::Next { after } => match store.next(*after) {
                 Some(key) => self.value(key),
                 None => Ok(SettingsReply::Nothing),
             },
-            SettingsRequest::Erase { key } => {
-                store.forget(*key).map_err(refusal)?;
-                Ok(SettingsReply::Done)
-            }
-            SettingsRequest::EraseAll => {
-                store.forget_all().map_err(refusal)?;
-                Ok(SettingsReply::Done)
-            }
+            SettingsRequest::Erase { key } => store.forget(*key).map(|()| SettingsReply::Done),
+            SettingsRequest::EraseAll => store.forget_all().map(|()| SettingsReply::Done),
             SettingsRequest::Check if store.is_whole() => Ok(SettingsReply::Done),
             SettingsRequest::Check => Err(SettingsRefusal::NotWhole),
             SettingsRequest::Load => Ok(SettingsReply::Loaded { taken: self.taken, left: self.left }),
@@ -120,7 +102,7 @@ impl<F: NorFlash> SettingsServer<F> {
     /// A value, with the reason if it is not used.
     fn value(&mut self, key: KeyNumber) -> Result<SettingsReply, SettingsRefusal> {
         let store = self.store.as_mut().ok_or(SettingsRefusal::Flash)?;
-        let Some(value) = store.read(key).map_err(refusal)? else { return Ok(SettingsReply::Nothing) };
+        let Some(value) = store.read(key)? else { return Ok(SettingsReply::Nothing) };
         let refused = || self.refused.iter().find(|(of, _)| *of == key).map(|(_, why)| *why);
         let unusable = Setting::read(key, &value).err().or_else(refused);
         Ok(SettingsReply::Value { key, value, unusable })
@@ -167,13 +149,6 @@ impl<F: NorFlash> SettingsServer<F> {
                 self.store = Store::open(flash).ok();
             }
         }
-    }
-}
-
-fn refusal(error: StoreError) -> SettingsRefusal {
-    match error {
-        StoreError::Flash => SettingsRefusal::Flash,
-        StoreError::Full { free } => SettingsRefusal::Full { free: free.min(usize::from(u16::MAX)) as u16 },
     }
 }
 

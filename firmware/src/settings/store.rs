@@ -20,7 +20,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use embedded_storage::nor_flash::NorFlash;
 use sequential_storage::cache::Cache;
 use sequential_storage::map::{MapConfig, MapStorage};
-use wire::settings::{KeyNumber, MOST_VALUE, SettingValue};
+use wire::settings::{KeyNumber, MOST_VALUE, SettingValue, SettingsRefusal};
 
 /// Keys that an instrument may have: of a head of 16 elements with everything there is.
 pub const MOST_KEYS: usize = 208;
@@ -41,18 +41,6 @@ type Uncached = Cache<
     sequential_storage::cache::Uncached,
     KeyNumber,
 >;
-
-/// Why something was not stored or read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StoreError {
-    /// The flash does not take it, does not give it back, or holds something else altogether.
-    Flash,
-    /// There is no room: so many bytes are free.
-    Full {
-        /// Bytes for key and value together.
-        free: usize,
-    },
-}
 
 /// One key of the index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,10 +70,10 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If the flash cannot be used, or holds something else: nothing has been written then.
-    pub fn open(flash: F) -> Result<Self, StoreError> {
+    pub fn open(flash: F) -> Result<Self, SettingsRefusal> {
         let sectors = flash.capacity() / F::ERASE_SIZE;
-        let guarded = Guarded::open(flash).map_err(|_| StoreError::Flash)?;
-        let config = MapConfig::try_new(0..(sectors * usable::<F>()) as u32).map_err(|_| StoreError::Flash)?;
+        let guarded = Guarded::open(flash).map_err(|_| SettingsRefusal::Flash)?;
+        let config = MapConfig::try_new(0..(sectors * usable::<F>()) as u32).map_err(|_| SettingsRefusal::Flash)?;
         let map = Map::new(guarded, config, Cache::new_uncached());
         let mut store = Self { map, index: heapless::Vec::new(), sum: 0, whole: true, buffer: [0; BUFFER] };
         store.look()?;
@@ -103,11 +91,11 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Makes the index, and holds its sum against what it was to be.
-    fn look(&mut self) -> Result<(), StoreError> {
+    fn look(&mut self) -> Result<(), SettingsRefusal> {
         self.index.clear();
         let (map, buffer) = (&mut self.map, &mut self.buffer);
-        let mut items = ready(map.fetch_all_items(buffer))?.map_err(|_| StoreError::Flash)?;
-        while let Some((key, value)) = ready(items.next::<&[u8]>(buffer))?.map_err(|_| StoreError::Flash)? {
+        let mut items = ready(map.fetch_all_items(buffer))?.map_err(|_| SettingsRefusal::Flash)?;
+        while let Some((key, value)) = ready(items.next::<&[u8]>(buffer))?.map_err(|_| SettingsRefusal::Flash)? {
             if key != SUMS {
                 set(&mut self.index, StoredEntry { key, length: value.len() as u16 })?;
             }
@@ -125,7 +113,7 @@ impl<F: NorFlash> Store<F> {
             lost |= walked > 0 && length == 0;
             self.sum = self.sum.wrapping_add(sum);
         }
-        let sums = ready(self.map.fetch_item::<&[u8]>(&mut self.buffer, &SUMS))?.map_err(|_| StoreError::Flash)?;
+        let sums = ready(self.map.fetch_item::<&[u8]>(&mut self.buffer, &SUMS))?.map_err(|_| SettingsRefusal::Flash)?;
         let sum = self.sum.to_le_bytes();
         self.whole = !lost && sums.map_or(self.sum == 0, |sums| sums.chunks_exact(4).any(|one| *one == sum));
         Ok(())
@@ -137,21 +125,11 @@ impl<F: NorFlash> Store<F> {
         self.index.iter().skip(from).find(|entry| entry.length > 0).map(|entry| entry.key)
     }
 
-    /// How many values there are.
-    pub fn len(&self) -> usize {
-        self.index.iter().filter(|entry| entry.length > 0).count()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// The value of a key.
     ///
     /// # Errors
     /// If the flash does not give it back.
-    pub fn read(&mut self, key: KeyNumber) -> Result<Option<SettingValue>, StoreError> {
+    pub fn read(&mut self, key: KeyNumber) -> Result<Option<SettingValue>, SettingsRefusal> {
         let value = self.fetch(key)?;
         Ok(value.filter(|value| !value.is_empty()).and_then(|value| SettingValue::from_slice(value).ok()))
     }
@@ -160,7 +138,7 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If there is no room, or the flash does not take it; the old value is in force then.
-    pub fn write(&mut self, key: KeyNumber, value: &[u8]) -> Result<(), StoreError> {
+    pub fn write(&mut self, key: KeyNumber, value: &[u8]) -> Result<(), SettingsRefusal> {
         let old = self.fetch(key)?;
         if old == Some(value) || (old.is_none() && value.is_empty()) {
             return Ok(());
@@ -169,7 +147,8 @@ impl<F: NorFlash> Store<F> {
         let free = Self::ROOM.saturating_sub(taken);
         let entry = StoredEntry { key, length: value.len() as u16 };
         if entry.size() > free || (self.index.is_full() && !self.index.iter().any(|entry| entry.key == key)) {
-            return Err(StoreError::Full { free: free.saturating_sub(OVERHEAD) });
+            let free = free.saturating_sub(OVERHEAD).min(usize::from(u16::MAX)) as u16;
+            return Err(SettingsRefusal::Full { free });
         }
         let sum = self.sum.wrapping_sub(self.sum_of(key)?).wrapping_add(sum(key, value));
         let mut sums = [0; 8];
@@ -188,7 +167,7 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If the flash does not take it.
-    pub fn forget(&mut self, key: KeyNumber) -> Result<(), StoreError> {
+    pub fn forget(&mut self, key: KeyNumber) -> Result<(), SettingsRefusal> {
         self.write(key, &[])
     }
 
@@ -197,7 +176,7 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If the flash does not take it.
-    pub fn forget_all(&mut self) -> Result<(), StoreError> {
+    pub fn forget_all(&mut self) -> Result<(), SettingsRefusal> {
         let mut after = None;
         while self.whole
             && let Some(key) = self.next(after)
@@ -214,25 +193,25 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// If the flash does not take it.
-    pub fn erase(&mut self) -> Result<(), StoreError> {
-        ready(self.map.erase_all())?.map_err(|_| StoreError::Flash)?;
+    pub fn erase(&mut self) -> Result<(), SettingsRefusal> {
+        ready(self.map.erase_all())?.map_err(|_| SettingsRefusal::Flash)?;
         self.look()
     }
 
-    fn put(&mut self, key: KeyNumber, value: &[u8]) -> Result<(), StoreError> {
-        ready(self.map.store_item(&mut self.buffer, &key, &value))?.map_err(|_| StoreError::Flash)
+    fn put(&mut self, key: KeyNumber, value: &[u8]) -> Result<(), SettingsRefusal> {
+        ready(self.map.store_item(&mut self.buffer, &key, &value))?.map_err(|_| SettingsRefusal::Flash)
     }
 
-    fn fetch(&mut self, key: KeyNumber) -> Result<Option<&[u8]>, StoreError> {
+    fn fetch(&mut self, key: KeyNumber) -> Result<Option<&[u8]>, SettingsRefusal> {
         // Most keys have never been there, and to find none takes as long as to find one.
         if self.index.binary_search_by_key(&key, |entry| entry.key).is_err() {
             return Ok(None);
         }
-        ready(self.map.fetch_item(&mut self.buffer, &key))?.map_err(|_| StoreError::Flash)
+        ready(self.map.fetch_item(&mut self.buffer, &key))?.map_err(|_| SettingsRefusal::Flash)
     }
 
     /// What a key and its value add to the sum.
-    fn sum_of(&mut self, key: KeyNumber) -> Result<u32, StoreError> {
+    fn sum_of(&mut self, key: KeyNumber) -> Result<u32, SettingsRefusal> {
         Ok(self.fetch(key)?.map_or(0, |value| sum(key, value)))
     }
 }
@@ -244,11 +223,11 @@ impl StoredEntry {
     }
 }
 
-fn set(index: &mut heapless::Vec<StoredEntry, MOST_KEYS>, entry: StoredEntry) -> Result<(), StoreError> {
+fn set(index: &mut heapless::Vec<StoredEntry, MOST_KEYS>, entry: StoredEntry) -> Result<(), SettingsRefusal> {
     match index.binary_search_by_key(&entry.key, |known| known.key) {
-        Ok(at) => index.get_mut(at).map(|known| *known = entry).ok_or(StoreError::Flash),
+        Ok(at) => index.get_mut(at).map(|known| *known = entry).ok_or(SettingsRefusal::Flash),
         // More keys than any firmware writes: it is something else.
-        Err(at) => index.insert(at, entry).map_err(|_| StoreError::Flash),
+        Err(at) => index.insert(at, entry).map_err(|_| SettingsRefusal::Flash),
     }
 }
 
@@ -264,10 +243,10 @@ fn sum(key: KeyNumber, value: &[u8]) -> u32 {
 }
 
 /// What a future gives that never has to wait, as none does over a flash that blocks.
-fn ready<T>(future: impl Future<Output = T>) -> Result<T, StoreError> {
+fn ready<T>(future: impl Future<Output = T>) -> Result<T, SettingsRefusal> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => Ok(value),
-        Poll::Pending => Err(StoreError::Flash),
+        Poll::Pending => Err(SettingsRefusal::Flash),
     }
 }
 

@@ -92,7 +92,7 @@ impl Experiment {
         };
         let (mut commands, _) = made.map_err(|error| of_the_head(error.to_string()))?;
         // An error in the head's file names that file, before any instrument is set up.
-        self.head.set_up(&mut Anemometer::new(), &commands, self.sample_period_s)?;
+        self.head.set_up(&mut Anemometer::default(), &commands, self.sample_period_s)?;
         let temperature_c = calibration.reference.is_none().then_some(self.gas_temperature_c as f32);
         commands.push(WindCommand::Gas { pressure_pa: self.pressure_pa as f32, temperature_c });
         Ok(commands)

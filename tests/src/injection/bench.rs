@@ -36,7 +36,7 @@ pub struct Bench<'a> {
 /// Lends such a board.
 pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
     let (mut requests, mut exchanges, questions) =
-        (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), TelemetryRequests::new());
+        (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), TelemetryRequests::starting());
     // It keeps no settings: what is asked of them waits for ever.
     let mut errands = Queue::<SettingsJob, 2>::new();
     let ((request_in, requests), (exchange_in, _)) = (requests.split(), exchanges.split());
@@ -54,7 +54,7 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
         receiver: Receiver::new(),
         inbox: Inbox::new(request_in, exchange_in, errands.split().0, &questions, false),
         requests,
-        dead_man: DeadManCounter::new(),
+        dead_man: DeadManCounter::stopped(),
         bitten: false,
         pins: Heaters::default(),
         past: CrashRecord::FIRST,
@@ -67,7 +67,7 @@ impl Bench<'_> {
     fn start_anew(&mut self, reset: ResetCause) {
         self.past = CrashRecord::after(&self.past.record(), reset);
         (self.body, self.receiver) = (InProcess::new(), Receiver::new());
-        (self.dead_man, self.bitten, self.pins) = (DeadManCounter::new(), false, Heaters::default());
+        (self.dead_man, self.bitten, self.pins) = (DeadManCounter::stopped(), false, Heaters::default());
         while self.requests.dequeue().is_some() {}
         if let Some(cause) = self.past.trip(reset) {
             self.body.station_mut().trip(cause);

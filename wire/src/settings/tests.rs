@@ -106,9 +106,10 @@ const STEP: usize = if cfg!(miri) { 64 } else { 1 };
 #[test]
 fn each_comes_out_as_it_went_in_and_nowhere_else() {
     let settings = [one_of_each(), records()].concat();
-    assert_eq!(settings.len(), SettingKind::ALL.len());
+    let kinds: Vec<SettingKind> = (0..=u8::MAX).filter_map(SettingKind::from_repr).collect();
+    assert_eq!(settings.len(), kinds.len());
     let mut before = 0;
-    for (setting, kind) in settings.iter().zip(SettingKind::ALL) {
+    for (setting, kind) in settings.iter().zip(kinds) {
         let key = setting.key().unwrap();
         assert_eq!((key.kind, SettingKey::of_number(key.number())), (kind, Some(key)));
         assert!(key.number() > before, "in the order in which they are told");

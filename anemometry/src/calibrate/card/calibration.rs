@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use dr_core::wind::MeasuredConductance;
 use dr_core::wind::card_inverse::{Card, CardConfig, DICE, KNOTS, TERMS, anisotropy};
+use dr_core::wind::{MeasuredConductance, QualityFlags};
 
 use super::super::compared::ComparedWind;
 use super::super::error::CalibrateError;
@@ -96,7 +96,10 @@ impl CardCalibration {
         }
         let estimate = self.card()?.step(&gas, &measured);
         let speed_m_s = length(steady.wind_m_s);
-        if estimate.quality.failed || estimate.quality.no_direction || speed_m_s == 0.0 {
+        if estimate.quality.has(QualityFlags::FAILED)
+            || estimate.quality.has(QualityFlags::NO_DIRECTION)
+            || speed_m_s == 0.0
+        {
             return Ok(None);
         }
         Ok(Some(ComparedWind {

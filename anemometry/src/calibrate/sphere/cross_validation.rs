@@ -6,7 +6,7 @@
 //! | direction | angle between estimate and wind | difference of the angles to the axis |
 //! | speed | (estimate − wind) / wind | the same, of the whole speed |
 
-use dr_core::wind::{MeasuredConductance, WindEstimate, WindState};
+use dr_core::wind::{MeasuredConductance, QualityFlags, WindEstimate, WindState};
 
 use super::super::compared::ComparedWind;
 use super::super::cross_validation::{CrossValidation, Scheme};
@@ -56,7 +56,7 @@ pub fn compare(calibration: &SphereCalibration, steady: &SteadyWind) -> Result<O
         }
     }?;
     let speed_m_s = length(steady.wind_m_s);
-    if estimate.quality.failed || speed_m_s == 0.0 {
+    if estimate.quality.has(QualityFlags::FAILED) || speed_m_s == 0.0 {
         return Ok(None);
     }
     let gas = steady.core_gas()?;
@@ -86,7 +86,7 @@ fn estimate<const N: usize>(
 fn direction_deg(calibration: &SphereCalibration, estimate: &WindEstimate, wind_m_s: [f64; 3]) -> f64 {
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
     let found = estimate.wind_m_s.map(f64::from);
-    if !estimate.quality.undetermined {
+    if !estimate.quality.has(QualityFlags::UNDETERMINED) {
         return angle_deg(found, wind_m_s);
     }
     // From sine and cosine, so that small angles keep their digits.

@@ -1,7 +1,7 @@
 //! Bit flips in the memory of a controller, as a particle causes them: for fault injection only, in
 //! no image.
 
-use super::{Controller, ElementState};
+use super::Controller;
 use crate::control::drive::Drive;
 use crate::control::guard::Limits;
 use crate::control::state::RunState;
@@ -11,8 +11,44 @@ use crate::sensor::{Channel, Level};
 /// Number of values in which a bit can be flipped.
 pub const FLIPPABLE: usize = 22;
 
-fn flip(number: &mut f32, bit: u32) {
-    *number = f32::from_bits(number.to_bits() ^ 1 << (bit % 32));
+/// A value in the memory of a controller, by what it is kept as.
+enum Place<'a> {
+    Number(&'a mut f32),
+    Count(&'a mut u32),
+    Code(&'a mut i32),
+    Levels(&'a mut u16),
+    Elements(&'a mut usize),
+    Yes(&'a mut bool),
+    RunState(&'a mut RunState),
+    Drive(&'a mut Drive),
+    Wiring(&'a mut Channel),
+    Model(&'a mut SelfHeating),
+}
+
+impl Place<'_> {
+    /// Flips a bit; none where this changed nothing.
+    fn flip(self, bit: u32, element: usize) -> Option<()> {
+        let word = 1_u32 << (bit % 32);
+        match self {
+            Self::Number(number) => *number = f32::from_bits(number.to_bits() ^ word),
+            Self::Count(count) => *count ^= word,
+            Self::Code(code) => *code ^= word.cast_signed(),
+            Self::Levels(levels) => *levels ^= 1 << (element % 16),
+            Self::Elements(elements) => *elements ^= 1 << (bit % 8),
+            Self::Yes(yes) => *yes ^= true,
+            Self::RunState(state @ RunState::Running) => *state = RunState::Standby,
+            Self::RunState(state) => *state = RunState::Running,
+            Self::Drive(Drive::Level(Level::High)) => return None,
+            Self::Drive(drive) => *drive = Drive::Level(Level::High),
+            Self::Wiring(channel) => {
+                let [mut high_a, low_a] = [Level::High, Level::Low].map(|level| channel.current_a(level));
+                Place::Number(&mut high_a).flip(bit % 16, element)?;
+                *channel = Channel::new(*channel.platinum(), 1e-6, low_a, high_a).ok()?;
+            }
+            Self::Model(model) => model.flip_bit(bit),
+        }
+        Some(())
+    }
 }
 
 impl<const N: usize> Controller<N> {
@@ -20,116 +56,40 @@ impl<const N: usize> Controller<N> {
     /// name of the value, or none if the element does not exist or does not have this value. The
     /// value always changes.
     pub fn flip_bit(&mut self, which: usize, element: usize, bit: u32) -> Option<&'static str> {
-        let word = 1_u32 << (bit % 32);
         let state = self.states.get_mut(element)?;
         let of = self.elements.get_mut(element)?.as_mut()?;
         let Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max } = &mut of.config.limits;
-        let ElementState { drive: driven, absent_ticks, saturated_ticks, .. } = state;
-        Some(match which {
-            0 => {
-                flip(self.sample_period_s.as_mut()?, bit);
-                "sample period"
-            }
-            1 => {
-                self.guard.missing_limit_ticks ^= word;
-                "limit of missing readings"
-            }
-            2 => {
-                self.guard.unreachable_limit_ticks ^= word;
-                "limit of unreachable set-points"
-            }
-            3 => {
-                self.configured ^= 1 << (bit % 8);
-                "number of elements"
-            }
-            4 => {
-                self.observing ^= true;
-                "observers on or off"
-            }
-            5 => {
-                flip(resistance_min_ohm, bit);
-                "least resistance"
-            }
-            6 => {
-                flip(resistance_max_ohm, bit);
-                "greatest resistance"
-            }
-            7 => {
-                flip(temperature_max_c, bit);
-                "greatest temperature"
-            }
-            8 => {
-                *code_max ^= word.cast_signed();
-                "greatest code"
-            }
+        let (name, place) = match which {
+            0 => ("sample period", Place::Number(self.sample_period_s.as_mut()?)),
+            1 => ("limit of missing readings", Place::Count(&mut self.guard.missing_limit_ticks)),
+            2 => ("limit of unreachable set-points", Place::Count(&mut self.guard.unreachable_limit_ticks)),
+            3 => ("number of elements", Place::Elements(&mut self.configured)),
+            4 => ("observers on or off", Place::Yes(&mut self.observing)),
+            5 => ("least resistance", Place::Number(resistance_min_ohm)),
+            6 => ("greatest resistance", Place::Number(resistance_max_ohm)),
+            7 => ("greatest temperature", Place::Number(temperature_max_c)),
+            8 => ("greatest code", Place::Code(code_max)),
             9 => match &mut of.drive {
-                Drive::Temperature { target_c } => {
-                    flip(target_c, bit);
-                    "set-point"
-                }
-                Drive::Power { power_w } => {
-                    flip(power_w, bit);
-                    "wanted power"
-                }
-                Drive::Prbs { seed, .. } | Drive::Setpoints { seed, .. } => {
-                    *seed ^= word;
-                    "seed"
-                }
+                Drive::Temperature { target_c } => ("set-point", Place::Number(target_c)),
+                Drive::Power { power_w } => ("wanted power", Place::Number(power_w)),
+                Drive::Prbs { seed, .. } | Drive::Setpoints { seed, .. } => ("seed", Place::Count(seed)),
                 Drive::Passive | Drive::Level(_) => return None,
             },
-            10 if of.drive == Drive::Level(Level::High) => return None,
-            10 => {
-                of.drive = Drive::Level(Level::High);
-                "which drive"
-            }
-            11 => {
-                let [mut high_a, low_a] = [Level::High, Level::Low].map(|level| of.config.channel.current_a(level));
-                flip(&mut high_a, bit % 16);
-                of.config.channel = Channel::new(*of.config.channel.platinum(), 1e-6, low_a, high_a).ok()?;
-                "wiring"
-            }
-            12 => {
-                self.state = if self.state == RunState::Running { RunState::Standby } else { RunState::Running };
-                "run state"
-            }
-            13 => {
-                self.tick ^= word;
-                "number of the tick"
-            }
-            14 => {
-                self.armed_ticks ^= word;
-                "time armed"
-            }
-            15 => {
-                self.levels.0 ^= 1 << (element % 16);
-                "level"
-            }
-            16 => {
-                *absent_ticks ^= word;
-                "ticks without a reading"
-            }
-            17 => {
-                *saturated_ticks ^= word;
-                "ticks saturated"
-            }
-            18 => {
-                flip(&mut driven.modulator.accumulator, bit);
-                "modulator"
-            }
-            19 => {
-                flip(&mut driven.target_c, bit);
-                "set-point in force"
-            }
-            20 => {
-                driven.ticks_left ^= word;
-                "ticks left"
-            }
-            21 => {
-                let model: &mut SelfHeating = of.model.as_mut()?;
-                model.flip_bit(bit);
-                "model"
-            }
+            10 => ("which drive", Place::Drive(&mut of.drive)),
+            11 => ("wiring", Place::Wiring(&mut of.config.channel)),
+            12 => ("run state", Place::RunState(&mut self.state)),
+            13 => ("number of the tick", Place::Count(&mut self.tick)),
+            14 => ("time armed", Place::Count(&mut self.armed_ticks)),
+            15 => ("level", Place::Levels(&mut self.levels.0)),
+            16 => ("ticks without a reading", Place::Count(&mut state.absent_ticks)),
+            17 => ("ticks saturated", Place::Count(&mut state.saturated_ticks)),
+            18 => ("modulator", Place::Number(&mut state.drive.modulator.accumulator)),
+            19 => ("set-point in force", Place::Number(&mut state.drive.target_c)),
+            20 => ("ticks left", Place::Count(&mut state.drive.ticks_left)),
+            21 => ("model", Place::Model(of.model.as_mut()?)),
             _ => return None,
-        })
+        };
+        place.flip(bit, element)?;
+        Some(name)
     }
 }

@@ -24,8 +24,8 @@ use core::ops::Range;
 impl<const N: usize> Controller<N> {
     /// Updates all checksums after a command whose values have been checked.
     pub(crate) fn update_checksums(&mut self) {
-        self.checksums.settings = self.settings_checksum();
-        for (checksum, element) in self.checksums.elements.iter_mut().zip(&self.elements) {
+        self.sealed_settings = self.settings_checksum();
+        for (checksum, element) in self.sealed_elements.iter_mut().zip(&self.elements) {
             *checksum = ControlledElement::turn_checksum(element.as_ref());
         }
         self.update_state_checksum();
@@ -33,7 +33,7 @@ impl<const N: usize> Controller<N> {
 
     /// Updates the checksum of the states, which a tick changes.
     pub(crate) fn update_state_checksum(&mut self) {
-        self.checksums.states = self.state_checksum();
+        self.sealed_states = self.state_checksum();
     }
 
     /// Verifies what a tick verifies; returns the trip if something has flipped.
@@ -53,16 +53,15 @@ impl<const N: usize> Controller<N> {
         if let RunState::Tripped(Trip { cause: Cause::BitFlip, .. }) = self.state {
             return None;
         }
-        let trip =
-            if self.settings_checksum() != self.checksums.settings || self.state_checksum() != self.checksums.states {
-                Trip::whole(Cause::BitFlip)
-            } else {
-                let all = self.elements.iter().zip(&self.checksums.elements).enumerate();
-                let mut some = all.skip(turns.start).take(turns.len());
-                let broken = some
-                    .find(|(_, (element, checksum))| ControlledElement::turn_checksum(element.as_ref()) != **checksum);
-                Trip::of(broken?.0, Cause::BitFlip)
-            };
+        let trip = if self.settings_checksum() != self.sealed_settings || self.state_checksum() != self.sealed_states {
+            Trip::whole(Cause::BitFlip)
+        } else {
+            let all = self.elements.iter().zip(&self.sealed_elements).enumerate();
+            let mut some = all.skip(turns.start).take(turns.len());
+            let broken =
+                some.find(|(_, (element, checksum))| ControlledElement::turn_checksum(element.as_ref()) != **checksum);
+            Trip::of(broken?.0, Cause::BitFlip)
+        };
         self.bit_flips = self.bit_flips.saturating_add(1);
         Some(trip)
     }
@@ -81,7 +80,9 @@ impl<const N: usize> Controller<N> {
             levels: _,
             armed_ticks: _,
             states: _,
-            checksums: _, // a flipped one fails by itself
+            sealed_settings: _, // a flipped one fails by itself
+            sealed_states: _,
+            sealed_elements: _,
             bit_flips: _, // decides nothing
         } = self;
         let mut checksum = Checksum::of(&(*sample_period_s, *guard));

@@ -2,6 +2,7 @@
 
 use crate::control::guard::Cause;
 use core::fmt;
+use strum::VariantArray;
 
 /// Largest offset of a converter, as a part of what the low current gives on the element at 0 °C:
 /// 0.1 K.
@@ -67,7 +68,8 @@ pub struct PulseResponse {
 pub struct SelfTestFaults(pub u16);
 
 /// A fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr, strum::VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[repr(u8)]
 pub enum SelfTestFault {
     /// The converter does not respond with its inputs shorted, or its offset is too large.
@@ -93,34 +95,9 @@ pub enum SelfTestFault {
 }
 
 impl SelfTestFault {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
-        Self::Offset,
-        Self::Reference,
-        Self::Continuity,
-        Self::Noise,
-        Self::Frozen,
-        Self::NoResponse,
-        Self::Response,
-        Self::Levels,
-        Self::Crossed,
-        Self::Interrupted,
-    ];
-
     /// Its name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Offset => "offset",
-            Self::Reference => "reference",
-            Self::Continuity => "continuity",
-            Self::Noise => "noise",
-            Self::Frozen => "frozen",
-            Self::NoResponse => "no-response",
-            Self::Response => "response",
-            Self::Levels => "levels",
-            Self::Crossed => "crossed",
-            Self::Interrupted => "interrupted",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -144,7 +121,7 @@ impl SelfTestFaults {
 
     /// Those there are.
     pub fn iter(self) -> impl Iterator<Item = SelfTestFault> {
-        SelfTestFault::ALL.into_iter().filter(move |&fault| self.has(fault))
+        SelfTestFault::VARIANTS.iter().copied().filter(move |&fault| self.has(fault))
     }
 }
 

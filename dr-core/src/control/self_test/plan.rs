@@ -10,7 +10,7 @@
 //!
 //! Without a pulse it ends with the phase `quiet`.
 
-use crate::error::{self, ConfigError, Parameter, ParameterProblem};
+use crate::error::{self, ConfigError, Parameter};
 use crate::sensor::FrontEndInput;
 
 /// Ticks ignored after a change of the input: the front end receives the change with the tick
@@ -43,11 +43,10 @@ impl SelfTestPlan {
         // Where ticks are slower, no pulse is long enough and short enough.
         error::within(Parameter::SamplePeriodS, sample_period_s, 0.0, PULSE_MOST_S / PULSE_LEAST_TICKS as f32)?;
         let least_s = PULSE_LEAST_TICKS as f32 * sample_period_s;
-        let problem = ParameterProblem::OutOfRange { least: least_s, most: PULSE_MOST_S };
         let pulse_s = error::within(Parameter::PulseS, pulse_s, f32::MIN, f32::MAX)?;
         let ticks = (pulse_s / sample_period_s + 0.5) as u32;
         if ticks < PULSE_LEAST_TICKS || pulse_s > PULSE_MOST_S {
-            return Err(ConfigError { parameter: Parameter::PulseS, problem });
+            return Err(error::out_of_range(Parameter::PulseS, least_s, PULSE_MOST_S));
         }
         Ok(ticks)
     }

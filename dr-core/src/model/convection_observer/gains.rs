@@ -25,16 +25,15 @@ impl Default for InnovationMonitor {
 }
 
 /// Sets of gains, each with the number of ticks after an alarm until which it is used.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GainSets([Option<(u32, GainsConfig)>; FASTER_SETS]);
 
 impl GainSets {
     /// Sets the gains of a set; those before it must have been set, and those after it are cleared.
     pub fn set(&mut self, config: &FasterGainsConfig, sample_period_s: f32) -> Result<(), ConfigError> {
         let set = usize::from(config.set);
-        let problem = ParameterProblem::OutOfRange { least: 0.0, most: (FASTER_SETS - 1) as f32 };
         if set >= FASTER_SETS {
-            return Err(ConfigError { parameter: Parameter::GainSet, problem });
+            return Err(error::out_of_range(Parameter::GainSet, 0.0, (FASTER_SETS - 1) as f32));
         }
         let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
         let before = match set.checked_sub(1) {
@@ -50,13 +49,6 @@ impl GainSets {
             *slot = (place == set).then_some((until_ticks, gains));
         }
         Ok(())
-    }
-}
-
-impl Default for GainSets {
-    /// None.
-    fn default() -> Self {
-        Self([None; FASTER_SETS])
     }
 }
 

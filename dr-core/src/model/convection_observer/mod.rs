@@ -188,9 +188,8 @@ impl<const N: usize> ConvectionObserver<N> {
         let own =
             self.self_heating.get_mut(usize::from(config.element)).and_then(Option::as_mut).ok_or(NO_SUCH_ELEMENT)?;
         let place = own.gains.sets.unwrap_or(self.faster_elements);
-        let problem = ParameterProblem::OutOfRange { least: 0.0, most: FASTER_ELEMENTS as f32 };
-        let sets = self.sets.get_mut(usize::from(place));
-        sets.ok_or(ConfigError { parameter: Parameter::Parts, problem })?.set(config, sample_period_s)?;
+        let full = error::out_of_range(Parameter::Parts, 0.0, FASTER_ELEMENTS as f32);
+        self.sets.get_mut(usize::from(place)).ok_or(full)?.set(config, sample_period_s)?;
         if own.gains.sets.replace(place).is_none() {
             self.faster_elements += 1;
         }
@@ -207,19 +206,14 @@ impl<const N: usize> ConvectionObserver<N> {
         config: &NetworkCrossHeatingConfig,
         sample_period_s: f32,
     ) -> Result<(), ConfigError> {
-        let known = |element: u8| self.self_heating.get(usize::from(element)).is_some_and(Option::is_some);
-        if config.from == config.to || !known(config.from) || !known(config.to) {
+        if config.from == config.to || ![config.from, config.to].iter().all(|&element| self.knows(element.into())) {
             return Err(NO_SUCH_ELEMENT);
         }
         let cross = NetworkCrossHeating::new(config, sample_period_s)?;
         let same = |slot: &Option<NetworkCrossHeating>| {
             slot.is_none_or(|known| (known.from, known.to) == (cross.from, cross.to))
         };
-        let most = MOST_PAIRS as f32;
-        let full = ConfigError {
-            parameter: Parameter::CrossHeating,
-            problem: ParameterProblem::OutOfRange { least: 0.0, most },
-        };
+        let full = error::out_of_range(Parameter::CrossHeating, 0.0, MOST_PAIRS as f32);
         *self.cross_heating.iter_mut().find(|slot| same(slot)).ok_or(full)? = Some(cross);
         Ok(())
     }
@@ -382,7 +376,8 @@ impl<const N: usize> ConvectionObserver<N> {
     }
 }
 
-const NO_SUCH_ELEMENT: ConfigError =
+/// An element that the network does not have.
+pub(crate) const NO_SUCH_ELEMENT: ConfigError =
     ConfigError { parameter: Parameter::PartElement, problem: ParameterProblem::Missing };
 
 impl NetworkSelfHeating {

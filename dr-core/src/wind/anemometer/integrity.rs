@@ -13,24 +13,23 @@
 //! States change in every tick and have no checksum: the network forgets a flipped bit as it
 //! forgets a wrong initial state.
 
-use super::Anemometer;
-use super::checksums::OTHERS;
+use super::{Anemometer, MOST_PIECES, OTHER_PIECES};
 use crate::checksum::Checksum;
 use crate::model::convection_observer::ConvectionObserver;
 
 impl<const N: usize> Anemometer<N> {
-    const PIECES: usize = ConvectionObserver::<N>::PIECES + OTHERS;
+    const PIECES: usize = ConvectionObserver::<N>::PIECES + OTHER_PIECES;
 
-    /// AnemometerChecksums everything as it is now, which is right by what has just been checked.
+    /// Updates all checksums to what is there now, which is right by what has just been checked.
     #[inline(never)]
     pub(super) fn update_checksums(&mut self) {
+        self.checksums.get_or_insert([Checksum::default(); MOST_PIECES]);
         (0..Self::PIECES).for_each(|piece| self.update_piece_checksum(piece));
-        self.checksums.are_set = true;
     }
 
     /// Updates the checksum of the given gas alone: this command is allowed while running.
     pub(super) fn update_gas_checksum(&mut self) {
-        if !self.checksums.are_set {
+        if self.checksums.is_none() {
             return self.update_checksums();
         }
         self.update_piece_checksum(Self::PIECES - 1);
@@ -38,7 +37,7 @@ impl<const N: usize> Anemometer<N> {
 
     fn update_piece_checksum(&mut self, piece: usize) {
         let checksum = self.piece_checksum(piece);
-        if let Some(slot) = self.checksums.slot(piece) {
+        if let Some(slot) = self.checksums.as_mut().and_then(|all| all.get_mut(piece)) {
             *slot = checksum;
         }
     }
@@ -52,11 +51,11 @@ impl<const N: usize> Anemometer<N> {
 
     /// Whether all pieces are intact.
     pub fn is_whole(&self) -> bool {
-        !self.checksums.are_set || (0..Self::PIECES).all(|piece| self.is_intact_in(piece))
+        self.checksums.is_none() || (0..Self::PIECES).all(|piece| self.is_intact_in(piece))
     }
 
     fn is_intact_in(&self, piece: usize) -> bool {
-        self.checksums.get(piece) == Some(self.piece_checksum(piece))
+        self.checksums.as_ref().and_then(|all| all.get(piece)) == Some(&self.piece_checksum(piece))
     }
 
     #[inline(never)] // in the image once

@@ -5,41 +5,33 @@ use super::head_inverse::HeadInverse;
 use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATURATED_S, STARTING};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
-use crate::wind::card_inverse::CardConfig;
-use crate::wind::gas_law::{GasLaw, GasLawConfig};
+use crate::wind::card_inverse::{Card, CardConfig};
+use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
+use crate::wind::sphere_inverse::WindVector;
 use crate::wind::surface::{SphereSurface, SurfaceConfig};
 
 /// The settings so far.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct AnemometerSetup {
     points: [[f32; ORDERS]; POINTS],
     /// Bit j is set once point j has been given.
     given: u32,
-    /// In place of points.
-    card: Option<CardConfig>,
+    /// In place of points. Checked by the last command, which brings the settings that it depends
+    /// on.
+    pub card: Option<CardConfig>,
     surfaces: [Option<HeadSurface>; MOST_SURFACES],
-    gas_law: Option<GasLaw>,
-}
-
-impl Default for AnemometerSetup {
-    fn default() -> Self {
-        Self { points: [[0.0; ORDERS]; POINTS], given: 0, card: None, surfaces: [None; MOST_SURFACES], gas_law: None }
-    }
+    pub gas_law: Option<GasLaw>,
 }
 
 impl AnemometerSetup {
     pub fn set_point(&mut self, point: u8, amplitudes: [f32; ORDERS]) -> Result<(), ConfigError> {
         let most = (POINTS - 1) as f32;
-        let slot = self.points.get_mut(usize::from(point)).ok_or(out_of_range(Parameter::NusseltPoint, 0.0, most))?;
+        let slot =
+            self.points.get_mut(usize::from(point)).ok_or(error::out_of_range(Parameter::NusseltPoint, 0.0, most))?;
         *slot = amplitudes;
         self.given |= 1 << point;
         Ok(())
-    }
-
-    /// Checked by the last command, which brings the settings that it depends on.
-    pub fn set_card(&mut self, config: &CardConfig) {
-        self.card = Some(*config);
     }
 
     pub fn set_surface(&mut self, surface: u8, config: &HeadSurface) -> Result<(), ConfigError> {
@@ -47,22 +39,14 @@ impl AnemometerSetup {
         error::within(Parameter::PartGain, config.gain, 0.1, 10.0)?;
         error::within(Parameter::WindlessWK, config.windless_w_k, 0.0, 1e3)?;
         let most = (MOST_SURFACES - 1) as f32;
-        *self.surfaces.get_mut(usize::from(surface)).ok_or(out_of_range(Parameter::Parts, 0.0, most))? = Some(*config);
-        Ok(())
-    }
-
-    pub fn set_gas_law(&mut self, config: &GasLawConfig) -> Result<(), ConfigError> {
-        self.gas_law = Some(GasLaw::new(config)?);
+        *self.surfaces.get_mut(usize::from(surface)).ok_or(error::out_of_range(Parameter::Parts, 0.0, most))? =
+            Some(*config);
         Ok(())
     }
 
     /// The surfaces, from the first on.
     pub fn surfaces(&self) -> impl Iterator<Item = &HeadSurface> {
         self.surfaces.iter().map_while(Option::as_ref)
-    }
-
-    pub const fn gas_law(&self) -> Option<&GasLaw> {
-        self.gas_law.as_ref()
     }
 
     /// Checks all settings together and prepares the output.
@@ -110,38 +94,28 @@ impl AnemometerSetup {
         if self.gas_law.is_none() {
             return Err(ConfigError { parameter: Parameter::GasPolynomial, problem: ParameterProblem::Missing });
         }
+        let (size_m, most_rad) = (config.diameter_m, config.direction_error_max_rad);
         let surfaces: [Option<SurfaceConfig>; MOST_SURFACES] = self.surfaces.map(|part| part.map(|part| part.surface));
         if let Some(card) = &self.card {
-            return HeadInverse::card(card, &surfaces, most_reynolds, config).map(Some);
+            let (4, [Some(a), Some(b), Some(c), Some(d)]) = (config.surfaces, surfaces) else {
+                return Err(error::out_of_range(Parameter::Parts, 4.0, MOST_SURFACES as f32));
+            };
+            return Ok(Some(HeadInverse::Card(Card::new(card, &[a, b, c, d], size_m, most_reynolds, most_rad)?)));
         }
         if self.given != u32::MAX {
             return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: ParameterProblem::Missing });
         }
         let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
-        HeadInverse::new(&nusselt, &surfaces, config).map(Some)
+        Ok(Some(match (config.surfaces, surfaces) {
+            (4, [Some(a), Some(b), Some(c), Some(d)]) => {
+                HeadInverse::Sectors(WindVector::new(&nusselt, &[a, b, c, d], size_m, most_rad)?)
+            }
+            (2, [Some(a), Some(b), ..]) => {
+                HeadInverse::Hemispheres(WindVector::new(&nusselt, &[a, b], size_m, most_rad)?)
+            }
+            _ => return Err(error::out_of_range(Parameter::Parts, 2.0, MOST_SURFACES as f32)),
+        }))
     }
-}
-
-const fn out_of_range(parameter: Parameter, least: f32, most: f32) -> ConfigError {
-    ConfigError { parameter, problem: ParameterProblem::OutOfRange { least, most } }
-}
-
-/// The element of a surface must be one of the network.
-pub const fn check_element(known: bool) -> Result<(), ConfigError> {
-    if known {
-        Ok(())
-    } else {
-        Err(ConfigError { parameter: Parameter::PartElement, problem: ParameterProblem::Missing })
-    }
-}
-
-/// Checks the given state of the gas.
-pub fn check_gas(pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), ConfigError> {
-    error::positive(Parameter::PressurePa, pressure_pa)?;
-    if let Some(temperature_c) = temperature_c {
-        error::within(Parameter::GasTemperatureC, temperature_c, -273.15, 1e4)?;
-    }
-    Ok(())
 }
 
 crate::fields::fields!(AnemometerSetup { points, given, card, surfaces, gas_law });

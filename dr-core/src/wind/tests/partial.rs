@@ -6,7 +6,7 @@ use super::super::sphere::{SECTORS, hemispheres, tetrahedral_sectors};
 use super::round_trip::degrees_between;
 use super::table::{TestRandom, carbon_dioxide, conductances, dot, narrow, wide};
 use super::{measured, sphere_a, sphere_b};
-use crate::wind::WindState;
+use crate::wind::{QualityFlags, WindState};
 
 const PRESSURE_PA: f64 = 1000.0;
 
@@ -23,7 +23,12 @@ fn three_sectors_give_the_wind_or_say_that_there_are_two() {
         let near = |wind: [f32; 3]| (0..3).all(|k| (f64::from(wind[k]) - truth[k]).abs() < 0.02 * speed);
         let cold = vector.step(&mut WindState::default(), &gas, &given);
         let quality = cold.quality;
-        match (quality.failed, near(cold.wind_m_s), cold.other_m_s.is_some_and(near), quality.ambiguous) {
+        match (
+            quality.has(QualityFlags::FAILED),
+            near(cold.wind_m_s),
+            cold.other_m_s.is_some_and(near),
+            quality.has(QualityFlags::AMBIGUOUS),
+        ) {
             (true, ..) => failed += 1,
             (_, true, _, false) => unique += 1,
             (_, true, ..) => first += 1,
@@ -57,7 +62,12 @@ fn two_hemispheres_give_the_speed_and_the_component_along_their_axis() {
         let truth = random.direction().map(|x| speed * x);
         let given = measured(conductances(&hemispheres(0.01), PRESSURE_PA, truth), 1e-3);
         let wind = vector.step(&mut WindState::default(), &gas, &given);
-        assert!(!wind.quality.failed && wind.quality.undetermined && !wind.quality.degraded, "{truth:?} {wind:?}");
+        assert!(
+            !wind.quality.has(QualityFlags::FAILED)
+                && wind.quality.has(QualityFlags::UNDETERMINED)
+                && !wind.quality.has(QualityFlags::DEGRADED),
+            "{truth:?} {wind:?}"
+        );
         assert_eq!((wind.wind_m_s[1], wind.wind_m_s[2]), (0.0, 0.0));
         worst = worst.max((f64::from(wind.speed_m_s) / speed - 1.0).abs());
         worst_along = worst_along.max((f64::from(wind.wind_m_s[0]) - truth[0]).abs() / speed);
@@ -82,20 +92,29 @@ fn a_wind_along_the_axis_of_two_hemispheres_leaves_little_across() {
     for x in [-8.0, -2.0, 2.0, 8.0] {
         let given = measured(conductances(&hemispheres(0.01), PRESSURE_PA, [x, 0.0, 0.0]), 1e-3);
         let wind = vector.step(&mut WindState::default(), &gas, &given);
-        assert!(!wind.quality.failed, "{x}: {wind:?}");
+        assert!(!wind.quality.has(QualityFlags::FAILED), "{x}: {wind:?}");
         assert!((f64::from(wind.wind_m_s[0]) / x - 1.0).abs() < 0.02, "{x}: {wind:?}");
         assert!(f64::from(wind.across_m_s) < 0.2 * x.abs(), "{x}: {wind:?}");
     }
     let still = measured(conductances(&hemispheres(0.01), PRESSURE_PA, [0.0; 3]), 1e-3);
     let wind = vector.step(&mut WindState::default(), &gas, &still);
-    assert!(!wind.quality.failed && wind.quality.no_direction && wind.speed_m_s < 0.01, "{wind:?}");
+    assert!(
+        !wind.quality.has(QualityFlags::FAILED)
+            && wind.quality.has(QualityFlags::NO_DIRECTION)
+            && wind.speed_m_s < 0.01,
+        "{wind:?}"
+    );
 }
 
 #[test]
 fn one_part_of_two_is_too_few() {
     let given = measured(conductances(&hemispheres(0.01), PRESSURE_PA, [1.0, 2.0, 0.0]), 1e-3);
     let wind = sphere_a().step(&mut WindState::default(), &carbon_dioxide(PRESSURE_PA), &[given[0], None]);
-    assert!(wind.quality.failed && wind.quality.degraded && !wind.quality.refused);
+    assert!(
+        wind.quality.has(QualityFlags::FAILED)
+            && wind.quality.has(QualityFlags::DEGRADED)
+            && !wind.quality.has(QualityFlags::REFUSED)
+    );
 }
 
 #[test]
@@ -107,7 +126,7 @@ fn of_two_winds_the_one_nearest_to_the_last_is_taken() {
     let mut given = measured(conductances(&tetrahedral_sectors(0.01), PRESSURE_PA, truth), 1e-3);
     given[0] = None;
     let fast = vector.step(&mut WindState { last_m_s: Some(narrow(truth)) }, &gas, &given);
-    assert!(fast.quality.ambiguous, "{fast:?}");
+    assert!(fast.quality.has(QualityFlags::AMBIGUOUS), "{fast:?}");
     let other = fast.other_m_s.unwrap();
     assert!(degrees_between(wide(fast.wind_m_s), truth) < 0.5 && dot(wide(other), truth) < 0.0, "{fast:?}");
     let slow = vector.step(&mut WindState { last_m_s: Some(other) }, &gas, &given);

@@ -110,7 +110,7 @@ impl AdcFrontEnd {
         let usable = match adc.initialise(plan.rate(), &mut CycleDelay) {
             Ok(()) => true,
             Err(error) => {
-                defmt::error!("all readings are missing, the ADC did not start: {}", error.without_bus());
+                defmt::error!("all readings are missing, the ADC did not start: {}", error);
                 false
             }
         };
@@ -152,7 +152,7 @@ impl AdcFrontEnd {
                 }
                 Due::Read => {
                     self.line.clear_interrupt_pending_bit();
-                    self.adc.read_frame().ok().map(|frame| frame.codes)
+                    self.adc.read_frame().ok()
                 }
             };
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {

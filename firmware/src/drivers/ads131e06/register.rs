@@ -1,7 +1,5 @@
 //! Registers of the ADC and the values by which a healthy chip is known.
 
-use core::fmt;
-
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
 /// channels.
 pub(super) const IDENTITY: u8 = 0xD1;
@@ -22,7 +20,7 @@ pub enum Register {
     Config3,
     /// Threshold of the comparators that watch the input pins.
     Fault,
-    /// Gain and input of a channel, from 0.
+    /// Gain and input of a channel, from 0; the data sheet counts them from 1.
     Channel(u8),
 }
 
@@ -44,20 +42,6 @@ impl Register {
             // Bit 0 "reads back as either 1 or 0".
             Self::Config3 => 0xFE,
             _ => 0xFF,
-        }
-    }
-}
-
-impl fmt::Display for Register {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Id => f.write_str("ID"),
-            Self::Config1 => f.write_str("CONFIG1"),
-            Self::Config2 => f.write_str("CONFIG2"),
-            Self::Config3 => f.write_str("CONFIG3"),
-            Self::Fault => f.write_str("FAULT"),
-            // The data sheet counts channels from 1.
-            Self::Channel(channel) => write!(f, "CH{}SET", channel + 1),
         }
     }
 }

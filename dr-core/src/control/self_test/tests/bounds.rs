@@ -3,6 +3,7 @@
 use super::finding::{GAP_MOST_K, NOISE_MOST_K};
 use super::*;
 use crate::error::{ConfigError, ParameterProblem};
+use strum::VariantArray;
 
 /// A test of two elements that has come to a phase.
 fn at(phase: Phase) -> SelfTest<ELEMENTS> {
@@ -207,12 +208,15 @@ fn sound() -> SelfTestFaults {
 
 #[test]
 fn faults_have_names_of_their_own_and_are_listed() {
-    let all = only(&SelfTestFault::ALL);
-    assert_eq!(all.iter().collect::<Vec<_>>(), SelfTestFault::ALL);
-    assert_eq!(all.0, (1 << SelfTestFault::ALL.len()) - 1);
-    for (place, fault) in SelfTestFault::ALL.iter().enumerate() {
+    let all = only(SelfTestFault::VARIANTS);
+    assert_eq!(all.iter().collect::<Vec<_>>(), SelfTestFault::VARIANTS);
+    assert_eq!(all.0, (1 << SelfTestFault::VARIANTS.len()) - 1);
+    for (place, fault) in SelfTestFault::VARIANTS.iter().enumerate() {
         let name = fault.name();
-        assert!(!name.is_empty() && SelfTestFault::ALL[..place].iter().all(|other| other.name() != name), "{name}");
+        assert!(
+            !name.is_empty() && SelfTestFault::VARIANTS[..place].iter().all(|other| other.name() != name),
+            "{name}"
+        );
         assert!(only(&[*fault]).has(*fault) && !sound().has(*fault));
         assert_eq!(std::format!("{}", only(&[*fault])), name);
     }

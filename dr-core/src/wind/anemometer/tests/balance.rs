@@ -68,7 +68,7 @@ pub fn own(part: usize) -> NetworkSelfHeatingConfig {
 /// All that such a head is told before its `Output`, with these surfaces and no more parts than
 /// they are.
 pub fn told_of(surfaces: &[SurfaceConfig]) -> Anemometer<ELEMENTS> {
-    let mut anemometer = Anemometer::new();
+    let mut anemometer = Anemometer::default();
     let mut tell = |command| anemometer.handle(&command, PERIOD_S).unwrap();
     for element in 0..4_u8 {
         tell(WindCommand::SelfHeating { element, config: own(usize::from(element)) });
@@ -421,10 +421,10 @@ fn a_thermometer_that_is_silent_for_a_second_is_not_believed() {
 #[test]
 fn without_pressure_there_is_no_wind_but_conductances() {
     let mut anemometer = told_of(&sphere::tetrahedral_sectors(DIAMETER_M));
-    assert!(follow(&mut anemometer, &tick(0)).is_none() && !anemometer.is_configured());
+    assert!(follow(&mut anemometer, &tick(0)).is_none() && !anemometer.output.is_some());
     let config = WindOutputConfig { reference: Some(4), ..config() };
     anemometer.handle(&WindCommand::Output(config), PERIOD_S).unwrap();
-    assert!(anemometer.is_configured());
+    assert!(anemometer.output.is_some());
     let told = follow(&mut anemometer, &tick(0)).unwrap();
     assert!(told.quality_flags.has(QualityFlags::NO_GAS) && told.wind == WindEstimate::none());
     assert!(told.conductance_w_k.iter().all(|&w_k| w_k > 0.0));

@@ -45,7 +45,7 @@ fn what_nobody_has_changed_is_whole_in_every_tick() {
         assert!(anemometer.is_intact_at(n), "{n}");
         follow(&mut anemometer, &tick(n));
     }
-    assert!(Anemometer::<ELEMENTS>::new().is_whole());
+    assert!(Anemometer::<ELEMENTS>::default().is_whole());
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn a_bit_anywhere_is_found_in_one_turn_and_in_one_piece() {
 
 #[test]
 fn what_is_not_in_use_is_not_verified_in_a_tick_but_before_a_checksum_update() {
-    let mut anemometer = Anemometer::<ELEMENTS>::new();
+    let mut anemometer = Anemometer::<ELEMENTS>::default();
     anemometer.handle(&gas(Some(GAS_C)), PERIOD_S).unwrap();
     anemometer.network.set_self_heating(0, &own(0), PERIOD_S).unwrap();
     assert!((0..PIECES).all(|tick| anemometer.is_intact_at(tick)));
