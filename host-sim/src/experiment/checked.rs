@@ -5,7 +5,7 @@ use dr_core::model::SelfHeatingConfig;
 use dr_core::wind::{Anemometer, WindCommand};
 
 use super::drives::{DriveChange, GasRange};
-use super::grid::TickGrid;
+use super::grid;
 use super::models::Models;
 use crate::sensor::{Construction, GasSwing, Imperfections, Sensor, SensorConfig, SensorError, TimedFault, WindEntry};
 use anemometry::gas::Species;
@@ -98,10 +98,9 @@ impl Experiment {
         Ok(commands)
     }
 
-    /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
-    /// 0.29000000000000004.
+    /// Time of a tick in s, as near as f64 has it.
     pub fn time_s(&self, tick: u32) -> f64 {
-        TickGrid { source: &self.source, sample_period_s: self.sample_period_s }.time_s(tick)
+        grid::time_s(tick, self.sample_period_s)
     }
 
     pub(super) fn gas_range(&self) -> GasRange {

@@ -53,22 +53,20 @@ pub(super) fn of_all(
     Ok(drives)
 }
 
-/// The changes of an experiment of `ticks`.
+/// The changes of an experiment.
 pub(super) fn changes(
     grid: &TickGrid,
     tables: &[ChangeTable],
     head: &Head,
     gas: GasRange,
-    ticks: u32,
 ) -> Result<Vec<DriveChange>, FileError> {
     let mut changes: Vec<DriveChange> = Vec::with_capacity(tables.len());
     for (index, table) in tables.iter().enumerate() {
         let key = format!("changes[{index}]");
         let start_key = format!("{key}.start_s");
         let tick = grid.whole_ticks(&start_key, table.start_s)?;
-        if tick >= ticks {
-            let sentence = format!("is {} s, but the experiment is over at {} s", table.start_s, grid.time_s(ticks));
-            return Err(grid.source.refuse(&start_key, sentence));
+        if tick >= grid.ticks {
+            return Err(grid.over(&start_key, table.start_s));
         }
         if let Some(before) = changes.last().filter(|before| before.tick >= tick) {
             let (before_s, next_s) = (grid.time_s(before.tick), grid.time_s(before.tick + 1));
@@ -133,7 +131,7 @@ fn drive(
     };
     Ok(match table {
         DriveTable::Passive => Drive::Passive,
-        DriveTable::Level(level) => Drive::Level((*level).into()),
+        &DriveTable::Level(level) => Drive::Level(level),
         &DriveTable::PowerW(power_w) => {
             // Nothing gets colder than the gas, and a platinum resistor that warms up takes more
             // power. In a gas that swings both levels have to do at every time.
@@ -152,26 +150,25 @@ fn drive(
         &DriveTable::TemperatureC(target_c) => {
             Drive::Temperature { target_c: set_point(&format!("{key}.temperature_c"), target_c)? }
         }
-        DriveTable::Prbs(prbs) => {
-            let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), prbs.bit_time_s)?;
+        &DriveTable::Prbs { order, bit_time_s, seed } => {
+            let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
             // Order and seed are dr-core's to judge; the place is known here.
-            let order = prbs.order;
             source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
-            dr_core::signal::Prbs::new(order, prbs.seed).map_err(|error| {
-                let sentence = format!("is {}: {error}", prbs.seed);
+            dr_core::signal::Prbs::new(order, seed).map_err(|error| {
+                let sentence = format!("is {seed}: {error}");
                 source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
             })?;
-            Drive::Prbs { order, seed: prbs.seed, ticks_per_bit }
+            Drive::Prbs { order, seed, ticks_per_bit }
         }
-        DriveTable::Setpoints(set_points) => {
-            let low_c = set_point(&format!("{key}.setpoints.low_c"), set_points.low_c)?;
-            let high_c = set_point(&format!("{key}.setpoints.high_c"), set_points.high_c)?;
+        &DriveTable::Setpoints { low_c, high_c, dwell_s, seed } => {
+            let low_c = set_point(&format!("{key}.setpoints.low_c"), low_c)?;
+            let high_c = set_point(&format!("{key}.setpoints.high_c"), high_c)?;
             if low_c >= high_c {
                 let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
                 return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
             }
-            let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), set_points.dwell_s)?;
-            Drive::Setpoints { low_c, high_c, dwell_ticks, seed: set_points.seed }
+            let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), dwell_s)?;
+            Drive::Setpoints { low_c, high_c, dwell_ticks, seed }
         }
     })
 }

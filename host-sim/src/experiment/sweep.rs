@@ -50,8 +50,8 @@ enum SweepPlane {
     Level,
 }
 
-/// The entries of an experiment of `ticks`; winds that would begin after its end are left out.
-pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+/// The entries of an experiment; `seed` is that of the experiment.
+pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<Vec<WindEntry>, FileError> {
     let source = grid.source;
     source.within("sweep.winds", f64::from(table.winds), 1.0..=f64::from(MOST_WINDS), "")?;
     source.within("sweep.least_m_s", table.least_m_s, SPEEDS_M_S, "m/s")?;
@@ -60,8 +60,8 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64, ticks: u32
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
     let still = if table.still_s == 0.0 { 0 } else { grid.whole_ticks("sweep.still_s", table.still_s)? };
     let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
-    if wanted > u64::from(ticks) {
-        let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.time_s(ticks));
+    if wanted > u64::from(grid.ticks) {
+        let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.end_s());
         let sentence = format!(
             "needs {needed_s} s, but the experiment is over at {has_s} s: a greater duration_s, or fewer winds"
         );

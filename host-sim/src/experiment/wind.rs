@@ -30,16 +30,15 @@ const HIGHEST_SPEED_M_S: f64 = 100.0;
 const MOST_ENTRIES: usize = 100_000;
 const REST: &str = "rest";
 
-/// The entries of an experiment of `ticks`.
+/// The entries of an experiment.
 pub(super) fn entries(
     grid: &TickGrid,
     wind: Vec<WindTable>,
     tunnel: Option<TunnelTable>,
-    ticks: u32,
 ) -> Result<Vec<WindEntry>, FileError> {
     match (wind.is_empty(), tunnel) {
-        (false, None) => held(grid, wind, ticks),
-        (true, Some(tunnel)) => Car::new(grid, &tunnel)?.entries(ticks),
+        (false, None) => held(grid, wind),
+        (true, Some(tunnel)) => Car::new(grid, &tunnel)?.entries(),
         (false, Some(_)) => {
             Err(grid.source.refuse("tunnel", "is given besides [[wind]]: the wind comes from one of them"))
         }
@@ -51,29 +50,39 @@ pub(super) fn entries(
     }
 }
 
-fn held(grid: &TickGrid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+fn held(grid: &TickGrid, tables: Vec<WindTable>) -> Result<Vec<WindEntry>, FileError> {
     let source = grid.source;
-    let duration_s = grid.time_s(ticks);
     let mut entries = Vec::with_capacity(tables.len());
-    let ends: Vec<f64> = tables.iter().skip(1).map(|next| next.start_s).chain([duration_s]).collect();
+    let ends: Vec<f64> = tables.iter().skip(1).map(|next| next.start_s).chain([grid.end_s()]).collect();
     for ((index, table), end_s) in tables.into_iter().enumerate().zip(ends) {
         let key = format!("wind[{index}]");
         // Starts, angles and what blows on top are the simulated wind's to judge.
         source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
-        grid.instant(&format!("{key}.start_s"), table.start_s)?;
-        if table.start_s >= duration_s {
-            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
-            return Err(source.refuse(&format!("{key}.start_s"), sentence));
-        }
+        grid.check_start(&format!("{key}.start_s"), table.start_s)?;
         // What nobody would feel is a mistake.
         let lasts_s = end_s - table.start_s;
-        for (what, time_s) in table.moments() {
+        let gust = table.gust.map(|gust| ("gust.start_s", gust.start_s));
+        let devil = table.dust_devil.map(|devil| ("dust_devil.time_s", devil.time_s));
+        for (what, time_s) in gust.into_iter().chain(devil) {
             if lasts_s > 0.0 && time_s >= lasts_s {
                 let sentence = format!("is {time_s} s after the start of a wind that is over after {lasts_s} s");
                 return Err(source.refuse(&format!("{key}.{what}"), sentence));
             }
         }
-        entries.push(table.entry(index, source)?);
+        let turbulence = table.turbulence.map(|table| table.turbulence(source, &format!("{key}.turbulence")));
+        entries.push(WindEntry {
+            start_s: table.start_s,
+            // After its number, so that every event of a recording has a name.
+            label: table.label.unwrap_or_else(|| format!("wind {}", index + 1)),
+            speed_m_s: table.speed_m_s,
+            azimuth_deg: table.azimuth_deg,
+            elevation_deg: table.elevation_deg,
+            swing: table.swing,
+            sine: table.sine,
+            gust: table.gust,
+            dust_devil: table.dust_devil,
+            turbulence: turbulence.transpose()?,
+        });
     }
     Ok(entries)
 }
@@ -142,8 +151,8 @@ impl<'a> Car<'a> {
         })
     }
 
-    fn entries(mut self, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
-        let end = u64::from(ticks);
+    fn entries(mut self) -> Result<Vec<WindEntry>, FileError> {
+        let end = u64::from(self.grid.ticks);
         let mut entries = Vec::new();
         let mut now = 0;
         if self.first_pause_ticks > 0 {

@@ -31,7 +31,8 @@ pub const LOWEST_CODE: i32 = -0x80_0000;
 
 /// Imperfections of the front end; all zero by default. Errors are standard deviations in percent
 /// of the nominal value.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Imperfections {
     /// Noise of the converter's input, V rms.
     pub noise_v_rms: f64,
@@ -44,7 +45,8 @@ pub struct Imperfections {
 }
 
 /// How a resistor breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ResistorFault {
     /// No current flows.
     Open,

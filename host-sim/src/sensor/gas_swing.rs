@@ -26,13 +26,15 @@ use super::error::SensorError;
 const LEAST_SAMPLE_PERIODS: f64 = 20.0;
 
 /// How a gas's temperature swings.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GasSwing {
     /// Amplitude about the mean, K.
     pub amplitude_k: f64,
     /// Period, s.
     pub period_s: f64,
     /// Before, the gas stands still.
+    #[serde(default)]
     pub start_s: f64,
 }
 

@@ -32,7 +32,8 @@ pub(super) struct HorizontalMean {
 }
 
 /// A passing vortex, with times from the start of the entry it is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DustDevil {
     /// When the centre is nearest, after the entry's start.
     pub time_s: f64,
@@ -44,6 +45,7 @@ pub struct DustDevil {
     /// Tangential speed at the core's radius; positive is counter-clockwise from above.
     pub swirl_m_s: f64,
     /// Speed towards the centre at the core's radius.
+    #[serde(default)]
     pub inflow_m_s: f64,
     /// Of the centre; the horizontal part of the entry's mean if not given.
     pub travel_m_s: Option<f64>,

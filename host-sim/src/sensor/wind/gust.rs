@@ -11,7 +11,8 @@ use super::direction::towards;
 use super::range::{HIGHEST_M_S, Refused, first_refused};
 
 /// A rise of the wind that comes and goes once.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gust {
     /// After the entry's start.
     pub start_s: f64,

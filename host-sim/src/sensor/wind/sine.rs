@@ -11,7 +11,8 @@
 use super::range::{Refused, first_refused};
 
 /// Of the speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Amplitude, m/s.
     pub amplitude_m_s: f64,
@@ -20,7 +21,8 @@ pub struct Sine {
 }
 
 /// Of the azimuth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DirectionSwing {
     /// Amplitude, °.
     pub amplitude_deg: f64,
