@@ -1,13 +1,11 @@
 //! A body that takes heat and loses it: a thermal network with the elements that heat it and the
 //! surfaces that the wind cools.
 //!
-//! The bodies themselves are in [`sphere_a`](super::sphere_a), [`sphere_b`](super::sphere_b) and
-//! [`rems`](super::rems); they build the network and name what is in it. Everything after that is
-//! the same for all of them and is here: wind into conductances, powers into temperatures, and the
-//! account of where the heat went.
+//! The bodies themselves are in [`sphere`](super::sphere) and [`rems`](super::rems); they build the
+//! network and name what is in it. Everything after that is the same for all of them and is here:
+//! wind into conductances, powers into temperatures, and the account of where the heat went.
 
 use super::convection::BodyConvection;
-use super::error::SensorError;
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
 use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
@@ -88,6 +86,7 @@ impl ThermalBody {
         let own_rate_per_s = network.stiffest_rate_per_s();
         let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
         let radiate = |surface: &Surface| {
+            assert!((0.0..=1.0).contains(&surface.emissivity), "an emissivity is 0 to 1");
             let coefficient_w_k4 = surface.emissivity * STEFAN_BOLTZMANN * surface.area_m2;
             network.radiate(surface.node, coefficient_w_k4, gas_k)
         };
@@ -115,11 +114,6 @@ impl ThermalBody {
             elements,
             surfaces,
         }
-    }
-
-    /// Refuses a gas to which the convection could not follow.
-    pub fn check_gas(&self, gas: &IdealGas) -> Result<(), SensorError> {
-        self.convection.check(gas)
     }
 
     /// The gas's temperature from now on, at the same pressure; the next [`ThermalBody::set_wind`]

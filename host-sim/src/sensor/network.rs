@@ -125,6 +125,7 @@ impl ThermalNetwork {
 
     pub fn link(&mut self, a: usize, b: usize, conductance_w_k: f64) {
         assert!(a != b && a.max(b) < self.len(), "a link joins two nodes");
+        assert!(conductance_w_k > 0.0, "a link conducts");
         self.paths.links.push(ThermalLink { a, b, conductance_w_k });
     }
 

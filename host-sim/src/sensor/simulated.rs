@@ -67,7 +67,7 @@ impl Sensor {
         let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
         if let Some(swing) = &config.gas_swing {
             swing.check(sample_period_s)?;
-            check_range(&gas, swing, &body)?;
+            check_range(&gas, swing, config)?;
         }
         let wind_m_s = wind.mean_m_s();
         let mut sensor = Sensor {
@@ -204,13 +204,13 @@ impl Sensor {
 }
 
 /// Refuses a swing that leaves the range in which the gas or its convection is known.
-fn check_range(gas: &IdealGas, swing: &GasSwing, body: &ThermalBody) -> Result<(), SensorError> {
+fn check_range(gas: &IdealGas, swing: &GasSwing, config: &SensorConfig) -> Result<(), SensorError> {
     for end_k in [gas.temperature_k - swing.amplitude_k, gas.temperature_k + swing.amplitude_k] {
         let gas = IdealGas::new(gas.species, gas.pressure_pa, end_k).map_err(|_| {
             let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";
             SensorError::out_of_range("gas.swing.amplitude_k", swing.amplitude_k, expected)
         })?;
-        body.check_gas(&gas)?;
+        config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
     }
     Ok(())
 }
