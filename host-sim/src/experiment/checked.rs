@@ -184,13 +184,8 @@ impl Experiment {
             Err(_) => self.gas_swing.map_or(Ok(()), |swing| swing.check(self.sample_period_s)),
         };
         checked.map_err(|error| match &error {
-            SensorError::OutOfRange { name, value, expected } => {
-                self.source.refuse(name, format!("is {value}: it must be {expected}"))
-            }
-            SensorError::NotAContinuum { .. } => {
-                self.source.refuse("gas.pressure_pa", error.to_string().trim_start_matches("`gas.pressure_pa` "))
-            }
-            _ => self.source.refuse("head", format!("cannot be simulated: {error}")),
+            SensorError::Number { key, sentence } => self.source.refuse(key, sentence),
+            SensorError::Elements(_) => self.source.refuse("head", format!("cannot be simulated: {error}")),
         })
     }
 }

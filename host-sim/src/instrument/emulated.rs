@@ -94,7 +94,11 @@ impl Emulated {
             }
         };
         let identity = process.until_timeout(|timeout| links.host.hello(timeout)).map_err(|error| match error {
-            InstrumentError::Silent(timeout) => InstrumentError::Mute { firmware: firmware.to_owned(), timeout },
+            InstrumentError::Silent(timeout) => InstrumentError::Unusable(format!(
+                "{} has not said a word for {:.0} s; is it the firmware of the virtual board?",
+                firmware.display(),
+                timeout.as_secs_f64()
+            )),
             other => other,
         })?;
         // What is kept may ask for fewer, and here each tick's sample is waited for.

@@ -127,10 +127,8 @@ impl Serial {
     /// # Errors
     /// If the port cannot be opened, or no board of our version answers.
     pub fn open(device: &str) -> Result<Self, InstrumentError> {
-        let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| InstrumentError::Port {
-            device: device.to_owned(),
-            reason: error.to_string(),
-            ports: known_ports(),
+        let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| {
+            InstrumentError::Unusable(format!("the port {device} cannot be opened: {error}; {}", known_ports()))
         })?;
         let mut link = BoardLink::new(Port(port));
         // Ends whatever the board may have taken for the beginning of a frame.

@@ -168,7 +168,9 @@ impl FrontEndChannel {
     ) -> Result<FrontEndChannel, SensorError> {
         let (low_a, high_a) = (nominal.current_low_a, nominal.current_high_a);
         if !(low_a > 0.0 && low_a < high_a && high_a.is_finite()) {
-            return Err(SensorError::Currents { element: index, low_a, high_a });
+            return Err(SensorError::Elements(format!(
+                "currents of element {index} are {low_a} A low and {high_a} A high; they must be positive and the low one smaller"
+            )));
         }
         let off_by = |percent: f64, normal: f64| 1.0 + 0.01 * percent * normal;
         let resistance = off_by(imperfections.resistance_error_percent, resistance);
@@ -179,7 +181,7 @@ impl FrontEndChannel {
             ),
             PlatinumKind::Iec60751 { resistance_0c_ohm } => Platinum::iec60751((resistance_0c_ohm * resistance) as f32),
         }
-        .map_err(|source| SensorError::Platinum { element: index, source })?;
+        .map_err(|error| SensorError::Elements(format!("platinum of element {index}: {error}")))?;
         let current_error = imperfections.current_error_percent;
         Ok(FrontEndChannel {
             platinum,

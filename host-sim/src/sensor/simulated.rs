@@ -46,7 +46,8 @@ impl Sensor {
         }
         let (expected, found) = (config.construction.elements().len(), config.elements.len());
         if found != expected {
-            return Err(SensorError::Elements { sensor: config.construction.name(), expected, found });
+            let sensor = config.construction.name();
+            return Err(SensorError::Elements(format!("{found} elements are given, but `{sensor}` has {expected}")));
         }
         let gas = IdealGas::new(config.species, config.pressure_pa, config.gas_temperature_c + ZERO_CELSIUS_K)?;
         // Streams of one generator: noise does not change when turbulence is switched on, nor the

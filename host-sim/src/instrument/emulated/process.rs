@@ -44,10 +44,18 @@ impl Process {
     /// Makes a folder for an emulator of this firmware.
     pub fn prepare(firmware: &Path) -> Result<Self, InstrumentError> {
         // The emulator runs in its own folder, so that the path must not depend on ours.
-        let path = firmware.canonicalize().map_err(|_| InstrumentError::NoFirmware(firmware.to_owned()))?;
+        let path = firmware.canonicalize().map_err(|_| {
+            InstrumentError::Unusable(format!(
+                "there is no firmware at {}; build it with `cargo xtask demo`, or name another with --firmware",
+                firmware.display()
+            ))
+        })?;
         // The emulator would run anything, as far as it goes.
         if !is_arm_elf(&path) {
-            return Err(InstrumentError::NotFirmware(firmware.to_owned()));
+            return Err(InstrumentError::Unusable(format!(
+                "{} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds",
+                firmware.display()
+            )));
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
         Ok(Self { firmware: path, folder, child: None, timeout: link::TIMEOUT })
@@ -65,7 +73,10 @@ impl Process {
 
     /// Lets the board keep its settings in this file, erased flash if there is none.
     pub fn keep_settings_in(&self, flash: &Path) -> Result<(), InstrumentError> {
-        let failed = |reason| InstrumentError::Flash { file: flash.to_owned(), reason };
+        let failed = |reason: io::Error| {
+            let file = flash.display();
+            InstrumentError::Unusable(format!("{file}: cannot be the flash of an emulated board: {reason}"))
+        };
         let wrong = || io::Error::other(format!("it has another length than {SETTINGS_BYTES} bytes"));
         match std::fs::metadata(flash) {
             Ok(known) if known.len() == SETTINGS_BYTES => {}
@@ -124,8 +135,10 @@ impl Process {
             .stderr(File::create(self.folder.path().join("errors.txt"))?)
             .spawn()
             .map_err(|error| match error.kind() {
-                ErrorKind::NotFound => InstrumentError::NoEmulator(emulator),
-                _ => InstrumentError::EmulatorUnusable { emulator, reason: error },
+                ErrorKind::NotFound => InstrumentError::Unusable(format!(
+                    "`{emulator}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may"
+                )),
+                _ => InstrumentError::Unusable(format!("the emulator `{emulator}` cannot be started: {error}")),
             })?;
         self.child = Some(child);
         Ok(())
@@ -137,7 +150,10 @@ impl Process {
         match child.try_wait()? {
             None => Ok(()),
             Some(status) => {
-                Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() })
+                let words = self.last_words();
+                Err(InstrumentError::Unusable(format!(
+                    "the emulated board stopped with {status}; its last words: {words}"
+                )))
             }
         }
     }

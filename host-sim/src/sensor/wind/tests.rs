@@ -188,7 +188,7 @@ fn refuses_impossible_entries_by_name() {
     cases.push((devil(DustDevil { travel_m_s: Some(0.0), ..plain }), "wind[0].dust_devil.travel_m_s"));
     cases.push((devil(DustDevil { travel_azimuth_deg: Some(f64::NAN), ..plain }), "dust_devil.travel_azimuth_deg"));
     let still = WindEntry { dust_devil: Some(plain), ..entry(0.0, "", 0.0) };
-    cases.push((vec![still], "`wind[0].dust_devil.travel_m_s` is 0; it must be 0.01 to 100; without it"));
+    cases.push((vec![still], "`wind[0].dust_devil.travel_m_s` is 0: it must be 0.01 to 100; without it"));
     for (entries, name) in cases {
         let error = SimulatedWind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(1)).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
