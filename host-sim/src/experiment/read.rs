@@ -6,7 +6,7 @@ use super::checked::Experiment;
 use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{AnswerTable, ExperimentTable, FaultTable, WindOutputTable};
-use super::{drives, sweep, wind};
+use super::{drives, held, sweep, wind};
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
@@ -61,15 +61,22 @@ impl Experiment {
         }
         let wind_output = wind_output(&grid, table.wind_output, table.answer, &head)?;
         let mut experiment = Self {
-            wind: match &table.sweep {
-                Some(sweep) if table.wind.is_empty() && table.tunnel.is_none() => {
-                    sweep::entries(&grid, sweep, table.seed)?
-                }
-                Some(_) => {
+            wind: match (&table.sweep, &table.tunnel, &table.wind[..]) {
+                (Some(sweep), None, []) => sweep::entries(&grid, sweep, table.seed)?,
+                (Some(_), _, _) => {
                     let sentence = "is given besides [[wind]] or [tunnel]: the wind comes from one of them";
                     return Err(source.refuse("sweep", sentence));
                 }
-                None => wind::entries(&grid, table.wind, table.tunnel)?,
+                (None, Some(tunnel), []) => wind::entries(&grid, tunnel)?,
+                (None, Some(_), _) => {
+                    let sentence = "is given besides [[wind]]: the wind comes from one of them";
+                    return Err(source.refuse("tunnel", sentence));
+                }
+                (None, None, []) => {
+                    let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
+                    return Err(source.refuse("wind", sentence));
+                }
+                (None, None, tables) => held::entries(&grid, tables)?,
             },
             faults: faults(&grid, &table.faults, &head)?,
             title: table.title,

@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 use serde::Deserialize;
 
-use super::blown::TurbulenceTable;
 use super::sweep::SweepTable;
 use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Imperfections, ResistorFault, Sine};
 use anemometry::gas::Species;
@@ -145,6 +144,24 @@ pub(super) struct WindTable {
     pub gust: Option<Gust>,
     pub dust_devil: Option<DustDevil>,
     pub turbulence: Option<TurbulenceTable>,
+}
+
+/// A spectrum by its name with its scale, or one relaxation by its correlation time.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TurbulenceTable {
+    pub spectrum: Option<SpectrumName>,
+    pub intensity: f64,
+    pub correlation_time_s: Option<f64>,
+    pub length_m: Option<f64>,
+    pub height_m: Option<f64>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum SpectrumName {
+    VonKarman,
+    Kaimal,
 }
 
 #[derive(Deserialize)]

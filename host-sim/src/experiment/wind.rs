@@ -1,4 +1,4 @@
-//! The wind of an experiment: entry by entry, or as the runs of a car in a linear tunnel.
+//! The wind of an experiment as the runs of a car in a linear tunnel.
 //!
 //! In a linear tunnel the air rests and a car carries the sensor along a straight track, so that
 //! slow winds are known as exactly as the car's speed. `[tunnel]` describes what the car does, in
@@ -21,70 +21,18 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::grid::TickGrid;
-use super::table::{TunnelTable, WindTable};
+use super::table::TunnelTable;
 use crate::sensor::WindEntry;
 use recording::toml_file::FileError;
 
-const HIGHEST_SPEED_M_S: f64 = 100.0;
+pub(super) const HIGHEST_SPEED_M_S: f64 = 100.0;
 /// More would be a mistake of units rather than an experiment.
 const MOST_ENTRIES: usize = 100_000;
 const REST: &str = "rest";
 
 /// The entries of an experiment.
-pub(super) fn entries(
-    grid: &TickGrid,
-    wind: Vec<WindTable>,
-    tunnel: Option<TunnelTable>,
-) -> Result<Vec<WindEntry>, FileError> {
-    match (wind.is_empty(), tunnel) {
-        (false, None) => held(grid, wind),
-        (true, Some(tunnel)) => Car::new(grid, &tunnel)?.entries(),
-        (false, Some(_)) => {
-            Err(grid.source.refuse("tunnel", "is given besides [[wind]]: the wind comes from one of them"))
-        }
-        (true, None) => {
-            let sentence =
-                "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
-            Err(grid.source.refuse("wind", sentence))
-        }
-    }
-}
-
-fn held(grid: &TickGrid, tables: Vec<WindTable>) -> Result<Vec<WindEntry>, FileError> {
-    let source = grid.source;
-    let mut entries = Vec::with_capacity(tables.len());
-    let ends: Vec<f64> = tables.iter().skip(1).map(|next| next.start_s).chain([grid.end_s()]).collect();
-    for ((index, table), end_s) in tables.into_iter().enumerate().zip(ends) {
-        let key = format!("wind[{index}]");
-        // Starts, angles and what blows on top are the simulated wind's to judge.
-        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
-        grid.check_start(&format!("{key}.start_s"), table.start_s)?;
-        // What nobody would feel is a mistake.
-        let lasts_s = end_s - table.start_s;
-        let gust = table.gust.map(|gust| ("gust.start_s", gust.start_s));
-        let devil = table.dust_devil.map(|devil| ("dust_devil.time_s", devil.time_s));
-        for (what, time_s) in gust.into_iter().chain(devil) {
-            if lasts_s > 0.0 && time_s >= lasts_s {
-                let sentence = format!("is {time_s} s after the start of a wind that is over after {lasts_s} s");
-                return Err(source.refuse(&format!("{key}.{what}"), sentence));
-            }
-        }
-        let turbulence = table.turbulence.map(|table| table.turbulence(source, &format!("{key}.turbulence")));
-        entries.push(WindEntry {
-            start_s: table.start_s,
-            // After its number, so that every event of a recording has a name.
-            label: table.label.unwrap_or_else(|| format!("wind {}", index + 1)),
-            speed_m_s: table.speed_m_s,
-            azimuth_deg: table.azimuth_deg,
-            elevation_deg: table.elevation_deg,
-            swing: table.swing,
-            sine: table.sine,
-            gust: table.gust,
-            dust_devil: table.dust_devil,
-            turbulence: turbulence.transpose()?,
-        });
-    }
-    Ok(entries)
+pub(super) fn entries(grid: &TickGrid, table: &TunnelTable) -> Result<Vec<WindEntry>, FileError> {
+    Car::new(grid, table)?.entries()
 }
 
 /// A run at one of the car's speeds.

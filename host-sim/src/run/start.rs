@@ -13,7 +13,7 @@ use crate::instrument::{InstrumentError, InstrumentPort, LockStep};
 
 /// How many set-points of an experiment, those of its changes included, can be held by a model, and
 /// how many have no model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub struct SetPointJudgement {
     /// Set-points that a model says can be held.
     pub judged: u32,

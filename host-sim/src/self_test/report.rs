@@ -4,6 +4,7 @@
 use std::fmt;
 
 use dr_core::control::guard::Cause;
+use dr_core::control::self_test::PulseResponse;
 use dr_core::control::{SelfTestFinding, SelfTestPlan};
 use serde::{Serialize, Serializer};
 use time::OffsetDateTime;
@@ -138,16 +139,7 @@ struct FindingJson {
     reference: Option<f32>,
     temperature_c: Option<f32>,
     noise_k: Option<f32>,
-    response: Option<PulseResponseJson>,
-}
-
-/// What a pulse of heat did, as JSON has it.
-#[derive(Serialize)]
-struct PulseResponseJson {
-    rise_k: f32,
-    expected_k: Option<f32>,
-    ratio: Option<f32>,
-    gap_k: Option<f32>,
+    response: Option<PulseResponse>,
 }
 
 impl FindingJson {
@@ -160,12 +152,7 @@ impl FindingJson {
             reference: finding.reference,
             temperature_c: finding.temperature_c,
             noise_k: finding.noise_k,
-            response: finding.response.map(|response| PulseResponseJson {
-                rise_k: response.rise_k,
-                expected_k: response.expected_k,
-                ratio: response.ratio,
-                gap_k: response.gap_k,
-            }),
+            response: finding.response,
         }
     }
 }
