@@ -2,7 +2,7 @@
 
 use super::body::ThermalBody;
 use super::element::SensorElement;
-use super::error::SensorError;
+use super::error::{SensorError, require};
 use super::rems::{REMS, RemsConstruction};
 use super::sphere::SphereConstruction;
 use super::sphere_a::SPHERE_A;
@@ -62,10 +62,8 @@ impl Construction {
 
     /// The body in equilibrium with the gas, its stem or boom between gas and support.
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        if !(support_k.is_finite() && support_k > 0.0) {
-            let celsius = support_k - ZERO_CELSIUS_K;
-            return Err(SensorError::out_of_range("support.temperature_c", celsius, "above -273.15"));
-        }
+        let (possible, celsius) = (support_k.is_finite() && support_k > 0.0, support_k - ZERO_CELSIUS_K);
+        require(possible, "support.temperature_c", celsius, "above -273.15")?;
         match self {
             Construction::Sphere(own) => own.body(gas, support_k),
             Construction::Rems(own) => own.body(gas, support_k),

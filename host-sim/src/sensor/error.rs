@@ -24,8 +24,13 @@ impl From<GasError> for SensorError {
     }
 }
 
+/// Refuses a number that is not right.
+pub(super) fn require(right: bool, key: &str, value: f64, expected: &str) -> Result<(), SensorError> {
+    if right { Ok(()) } else { Err(SensorError::out_of_range(key, value, expected)) }
+}
+
 impl SensorError {
-    pub(crate) fn out_of_range(key: impl Into<String>, value: f64, expected: &str) -> Self {
-        Self::Number { key: key.into(), sentence: format!("is {value}: it must be {expected}") }
+    pub(super) fn out_of_range(key: &str, value: f64, expected: &str) -> Self {
+        Self::Number { key: key.to_owned(), sentence: format!("is {value}: it must be {expected}") }
     }
 }

@@ -23,7 +23,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use anemometry::head::{NominalElement, PlatinumKind};
 
-use super::error::SensorError;
+use super::error::{SensorError, require};
 
 /// Codes of a 24-bit two's complement converter.
 pub const HIGHEST_CODE: i32 = 0x7F_FFFF;
@@ -81,9 +81,8 @@ impl SimulatedFrontEnd {
         mut tolerances: ChaCha8Rng,
         noise: ChaCha8Rng,
     ) -> Result<SimulatedFrontEnd, SensorError> {
-        if !(volt_per_code.is_finite() && volt_per_code > 0.0) {
-            return Err(SensorError::out_of_range("volt_per_code", volt_per_code, "more than 0"));
-        }
+        let positive = volt_per_code.is_finite() && volt_per_code > 0.0;
+        require(positive, "volt_per_code", volt_per_code, "more than 0")?;
         imperfections.check()?;
         let mut made = Vec::with_capacity(elements.len());
         for (i, element) in elements.iter().enumerate() {
@@ -145,17 +144,14 @@ fn code_of(exact: f64) -> i32 {
 
 impl Imperfections {
     fn check(&self) -> Result<(), SensorError> {
-        for (name, value) in [
+        let all = [
             ("front_end.noise_v_rms", self.noise_v_rms),
             ("front_end.resistance_error_percent", self.resistance_error_percent),
             ("front_end.coefficient_error_percent", self.coefficient_error_percent),
             ("front_end.current_error_percent", self.current_error_percent),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(SensorError::out_of_range(name, value, "zero or more"));
-            }
-        }
-        Ok(())
+        ];
+        all.into_iter()
+            .try_for_each(|(key, value)| require(value.is_finite() && value >= 0.0, key, value, "zero or more"))
     }
 }
 

@@ -12,7 +12,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::body::ThermalBody;
 use super::config::{SensorConfig, TimedFault};
-use super::error::SensorError;
+use super::error::{SensorError, require};
 use super::front_end::SimulatedFrontEnd;
 use super::gas_swing::GasSwing;
 use super::truth::SensorTruth;
@@ -41,9 +41,7 @@ impl Sensor {
     /// level, as it is after standing by for long.
     pub fn new(config: &SensorConfig) -> Result<Sensor, SensorError> {
         let sample_period_s = config.sample_period_s;
-        if !(1e-6..=10.0).contains(&sample_period_s) {
-            return Err(SensorError::out_of_range("sample_period_s", sample_period_s, "1e-6 to 10"));
-        }
+        require((1e-6..=10.0).contains(&sample_period_s), "sample_period_s", sample_period_s, "1e-6 to 10")?;
         let (expected, found) = (config.construction.elements().len(), config.elements.len());
         if found != expected {
             let sensor = config.construction.name();
@@ -219,13 +217,10 @@ fn check_range(gas: &IdealGas, swing: &GasSwing, config: &SensorConfig) -> Resul
 /// The faults, latest first, so that the next one is the last of the list.
 fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFault>, SensorError> {
     for (i, fault) in faults.iter().enumerate() {
-        if fault.element >= elements {
-            let name = format!("faults[{i}].element");
-            return Err(SensorError::out_of_range(name, fault.element as f64, "the number of an element, from 0"));
-        }
-        if !(fault.start_s.is_finite() && fault.start_s >= 0.0) {
-            return Err(SensorError::out_of_range(format!("faults[{i}].start_s"), fault.start_s, "zero or more"));
-        }
+        let (known, element) = (fault.element < elements, fault.element as f64);
+        require(known, &format!("faults[{i}].element"), element, "the number of an element, from 0")?;
+        let later = fault.start_s.is_finite() && fault.start_s >= 0.0;
+        require(later, &format!("faults[{i}].start_s"), fault.start_s, "zero or more")?;
     }
     let mut faults = faults.to_vec();
     faults.sort_by(|a, b| b.start_s.total_cmp(&a.start_s));

@@ -21,7 +21,7 @@
 use std::collections::BTreeMap;
 
 use super::flow::{continuum, dot};
-use crate::sensor::error::SensorError;
+use crate::sensor::error::{SensorError, require};
 use anemometry::gas::IdealGas;
 
 /// Number of coefficients in use, a_0 … a_5.
@@ -57,9 +57,7 @@ pub struct SphereStream {
 impl SphereStream {
     /// Refuses a gas so thin that it is no continuum around the sphere.
     pub fn new(gas: &IdealGas, diameter_m: f64) -> Result<SphereStream, SensorError> {
-        if !(diameter_m.is_finite() && diameter_m > 0.0) {
-            return Err(SensorError::out_of_range("diameter_m", diameter_m, "a positive length"));
-        }
+        require(diameter_m.is_finite() && diameter_m > 0.0, "diameter_m", diameter_m, "a positive length")?;
         continuum(gas, diameter_m)?;
         Ok(SphereStream {
             grid: uniform_grid(gas.prandtl()),
