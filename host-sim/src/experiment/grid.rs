@@ -55,6 +55,17 @@ impl<'a> TickGrid<'a> {
         self.source.refuse(key, format!("is {start_s} s, but the experiment is over at {} s", self.end_s()))
     }
 
+    /// Number of sample periods in a time that may be 0.
+    pub fn pause_ticks(&self, key: &str, pause_s: f64) -> Result<u32, FileError> {
+        if pause_s == 0.0 {
+            return Ok(0);
+        }
+        if !pause_s.is_finite() || pause_s < 0.0 {
+            return Err(self.source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
+        }
+        self.whole_ticks(key, pause_s)
+    }
+
     /// Number of sample periods in a time of at least one.
     pub fn whole_ticks(&self, key: &str, time_s: f64) -> Result<u32, FileError> {
         self.source.positive(key, time_s, "s")?;

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use super::checked::Experiment;
+use super::drives::DriveReader;
 use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{AnswerTable, ExperimentTable, FaultTable, WindOutputTable};
-use super::{drives, held, sweep, wind};
+use super::{held, sweep, wind};
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
@@ -106,8 +107,9 @@ impl Experiment {
         }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
-        experiment.drives = drives::of_all(&grid, &table.drives, &experiment.head, experiment.gas_range())?;
-        experiment.changes = drives::changes(&grid, &table.changes, &experiment.head, experiment.gas_range())?;
+        let drives = DriveReader { grid: &grid, head: &experiment.head, gas: experiment.gas_range() };
+        experiment.drives = drives.all(&table.drives)?;
+        experiment.changes = drives.changes(&table.changes)?;
         Ok(experiment)
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
     source.within("sweep.most_m_s", table.most_m_s, table.least_m_s..=*SPEEDS_M_S.end(), "m/s")?;
     source.within("sweep.stem_cone_deg", table.stem_cone_deg, 0.0..=90.0, "°")?;
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
-    let still = if table.still_s == 0.0 { 0 } else { grid.whole_ticks("sweep.still_s", table.still_s)? };
+    let still = grid.pause_ticks("sweep.still_s", table.still_s)?;
     let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
     if wanted > u64::from(grid.ticks) {
         let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.end_s());

@@ -73,15 +73,6 @@ impl<'a> Car<'a> {
             }
             Ok(Run { speed_m_min, ticks: ticks as u64 })
         };
-        let pause = |key: &str, pause_s: f64| {
-            if pause_s == 0.0 {
-                return Ok(0);
-            }
-            if !pause_s.is_finite() || pause_s < 0.0 {
-                return Err(source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
-            }
-            grid.whole_ticks(key, pause_s).map(u64::from)
-        };
         // The words that the entries' own check would say of an entry that nobody wrote.
         if !table.azimuth_deg.is_finite() {
             let sentence = format!("is {}: it must be a finite angle", table.azimuth_deg);
@@ -91,8 +82,8 @@ impl<'a> Car<'a> {
         Ok(Self {
             grid,
             runs: table.speeds_m_min.iter().map(run).collect::<Result<_, _>>()?,
-            pause_ticks: pause("tunnel.pause_s", table.pause_s)?,
-            first_pause_ticks: pause("tunnel.first_pause_s", table.first_pause_s)?,
+            pause_ticks: grid.pause_ticks("tunnel.pause_s", table.pause_s)?.into(),
+            first_pause_ticks: grid.pause_ticks("tunnel.first_pause_s", table.first_pause_s)?.into(),
             order: table.order_seed.map(ChaCha8Rng::seed_from_u64),
             azimuth_deg: table.azimuth_deg,
             elevation_deg: table.elevation_deg,

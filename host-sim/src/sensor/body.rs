@@ -120,7 +120,7 @@ impl ThermalBody {
     /// makes conductances of it. The surroundings to which surfaces radiate stay as they were.
     pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
         for link in &self.gas_links {
-            self.network.set_boundary_temperature(*link, temperature_k);
+            self.network.boundary_mut(*link).temperature_k = temperature_k;
         }
         if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
             self.gas = self.gas.at(temperature_k);
@@ -139,7 +139,7 @@ impl ThermalBody {
         // all.
         self.convection_rate_per_s = 0.0;
         for ((surface, link), &conductance) in self.surfaces.iter().zip(&self.gas_links).zip(&self.conductance_w_k) {
-            self.network.set_boundary_conductance(*link, conductance);
+            self.network.boundary_mut(*link).conductance_w_k = conductance;
             let rate_per_s = conductance / self.network.capacity_j_k(surface.node);
             self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
         }

@@ -162,11 +162,6 @@ impl Sensor {
         self.body.extrapolated(self.wind_m_s)
     }
 
-    /// Label of the wind entry of the last period.
-    pub fn wind_label(&self) -> &str {
-        self.wind.label()
-    }
-
     /// Time since the start, s.
     pub fn time_s(&self) -> f64 {
         self.tick as f64 * self.sample_period_s

@@ -164,7 +164,6 @@ fn a_wind_head_on_takes_most_heat_from_the_sector_it_meets() {
     let mut sensor = Sensor::new(&SensorConfig { wind, ..SensorConfig::default() }).unwrap();
     sensor.advance(0);
     let truth = sensor.truth();
-    assert_eq!(sensor.wind_label(), "breeze");
     let per_kelvin = |i: usize| truth.convection_w[i] / (truth.surface_temperature_c[i] + 53.15);
     assert!((1..4).all(|i| per_kelvin(i) < 0.7 * per_kelvin(0)));
     assert!((1..4).all(|i| (per_kelvin(i) / per_kelvin(1) - 1.0).abs() < 1e-3), "the other three are alike");

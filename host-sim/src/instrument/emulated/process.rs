@@ -245,22 +245,11 @@ fn is_arm_elf(path: &Path) -> bool {
     read.is_ok() && header.starts_with(b"\x7fELF\x01\x01") && header[MACHINE] == ARM
 }
 
-/// Why the board's log cannot be read.
-#[derive(Debug, thiserror::Error)]
-enum LogError {
-    #[error(transparent)]
-    File(#[from] io::Error),
-    #[error("{0}")]
-    Table(String),
-    #[error("the firmware has no defmt section")]
-    NoTable,
-    #[error("it is damaged")]
-    Damaged,
-}
-
-fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, LogError> {
+/// The lines of a log.
+fn decode(firmware: &Path, log: &Path) -> io::Result<Vec<String>> {
     let elf = std::fs::read(firmware)?;
-    let table = Table::parse(&elf).map_err(|error| LogError::Table(error.to_string()))?.ok_or(LogError::NoTable)?;
+    let table = Table::parse(&elf).map_err(|error| io::Error::other(error.to_string()))?;
+    let table = table.ok_or_else(|| io::Error::other("the firmware has no defmt section"))?;
     let bytes = std::fs::read(log)?;
     let mut decoder = table.new_stream_decoder();
     decoder.received(&bytes);
@@ -269,7 +258,9 @@ fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, LogError> {
         match decoder.decode() {
             Ok(frame) => lines.push(frame.display(false).to_string()),
             Err(DecodeError::UnexpectedEof) => return Ok(lines),
-            Err(DecodeError::Malformed) if !table.encoding().can_recover() => return Err(LogError::Damaged),
+            Err(DecodeError::Malformed) if !table.encoding().can_recover() => {
+                return Err(io::Error::other("it is damaged"));
+            }
             Err(DecodeError::Malformed) => {}
         }
     }

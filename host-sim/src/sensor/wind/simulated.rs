@@ -91,11 +91,6 @@ impl SimulatedWind {
         self.segments[self.current].mean_m_s
     }
 
-    /// Label of the entry in force.
-    pub fn label(&self) -> &str {
-        &self.segments[self.current].entry.label
-    }
-
     /// A spectrum's turbulence is that of its entry, and comes in with it.
     fn begin(&mut self) {
         let entry = &self.segments[self.current].entry;

@@ -22,7 +22,7 @@ fn holds_each_entry_until_the_next_one_starts() {
     let mut wind = wind(&[entry(0.0, "calm", 0.0), entry(0.3, "breeze", 2.0), entry(0.55, "gust", 8.0)], 0.1);
     let speeds: Vec<f64> = (0..8).map(|_| wind.advance()[0]).collect();
     assert_eq!(speeds, [0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 8.0, 8.0]);
-    assert_eq!(wind.label(), "gust");
+    assert_eq!(wind.mean_m_s(), [8.0, 0.0, 0.0]);
 }
 
 #[test]
