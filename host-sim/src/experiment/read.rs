@@ -145,17 +145,10 @@ fn wind_output(
     let (key, interval_key) = if older.is_some() { ("answer", "every_s") } else { ("wind_output", "interval_s") };
     let table = table.or(older.map(WindOutputTable::from));
     if head.calibration.is_none() {
-        return match table {
-            None => Ok(None),
-            Some(_) => {
-                let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
-                Err(source.refuse(key, sentence))
-            }
-        };
+        let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
+        return table.map_or(Ok(None), |_| Err(source.refuse(key, sentence)));
     }
-    let (bandwidth_hz, interval_s) =
-        table.as_ref().map_or((None, None), |table| (table.bandwidth_hz, table.interval_s));
-    let fixed = table.is_some_and(|table| table.fixed);
+    let WindOutputTable { bandwidth_hz, interval_s, fixed } = table.unwrap_or_default();
     if let Some(bandwidth_hz) = bandwidth_hz {
         source.within(&format!("{key}.bandwidth_hz"), bandwidth_hz, WindOutput::BANDWIDTHS_HZ, "Hz")?;
     }

@@ -44,7 +44,7 @@ pub(super) struct ExperimentTable {
     pub faults: Vec<FaultTable>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WindOutputTable {
     pub bandwidth_hz: Option<f64>,

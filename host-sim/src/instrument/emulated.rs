@@ -128,7 +128,7 @@ impl Emulated {
 
     /// Timeout of any answer: shorter where boards are expected that never answer again.
     pub const fn set_timeout(&mut self, timeout: Duration) {
-        self.process.set_timeout(timeout);
+        self.process.timeout = timeout;
     }
 
     /// The board's last status.
@@ -238,7 +238,7 @@ impl Emulated {
     ) -> Result<T, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.
-        let once = RetryPolicy { tries: 1, timeout: self.process.timeout() };
+        let once = RetryPolicy { tries: 1, timeout: self.process.timeout };
         let reply = send(&mut self.links.host, once, &mut |message| aside.push(message));
         aside.into_iter().for_each(|message| self.hear(message));
         reply.map_err(|error| self.process.explain(error))

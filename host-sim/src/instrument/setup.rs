@@ -125,14 +125,7 @@ pub fn name_element(refusal: &Refusal, setup: &InstrumentSetup) -> Option<String
         | Refusal::NotConfigured { element }
         | Refusal::Unreachable { element, .. } => element,
         Refusal::Invalid { element, .. } => element?,
-        Refusal::NotInStandby
-        | Refusal::Tripped(_)
-        | Refusal::NotTripped
-        | Refusal::NoSamplePeriod
-        | Refusal::NoAnemometer
-        | Refusal::NotArmed => {
-            return None;
-        }
+        _ => return None,
     };
     setup.elements.get(usize::from(element)).map(|element| element.name.clone())
 }

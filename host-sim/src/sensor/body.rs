@@ -29,14 +29,18 @@ pub struct Surface {
     pub element: Option<usize>,
 }
 
-/// Mean heat flows over an interval, W. Of a surface: what is given to the gas, radiated, and
-/// conducted to the inside.
+/// Mean heat flows over an interval, W.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flows {
+    /// Electrical heat of every element.
     pub power_w: Vec<f64>,
+    /// Of every surface, to the gas.
     pub convection_w: Vec<f64>,
+    /// Of every surface, to the surroundings.
     pub radiation_w: Vec<f64>,
+    /// Of every surface, to the inside and to other surfaces.
     pub conduction_w: Vec<f64>,
+    /// From stem or boom to the support.
     pub support_w: f64,
 }
 

@@ -54,6 +54,7 @@ mod sphere_b;
 mod truth;
 pub mod wind;
 
+pub use body::Flows;
 pub use config::{SensorConfig, TimedFault};
 pub use construction::Construction;
 pub use element::SensorElement;

@@ -121,16 +121,12 @@ impl Sensor {
 
     /// The true state at the end of the last period.
     pub fn truth(&self) -> SensorTruth {
-        let flows = self.body.flows().clone();
+        let surfaces = 0..self.body.surface_names().count();
         SensorTruth {
             time_s: self.time_s(),
             element_temperature_c: self.element_temperature_c.clone(),
-            surface_temperature_c: (0..flows.convection_w.len()).map(|i| self.body.surface_temperature_c(i)).collect(),
-            power_w: flows.power_w,
-            convection_w: flows.convection_w,
-            radiation_w: flows.radiation_w,
-            conduction_w: flows.conduction_w,
-            support_w: flows.support_w,
+            surface_temperature_c: surfaces.map(|i| self.body.surface_temperature_c(i)).collect(),
+            flows: self.body.flows().clone(),
             gas_temperature_c: self.gas_temperature_c(),
             wind_m_s: self.wind_m_s,
             wind_extrapolated: self.wind_extrapolated(),

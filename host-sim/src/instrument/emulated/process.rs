@@ -37,7 +37,7 @@ pub struct Process {
     folder: TempDir,
     child: Option<Child>,
     /// How long the board may take to answer.
-    timeout: Duration,
+    pub timeout: Duration,
 }
 
 impl Process {
@@ -61,16 +61,6 @@ impl Process {
         Ok(Self { firmware: path, folder, child: None, timeout: link::TIMEOUT })
     }
 
-    /// How long the board may take to answer.
-    pub const fn timeout(&self) -> Duration {
-        self.timeout
-    }
-
-    /// Changes that.
-    pub const fn set_timeout(&mut self, timeout: Duration) {
-        self.timeout = timeout;
-    }
-
     /// Lets the board keep its settings in this file, erased flash if there is none.
     pub fn keep_settings_in(&self, flash: &Path) -> Result<(), InstrumentError> {
         let failed = |reason: io::Error| {
@@ -90,7 +80,7 @@ impl Process {
         std::os::unix::fs::symlink(whole, self.folder.path().join("settings.flash")).map_err(failed)
     }
 
-    /// Starts it with a pair of named pipes for the fast link.
+    /// Starts it with one pair of named pipes for everything.
     pub fn start_with_fifos(&mut self) -> Result<Pipe, InstrumentError> {
         let pipe = self.pipe("to-board.fifo", "from-board.fifo")?;
         self.spawn(&[])?;
