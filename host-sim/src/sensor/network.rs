@@ -102,10 +102,6 @@ pub struct ThermalNetwork {
 }
 
 impl ThermalNetwork {
-    pub fn new() -> ThermalNetwork {
-        ThermalNetwork::default()
-    }
-
     /// Adds a node and returns its number.
     pub fn add_node(&mut self, capacity_j_k: f64, temperature_k: f64) -> usize {
         assert!(capacity_j_k > 0.0, "a node needs a heat capacity");
@@ -298,7 +294,7 @@ mod tests {
 
     /// Two bodies, one on a cold wall, one in a gas: every kind of path but radiation.
     fn linear_network() -> ThermalNetwork {
-        let mut network = ThermalNetwork::new();
+        let mut network = ThermalNetwork::default();
         let chip = network.add_node(3e-3, 260.0);
         let body = network.add_node(0.118, 250.0);
         let core = network.add_node(0.075, 240.0);

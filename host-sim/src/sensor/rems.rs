@@ -90,7 +90,7 @@ pub const REMS: RemsConstruction = RemsConstruction {
 
 impl RemsConstruction {
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        let mut network = ThermalNetwork::new();
+        let mut network = ThermalNetwork::default();
         let gas_k = gas.temperature_k;
         let dice = [(); DICE].map(|()| network.add_node(self.die_capacity_j_k, gas_k));
         let legs = [(); DICE].map(|()| network.add_node(self.leg_capacity_j_k, gas_k));

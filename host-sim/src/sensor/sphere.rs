@@ -57,7 +57,7 @@ pub struct CarriedLayer {
 
 impl SphereConstruction {
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        let mut network = ThermalNetwork::new();
+        let mut network = ThermalNetwork::default();
         let gas_k = gas.temperature_k;
         let count = self.division.axes().len();
         let mut nodes = |count: usize, capacity_j_k: f64| -> Vec<usize> {
