@@ -109,12 +109,12 @@ impl ModelTable {
             r_k_per_w: self.r_k_per_w.map(|resistance| resistance as f32),
             reference_c: self.reference_c as f32,
         };
-        let refused = |ConfigError { parameter, problem }: ConfigError| {
-            let named = match parameter.name() {
+        let refused = |error: ConfigError| {
+            let named = match error.parameter.name() {
                 "rate_rad_s" => "mesh_rad_s",
                 name => name,
             };
-            let error = ConfigError { parameter, problem }.to_string();
+            let error = error.to_string();
             let (_, wanted) = error.split_once("` ").unwrap_or(("", &error));
             let each = if named == "reference_c" { "" } else { "holds a number that cannot be used: each " };
             source.refuse(&format!("{key}.{named}"), format!("{each}{wanted}"))

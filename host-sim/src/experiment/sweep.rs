@@ -67,20 +67,22 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
         );
         return Err(source.refuse("sweep", sentence));
     }
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(table.seed.unwrap_or(seed)));
+    let mut random = ChaCha8Rng::seed_from_u64(table.seed.unwrap_or(seed));
+    // Evenly between 0 and 1.
+    let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut entries = Vec::with_capacity(table.winds as usize + 1);
     if still > 0 {
         entries.push(WindEntry { label: STILL.to_owned(), ..WindEntry::default() });
     }
     let lowest = table.stem_cone_deg.to_radians().cos();
     for n in 0..table.winds {
-        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(draw.share());
+        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
             if table.plane == Some(SweepPlane::Level) {
                 break 0.0;
             }
-            let z = 2.0 * draw.share() - 1.0;
+            let z = 2.0 * share() - 1.0;
             if table.stem_cone_deg == 0.0 || z < lowest {
                 break z;
             }
@@ -89,21 +91,12 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
             start_s: grid.time_s(still + n * hold),
             label: format!("wind {}", n + 1),
             speed_m_s,
-            azimuth_deg: 360.0 * draw.share(),
+            azimuth_deg: 360.0 * share(),
             elevation_deg: upwards.asin().to_degrees(),
             ..WindEntry::default()
         });
     }
     Ok(entries)
-}
-
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    /// Evenly between 0 and 1.
-    fn share(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

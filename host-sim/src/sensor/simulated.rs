@@ -83,7 +83,10 @@ impl Sensor {
             wind_m_s,
         };
         sensor.apply_faults();
-        sensor.settle_at_low_level();
+        sensor.body.set_wind(wind_m_s);
+        let front_end = &sensor.front_end;
+        sensor.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
+        sensor.sample(0);
         Ok(sensor)
     }
 
@@ -176,13 +179,6 @@ impl Sensor {
             self.front_end.set_fault(fault.element, Some(fault.fault));
             self.faults.pop();
         }
-    }
-
-    fn settle_at_low_level(&mut self) {
-        self.body.set_wind(self.wind_m_s);
-        let front_end = &self.front_end;
-        self.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
-        self.sample(0);
     }
 
     fn sample(&mut self, heaters: u16) {

@@ -43,18 +43,17 @@ pub struct Process {
 impl Process {
     /// Makes a folder for an emulator of this firmware.
     pub fn prepare(firmware: &Path) -> Result<Self, InstrumentError> {
+        let name = firmware.display();
         // The emulator runs in its own folder, so that the path must not depend on ours.
         let path = firmware.canonicalize().map_err(|_| {
             InstrumentError::Unusable(format!(
-                "there is no firmware at {}; build it with `cargo xtask demo`, or name another with --firmware",
-                firmware.display()
+                "there is no firmware at {name}; build it with `cargo xtask demo`, or name another with --firmware"
             ))
         })?;
         // The emulator would run anything, as far as it goes.
         if !is_arm_elf(&path) {
             return Err(InstrumentError::Unusable(format!(
-                "{} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds",
-                firmware.display()
+                "{name} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds"
             )));
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
