@@ -18,5 +18,5 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment)?;
-    crate::output::print_report(&CheckReport { experiment: &experiment, judgement }, arguments.json)
+    crate::output::print_report(&CheckReport::new(&experiment, judgement), arguments.json)
 }

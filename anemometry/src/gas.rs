@@ -51,9 +51,11 @@ const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
 const VESOVIC_LOWEST_K: f64 = 200.0;
 
 /// A gas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Species {
     /// Carbon dioxide.
+    #[serde(rename = "co2")]
     CarbonDioxide,
     /// Dry air.
     Air,

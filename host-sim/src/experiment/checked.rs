@@ -5,7 +5,7 @@ use dr_core::model::SelfHeatingConfig;
 use dr_core::wind::{Anemometer, WindCommand};
 
 use super::drives::{DriveChange, GasRange};
-use super::grid::TickGrid;
+use super::grid;
 use super::models::Models;
 use crate::sensor::{Construction, GasSwing, Imperfections, Sensor, SensorConfig, SensorError, TimedFault, WindEntry};
 use anemometry::gas::Species;
@@ -98,10 +98,9 @@ impl Experiment {
         Ok(commands)
     }
 
-    /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
-    /// 0.29000000000000004.
+    /// Time of a tick in s, as near as f64 has it.
     pub fn time_s(&self, tick: u32) -> f64 {
-        TickGrid { source: &self.source, sample_period_s: self.sample_period_s }.time_s(tick)
+        grid::time_s(tick, self.sample_period_s)
     }
 
     pub(super) fn gas_range(&self) -> GasRange {
@@ -185,13 +184,8 @@ impl Experiment {
             Err(_) => self.gas_swing.map_or(Ok(()), |swing| swing.check(self.sample_period_s)),
         };
         checked.map_err(|error| match &error {
-            SensorError::OutOfRange { name, value, expected } => {
-                self.source.refuse(name, format!("is {value}: it must be {expected}"))
-            }
-            SensorError::NotAContinuum { .. } => {
-                self.source.refuse("gas.pressure_pa", error.to_string().trim_start_matches("`gas.pressure_pa` "))
-            }
-            _ => self.source.refuse("head", format!("cannot be simulated: {error}")),
+            SensorError::Number { key, sentence } => self.source.refuse(key, sentence),
+            SensorError::Elements(_) => self.source.refuse("head", format!("cannot be simulated: {error}")),
         })
     }
 }

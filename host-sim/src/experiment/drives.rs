@@ -39,139 +39,123 @@ pub struct DriveChange {
     pub drives: Vec<(usize, Drive)>,
 }
 
-/// One drive an element of the head, in its order; one without is passive.
-pub(super) fn of_all(
-    grid: &TickGrid,
-    tables: &BTreeMap<String, DriveTable>,
-    head: &Head,
-    gas: GasRange,
-) -> Result<Vec<Drive>, FileError> {
-    let mut drives = vec![Drive::Passive; head.elements.len()];
-    for (element, drive) in named(grid, "drives", tables, head, gas)? {
-        drives[element] = drive;
+/// Reads drives for the elements of a head in a gas.
+pub(super) struct DriveReader<'a> {
+    pub grid: &'a TickGrid<'a>,
+    pub head: &'a Head,
+    pub gas: GasRange,
+}
+
+impl DriveReader<'_> {
+    /// One drive an element of the head, in its order; one without is passive.
+    pub(super) fn all(&self, tables: &BTreeMap<String, DriveTable>) -> Result<Vec<Drive>, FileError> {
+        let mut drives = vec![Drive::Passive; self.head.elements.len()];
+        for (element, drive) in self.named("drives", tables)? {
+            drives[element] = drive;
+        }
+        Ok(drives)
     }
-    Ok(drives)
-}
 
-/// The changes of an experiment of `ticks`.
-pub(super) fn changes(
-    grid: &TickGrid,
-    tables: &[ChangeTable],
-    head: &Head,
-    gas: GasRange,
-    ticks: u32,
-) -> Result<Vec<DriveChange>, FileError> {
-    let mut changes: Vec<DriveChange> = Vec::with_capacity(tables.len());
-    for (index, table) in tables.iter().enumerate() {
-        let key = format!("changes[{index}]");
-        let start_key = format!("{key}.start_s");
-        let tick = grid.whole_ticks(&start_key, table.start_s)?;
-        if tick >= ticks {
-            let sentence = format!("is {} s, but the experiment is over at {} s", table.start_s, grid.time_s(ticks));
-            return Err(grid.source.refuse(&start_key, sentence));
-        }
-        if let Some(before) = changes.last().filter(|before| before.tick >= tick) {
-            let (before_s, next_s) = (grid.time_s(before.tick), grid.time_s(before.tick + 1));
-            let sentence = format!(
-                "is {} s: changes must come in the order of their start, one at a time, and the one before starts at {before_s} s, so that {next_s} s or later would do",
-                table.start_s
-            );
-            return Err(grid.source.refuse(&start_key, sentence));
-        }
-        if table.drives.is_empty() {
-            return Err(grid.source.refuse(&key, "changes nothing: give it `drives`, one line an element"));
-        }
-        changes.push(DriveChange { tick, drives: named(grid, &format!("{key}.drives"), &table.drives, head, gas)? });
-    }
-    Ok(changes)
-}
-
-/// The drives of a table, by their elements' places in the head.
-fn named(
-    grid: &TickGrid,
-    key: &str,
-    tables: &BTreeMap<String, DriveTable>,
-    head: &Head,
-    gas: GasRange,
-) -> Result<Vec<(usize, Drive)>, FileError> {
-    let known = head.names();
-    let of = |(name, table): (&String, &DriveTable)| {
-        let key = format!("{key}.{name}");
-        let Some(place) = known.iter().position(|own| own == name) else {
-            let hint = suggest(name, known.iter().copied());
-            return Err(grid.source.refuse(&key, format!("is no element of head `{}`; {hint}", head.name)));
-        };
-        Ok((place, drive(grid, &key, table, &head.elements[place], gas)?))
-    };
-    tables.iter().map(of).collect()
-}
-
-/// One drive, whose key in the file is `key`.
-fn drive(
-    grid: &TickGrid,
-    key: &str,
-    table: &DriveTable,
-    element: &HeadElement,
-    gas: GasRange,
-) -> Result<Drive, FileError> {
-    let source = grid.source;
-    let set_point = |key: &str, celsius: f64| {
-        // Above the gas at every time.
-        let (coldest, hottest) = (gas.hottest_c, f64::from(element.config.limits.temperature_max_c));
-        if celsius.is_nan() || celsius > hottest {
-            let sentence = format!("is {celsius} °C: the head's limit is {hottest} °C");
-            return Err(source.refuse(key, sentence));
-        }
-        if celsius <= coldest {
-            let sentence = format!(
-                "is {celsius} °C, but the gas has {} °C and a heater cannot cool: it must lie above",
-                gas.words()
-            );
-            return Err(source.refuse(key, sentence));
-        }
-        Ok(celsius as f32)
-    };
-    Ok(match table {
-        DriveTable::Passive => Drive::Passive,
-        DriveTable::Level(level) => Drive::Level((*level).into()),
-        &DriveTable::PowerW(power_w) => {
-            // Nothing gets colder than the gas, and a platinum resistor that warms up takes more
-            // power. In a gas that swings both levels have to do at every time.
-            let least = element.power_w(gas.hottest_c, Level::Low);
-            let most = element.power_w(gas.coldest_c, Level::High);
-            if !(least..=most).contains(&power_w) {
+    /// The changes of an experiment.
+    pub(super) fn changes(&self, tables: &[ChangeTable]) -> Result<Vec<DriveChange>, FileError> {
+        let grid = self.grid;
+        let mut changes: Vec<DriveChange> = Vec::with_capacity(tables.len());
+        for (index, table) in tables.iter().enumerate() {
+            let key = format!("changes[{index}]");
+            let start_key = format!("{key}.start_s");
+            let tick = grid.whole_ticks(&start_key, table.start_s)?;
+            if tick >= grid.ticks {
+                return Err(grid.over(&start_key, table.start_s));
+            }
+            if let Some(before) = changes.last().filter(|before| before.tick >= tick) {
+                let (before_s, next_s) = (grid.time_s(before.tick), grid.time_s(before.tick + 1));
                 let sentence = format!(
-                    "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
-                    element.name,
-                    gas.words()
+                    "is {} s: changes must come in the order of their start, one at a time, and the one before starts at {before_s} s, so that {next_s} s or later would do",
+                    table.start_s
                 );
-                return Err(source.refuse(&format!("{key}.power_w"), sentence));
+                return Err(grid.source.refuse(&start_key, sentence));
             }
-            Drive::Power { power_w: power_w as f32 }
-        }
-        &DriveTable::TemperatureC(target_c) => {
-            Drive::Temperature { target_c: set_point(&format!("{key}.temperature_c"), target_c)? }
-        }
-        DriveTable::Prbs(prbs) => {
-            let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), prbs.bit_time_s)?;
-            // Order and seed are dr-core's to judge; the place is known here.
-            let order = prbs.order;
-            source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
-            dr_core::signal::Prbs::new(order, prbs.seed).map_err(|error| {
-                let sentence = format!("is {}: {error}", prbs.seed);
-                source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
-            })?;
-            Drive::Prbs { order, seed: prbs.seed, ticks_per_bit }
-        }
-        DriveTable::Setpoints(set_points) => {
-            let low_c = set_point(&format!("{key}.setpoints.low_c"), set_points.low_c)?;
-            let high_c = set_point(&format!("{key}.setpoints.high_c"), set_points.high_c)?;
-            if low_c >= high_c {
-                let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
-                return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
+            if table.drives.is_empty() {
+                return Err(grid.source.refuse(&key, "changes nothing: give it `drives`, one line an element"));
             }
-            let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), set_points.dwell_s)?;
-            Drive::Setpoints { low_c, high_c, dwell_ticks, seed: set_points.seed }
+            changes.push(DriveChange { tick, drives: self.named(&format!("{key}.drives"), &table.drives)? });
         }
-    })
+        Ok(changes)
+    }
+
+    /// The drives of a table, by their elements' places in the head.
+    fn named(&self, key: &str, tables: &BTreeMap<String, DriveTable>) -> Result<Vec<(usize, Drive)>, FileError> {
+        let known = self.head.names();
+        let of = |(name, table): (&String, &DriveTable)| {
+            let key = format!("{key}.{name}");
+            let Some(place) = known.iter().position(|own| own == name) else {
+                let hint = suggest(name, known.iter().copied());
+                let sentence = format!("is no element of head `{}`; {hint}", self.head.name);
+                return Err(self.grid.source.refuse(&key, sentence));
+            };
+            Ok((place, self.drive(&key, table, &self.head.elements[place])?))
+        };
+        tables.iter().map(of).collect()
+    }
+
+    /// One drive, whose key in the file is `key`.
+    fn drive(&self, key: &str, table: &DriveTable, element: &HeadElement) -> Result<Drive, FileError> {
+        let (grid, source, gas) = (self.grid, self.grid.source, self.gas);
+        Ok(match *table {
+            DriveTable::Passive => Drive::Passive,
+            DriveTable::Level(level) => Drive::Level(level),
+            DriveTable::PowerW(power_w) => {
+                // Nothing gets colder than the gas, and a platinum resistor that warms up takes
+                // more power. In a gas that swings both levels have to do at every time.
+                let least = element.power_w(gas.hottest_c, Level::Low);
+                let most = element.power_w(gas.coldest_c, Level::High);
+                if !(least..=most).contains(&power_w) {
+                    let sentence = format!(
+                        "is {power_w} W: the levels of {} reach from {least:.5} to {most:.5} W at the gas's {} °C",
+                        element.name,
+                        gas.words()
+                    );
+                    return Err(source.refuse(&format!("{key}.power_w"), sentence));
+                }
+                Drive::Power { power_w: power_w as f32 }
+            }
+            DriveTable::TemperatureC(target_c) => {
+                Drive::Temperature { target_c: self.set_point(&format!("{key}.temperature_c"), target_c, element)? }
+            }
+            DriveTable::Prbs { order, bit_time_s, seed } => {
+                let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
+                // Order and seed are dr-core's to judge; the place is known here.
+                source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
+                dr_core::signal::Prbs::new(order, seed).map_err(|error| {
+                    let sentence = format!("is {seed}: {error}");
+                    source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
+                })?;
+                Drive::Prbs { order, seed, ticks_per_bit }
+            }
+            DriveTable::Setpoints { low_c, high_c, dwell_s, seed } => {
+                let low_c = self.set_point(&format!("{key}.setpoints.low_c"), low_c, element)?;
+                let high_c = self.set_point(&format!("{key}.setpoints.high_c"), high_c, element)?;
+                if low_c >= high_c {
+                    let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
+                    return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
+                }
+                let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), dwell_s)?;
+                Drive::Setpoints { low_c, high_c, dwell_ticks, seed }
+            }
+        })
+    }
+
+    /// A temperature that an element can have: above the gas at every time, and below its limit.
+    fn set_point(&self, key: &str, celsius: f64, element: &HeadElement) -> Result<f32, FileError> {
+        let hottest = f64::from(element.config.limits.temperature_max_c);
+        let sentence = if celsius.is_nan() || celsius > hottest {
+            format!("is {celsius} °C: the head's limit is {hottest} °C")
+        } else if celsius <= self.gas.hottest_c {
+            let gas = self.gas.words();
+            format!("is {celsius} °C, but the gas has {gas} °C and a heater cannot cool: it must lie above")
+        } else {
+            return Ok(celsius as f32);
+        };
+        Err(self.grid.source.refuse(key, sentence))
+    }
 }

@@ -2,59 +2,92 @@
 
 use recording::toml_file::{FileError, TomlSource};
 
-/// Times in ticks.
+/// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
+/// 0.29000000000000004.
+pub(super) fn time_s(tick: u32, sample_period_s: f64) -> f64 {
+    let rate_hz = (1.0 / sample_period_s).round();
+    if (rate_hz * sample_period_s - 1.0).abs() < 1e-12 {
+        f64::from(tick) / rate_hz
+    } else {
+        f64::from(tick) * sample_period_s
+    }
+}
+
+/// Times in ticks, up to the end of the experiment.
 pub(super) struct TickGrid<'a> {
     pub source: &'a TomlSource,
     pub sample_period_s: f64,
+    pub ticks: u32,
 }
 
-impl TickGrid<'_> {
+impl<'a> TickGrid<'a> {
+    /// Refuses a duration that is no whole number of sample periods.
+    pub fn new(source: &'a TomlSource, sample_period_s: f64, duration_s: f64) -> Result<Self, FileError> {
+        let endless = Self { source, sample_period_s, ticks: u32::MAX };
+        Ok(Self { ticks: endless.whole_ticks("duration_s", duration_s)?, ..endless })
+    }
+
     /// Time of a tick in s.
     pub fn time_s(&self, tick: u32) -> f64 {
-        let rate_hz = (1.0 / self.sample_period_s).round();
-        if (rate_hz * self.sample_period_s - 1.0).abs() < 1e-12 {
-            f64::from(tick) / rate_hz
-        } else {
-            f64::from(tick) * self.sample_period_s
-        }
+        time_s(tick, self.sample_period_s)
     }
 
-    /// A moment at which something begins: at the start, or a whole number of ticks later.
-    pub fn instant(&self, key: &str, time_s: f64) -> Result<(), FileError> {
+    /// When the experiment is over, s.
+    pub fn end_s(&self) -> f64 {
+        self.time_s(self.ticks)
+    }
+
+    /// Refuses a moment that is neither the start nor a whole number of ticks later, or at which
+    /// the experiment is over.
+    pub fn check_start(&self, key: &str, start_s: f64) -> Result<(), FileError> {
         // Whether it may be negative or not a number is for those to say who use it.
-        if time_s > 0.0 { self.whole_ticks(key, time_s).map(drop) } else { Ok(()) }
+        if start_s > 0.0 {
+            self.whole_ticks(key, start_s)?;
+        }
+        if start_s >= self.end_s() {
+            return Err(self.over(key, start_s));
+        }
+        Ok(())
     }
 
+    /// The error for what would begin when the experiment is over.
+    pub fn over(&self, key: &str, start_s: f64) -> FileError {
+        self.source.refuse(key, format!("is {start_s} s, but the experiment is over at {} s", self.end_s()))
+    }
+
+    /// Number of sample periods in a time that may be 0.
+    pub fn pause_ticks(&self, key: &str, pause_s: f64) -> Result<u32, FileError> {
+        if pause_s == 0.0 {
+            return Ok(0);
+        }
+        if !pause_s.is_finite() || pause_s < 0.0 {
+            return Err(self.source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
+        }
+        self.whole_ticks(key, pause_s)
+    }
+
+    /// Number of sample periods in a time of at least one.
     pub fn whole_ticks(&self, key: &str, time_s: f64) -> Result<u32, FileError> {
         self.source.positive(key, time_s, "s")?;
         let period_s = self.sample_period_s;
         let ticks = time_s / period_s;
-        if ticks > f64::from(u32::MAX) {
-            let most = f64::from(u32::MAX) * period_s;
-            return Err(self.source.refuse(
-                key,
-                format!("is {time_s} s: at sample periods of {period_s} s it can be {most:.0} s at most"),
-            ));
-        }
         let whole = ticks.round();
-        if whole < 1.0 {
-            return Err(self
-                .source
-                .refuse(key, format!("is {time_s} s: it must last at least one sample period, {period_s} s")));
-        }
-        if (ticks - whole).abs() > 1e-6 * whole.max(1.0) {
-            let (below, above) = (ticks.floor().max(1.0) * period_s, ticks.ceil() * period_s);
-            let right = if below < time_s {
-                format!("{} s or {} s", tidy(below), tidy(above))
-            } else {
-                format!("{} s", tidy(above))
-            };
-            let sentence = format!(
-                "is {time_s} s, which is not a whole number of sample periods of {period_s} s: {right} would be"
-            );
-            return Err(self.source.refuse(key, sentence));
-        }
-        Ok(whole as u32)
+        let sentence = if ticks > f64::from(u32::MAX) {
+            let most = f64::from(u32::MAX) * period_s;
+            format!("is {time_s} s: at sample periods of {period_s} s it can be {most:.0} s at most")
+        } else if whole < 1.0 {
+            format!("is {time_s} s: it must last at least one sample period, {period_s} s")
+        } else if (ticks - whole).abs() > 1e-6 * whole {
+            let [below, above] = [ticks.floor().max(1.0) * period_s, ticks.ceil() * period_s];
+            let lower = if below < time_s { format!("{} s or ", tidy(below)) } else { String::new() };
+            format!(
+                "is {time_s} s, which is not a whole number of sample periods of {period_s} s: {lower}{} s would be",
+                tidy(above)
+            )
+        } else {
+            return Ok(whole as u32);
+        };
+        Err(self.source.refuse(key, sentence))
     }
 }
 

@@ -36,10 +36,10 @@
 //! of the conditions. The [`models`], where there are some, judge the set-points: in a gas that
 //! swings by its mean. Drives are judged by its whole range.
 
-mod blown;
 mod checked;
 mod drives;
 mod grid;
+mod held;
 pub mod models;
 mod read;
 mod scenario;

@@ -55,16 +55,17 @@ impl Models {
         let table: ModelsTable = source.parse()?;
         // What is made from a model names elements as its columns do.
         let is_of = |name: &str, element: &str| recording::in_columns(name) == recording::in_columns(element);
+        let refuse = |what: &str, unknown: &str, known: Vec<&str>| {
+            let sentence = format!("is no {what} of head `{}`; {}", head.name, suggest(unknown, known));
+            Err(source.refuse(&format!("{what}s.{unknown}"), sentence))
+        };
         let known = head.names();
         if let Some(unknown) = table.elements.keys().find(|name| !known.iter().any(|known| is_of(name, known))) {
-            let sentence =
-                format!("is no element of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
-            return Err(source.refuse(&format!("elements.{unknown}"), sentence));
+            return refuse("element", unknown, known);
         }
         let known = head.kinds();
         if let Some(unknown) = table.kinds.keys().find(|kind| !known.contains(&kind.as_str())) {
-            let sentence = format!("is no kind of head `{}`; {}", head.name, suggest(unknown, known.iter().copied()));
-            return Err(source.refuse(&format!("kinds.{unknown}"), sentence));
+            return refuse("kind", unknown, known);
         }
         let checked = |(kind, table): (&String, &ModelTable)| {
             table.checked(&source, &format!("kinds.{kind}")).map(|model| (kind.clone(), model))
@@ -108,12 +109,12 @@ impl ModelTable {
             r_k_per_w: self.r_k_per_w.map(|resistance| resistance as f32),
             reference_c: self.reference_c as f32,
         };
-        let refused = |ConfigError { parameter, problem }: ConfigError| {
-            let named = match parameter.name() {
+        let refused = |error: ConfigError| {
+            let named = match error.parameter.name() {
                 "rate_rad_s" => "mesh_rad_s",
                 name => name,
             };
-            let error = ConfigError { parameter, problem }.to_string();
+            let error = error.to_string();
             let (_, wanted) = error.split_once("` ").unwrap_or(("", &error));
             let each = if named == "reference_c" { "" } else { "holds a number that cannot be used: each " };
             source.refuse(&format!("{key}.{named}"), format!("{each}{wanted}"))

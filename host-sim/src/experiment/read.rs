@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::checked::Experiment;
+use super::drives::DriveReader;
 use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{AnswerTable, ExperimentTable, FaultTable, WindOutputTable};
-use super::{drives, sweep, wind};
-use crate::sensor::{GasSwing, TimedFault, construction_of};
+use super::{held, sweep, wind};
+use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
 use recording::text::suggest;
@@ -49,30 +50,36 @@ impl Experiment {
             currents.push(place);
         }
         currents.sort_unstable();
-        of_one_gas(&source, &head, table.gas.species.into())?;
+        of_one_gas(&source, &head, table.gas.species)?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;
 
         let sample_period_s = source.within("sample_period_s", table.sample_period_s, SAMPLE_PERIODS_S, "s")?;
-        let grid = TickGrid { source: &source, sample_period_s };
-        let ticks = grid.whole_ticks("duration_s", table.duration_s)?;
+        let grid = TickGrid::new(&source, sample_period_s, table.duration_s)?;
         let gas_temperature_c = table.gas.temperature_c;
-        let gas_swing = table.gas.swing.map(GasSwing::from);
-        swing_starts(&grid, gas_swing.as_ref(), table.duration_s)?;
-        let drive_tables = table.drives;
+        if let Some(swing) = &table.gas.swing {
+            grid.check_start("gas.swing.start_s", swing.start_s)?;
+        }
         let wind_output = wind_output(&grid, table.wind_output, table.answer, &head)?;
         let mut experiment = Self {
-            wind: match &table.sweep {
-                Some(sweep) if table.wind.is_empty() && table.tunnel.is_none() => {
-                    sweep::entries(&grid, sweep, table.seed, ticks)?
-                }
-                Some(_) => {
+            wind: match (&table.sweep, &table.tunnel, &table.wind[..]) {
+                (Some(sweep), None, []) => sweep::entries(&grid, sweep, table.seed)?,
+                (Some(_), _, _) => {
                     let sentence = "is given besides [[wind]] or [tunnel]: the wind comes from one of them";
                     return Err(source.refuse("sweep", sentence));
                 }
-                None => wind::entries(&grid, table.wind, table.tunnel, ticks)?,
+                (None, Some(tunnel), []) => wind::entries(&grid, tunnel)?,
+                (None, Some(_), _) => {
+                    let sentence = "is given besides [[wind]]: the wind comes from one of them";
+                    return Err(source.refuse("tunnel", sentence));
+                }
+                (None, None, []) => {
+                    let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
+                    return Err(source.refuse("wind", sentence));
+                }
+                (None, None, tables) => held::entries(&grid, tables)?,
             },
-            faults: faults(&grid, &table.faults, &head, table.duration_s)?,
+            faults: faults(&grid, &table.faults, &head)?,
             title: table.title,
             construction: construction_of(&head)?,
             head,
@@ -80,14 +87,14 @@ impl Experiment {
             observe: table.observe,
             wind_output,
             sample_period_s,
-            ticks,
+            ticks: grid.ticks,
             seed: table.seed,
-            species: table.gas.species.into(),
+            species: table.gas.species,
             pressure_pa: table.gas.pressure_pa,
             gas_temperature_c,
-            gas_swing,
+            gas_swing: table.gas.swing,
             support_temperature_c: table.support.map_or(gas_temperature_c, |support| support.temperature_c),
-            imperfections: table.front_end.into(),
+            imperfections: table.front_end,
             currents,
             drives: Vec::new(),
             changes: Vec::new(),
@@ -100,8 +107,9 @@ impl Experiment {
         }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
-        experiment.drives = drives::of_all(&grid, &drive_tables, &experiment.head, experiment.gas_range())?;
-        experiment.changes = drives::changes(&grid, &table.changes, &experiment.head, experiment.gas_range(), ticks)?;
+        let drives = DriveReader { grid: &grid, head: &experiment.head, gas: experiment.gas_range() };
+        experiment.drives = drives.all(&table.drives)?;
+        experiment.changes = drives.changes(&table.changes)?;
         Ok(experiment)
     }
 }
@@ -137,17 +145,10 @@ fn wind_output(
     let (key, interval_key) = if older.is_some() { ("answer", "every_s") } else { ("wind_output", "interval_s") };
     let table = table.or(older.map(WindOutputTable::from));
     if head.calibration.is_none() {
-        return match table {
-            None => Ok(None),
-            Some(_) => {
-                let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
-                Err(source.refuse(key, sentence))
-            }
-        };
+        let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
+        return table.map_or(Ok(None), |_| Err(source.refuse(key, sentence)));
     }
-    let (bandwidth_hz, interval_s) =
-        table.as_ref().map_or((None, None), |table| (table.bandwidth_hz, table.interval_s));
-    let fixed = table.is_some_and(|table| table.fixed);
+    let WindOutputTable { bandwidth_hz, interval_s, fixed } = table.unwrap_or_default();
     if let Some(bandwidth_hz) = bandwidth_hz {
         source.within(&format!("{key}.bandwidth_hz"), bandwidth_hz, WindOutput::BANDWIDTHS_HZ, "Hz")?;
     }
@@ -157,18 +158,7 @@ fn wind_output(
     Ok(Some(WindOutput::new(bandwidth_hz, interval_s, fixed, grid.sample_period_s)))
 }
 
-/// A swing begins with a tick, and before the end.
-fn swing_starts(grid: &TickGrid, swing: Option<&GasSwing>, duration_s: f64) -> Result<(), FileError> {
-    let Some(swing) = swing else { return Ok(()) };
-    grid.instant("gas.swing.start_s", swing.start_s)?;
-    if swing.start_s >= duration_s {
-        let sentence = format!("is {} s, but the experiment is over at {duration_s} s", swing.start_s);
-        return Err(grid.source.refuse("gas.swing.start_s", sentence));
-    }
-    Ok(())
-}
-
-fn faults(grid: &TickGrid, tables: &[FaultTable], head: &Head, duration_s: f64) -> Result<Vec<TimedFault>, FileError> {
+fn faults(grid: &TickGrid, tables: &[FaultTable], head: &Head) -> Result<Vec<TimedFault>, FileError> {
     let names = head.names();
     let fault = |(index, table): (usize, &FaultTable)| {
         let element = names.iter().position(|name| *name == table.element).ok_or_else(|| {
@@ -176,13 +166,8 @@ fn faults(grid: &TickGrid, tables: &[FaultTable], head: &Head, duration_s: f64) 
             let sentence = format!("is `{}`, which is no element of head `{}`; {hint}", table.element, head.name);
             grid.source.refuse(&format!("faults[{index}].element"), sentence)
         })?;
-        let key = format!("faults[{index}].start_s");
-        grid.instant(&key, table.start_s)?;
-        if table.start_s >= duration_s {
-            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
-            return Err(grid.source.refuse(&key, sentence));
-        }
-        Ok(TimedFault { element, fault: table.kind.into(), start_s: table.start_s })
+        grid.check_start(&format!("faults[{index}].start_s"), table.start_s)?;
+        Ok(TimedFault { element, fault: table.kind, start_s: table.start_s })
     };
     tables.iter().enumerate().map(fault).collect()
 }

@@ -9,60 +9,10 @@ use recording::text::suggest;
 
 use super::checked::Experiment;
 
-/// Why a model cannot predict an experiment.
+/// Why a model cannot predict an experiment, and what could be done.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ScenarioError {
-    /// Elements do something else later.
-    #[error(
-        "the experiment changes its drives at {time_s} s, and a prediction is of drives that stay: predict its parts one by one"
-    )]
-    DrivesChange {
-        /// The first change.
-        time_s: f64,
-    },
-    /// The gas's temperature swings.
-    #[error(
-        "the gas of the experiment swings by {amplitude_k} K, and a prediction is of a gas that stays: leave out `gas.swing`, or predict for the gas of one moment"
-    )]
-    GasSwings {
-        /// By so much to either side.
-        amplitude_k: f64,
-    },
-    /// The model's input is none of the head's elements.
-    #[error("the model's input `{input}` is no element of head `{head}`; {hint}")]
-    UnknownInput {
-        /// The model's.
-        input: String,
-        /// The head's name.
-        head: String,
-        /// The nearest that is known.
-        hint: String,
-    },
-    /// A wind changes by a plan within its entry.
-    #[error(
-        "the wind `{label}` of the experiment has a `{what}`, and a class of the model is a steady wind: leave it out, or step from wind to wind"
-    )]
-    WindChanges {
-        /// Of the wind.
-        label: String,
-        /// A gust, a sine, a swing or a dust devil.
-        what: &'static str,
-    },
-    /// The model is of one class, and the experiment has several winds.
-    #[error("the experiment has {winds} winds and the model knows of none: identify it from a record with events")]
-    NoClasses {
-        /// So many.
-        winds: usize,
-    },
-    /// The model has no class of this wind.
-    #[error("the wind `{label}` of the experiment is no class of the model; {hint}")]
-    UnknownWind {
-        /// Of the wind.
-        label: String,
-        /// The nearest class that is known.
-        hint: String,
-    },
-}
+#[error("{0}")]
+pub struct ScenarioError(String);
 
 /// An experiment as a model sees it, and notes for the user.
 ///
@@ -73,17 +23,23 @@ pub fn scenario(experiment: &Experiment, model: &Model) -> Result<(Scenario, Vec
     let names = experiment.head.names();
     let mut notes = Vec::new();
     if let Some(change) = experiment.changes.first() {
-        return Err(ScenarioError::DrivesChange { time_s: experiment.time_s(change.tick) });
+        return Err(ScenarioError(format!(
+            "the experiment changes its drives at {} s, and a prediction is of drives that stay: predict its parts one by one",
+            experiment.time_s(change.tick)
+        )));
     }
     if let Some(swing) = &experiment.gas_swing {
-        return Err(ScenarioError::GasSwings { amplitude_k: swing.amplitude_k });
+        return Err(ScenarioError(format!(
+            "the gas of the experiment swings by {} K, and a prediction is of a gas that stays: leave out `gas.swing`, or predict for the gas of one moment",
+            swing.amplitude_k
+        )));
     }
     let mut elements = Vec::with_capacity(model.inputs.len());
     for input in &model.inputs {
         let name = element(input);
         let Some(at) = names.iter().position(|known| recording::in_columns(known) == name) else {
-            let hint = suggest(name, names.iter().copied());
-            return Err(ScenarioError::UnknownInput { input: input.clone(), head: experiment.head.name.clone(), hint });
+            let (head, hint) = (&experiment.head.name, suggest(name, names.iter().copied()));
+            return Err(ScenarioError(format!("the model's input `{input}` is no element of head `{head}`; {hint}")));
         };
         let heater = Heater::Resistor(experiment.head.elements[at].config.channel);
         elements.push(Heated { name: names[at].to_owned(), drive: experiment.drives[at], heater });
@@ -114,8 +70,11 @@ pub fn scenario(experiment: &Experiment, model: &Model) -> Result<(Scenario, Vec
     for entry in &experiment.wind {
         let first = (entry.start_s.max(0.0) / experiment.sample_period_s).round() as usize;
         winds.push((first, class(model, &entry.label, experiment.wind.len())?));
-        if let Some(&what) = entry.planned().first() {
-            return Err(ScenarioError::WindChanges { label: entry.label.clone(), what });
+        if let Some(what) = entry.planned().first() {
+            return Err(ScenarioError(format!(
+                "the wind `{}` of the experiment has a `{what}`, and a class of the model is a steady wind: leave it out, or step from wind to wind",
+                entry.label
+            )));
         }
         if entry.turbulence.is_some() && !notes.iter().any(|note| note.starts_with("turbulence")) {
             notes.push("turbulence is left out: a class of the model is a steady wind".to_owned());
@@ -137,10 +96,15 @@ fn class(model: &Model, label: &str, winds: usize) -> Result<usize, ScenarioErro
         return Ok(class);
     }
     if model.classes.len() == 1 && model.classes[0] == ALL {
-        return if winds == 1 { Ok(0) } else { Err(ScenarioError::NoClasses { winds }) };
+        let sentence = || {
+            format!(
+                "the experiment has {winds} winds and the model knows of none: identify it from a record with events"
+            )
+        };
+        return (winds == 1).then_some(0).ok_or_else(|| ScenarioError(sentence()));
     }
     let hint = suggest(label, model.classes.iter().map(String::as_str));
-    Err(ScenarioError::UnknownWind { label: label.to_owned(), hint })
+    Err(ScenarioError(format!("the wind `{label}` of the experiment is no class of the model; {hint}")))
 }
 
 #[cfg(test)]

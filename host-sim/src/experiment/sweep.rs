@@ -50,37 +50,39 @@ enum SweepPlane {
     Level,
 }
 
-/// The entries of an experiment of `ticks`; winds that would begin after its end are left out.
-pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
+/// The entries of an experiment; `seed` is that of the experiment.
+pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<Vec<WindEntry>, FileError> {
     let source = grid.source;
     source.within("sweep.winds", f64::from(table.winds), 1.0..=f64::from(MOST_WINDS), "")?;
     source.within("sweep.least_m_s", table.least_m_s, SPEEDS_M_S, "m/s")?;
     source.within("sweep.most_m_s", table.most_m_s, table.least_m_s..=*SPEEDS_M_S.end(), "m/s")?;
     source.within("sweep.stem_cone_deg", table.stem_cone_deg, 0.0..=90.0, "°")?;
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
-    let still = if table.still_s == 0.0 { 0 } else { grid.whole_ticks("sweep.still_s", table.still_s)? };
+    let still = grid.pause_ticks("sweep.still_s", table.still_s)?;
     let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
-    if wanted > u64::from(ticks) {
-        let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.time_s(ticks));
+    if wanted > u64::from(grid.ticks) {
+        let (needed_s, has_s) = (wanted as f64 * grid.sample_period_s, grid.end_s());
         let sentence = format!(
             "needs {needed_s} s, but the experiment is over at {has_s} s: a greater duration_s, or fewer winds"
         );
         return Err(source.refuse("sweep", sentence));
     }
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(table.seed.unwrap_or(seed)));
+    let mut random = ChaCha8Rng::seed_from_u64(table.seed.unwrap_or(seed));
+    // Evenly between 0 and 1.
+    let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut entries = Vec::with_capacity(table.winds as usize + 1);
     if still > 0 {
         entries.push(WindEntry { label: STILL.to_owned(), ..WindEntry::default() });
     }
     let lowest = table.stem_cone_deg.to_radians().cos();
     for n in 0..table.winds {
-        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(draw.share());
+        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
             if table.plane == Some(SweepPlane::Level) {
                 break 0.0;
             }
-            let z = 2.0 * draw.share() - 1.0;
+            let z = 2.0 * share() - 1.0;
             if table.stem_cone_deg == 0.0 || z < lowest {
                 break z;
             }
@@ -89,21 +91,12 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64, ticks: u32
             start_s: grid.time_s(still + n * hold),
             label: format!("wind {}", n + 1),
             speed_m_s,
-            azimuth_deg: 360.0 * draw.share(),
+            azimuth_deg: 360.0 * share(),
             elevation_deg: upwards.asin().to_degrees(),
             ..WindEntry::default()
         });
     }
     Ok(entries)
-}
-
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    /// Evenly between 0 and 1.
-    fn share(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! The experiment file as it is written: every key that there is, before anything is checked.
+//! The experiment file as it is written: every key that there is, before anything is checked. What
+//! the simulated sensor takes as it is written is read into the sensor's own types.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -6,11 +7,9 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 use serde::Deserialize;
 
-use super::blown::{DustDevilTable, GustTable, SineTable, SwingTable, TurbulenceTable};
 use super::sweep::SweepTable;
-use crate::sensor::{GasSwing, Imperfections, ResistorFault, WindEntry};
+use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Imperfections, ResistorFault, Sine};
 use anemometry::gas::Species;
-use recording::toml_file::{FileError, TomlSource};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,7 +29,7 @@ pub(super) struct ExperimentTable {
     pub gas: GasTable,
     pub support: Option<SupportTable>,
     #[serde(default)]
-    pub front_end: FrontEndTable,
+    pub front_end: Imperfections,
     #[serde(default)]
     pub currents: BTreeMap<String, CurrentsTable>,
     #[serde(default)]
@@ -45,7 +44,7 @@ pub(super) struct ExperimentTable {
     pub faults: Vec<FaultTable>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WindOutputTable {
     pub bandwidth_hz: Option<f64>,
@@ -73,41 +72,10 @@ impl From<AnswerTable> for WindOutputTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GasTable {
-    pub species: SpeciesName,
+    pub species: Species,
     pub pressure_pa: f64,
     pub temperature_c: f64,
-    pub swing: Option<GasSwingTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct GasSwingTable {
-    amplitude_k: f64,
-    period_s: f64,
-    #[serde(default)]
-    start_s: f64,
-}
-
-impl From<GasSwingTable> for GasSwing {
-    fn from(GasSwingTable { amplitude_k, period_s, start_s }: GasSwingTable) -> Self {
-        Self { amplitude_k, period_s, start_s }
-    }
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SpeciesName {
-    Co2,
-    Air,
-}
-
-impl From<SpeciesName> for Species {
-    fn from(name: SpeciesName) -> Self {
-        match name {
-            SpeciesName::Co2 => Self::CarbonDioxide,
-            SpeciesName::Air => Self::Air,
-        }
-    }
+    pub swing: Option<GasSwing>,
 }
 
 #[derive(Deserialize)]
@@ -116,49 +84,34 @@ pub(super) struct SupportTable {
     pub temperature_c: f64,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct FrontEndTable {
-    noise_v_rms: f64,
-    resistance_error_percent: f64,
-    coefficient_error_percent: f64,
-    current_error_percent: f64,
-}
-
-impl From<FrontEndTable> for Imperfections {
-    fn from(table: FrontEndTable) -> Self {
-        let FrontEndTable { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent } =
-            table;
-        Self { noise_v_rms, resistance_error_percent, coefficient_error_percent, current_error_percent }
-    }
-}
-
 /// Written as a word, or as a table of one key.
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum DriveTable {
     Passive,
-    Level(LevelName),
+    #[serde(with = "LevelName")]
+    Level(Level),
     PowerW(f64),
     TemperatureC(f64),
-    Prbs(PrbsTable),
-    Setpoints(SetpointsTable),
+    Prbs {
+        order: u8,
+        bit_time_s: f64,
+        seed: u32,
+    },
+    Setpoints {
+        low_c: f64,
+        high_c: f64,
+        dwell_s: f64,
+        seed: u32,
+    },
 }
 
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum LevelName {
+/// A level as people write it.
+#[derive(Deserialize)]
+#[serde(remote = "Level", rename_all = "lowercase")]
+enum LevelName {
     Low,
     High,
-}
-
-impl From<LevelName> for Level {
-    fn from(name: LevelName) -> Self {
-        match name {
-            LevelName::Low => Self::Low,
-            LevelName::High => Self::High,
-        }
-    }
 }
 
 #[derive(Deserialize)]
@@ -178,36 +131,37 @@ pub(super) struct ChangeTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PrbsTable {
-    pub order: u8,
-    pub bit_time_s: f64,
-    pub seed: u32,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SetpointsTable {
-    pub low_c: f64,
-    pub high_c: f64,
-    pub dwell_s: f64,
-    pub seed: u32,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct WindTable {
     pub start_s: f64,
-    label: Option<String>,
+    pub label: Option<String>,
     pub speed_m_s: f64,
     #[serde(default)]
-    azimuth_deg: f64,
+    pub azimuth_deg: f64,
     #[serde(default)]
-    elevation_deg: f64,
-    swing: Option<SwingTable>,
-    sine: Option<SineTable>,
-    gust: Option<GustTable>,
-    dust_devil: Option<DustDevilTable>,
-    turbulence: Option<TurbulenceTable>,
+    pub elevation_deg: f64,
+    pub swing: Option<DirectionSwing>,
+    pub sine: Option<Sine>,
+    pub gust: Option<Gust>,
+    pub dust_devil: Option<DustDevil>,
+    pub turbulence: Option<TurbulenceTable>,
+}
+
+/// A spectrum by its name with its scale, or one relaxation by its correlation time.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TurbulenceTable {
+    pub spectrum: Option<SpectrumName>,
+    pub intensity: f64,
+    pub correlation_time_s: Option<f64>,
+    pub length_m: Option<f64>,
+    pub height_m: Option<f64>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum SpectrumName {
+    VonKarman,
+    Kaimal,
 }
 
 #[derive(Deserialize)]
@@ -230,52 +184,10 @@ fn from_ahead() -> f64 {
     180.0
 }
 
-impl WindTable {
-    /// Times in it that count from its start, by their keys.
-    pub fn moments(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let gust = self.gust.as_ref().map(|gust| ("gust.start_s", gust.start_s));
-        gust.into_iter().chain(self.dust_devil.as_ref().map(|devil| ("dust_devil.time_s", devil.time_s)))
-    }
-
-    /// An entry without a label is called after its number, so that every event of a recording has
-    /// a name.
-    pub fn entry(self, index: usize, source: &TomlSource) -> Result<WindEntry, FileError> {
-        let turbulence = self.turbulence.map(|table| table.turbulence(source, &format!("wind[{index}].turbulence")));
-        Ok(WindEntry {
-            start_s: self.start_s,
-            label: self.label.unwrap_or_else(|| format!("wind {}", index + 1)),
-            speed_m_s: self.speed_m_s,
-            azimuth_deg: self.azimuth_deg,
-            elevation_deg: self.elevation_deg,
-            swing: self.swing.map(Into::into),
-            sine: self.sine.map(Into::into),
-            gust: self.gust.map(Into::into),
-            dust_devil: self.dust_devil.map(Into::into),
-            turbulence: turbulence.transpose()?,
-        })
-    }
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FaultTable {
     pub start_s: f64,
     pub element: String,
-    pub kind: FaultName,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum FaultName {
-    Open,
-    Shorted,
-}
-
-impl From<FaultName> for ResistorFault {
-    fn from(name: FaultName) -> Self {
-        match name {
-            FaultName::Open => Self::Open,
-            FaultName::Shorted => Self::Shorted,
-        }
-    }
+    pub kind: ResistorFault,
 }

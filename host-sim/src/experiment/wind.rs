@@ -1,4 +1,4 @@
-//! The wind of an experiment: entry by entry, or as the runs of a car in a linear tunnel.
+//! The wind of an experiment as the runs of a car in a linear tunnel.
 //!
 //! In a linear tunnel the air rests and a car carries the sensor along a straight track, so that
 //! slow winds are known as exactly as the car's speed. `[tunnel]` describes what the car does, in
@@ -21,186 +21,107 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::grid::TickGrid;
-use super::table::{TunnelTable, WindTable};
+use super::table::TunnelTable;
 use crate::sensor::WindEntry;
 use recording::toml_file::FileError;
 
-const HIGHEST_SPEED_M_S: f64 = 100.0;
+pub(super) const HIGHEST_SPEED_M_S: f64 = 100.0;
 /// More would be a mistake of units rather than an experiment.
 const MOST_ENTRIES: usize = 100_000;
-const REST: &str = "rest";
-
-/// The entries of an experiment of `ticks`.
-pub(super) fn entries(
-    grid: &TickGrid,
-    wind: Vec<WindTable>,
-    tunnel: Option<TunnelTable>,
-    ticks: u32,
-) -> Result<Vec<WindEntry>, FileError> {
-    match (wind.is_empty(), tunnel) {
-        (false, None) => held(grid, wind, ticks),
-        (true, Some(tunnel)) => Car::new(grid, &tunnel)?.entries(ticks),
-        (false, Some(_)) => {
-            Err(grid.source.refuse("tunnel", "is given besides [[wind]]: the wind comes from one of them"))
-        }
-        (true, None) => {
-            let sentence =
-                "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
-            Err(grid.source.refuse("wind", sentence))
-        }
-    }
-}
-
-fn held(grid: &TickGrid, tables: Vec<WindTable>, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
-    let source = grid.source;
-    let duration_s = grid.time_s(ticks);
-    let mut entries = Vec::with_capacity(tables.len());
-    let ends: Vec<f64> = tables.iter().skip(1).map(|next| next.start_s).chain([duration_s]).collect();
-    for ((index, table), end_s) in tables.into_iter().enumerate().zip(ends) {
-        let key = format!("wind[{index}]");
-        // Starts, angles and what blows on top are the simulated wind's to judge.
-        source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
-        grid.instant(&format!("{key}.start_s"), table.start_s)?;
-        if table.start_s >= duration_s {
-            let sentence = format!("is {} s, but the experiment is over at {duration_s} s", table.start_s);
-            return Err(source.refuse(&format!("{key}.start_s"), sentence));
-        }
-        // What nobody would feel is a mistake.
-        let lasts_s = end_s - table.start_s;
-        for (what, time_s) in table.moments() {
-            if lasts_s > 0.0 && time_s >= lasts_s {
-                let sentence = format!("is {time_s} s after the start of a wind that is over after {lasts_s} s");
-                return Err(source.refuse(&format!("{key}.{what}"), sentence));
-            }
-        }
-        entries.push(table.entry(index, source)?);
-    }
-    Ok(entries)
-}
 
 /// A run at one of the car's speeds.
 struct Run {
     speed_m_min: f64,
-    ticks: u64,
+    ticks: u32,
 }
 
-struct Car<'a> {
-    grid: &'a TickGrid<'a>,
-    runs: Vec<Run>,
-    pause_ticks: u64,
-    first_pause_ticks: u64,
-    order: Option<ChaCha8Rng>,
-    azimuth_deg: f64,
-    elevation_deg: f64,
-}
-
-impl<'a> Car<'a> {
-    fn new(grid: &'a TickGrid<'a>, table: &TunnelTable) -> Result<Self, FileError> {
-        let source = grid.source;
-        let track_m = source.positive("tunnel.track_m", table.track_m, "m")?;
-        let key = "tunnel.speeds_m_min";
-        if table.speeds_m_min.is_empty() {
-            return Err(source.refuse(key, "is empty: at least one speed of the car belongs there"));
-        }
-        let run = |&speed_m_min: &f64| {
-            source.positive(key, speed_m_min, "m/min")?;
-            source.within(key, speed_m_min, 0.0..=60.0 * HIGHEST_SPEED_M_S, "m/min")?;
-            let (run_s, period_s) = (60.0 * track_m / speed_m_min, grid.sample_period_s);
-            // A run that is a whole number of periods but for rounding is that number.
-            let ticks = (run_s / period_s + 1e-6).floor();
-            if ticks < 1.0 {
-                let sentence = format!(
-                    "has {speed_m_min} m/min, at which {track_m} m take {run_s} s: a run lasts at least one sample period, {period_s} s"
-                );
-                return Err(source.refuse(key, sentence));
-            }
-            Ok(Run { speed_m_min, ticks: ticks as u64 })
+impl Run {
+    /// As an entry that begins at a tick.
+    fn entry(&self, grid: &TickGrid, table: &TunnelTable, tick: u32, forward: bool) -> WindEntry {
+        let (way, azimuth_deg, elevation_deg) = match forward {
+            true => ("forward", table.azimuth_deg, table.elevation_deg),
+            false => ("back", (table.azimuth_deg + 180.0) % 360.0, -table.elevation_deg),
         };
-        let pause = |key: &str, pause_s: f64| {
-            if pause_s == 0.0 {
-                return Ok(0);
-            }
-            if !pause_s.is_finite() || pause_s < 0.0 {
-                return Err(source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
-            }
-            grid.whole_ticks(key, pause_s).map(u64::from)
+        let (label, speed_m_s) = match self.speed_m_min {
+            0.0 => ("rest".to_owned(), 0.0),
+            speed_m_min => (format!("{way} {speed_m_min} m/min"), speed_m_min / 60.0),
         };
-        // The words that the entries' own check would say of an entry that nobody wrote.
-        if !table.azimuth_deg.is_finite() {
-            let sentence = format!("is {}: it must be a finite angle", table.azimuth_deg);
-            return Err(source.refuse("tunnel.azimuth_deg", sentence));
-        }
-        source.within("tunnel.elevation_deg", table.elevation_deg, -90.0..=90.0, "°")?;
-        Ok(Self {
-            grid,
-            runs: table.speeds_m_min.iter().map(run).collect::<Result<_, _>>()?,
-            pause_ticks: pause("tunnel.pause_s", table.pause_s)?,
-            first_pause_ticks: pause("tunnel.first_pause_s", table.first_pause_s)?,
-            order: table.order_seed.map(ChaCha8Rng::seed_from_u64),
-            azimuth_deg: table.azimuth_deg,
-            elevation_deg: table.elevation_deg,
-        })
-    }
-
-    fn entries(mut self, ticks: u32) -> Result<Vec<WindEntry>, FileError> {
-        let end = u64::from(ticks);
-        let mut entries = Vec::new();
-        let mut now = 0;
-        if self.first_pause_ticks > 0 {
-            entries.push(self.rest(now));
-            now += self.first_pause_ticks;
-        }
-        while now < end {
-            self.shuffle();
-            for run in &self.runs {
-                for forward in [true, false] {
-                    if now < end {
-                        entries.push(self.run(now, run, forward));
-                        now += run.ticks;
-                    }
-                    if now < end && self.pause_ticks > 0 {
-                        entries.push(self.rest(now));
-                        now += self.pause_ticks;
-                    }
-                }
-                if entries.len() > MOST_ENTRIES {
-                    let sentence = format!(
-                        "makes more than {MOST_ENTRIES} runs and pauses: a longer track, or a shorter experiment, would not"
-                    );
-                    return Err(self.grid.source.refuse("tunnel", sentence));
-                }
-            }
-        }
-        Ok(entries)
-    }
-
-    /// Fisher and Yates; every order is as likely.
-    fn shuffle(&mut self) {
-        let Some(order) = &mut self.order else { return };
-        for last in (1..self.runs.len()).rev() {
-            // A product instead of a remainder: no bias worth naming.
-            let chosen = (u128::from(order.next_u64()) * (last as u128 + 1)) >> 64;
-            self.runs.swap(last, chosen as usize);
-        }
-    }
-
-    fn rest(&self, tick: u64) -> WindEntry {
-        self.entry(tick, REST.to_owned(), 0.0, true)
-    }
-
-    fn run(&self, tick: u64, run: &Run, forward: bool) -> WindEntry {
-        let way = if forward { "forward" } else { "back" };
-        self.entry(tick, format!("{way} {} m/min", run.speed_m_min), run.speed_m_min / 60.0, forward)
-    }
-
-    fn entry(&self, tick: u64, label: String, speed_m_s: f64, forward: bool) -> WindEntry {
-        let (azimuth_deg, elevation_deg) = match forward {
-            true => (self.azimuth_deg, self.elevation_deg),
-            false => ((self.azimuth_deg + 180.0) % 360.0, -self.elevation_deg),
-        };
-        // An experiment has no more ticks than u32 holds, and no entry starts after its end.
-        let start_s = self.grid.time_s(tick as u32);
+        let start_s = grid.time_s(tick);
         WindEntry { start_s, label, speed_m_s, azimuth_deg, elevation_deg, ..WindEntry::default() }
+    }
+}
+
+/// The entries of an experiment.
+pub(super) fn entries(grid: &TickGrid, table: &TunnelTable) -> Result<Vec<WindEntry>, FileError> {
+    let mut runs = runs(grid, table)?;
+    let rest = Run { speed_m_min: 0.0, ticks: grid.pause_ticks("tunnel.pause_s", table.pause_s)? };
+    let first_rest = Run { ticks: grid.pause_ticks("tunnel.first_pause_s", table.first_pause_s)?, ..rest };
+    let mut order = table.order_seed.map(ChaCha8Rng::seed_from_u64);
+    let mut entries = Vec::new();
+    let mut now = 0;
+    if first_rest.ticks > 0 {
+        entries.push(first_rest.entry(grid, table, now, true));
+        now += first_rest.ticks;
+    }
+    loop {
+        if let Some(order) = &mut order {
+            shuffle(&mut runs, order);
+        }
+        for (run, forward) in runs.iter().flat_map(|run| [(run, true), (&rest, true), (run, false), (&rest, true)]) {
+            if now >= grid.ticks {
+                return Ok(entries);
+            }
+            if entries.len() >= MOST_ENTRIES {
+                let sentence = format!(
+                    "makes more than {MOST_ENTRIES} runs and pauses: a longer track, or a shorter experiment, would not"
+                );
+                return Err(grid.source.refuse("tunnel", sentence));
+            }
+            if run.ticks > 0 {
+                entries.push(run.entry(grid, table, now, forward));
+                now = now.saturating_add(run.ticks);
+            }
+        }
+    }
+}
+
+/// The runs in the order in which their speeds are written.
+fn runs(grid: &TickGrid, table: &TunnelTable) -> Result<Vec<Run>, FileError> {
+    let source = grid.source;
+    let track_m = source.positive("tunnel.track_m", table.track_m, "m")?;
+    let key = "tunnel.speeds_m_min";
+    if table.speeds_m_min.is_empty() {
+        return Err(source.refuse(key, "is empty: at least one speed of the car belongs there"));
+    }
+    // The words that the entries' own check would say of an entry that nobody wrote.
+    if !table.azimuth_deg.is_finite() {
+        let sentence = format!("is {}: it must be a finite angle", table.azimuth_deg);
+        return Err(source.refuse("tunnel.azimuth_deg", sentence));
+    }
+    source.within("tunnel.elevation_deg", table.elevation_deg, -90.0..=90.0, "°")?;
+    let run = |&speed_m_min: &f64| {
+        source.positive(key, speed_m_min, "m/min")?;
+        source.within(key, speed_m_min, 0.0..=60.0 * HIGHEST_SPEED_M_S, "m/min")?;
+        let (run_s, period_s) = (60.0 * track_m / speed_m_min, grid.sample_period_s);
+        // A run that is a whole number of periods but for rounding is that number.
+        let ticks = (run_s / period_s + 1e-6).floor();
+        if ticks < 1.0 {
+            let sentence = format!(
+                "has {speed_m_min} m/min, at which {track_m} m take {run_s} s: a run lasts at least one sample period, {period_s} s"
+            );
+            return Err(source.refuse(key, sentence));
+        }
+        Ok(Run { speed_m_min, ticks: ticks as u32 })
+    };
+    table.speeds_m_min.iter().map(run).collect()
+}
+
+/// Fisher and Yates; every order is as likely.
+fn shuffle(runs: &mut [Run], order: &mut ChaCha8Rng) {
+    for last in (1..runs.len()).rev() {
+        // A product instead of a remainder: no bias worth naming.
+        let chosen = (u128::from(order.next_u64()) * (last as u128 + 1)) >> 64;
+        runs.swap(last, chosen as usize);
     }
 }
 

@@ -94,7 +94,11 @@ impl Emulated {
             }
         };
         let identity = process.until_timeout(|timeout| links.host.hello(timeout)).map_err(|error| match error {
-            InstrumentError::Silent(timeout) => InstrumentError::Mute { firmware: firmware.to_owned(), timeout },
+            InstrumentError::Silent(timeout) => InstrumentError::Unusable(format!(
+                "{} has not said a word for {:.0} s; is it the firmware of the virtual board?",
+                firmware.display(),
+                timeout.as_secs_f64()
+            )),
             other => other,
         })?;
         // What is kept may ask for fewer, and here each tick's sample is waited for.
@@ -124,7 +128,7 @@ impl Emulated {
 
     /// Timeout of any answer: shorter where boards are expected that never answer again.
     pub const fn set_timeout(&mut self, timeout: Duration) {
-        self.process.set_timeout(timeout);
+        self.process.timeout = timeout;
     }
 
     /// The board's last status.
@@ -154,7 +158,7 @@ impl Emulated {
     /// If it does not.
     pub fn reborn(&mut self) -> Result<Identity, InstrumentError> {
         while self.reborn.is_none() {
-            let message = self.process.until_timeout(|timeout| self.links.host.receive(timeout))?;
+            let message = self.next_message()?;
             self.hear(message);
         }
         self.forget();
@@ -175,7 +179,7 @@ impl Emulated {
         self.provoke(Provocation::CutPower { after_bytes })?;
         let asked = self.links.host.send(&ToBoard::Settings(request.clone()))?;
         loop {
-            match self.process.until_timeout(|timeout| self.links.host.receive(timeout))? {
+            match self.next_message()? {
                 FromBoard::Setting(answer) if answer.to == asked => {
                     answer.result.map_err(InstrumentError::Settings)?;
                     self.provoke(Provocation::CutPower { after_bytes: u32::MAX })?;
@@ -210,7 +214,8 @@ impl Emulated {
         if self.unattended >= ATTEND_EVERY {
             self.attend()?;
         }
-        self.ask(readings).map_err(|error| self.process.explain(error))
+        let packed = packed(readings)?;
+        self.answered(&ToBoard::Readings(packed)).map_err(|error| self.process.explain(error))
     }
 
     /// Reads what has come by the host link, waiting for nothing. Left alone, a link fills up with
@@ -226,8 +231,22 @@ impl Emulated {
         }
     }
 
-    fn ask(&mut self, readings: &[Reading]) -> Result<HeaterFrame, InstrumentError> {
-        self.answered(&ToBoard::Readings(packed(readings)?))
+    /// Sends something by the host link and waits for the answer, hearing what else comes.
+    fn converse<T>(
+        &mut self,
+        send: impl FnOnce(&mut BoardLink<Pipe>, RetryPolicy, &mut dyn FnMut(FromBoard)) -> Result<T, InstrumentError>,
+    ) -> Result<T, InstrumentError> {
+        let mut aside = Vec::new();
+        // Nothing gets lost on the way to an emulator.
+        let once = RetryPolicy { tries: 1, timeout: self.process.timeout };
+        let reply = send(&mut self.links.host, once, &mut |message| aside.push(message));
+        aside.into_iter().for_each(|message| self.hear(message));
+        reply.map_err(|error| self.process.explain(error))
+    }
+
+    /// The next message of the host link.
+    fn next_message(&mut self) -> Result<FromBoard, InstrumentError> {
+        self.process.until_timeout(|timeout| self.links.host.receive(timeout))
     }
 
     /// Sends what is answered by levels.
@@ -252,16 +271,13 @@ impl Emulated {
     fn sample(&mut self, levels: Heaters) -> Result<TickReport, InstrumentError> {
         loop {
             if let Some(report) = self.sample.take() {
-                return if report.sample.heaters == levels {
-                    Ok(report)
-                } else {
-                    Err(InstrumentError::Protocol(format!(
-                        "levels {levels:?} came with the sample {:?}",
-                        report.sample
-                    )))
-                };
+                if report.sample.heaters == levels {
+                    return Ok(report);
+                }
+                let sentence = format!("levels {levels:?} came with the sample {:?}", report.sample);
+                return Err(InstrumentError::Protocol(sentence));
             }
-            let message = self.process.until_timeout(|timeout| self.links.host.receive(timeout))?;
+            let message = self.next_message()?;
             self.hear(message);
             self.still_the_same()?;
             self.unattended = 0;
@@ -304,11 +320,7 @@ impl SettingsPort for Emulated {
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {
-        let mut aside = Vec::new();
-        let once = RetryPolicy { tries: 1, timeout: self.process.timeout() };
-        let reply = self.links.host.ask(request, once, &mut |message| aside.push(message));
-        aside.into_iter().for_each(|message| self.hear(message));
-        reply.map_err(|error| self.process.explain(error))
+        self.converse(|host, once, aside| host.ask(request, once, aside))
     }
 }
 
@@ -318,12 +330,7 @@ impl LockStepController for Emulated {
     }
 
     fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
-        let mut aside = Vec::new();
-        // Nothing gets lost on the way to an emulator.
-        let once = RetryPolicy { tries: 1, timeout: self.process.timeout() };
-        let reply = self.links.host.command(command, once, &mut |message| aside.push(message));
-        aside.into_iter().for_each(|message| self.hear(message));
-        reply.map_err(|error| self.process.explain(error))
+        self.converse(|host, once, aside| host.command(command, once, aside))
     }
 
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {

@@ -87,7 +87,7 @@ impl<S: BoardStream> BoardLink<S> {
     /// The next message, waiting for it at most so long.
     ///
     /// # Errors
-    /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Version`] if the board
+    /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Unusable`] if the board
     /// speaks another version.
     pub fn receive(&mut self, timeout: Duration) -> Result<FromBoard, InstrumentError> {
         let deadline = Instant::now() + timeout;
@@ -102,7 +102,9 @@ impl<S: BoardStream> BoardLink<S> {
                 }
             }
             if let Some(theirs) = self.receiver.foreign_version() {
-                return Err(InstrumentError::Version { theirs, ours: VERSION });
+                return Err(InstrumentError::Unusable(format!(
+                    "the firmware speaks version {theirs} of the wire protocol, this program version {VERSION}; flash the firmware of this release (`cargo xtask flash`) or use the matching program"
+                )));
             }
             let left = deadline.saturating_duration_since(Instant::now());
             self.taken = 0;

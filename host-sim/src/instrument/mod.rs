@@ -29,4 +29,3 @@ pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};
 pub use observation::{LinkReport, Observation, TickReport};
 pub use port::{InstrumentPort, SettingsPort};
-pub use setup::{ElementSetup, InstrumentSetup};

@@ -40,30 +40,25 @@ const STATUS_TIMEOUT: Duration = Duration::from_millis(1500);
 /// How long the system may take to accept a frame.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A port, as a stream.
-pub struct Port(TTYPort);
-
-impl Port {
-    fn gone(error: io::Error) -> io::Error {
-        match error.kind() {
-            ErrorKind::TimedOut | ErrorKind::Interrupted => error,
-            kind => io::Error::new(kind, format!("{error}; has it been unplugged?")),
-        }
+fn gone(error: io::Error) -> io::Error {
+    match error.kind() {
+        ErrorKind::TimedOut | ErrorKind::Interrupted => error,
+        kind => io::Error::new(kind, format!("{error}; has it been unplugged?")),
     }
 }
 
-impl BoardStream for Port {
+impl BoardStream for TTYPort {
     fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        self.0.set_timeout(timeout)?;
-        match self.0.read(buffer).map_err(Self::gone)? {
-            0 => Err(Self::gone(io::Error::new(ErrorKind::UnexpectedEof, "end of file"))),
+        self.set_timeout(timeout)?;
+        match self.read(buffer).map_err(gone)? {
+            0 => Err(gone(io::Error::new(ErrorKind::UnexpectedEof, "end of file"))),
             read => Ok(read),
         }
     }
 
     fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.set_timeout(WRITE_TIMEOUT)?;
-        self.0.write_all(bytes).map_err(Self::gone)
+        self.set_timeout(WRITE_TIMEOUT)?;
+        Write::write_all(self, bytes).map_err(gone)
     }
 }
 
@@ -115,7 +110,7 @@ impl Heard {
 
 /// A board at a port.
 pub struct Serial {
-    link: BoardLink<Port>,
+    link: BoardLink<TTYPort>,
     identity: Identity,
     heard: Heard,
     silence: Duration,
@@ -127,14 +122,12 @@ impl Serial {
     /// # Errors
     /// If the port cannot be opened, or no board of our version answers.
     pub fn open(device: &str) -> Result<Self, InstrumentError> {
-        let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| InstrumentError::Port {
-            device: device.to_owned(),
-            reason: error.to_string(),
-            ports: known_ports(),
+        let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| {
+            InstrumentError::Unusable(format!("the port {device} cannot be opened: {error}; {}", known_ports()))
         })?;
-        let mut link = BoardLink::new(Port(port));
+        let mut link = BoardLink::new(port);
         // Ends whatever the board may have taken for the beginning of a frame.
-        link.stream_mut().write_all(&[0])?;
+        BoardStream::write_all(link.stream_mut(), &[0])?;
         let identity = link.hello(HELLO_TIMEOUT)?;
         let heard = Heard { starts: Some(identity.starts), ..Heard::default() };
         Ok(Self { link, identity, heard, silence: SILENCE })

@@ -5,10 +5,10 @@ use std::fmt::{self, Write as _};
 
 use dr_core::control::Drive;
 use dr_core::sensor::Level;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::start::SetPointJudgement;
-use crate::experiment::Experiment;
+use crate::experiment::{DriveChange, Experiment};
 use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Sine, Spectrum, WindEntry};
 use anemometry::gas::Species;
 
@@ -16,78 +16,97 @@ use anemometry::gas::Species;
 const MOST: usize = 12;
 
 /// An experiment with the verdict on its set-points.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Serialize)]
 pub struct CheckReport<'a> {
-    /// What would run.
-    pub experiment: &'a Experiment,
-    /// How many of its set-points can be held.
-    pub judgement: SetPointJudgement,
+    title: &'a str,
+    head: &'a str,
+    ticks: u32,
+    sample_period_s: f64,
+    duration_s: f64,
+    drives: BTreeMap<&'a str, String>,
+    changes: Vec<ChangeReport<'a>>,
+    currents: BTreeMap<&'a str, CurrentLevels>,
+    gas_swing: Option<GasSwing>,
+    winds: usize,
+    #[serde(flatten)]
+    judgement: SetPointJudgement,
+    models: Option<&'a str>,
+    #[serde(skip)]
+    experiment: &'a Experiment,
 }
 
-impl Serialize for CheckReport<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct CheckJson<'a> {
-            title: &'a str,
-            head: &'a str,
-            ticks: u32,
-            sample_period_s: f64,
-            duration_s: f64,
-            drives: BTreeMap<&'a str, String>,
-            changes: Vec<ChangeJson<'a>>,
-            currents: BTreeMap<&'a str, CurrentsJson>,
-            gas_swing: Option<GasSwing>,
-            winds: usize,
-            judged: u32,
-            unjudged: u32,
-            models: Option<&'a str>,
-        }
-        #[derive(Serialize)]
-        struct ChangeJson<'a> {
-            start_s: f64,
-            drives: BTreeMap<&'a str, String>,
-        }
-        #[derive(Serialize)]
-        struct CurrentsJson {
-            low_a: f64,
-            high_a: f64,
-        }
-        let Self { experiment, judgement: SetPointJudgement { judged, unjudged } } = *self;
+#[derive(Debug, Clone, Serialize)]
+struct ChangeReport<'a> {
+    start_s: f64,
+    drives: BTreeMap<&'a str, String>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct CurrentLevels {
+    low_a: f64,
+    high_a: f64,
+}
+
+impl<'a> CheckReport<'a> {
+    /// What would run, and how many of its set-points can be held.
+    pub fn new(experiment: &'a Experiment, judgement: SetPointJudgement) -> Self {
         let names = experiment.head.names();
         let described = |(element, drive): (usize, &Drive)| (names[element], describe(drive, experiment));
-        let json = CheckJson {
+        let change = |change: &DriveChange| ChangeReport {
+            start_s: experiment.time_s(change.tick),
+            drives: change.drives.iter().map(|(element, drive)| described((*element, drive))).collect(),
+        };
+        let levels = |&element: &usize| {
+            let nominal = &experiment.head.elements[element].nominal;
+            (names[element], CurrentLevels { low_a: nominal.current_low_a, high_a: nominal.current_high_a })
+        };
+        Self {
             title: &experiment.title,
             head: &experiment.head.name,
             ticks: experiment.ticks,
             sample_period_s: experiment.sample_period_s,
             duration_s: experiment.duration_s(),
             drives: experiment.drives.iter().enumerate().map(described).collect(),
-            changes: (experiment.changes.iter())
-                .map(|change| ChangeJson {
-                    start_s: experiment.time_s(change.tick),
-                    drives: change.drives.iter().map(|(element, drive)| described((*element, drive))).collect(),
-                })
-                .collect(),
-            currents: (experiment.currents.iter())
-                .map(|&element| {
-                    let nominal = &experiment.head.elements[element].nominal;
-                    let levels = CurrentsJson { low_a: nominal.current_low_a, high_a: nominal.current_high_a };
-                    (names[element], levels)
-                })
-                .collect(),
+            changes: experiment.changes.iter().map(change).collect(),
+            currents: experiment.currents.iter().map(levels).collect(),
             gas_swing: experiment.gas_swing,
             winds: experiment.wind.len(),
-            judged,
-            unjudged,
+            judgement,
             models: experiment.models.as_ref().map(|models| models.conditions.as_str()),
-        };
-        json.serialize(serializer)
+            experiment,
+        }
+    }
+
+    /// What elements do later. Those of a change are sorted by name, as in the file.
+    fn write_changes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.changes.is_empty() {
+            writeln!(f)?;
+        }
+        for ChangeReport { start_s, drives } in self.changes.iter().take(MOST) {
+            let drives: Vec<String> = drives.iter().map(|(name, drive)| format!("{name}: {drive}")).collect();
+            writeln!(f, "from {start_s:>6} s  {}", drives.join("; "))?;
+        }
+        f.write_str(&left_out(self.changes.len()))
+    }
+
+    /// Levels that are the experiment's and not the head's.
+    fn write_currents(&self, f: &mut fmt::Formatter<'_>, names: &[&str]) -> fmt::Result {
+        if !self.currents.is_empty() {
+            writeln!(f)?;
+        }
+        for name in names {
+            let Some(CurrentLevels { low_a, high_a }) = self.currents.get(name) else { continue };
+            // 8.9 mA has no end in A.
+            let [low, high] = [low_a, high_a].map(|current_a| (1e9 * current_a).round() / 1e6);
+            writeln!(f, "{name}: {low} mA low and {high} mA high, in place of the head's")?;
+        }
+        Ok(())
     }
 }
 
 impl fmt::Display for CheckReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { experiment, judgement: SetPointJudgement { judged, unjudged } } = *self;
+        let Self { experiment, judgement: SetPointJudgement { judged, unjudged }, .. } = *self;
         let names = experiment.head.names();
         writeln!(
             f,
@@ -107,10 +126,12 @@ impl fmt::Display for CheckReport<'_> {
             experiment.support_temperature_c
         )?;
         let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-        for (name, drive) in names.iter().zip(&experiment.drives) {
-            writeln!(f, "{name:width$}  {}", describe(drive, experiment))?;
+        for name in &names {
+            writeln!(f, "{name:width$}  {}", self.drives[name])?;
         }
-        writeln!(f, "{}{}", changes(experiment, &names), currents(experiment, &names))?;
+        self.write_changes(f)?;
+        self.write_currents(f, &names)?;
+        writeln!(f)?;
         for entry in experiment.wind.iter().take(MOST) {
             writeln!(
                 f,
@@ -128,7 +149,7 @@ impl fmt::Display for CheckReport<'_> {
         for fault in &experiment.faults {
             writeln!(f, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault)?;
         }
-        let conditions = experiment.models.as_ref().map_or("", |models| &models.conditions);
+        let conditions = self.models.unwrap_or_default();
         match (judged, unjudged) {
             (0, 0) => Ok(()),
             (judged, 0) => writeln!(f, "\n{} can be held, say the models for {conditions}", set_points(judged)),
@@ -181,34 +202,6 @@ fn swing(experiment: &Experiment) -> String {
     let Some(GasSwing { amplitude_k, period_s, start_s }) = experiment.gas_swing else { return String::new() };
     let from = if start_s > 0.0 { format!(" from {start_s} s on") } else { String::new() };
     format!(" ± {amplitude_k} K in {period_s} s{from}")
-}
-
-/// What elements do later.
-fn changes(experiment: &Experiment, names: &[&str]) -> String {
-    let mut text = if experiment.changes.is_empty() { String::new() } else { "\n".to_owned() };
-    for change in experiment.changes.iter().take(MOST) {
-        let drives = change
-            .drives
-            .iter()
-            .map(|(element, drive)| format!("{}: {}", names[*element], describe(drive, experiment)));
-        let drives = drives.collect::<Vec<_>>().join("; ");
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "from {:>6} s  {drives}", experiment.time_s(change.tick));
-    }
-    text + &left_out(experiment.changes.len())
-}
-
-/// Levels that are the experiment's and not the head's.
-fn currents(experiment: &Experiment, names: &[&str]) -> String {
-    let mut text = if experiment.currents.is_empty() { String::new() } else { "\n".to_owned() };
-    for &element in &experiment.currents {
-        let nominal = &experiment.head.elements[element].nominal;
-        // 8.9 mA has no end in A.
-        let milliampere = |current_a: f64| (1e9 * current_a).round() / 1e6;
-        let (low, high) = (milliampere(nominal.current_low_a), milliampere(nominal.current_high_a));
-        let _ = writeln!(text, "{}: {low} mA low and {high} mA high, in place of the head's", names[element]);
-    }
-    text
 }
 
 /// What is not printed one by one.

@@ -20,8 +20,7 @@ pub fn run(
     mut instrument: Box<dyn InstrumentPort>,
     sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
 ) -> Result<RunSummary, RunError> {
-    let firmware = instrument.identity().firmware.as_str().to_owned();
-    let mut statistics = RunStatistics::new(experiment);
+    let mut statistics = RunStatistics::new(experiment, &instrument.identity().firmware);
     let observed = start(experiment, instrument.as_mut()).and_then(|judgement| {
         observe(experiment, instrument.as_mut(), &mut statistics, sink)?;
         Ok(judgement)
@@ -30,7 +29,7 @@ pub fn run(
     // Stopped whatever happened: a board must not be left heating.
     let finished = instrument.finish();
     let (judgement, report) = (observed?, finished?);
-    Ok(statistics.summary(experiment, firmware, judgement, hash, &report))
+    Ok(statistics.summary(experiment, judgement, hash, &report))
 }
 
 fn observe(

@@ -8,12 +8,11 @@ use super::error::RunError;
 use super::refusal;
 use crate::experiment::{DriveChange, Experiment};
 use crate::instrument::in_process::InProcess;
-use crate::instrument::setup::{self, ElementSetup, InstrumentSetup};
-use crate::instrument::{InstrumentError, InstrumentPort, LockStep};
+use crate::instrument::{InstrumentError, InstrumentPort, LockStep, setup};
 
 /// How many set-points of an experiment, those of its changes included, can be held by a model, and
 /// how many have no model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub struct SetPointJudgement {
     /// Set-points that a model says can be held.
     pub judged: u32,
@@ -38,10 +37,12 @@ pub fn rehearse(experiment: &Experiment) -> Result<SetPointJudgement, RunError> 
 ///
 /// A refusal names the key of the file where the user can do something about it.
 pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Result<SetPointJudgement, RunError> {
-    let setup = setup_of(experiment)?;
-    let reply = setup::start(instrument, &setup).map_err(|error| match &error {
-        InstrumentError::Refused(Refusal::Tripped(trip)) => setup::tripped(*trip, &setup).into(),
-        InstrumentError::Refused(refusal) => match setup::name_element(refusal, &setup) {
+    let names = experiment.head.names();
+    let reply = setup::start(instrument, &setup_of(experiment)?).map_err(|error| match &error {
+        InstrumentError::Refused(Refusal::Tripped(trip)) => {
+            InstrumentError::Tripped { cause: trip.cause.name(), element: setup::place(*trip, &names) }.into()
+        }
+        InstrumentError::Refused(refusal) => match element_of(refusal).and_then(|element| names.get(element)) {
             // It names the key where the user can do something about it.
             Some(name) => {
                 experiment.source.refuse(&format!("drives.{name}"), refusal::of_a_drive(experiment, refusal)).into()
@@ -68,25 +69,36 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
     Ok(judgement)
 }
 
-/// The set-up of an instrument for an experiment.
+/// The element that a refusal is about.
+fn element_of(refusal: &Refusal) -> Option<usize> {
+    match *refusal {
+        Refusal::NoSuchElement { element }
+        | Refusal::NotConfigured { element }
+        | Refusal::Unreachable { element, .. } => Some(element.into()),
+        Refusal::Invalid { element, .. } => element.map(usize::from),
+        _ => None,
+    }
+}
+
+/// The set-up of an instrument for an experiment, in the order that it needs.
 ///
 /// # Errors
 /// If the head's calibration cannot output the wind as the experiment asks.
-pub fn setup_of(experiment: &Experiment) -> Result<InstrumentSetup, RunError> {
-    Ok(InstrumentSetup {
-        sample_period_s: experiment.sample_period_s as f32,
-        guard: experiment.head.guard_config(experiment.sample_period_s),
-        observe: experiment.observe,
-        wind: experiment.wind_commands()?,
-        elements: (experiment.head.elements.iter().zip(&experiment.drives).enumerate())
-            .map(|(i, (element, &drive))| ElementSetup {
-                name: element.name.clone(),
-                config: element.config,
-                model: experiment.model(i),
-                drive,
-            })
-            .collect(),
-    })
+pub fn setup_of(experiment: &Experiment) -> Result<Vec<Command>, RunError> {
+    let sample_period_s = experiment.sample_period_s;
+    let mut commands = vec![
+        Command::SamplePeriod { sample_period_s: sample_period_s as f32 },
+        Command::Guard(experiment.head.guard_config(sample_period_s)),
+    ];
+    commands.extend(experiment.observe.then_some(Command::Observe { on: true }));
+    for (i, (of, &drive)) in experiment.head.elements.iter().zip(&experiment.drives).enumerate() {
+        let element = i as u8;
+        commands.push(Command::Element { element, config: of.config });
+        commands.extend(experiment.model(i).map(|model| Command::Model { element, model }));
+        commands.push(Command::Drive { element, drive });
+    }
+    commands.extend(experiment.wind_commands()?.into_iter().map(Command::Wind));
+    Ok(commands)
 }
 
 /// Sets what the elements of an instrument do from now on. In lock-step that is the tick that comes

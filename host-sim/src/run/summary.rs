@@ -5,10 +5,11 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::start::SetPointJudgement;
 use anemometry::wind::tally::EstimateSummary;
 
 /// What a run amounted to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RunSummary {
     /// Of the experiment.
     pub title: String,
@@ -30,10 +31,9 @@ pub struct RunSummary {
     pub trips: Vec<TripSummary>,
     /// Of all states, temperatures and bits, where the instrument shows them all.
     pub hash: Option<String>,
-    /// Set-points, those of changes included, that can be held by a model.
-    pub judged: u32,
-    /// Set-points that none could judge.
-    pub unjudged: u32,
+    /// Of its set-points, by the models.
+    #[serde(flatten)]
+    pub judgement: SetPointJudgement,
     /// Ticks in winds beyond what is known of convection, when simulated.
     pub extrapolated: Option<u32>,
     /// What that is, in words.
@@ -97,12 +97,11 @@ impl fmt::Display for RunSummary {
             let share = 100.0 * f64::from(ticks) / f64::from(self.ticks.max(1));
             writeln!(f, "in {ticks} ticks ({share:.0} %) the wind was beyond {}", self.validity)?;
         }
-        if self.unjudged > 0 {
-            let what = if self.unjudged == 1 { "set-point" } else { "set-points" };
+        if let unjudged @ 1.. = self.judgement.unjudged {
+            let what = if unjudged == 1 { "set-point" } else { "set-points" };
             writeln!(
                 f,
-                "whether {} {what} can be held was not judged beforehand: the experiment names no `models` of these elements",
-                self.unjudged
+                "whether {unjudged} {what} can be held was not judged beforehand: the experiment names no `models` of these elements"
             )?;
         }
         for element in &self.unreached {
@@ -148,8 +147,7 @@ mod tests {
             trips: vec![TripSummary { time_s: 0.05, cause: "open", element: "core1".to_owned() }],
             hash: Some("00ff".to_owned()),
             unreached: vec!["sector9".to_owned()],
-            judged: 0,
-            unjudged: 1,
+            judgement: SetPointJudgement { judged: 0, unjudged: 1 },
             extrapolated: None,
             validity: "",
             wind: None,

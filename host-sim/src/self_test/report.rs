@@ -4,6 +4,7 @@
 use std::fmt;
 
 use dr_core::control::guard::Cause;
+use dr_core::control::self_test::PulseResponse;
 use dr_core::control::{SelfTestFinding, SelfTestPlan};
 use serde::{Serialize, Serializer};
 use time::OffsetDateTime;
@@ -45,24 +46,32 @@ impl fmt::Display for SelfTestReport {
 
 impl Serialize for SelfTestReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct TestJson<'a> {
-            firmware: &'a str,
-            date: Option<String>,
-            pulse_s: Option<f32>,
-            #[serde(rename = "well")]
-            pass: bool,
-            elements: Vec<FindingJson>,
-        }
         let json = TestJson {
             firmware: &self.firmware,
             date: self.plan.unix_s.map(date),
-            pulse_s: self.plan.pulse_s,
+            pulse_s: Some(self.plan.pulse_s),
+            starts: None,
             pass: self.faults().is_none(),
             elements: self.findings.iter().map(|finding| FindingJson::of(&self.names, finding)).collect(),
         };
         json.serialize(serializer)
     }
+}
+
+/// A self-test as JSON has it.
+#[derive(Serialize)]
+struct TestJson<'a> {
+    firmware: &'a str,
+    date: Option<String>,
+    /// Of one that is just over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pulse_s: Option<Option<f32>>,
+    /// Of one that a board has kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    starts: Option<u32>,
+    #[serde(rename = "well")]
+    pass: bool,
+    elements: Vec<FindingJson>,
 }
 
 /// The self-tests that a board has kept, the findings of each together.
@@ -80,6 +89,7 @@ impl StoredSelfTests {
         faults(self.records.iter().map(|record| &record.finding))
     }
 
+    /// The records of each test, one at least.
     fn tests(&self) -> impl Iterator<Item = &[TestRecord]> {
         let same =
             |a: &TestRecord, b: &TestRecord| (a.unix_s, a.starts, &a.firmware) == (b.unix_s, b.starts, &b.firmware);
@@ -90,10 +100,9 @@ impl StoredSelfTests {
 impl fmt::Display for StoredSelfTests {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (place, test) in self.tests().enumerate() {
-            let heading =
-                test.first().map_or_else(String::new, |record| format!("{}, {}", record.firmware, when(record)));
             let gap = if place > 0 { "\n" } else { "" };
-            write!(f, "{gap}{heading}\n\n{}", table(&self.names, test.iter().map(|record| &record.finding)))?;
+            write!(f, "{gap}{}, {}\n\n", test[0].firmware, when(&test[0]))?;
+            write!(f, "{}", table(&self.names, test.iter().map(|record| &record.finding)))?;
         }
         Ok(())
     }
@@ -103,26 +112,15 @@ impl Serialize for StoredSelfTests {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct StoredJson<'a> {
-            tests: Vec<StoredTestJson<'a>>,
+            tests: Vec<TestJson<'a>>,
         }
-        #[derive(Serialize)]
-        struct StoredTestJson<'a> {
-            firmware: Option<&'a str>,
-            date: Option<String>,
-            starts: Option<u32>,
-            #[serde(rename = "well")]
-            pass: bool,
-            elements: Vec<FindingJson>,
-        }
-        let tests = self.tests().map(|test| {
-            let first = test.first();
-            StoredTestJson {
-                firmware: first.map(|record| record.firmware.as_str()),
-                date: first.and_then(|record| record.unix_s).map(date),
-                starts: first.map(|record| record.starts),
-                pass: faults(test.iter().map(|record| &record.finding)).is_none(),
-                elements: test.iter().map(|record| FindingJson::of(&self.names, &record.finding)).collect(),
-            }
+        let tests = self.tests().map(|test| TestJson {
+            firmware: &test[0].firmware,
+            date: test[0].unix_s.map(date),
+            pulse_s: None,
+            starts: Some(test[0].starts),
+            pass: faults(test.iter().map(|record| &record.finding)).is_none(),
+            elements: test.iter().map(|record| FindingJson::of(&self.names, &record.finding)).collect(),
         });
         StoredJson { tests: tests.collect() }.serialize(serializer)
     }
@@ -138,16 +136,7 @@ struct FindingJson {
     reference: Option<f32>,
     temperature_c: Option<f32>,
     noise_k: Option<f32>,
-    response: Option<PulseResponseJson>,
-}
-
-/// What a pulse of heat did, as JSON has it.
-#[derive(Serialize)]
-struct PulseResponseJson {
-    rise_k: f32,
-    expected_k: Option<f32>,
-    ratio: Option<f32>,
-    gap_k: Option<f32>,
+    response: Option<PulseResponse>,
 }
 
 impl FindingJson {
@@ -160,12 +149,7 @@ impl FindingJson {
             reference: finding.reference,
             temperature_c: finding.temperature_c,
             noise_k: finding.noise_k,
-            response: finding.response.map(|response| PulseResponseJson {
-                rise_k: response.rise_k,
-                expected_k: response.expected_k,
-                ratio: response.ratio,
-                gap_k: response.gap_k,
-            }),
+            response: finding.response,
         }
     }
 }

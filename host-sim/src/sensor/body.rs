@@ -1,13 +1,11 @@
 //! A body that takes heat and loses it: a thermal network with the elements that heat it and the
 //! surfaces that the wind cools.
 //!
-//! The bodies themselves are in [`sphere_a`](super::sphere_a), [`sphere_b`](super::sphere_b) and
-//! [`rems`](super::rems); they build the network and name what is in it. Everything after that is
-//! the same for all of them and is here: wind into conductances, powers into temperatures, and the
-//! account of where the heat went.
+//! The bodies themselves are in [`sphere`](super::sphere) and [`rems`](super::rems); they build the
+//! network and name what is in it. Everything after that is the same for all of them and is here:
+//! wind into conductances, powers into temperatures, and the account of where the heat went.
 
 use super::convection::BodyConvection;
-use super::error::SensorError;
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
 use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
@@ -31,14 +29,18 @@ pub struct Surface {
     pub element: Option<usize>,
 }
 
-/// Mean heat flows over an interval, W. Of a surface: what is given to the gas, radiated, and
-/// conducted to the inside.
+/// Mean heat flows over an interval, W.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flows {
+    /// Electrical heat of every element.
     pub power_w: Vec<f64>,
+    /// Of every surface, to the gas.
     pub convection_w: Vec<f64>,
+    /// Of every surface, to the surroundings.
     pub radiation_w: Vec<f64>,
+    /// Of every surface, to the inside and to other surfaces.
     pub conduction_w: Vec<f64>,
+    /// From stem or boom to the support.
     pub support_w: f64,
 }
 
@@ -88,6 +90,7 @@ impl ThermalBody {
         let own_rate_per_s = network.stiffest_rate_per_s();
         let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
         let radiate = |surface: &Surface| {
+            assert!((0.0..=1.0).contains(&surface.emissivity), "an emissivity is 0 to 1");
             let coefficient_w_k4 = surface.emissivity * STEFAN_BOLTZMANN * surface.area_m2;
             network.radiate(surface.node, coefficient_w_k4, gas_k)
         };
@@ -117,16 +120,11 @@ impl ThermalBody {
         }
     }
 
-    /// Refuses a gas to which the convection could not follow.
-    pub fn check_gas(&self, gas: &IdealGas) -> Result<(), SensorError> {
-        self.convection.check(gas)
-    }
-
     /// The gas's temperature from now on, at the same pressure; the next [`ThermalBody::set_wind`]
     /// makes conductances of it. The surroundings to which surfaces radiate stay as they were.
     pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
         for link in &self.gas_links {
-            self.network.set_boundary_temperature(*link, temperature_k);
+            self.network.boundary_mut(*link).temperature_k = temperature_k;
         }
         if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
             self.gas = self.gas.at(temperature_k);
@@ -145,7 +143,7 @@ impl ThermalBody {
         // all.
         self.convection_rate_per_s = 0.0;
         for ((surface, link), &conductance) in self.surfaces.iter().zip(&self.gas_links).zip(&self.conductance_w_k) {
-            self.network.set_boundary_conductance(*link, conductance);
+            self.network.boundary_mut(*link).conductance_w_k = conductance;
             let rate_per_s = conductance / self.network.capacity_j_k(surface.node);
             self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
         }

@@ -2,20 +2,20 @@
 
 use super::body::ThermalBody;
 use super::element::SensorElement;
-use super::error::SensorError;
-use super::reference::Reference;
-use super::{rems, sphere_a, sphere_b};
+use super::error::{SensorError, require};
+use super::rems::{REMS, RemsConstruction};
+use super::sphere::SphereConstruction;
+use super::sphere_a::SPHERE_A;
+use super::sphere_b::SPHERE_B;
 use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
 /// A body with all of its numbers. [`Construction::named`] gives the sensors of the project.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Construction {
-    /// Two hemispheres and two cores.
-    SphereA(sphere_a::SphereAConstruction),
-    /// Four sectors and two cores.
-    SphereB(sphere_b::SphereBConstruction),
+    /// Surfaces of silver around two cores.
+    Sphere(SphereConstruction),
     /// Twelve dice on three cards around a boom.
-    Rems(rems::RemsConstruction),
+    Rems(RemsConstruction),
 }
 
 impl Construction {
@@ -24,24 +24,14 @@ impl Construction {
 
     /// A sensor of the project.
     pub fn named(name: &str) -> Option<Construction> {
-        match name {
-            "sphere-a" => Some(Construction::SphereA(sphere_a::SphereAConstruction::default())),
-            "sphere-b" => Some(Construction::SphereB(sphere_b::SphereBConstruction::default())),
-            "rems" => Some(Construction::Rems(rems::RemsConstruction::default())),
-            _ => None,
-        }
+        let all = [Construction::Sphere(SPHERE_A), Construction::Sphere(SPHERE_B), Construction::Rems(REMS)];
+        all.into_iter().find(|known| known.name() == name)
     }
 
     /// The same with a reference beside it, where there can be one.
     pub fn with_reference(self) -> Option<Construction> {
-        let reference = Some(Reference::default());
         match self {
-            Construction::SphereA(own) => {
-                Some(Construction::SphereA(sphere_a::SphereAConstruction { reference, ..own }))
-            }
-            Construction::SphereB(own) => {
-                Some(Construction::SphereB(sphere_b::SphereBConstruction { reference, ..own }))
-            }
+            Construction::Sphere(own) => Some(Construction::Sphere(SphereConstruction { reference: true, ..own })),
             Construction::Rems(_) => None,
         }
     }
@@ -49,8 +39,7 @@ impl Construction {
     /// Its name in head files.
     pub fn name(&self) -> &'static str {
         match self {
-            Construction::SphereA(_) => "sphere-a",
-            Construction::SphereB(_) => "sphere-b",
+            Construction::Sphere(own) => own.name,
             Construction::Rems(_) => "rems",
         }
     }
@@ -58,37 +47,33 @@ impl Construction {
     /// Its elements, in the order of heater bits and codes.
     pub fn elements(&self) -> Vec<SensorElement> {
         match self {
-            Construction::SphereA(own) => sphere_a::elements(own),
-            Construction::SphereB(own) => sphere_b::elements(own),
-            Construction::Rems(_) => rems::elements(),
+            Construction::Sphere(own) => own.elements(),
+            Construction::Rems(_) => super::rems::elements(),
         }
     }
 
     /// Where its convection ends, as in "the wind was beyond …".
     pub fn validity(&self) -> &'static str {
         match self {
-            Construction::SphereA(_) | Construction::SphereB(_) => "the computed Nusselt numbers (Re 200)",
+            Construction::Sphere(_) => "the computed Nusselt numbers (Re 200)",
             Construction::Rems(_) => "the laminar boundary layer (Re 5e5 on a card)",
         }
     }
 
     /// The body in equilibrium with the gas, its stem or boom between gas and support.
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        if !(support_k.is_finite() && support_k > 0.0) {
-            let celsius = support_k - ZERO_CELSIUS_K;
-            return Err(SensorError::out_of_range("support.temperature_c", celsius, "above -273.15"));
-        }
+        let (possible, celsius) = (support_k.is_finite() && support_k > 0.0, support_k - ZERO_CELSIUS_K);
+        require(possible, "support.temperature_c", celsius, "above -273.15")?;
         match self {
-            Construction::SphereA(construction) => construction.body(gas, support_k),
-            Construction::SphereB(construction) => construction.body(gas, support_k),
-            Construction::Rems(construction) => construction.body(gas, support_k),
+            Construction::Sphere(own) => own.body(gas, support_k),
+            Construction::Rems(own) => own.body(gas, support_k),
         }
     }
 }
 
 impl Default for Construction {
     fn default() -> Construction {
-        Construction::SphereB(sphere_b::SphereBConstruction::default())
+        Construction::Sphere(SPHERE_B)
     }
 }
 

@@ -23,7 +23,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use anemometry::head::{NominalElement, PlatinumKind};
 
-use super::error::SensorError;
+use super::error::{SensorError, require};
 
 /// Codes of a 24-bit two's complement converter.
 pub const HIGHEST_CODE: i32 = 0x7F_FFFF;
@@ -31,7 +31,8 @@ pub const LOWEST_CODE: i32 = -0x80_0000;
 
 /// Imperfections of the front end; all zero by default. Errors are standard deviations in percent
 /// of the nominal value.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Imperfections {
     /// Noise of the converter's input, V rms.
     pub noise_v_rms: f64,
@@ -44,7 +45,8 @@ pub struct Imperfections {
 }
 
 /// How a resistor breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ResistorFault {
     /// No current flows.
     Open,
@@ -79,9 +81,8 @@ impl SimulatedFrontEnd {
         mut tolerances: ChaCha8Rng,
         noise: ChaCha8Rng,
     ) -> Result<SimulatedFrontEnd, SensorError> {
-        if !(volt_per_code.is_finite() && volt_per_code > 0.0) {
-            return Err(SensorError::out_of_range("volt_per_code", volt_per_code, "more than 0"));
-        }
+        let positive = volt_per_code.is_finite() && volt_per_code > 0.0;
+        require(positive, "volt_per_code", volt_per_code, "more than 0")?;
         imperfections.check()?;
         let mut made = Vec::with_capacity(elements.len());
         for (i, element) in elements.iter().enumerate() {
@@ -143,17 +144,14 @@ fn code_of(exact: f64) -> i32 {
 
 impl Imperfections {
     fn check(&self) -> Result<(), SensorError> {
-        for (name, value) in [
+        let all = [
             ("front_end.noise_v_rms", self.noise_v_rms),
             ("front_end.resistance_error_percent", self.resistance_error_percent),
             ("front_end.coefficient_error_percent", self.coefficient_error_percent),
             ("front_end.current_error_percent", self.current_error_percent),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(SensorError::out_of_range(name, value, "zero or more"));
-            }
-        }
-        Ok(())
+        ];
+        all.into_iter()
+            .try_for_each(|(key, value)| require(value.is_finite() && value >= 0.0, key, value, "zero or more"))
     }
 }
 
@@ -166,7 +164,9 @@ impl FrontEndChannel {
     ) -> Result<FrontEndChannel, SensorError> {
         let (low_a, high_a) = (nominal.current_low_a, nominal.current_high_a);
         if !(low_a > 0.0 && low_a < high_a && high_a.is_finite()) {
-            return Err(SensorError::Currents { element: index, low_a, high_a });
+            return Err(SensorError::Elements(format!(
+                "currents of element {index} are {low_a} A low and {high_a} A high; they must be positive and the low one smaller"
+            )));
         }
         let off_by = |percent: f64, normal: f64| 1.0 + 0.01 * percent * normal;
         let resistance = off_by(imperfections.resistance_error_percent, resistance);
@@ -177,7 +177,7 @@ impl FrontEndChannel {
             ),
             PlatinumKind::Iec60751 { resistance_0c_ohm } => Platinum::iec60751((resistance_0c_ohm * resistance) as f32),
         }
-        .map_err(|source| SensorError::Platinum { element: index, source })?;
+        .map_err(|error| SensorError::Elements(format!("platinum of element {index}: {error}")))?;
         let current_error = imperfections.current_error_percent;
         Ok(FrontEndChannel {
             platinum,

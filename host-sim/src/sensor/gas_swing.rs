@@ -20,42 +20,34 @@
 
 use std::f64::consts::TAU;
 
-use super::error::SensorError;
+use super::error::{SensorError, require};
 
 /// Shortest period in sample periods: a sine that is held in fewer steps would be another swing.
 const LEAST_SAMPLE_PERIODS: f64 = 20.0;
 
 /// How a gas's temperature swings.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GasSwing {
     /// Amplitude about the mean, K.
     pub amplitude_k: f64,
     /// Period, s.
     pub period_s: f64,
     /// Before, the gas stands still.
+    #[serde(default)]
     pub start_s: f64,
 }
 
 impl GasSwing {
     /// Refuses numbers that make no swing, by their keys.
     pub fn check(&self, sample_period_s: f64) -> Result<(), SensorError> {
-        let refuse = |key: &str, value: f64, expected: &'static str| {
-            Err(SensorError::out_of_range(format!("gas.swing.{key}"), value, expected))
-        };
-        if !(self.amplitude_k.is_finite() && self.amplitude_k > 0.0) {
-            return refuse("amplitude_k", self.amplitude_k, "more than 0; a gas that stands still has no `swing`");
-        }
-        if !(self.period_s.is_finite() && self.period_s >= LEAST_SAMPLE_PERIODS * sample_period_s) {
-            return refuse(
-                "period_s",
-                self.period_s,
-                "at least 20 sample periods, as the gas is held over each of them",
-            );
-        }
-        if !(self.start_s.is_finite() && self.start_s >= 0.0) {
-            return refuse("start_s", self.start_s, "zero or more");
-        }
-        Ok(())
+        let Self { amplitude_k, period_s, start_s } = *self;
+        let expected = "more than 0; a gas that stands still has no `swing`";
+        require(amplitude_k.is_finite() && amplitude_k > 0.0, "gas.swing.amplitude_k", amplitude_k, expected)?;
+        let slow = period_s.is_finite() && period_s >= LEAST_SAMPLE_PERIODS * sample_period_s;
+        let expected = "at least 20 sample periods, as the gas is held over each of them";
+        require(slow, "gas.swing.period_s", period_s, expected)?;
+        require(start_s.is_finite() && start_s >= 0.0, "gas.swing.start_s", start_s, "zero or more")
     }
 
     /// How far the gas is from its mean, K.

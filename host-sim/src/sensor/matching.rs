@@ -1,9 +1,9 @@
 //! Whether the elements of a head are those of the sensor that is to simulate it.
 
-use anemometry::head::{Head, HeadElement};
+use anemometry::head::Head;
 use recording::REFERENCE;
 use recording::text::suggest;
-use recording::toml_file::{FileError, TomlSource};
+use recording::toml_file::FileError;
 
 use super::construction::Construction;
 use super::element::SensorElement;
@@ -13,10 +13,8 @@ use super::element::SensorElement;
 /// # Errors
 /// If there is no sensor of that name, or it has other elements.
 pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
-    head.sensor.as_deref().map(|name| sensor(&head.source, name, &head.elements)).transpose()
-}
-
-fn sensor(source: &TomlSource, name: &str, elements: &[HeadElement]) -> Result<Construction, FileError> {
+    let (source, elements) = (&head.source, &head.elements);
+    let Some(name) = head.sensor.as_deref() else { return Ok(None) };
     let construction = Construction::named(name).ok_or_else(|| {
         let sentence = format!("is `{name}`, which cannot be simulated; {}", suggest(name, Construction::NAMES));
         source.refuse("sensor", sentence)
@@ -35,39 +33,34 @@ fn sensor(source: &TomlSource, name: &str, elements: &[HeadElement]) -> Result<C
             let sentence = format!("is `{name}`, but its element `{}` is missing here: {counts}", part.name);
             return Err(source.refuse("sensor", sentence));
         };
-        same(source, name, i, part, element)?;
+        if element.name != part.name {
+            let sentence = format!("is `{}`, but element {} of `{name}` is `{}`", element.name, i + 1, part.name);
+            return Err(source.refuse(&format!("elements[{i}].name"), sentence));
+        }
+        if let Some(sentence) = element.normal.and_then(|normal| other_normal(name, part, normal)) {
+            return Err(source.refuse(&format!("elements[{i}].normal"), sentence));
+        }
     }
     if let Some(surplus) = elements.get(parts.len()) {
         let more = if extended.is_some() && parts.len() == own { "; one more may be its `reference`" } else { "" };
         let sentence = format!("is `{}`, which `{name}` has not: {counts}{more}", surplus.name);
         return Err(source.refuse(&format!("elements[{}].name", parts.len()), sentence));
     }
-    Ok(construction)
+    Ok(Some(construction))
 }
 
-fn same(
-    source: &TomlSource,
-    name: &str,
-    i: usize,
-    part: &SensorElement,
-    element: &HeadElement,
-) -> Result<(), FileError> {
-    if element.name != part.name {
-        let sentence = format!("is `{}`, but element {} of `{name}` is `{}`", element.name, i + 1, part.name);
-        return Err(source.refuse(&format!("elements[{i}].name"), sentence));
-    }
-    let Some(normal) = element.normal else { return Ok(()) };
-    let sentence = match part.normal {
-        Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => return Ok(()),
+/// What is wrong with the normal of an element, if it is not that of the sensor's.
+fn other_normal(sensor: &str, part: &SensorElement, normal: [f64; 3]) -> Option<String> {
+    match part.normal {
+        Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => None,
         Some(axis) => {
-            format!("turns `{}` towards {normal:.3?}, but in `{name}` it looks towards {axis:.3?}", part.name)
+            Some(format!("turns `{}` towards {normal:.3?}, but in `{sensor}` it looks towards {axis:.3?}", part.name))
         }
         None if part.name == REFERENCE => {
-            format!("is given for `{}`, which is simulated as meeting every wind alike", part.name)
+            Some(format!("is given for `{}`, which is simulated as meeting every wind alike", part.name))
         }
-        None => format!("is given for `{}`, which lies inside `{name}`", part.name),
-    };
-    Err(source.refuse(&format!("elements[{i}].normal"), sentence))
+        None => Some(format!("is given for `{}`, which lies inside `{sensor}`", part.name)),
+    }
 }
 
 #[cfg(test)]
@@ -75,6 +68,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use recording::toml_file::TomlSource;
 
     fn file(name: &str) -> TomlSource {
         TomlSource::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads").join(name)).unwrap()

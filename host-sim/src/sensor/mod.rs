@@ -4,12 +4,13 @@
 //! |---|---|
 //! | [`convection`] | conductance of every surface to the gas, for any wind vector |
 //! | `network` | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
-//! | `sphere_a`, `sphere_b`, `rems` | the sensors of the thesis as such networks, from geometry and materials |
+//! | `sphere`, `rems` | the sensors of the thesis as such networks |
+//! | `sphere_a`, `sphere_b` | what two of them are made of: geometry and materials |
 //! | `rod` | what holds them |
 //! | `reference`(mod@reference) | what measures the gas beside a sphere |
 //! | `body` | what all of them do: take heat, lose it and account for it |
 //! | `construction` | one of them, by its name |
-//! | `element` | a body's elements, and checks of its numbers |
+//! | `element` | a body's elements |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
 //! | `gas_swing` | a gas whose temperature swings |
@@ -47,11 +48,13 @@ mod reference;
 mod rems;
 mod rod;
 mod simulated;
+mod sphere;
 mod sphere_a;
 mod sphere_b;
 mod truth;
 pub mod wind;
 
+pub use body::Flows;
 pub use config::{SensorConfig, TimedFault};
 pub use construction::Construction;
 pub use element::SensorElement;

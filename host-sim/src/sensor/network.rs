@@ -30,11 +30,14 @@ struct ThermalLink {
     conductance_w_k: f64,
 }
 
+/// A link to a body of fixed temperature.
 #[derive(Clone, Copy, Debug)]
-struct Boundary {
+pub struct Boundary {
     node: usize,
-    conductance_w_k: f64,
-    temperature_k: f64,
+    pub conductance_w_k: f64,
+    pub temperature_k: f64,
+    /// Heat that has left by it since the network was made, J.
+    heat_j: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +45,8 @@ struct Radiator {
     node: usize,
     coefficient_w_k4: f64,
     surroundings_k4: f64,
+    /// Heat that has left by it since the network was made, J.
+    heat_j: f64,
 }
 
 /// All ways that heat can take.
@@ -53,31 +58,25 @@ struct Paths {
 }
 
 impl Paths {
-    /// Adds to `heat_w` what flows into every node at `temperature_k`, and reports what leaves the
-    /// network.
+    /// Adds to `heat_w` what flows into every node at `temperature_k`, and counts what leaves the
+    /// network as flowing for so long.
     #[inline(always)]
-    fn flow(
-        &self,
-        temperature_k: &[f64],
-        heat_w: &mut [f64],
-        mut leaves_by_boundary: impl FnMut(usize, f64),
-        mut leaves_by_radiator: impl FnMut(usize, f64),
-    ) {
+    fn flow(&mut self, temperature_k: &[f64], heat_w: &mut [f64], counted_s: f64) {
         for link in &self.links {
             let flow = link.conductance_w_k * (temperature_k[link.a] - temperature_k[link.b]);
             heat_w[link.a] -= flow;
             heat_w[link.b] += flow;
         }
-        for (i, boundary) in self.boundaries.iter().enumerate() {
+        for boundary in &mut self.boundaries {
             let flow = boundary.conductance_w_k * (temperature_k[boundary.node] - boundary.temperature_k);
             heat_w[boundary.node] -= flow;
-            leaves_by_boundary(i, flow);
+            boundary.heat_j += counted_s * flow;
         }
-        for (i, radiator) in self.radiators.iter().enumerate() {
+        for radiator in &mut self.radiators {
             let squared = temperature_k[radiator.node] * temperature_k[radiator.node];
             let flow = radiator.coefficient_w_k4 * (squared * squared - radiator.surroundings_k4);
             heat_w[radiator.node] -= flow;
-            leaves_by_radiator(i, flow);
+            radiator.heat_j += counted_s * flow;
         }
     }
 }
@@ -96,9 +95,6 @@ pub struct ThermalNetwork {
     capacity_j_k: Vec<f64>,
     inverse_capacity_k_j: Vec<f64>,
     paths: Paths,
-    /// Heat that left through every boundary and every radiator since the network was made, J.
-    boundary_heat_j: Vec<f64>,
-    radiator_heat_j: Vec<f64>,
     // Work space of a step, kept so that a step allocates nothing.
     stage_k: Vec<f64>,
     heat_w: Vec<f64>,
@@ -106,10 +102,6 @@ pub struct ThermalNetwork {
 }
 
 impl ThermalNetwork {
-    pub fn new() -> ThermalNetwork {
-        ThermalNetwork::default()
-    }
-
     /// Adds a node and returns its number.
     pub fn add_node(&mut self, capacity_j_k: f64, temperature_k: f64) -> usize {
         assert!(capacity_j_k > 0.0, "a node needs a heat capacity");
@@ -125,32 +117,28 @@ impl ThermalNetwork {
 
     pub fn link(&mut self, a: usize, b: usize, conductance_w_k: f64) {
         assert!(a != b && a.max(b) < self.len(), "a link joins two nodes");
+        assert!(conductance_w_k > 0.0, "a link conducts");
         self.paths.links.push(ThermalLink { a, b, conductance_w_k });
     }
 
     /// Joins a node to a body of fixed temperature.
     pub fn link_to_fixed(&mut self, node: usize, conductance_w_k: f64, temperature_k: f64) -> BoundaryId {
         assert!(node < self.len(), "a boundary needs a node");
-        self.paths.boundaries.push(Boundary { node, conductance_w_k, temperature_k });
-        self.boundary_heat_j.push(0.0);
+        self.paths.boundaries.push(Boundary { node, conductance_w_k, temperature_k, heat_j: 0.0 });
         BoundaryId(self.paths.boundaries.len() - 1)
     }
 
     /// Lets a node radiate to surroundings of fixed temperature; the coefficient is ε σ A.
     pub fn radiate(&mut self, node: usize, coefficient_w_k4: f64, surroundings_k: f64) -> RadiatorId {
         assert!(node < self.len(), "a radiator needs a node");
-        self.paths.radiators.push(Radiator { node, coefficient_w_k4, surroundings_k4: surroundings_k.powi(4) });
-        self.radiator_heat_j.push(0.0);
+        let surroundings_k4 = surroundings_k.powi(4);
+        self.paths.radiators.push(Radiator { node, coefficient_w_k4, surroundings_k4, heat_j: 0.0 });
         RadiatorId(self.paths.radiators.len() - 1)
     }
 
-    pub fn set_boundary_conductance(&mut self, boundary: BoundaryId, conductance_w_k: f64) {
-        self.paths.boundaries[boundary.0].conductance_w_k = conductance_w_k;
-    }
-
-    /// Gives the body at the other end of a boundary another temperature.
-    pub fn set_boundary_temperature(&mut self, boundary: BoundaryId, temperature_k: f64) {
-        self.paths.boundaries[boundary.0].temperature_k = temperature_k;
+    /// A boundary, whose conductance and temperature may change.
+    pub fn boundary_mut(&mut self, boundary: BoundaryId) -> &mut Boundary {
+        &mut self.paths.boundaries[boundary.0]
     }
 
     pub fn len(&self) -> usize {
@@ -173,12 +161,12 @@ impl ThermalNetwork {
 
     /// Heat that has left through a boundary since the network was made, J.
     pub fn boundary_heat_j(&self, boundary: BoundaryId) -> f64 {
-        self.boundary_heat_j[boundary.0]
+        self.paths.boundaries[boundary.0].heat_j
     }
 
     /// Heat that has left by radiation since the network was made, J.
     pub fn radiator_heat_j(&self, radiator: RadiatorId) -> f64 {
-        self.radiator_heat_j[radiator.0]
+        self.paths.radiators[radiator.0].heat_j
     }
 
     /// An upper bound of the network's fastest rate, 1/s: Gershgorin's circles of C^−½ G C^−½,
@@ -229,13 +217,7 @@ impl ThermalNetwork {
         for (weight, ahead) in STAGES {
             self.heat_w.copy_from_slice(power_w);
             let weighted_s = weight * step_s;
-            let (boundary_heat_j, radiator_heat_j) = (&mut self.boundary_heat_j, &mut self.radiator_heat_j);
-            self.paths.flow(
-                &self.stage_k,
-                &mut self.heat_w,
-                |i, flow| boundary_heat_j[i] += weighted_s * flow,
-                |i, flow| radiator_heat_j[i] += weighted_s * flow,
-            );
+            self.paths.flow(&self.stage_k, &mut self.heat_w, weighted_s);
             let ahead_s = ahead * step_s;
             let (change, stage) = (&mut self.change_k[..n], &mut self.stage_k[..n]);
             let (start, inverse) = (&self.temperature_k[..n], &self.inverse_capacity_k_j[..n]);
@@ -255,7 +237,7 @@ impl ThermalNetwork {
     pub fn settle(&mut self, power_w: &[f64]) {
         for _ in 0..20 {
             let mut residual_w = power_w.to_vec();
-            self.paths.flow(&self.temperature_k, &mut residual_w, |_, _| {}, |_, _| {});
+            self.paths.flow(&self.temperature_k, &mut residual_w, 0.0);
             let correction = solve(self.jacobian_w_k(), residual_w);
             for (temperature, correction) in self.temperature_k.iter_mut().zip(&correction) {
                 *temperature += correction;
@@ -312,7 +294,7 @@ mod tests {
 
     /// Two bodies, one on a cold wall, one in a gas: every kind of path but radiation.
     fn linear_network() -> ThermalNetwork {
-        let mut network = ThermalNetwork::new();
+        let mut network = ThermalNetwork::default();
         let chip = network.add_node(3e-3, 260.0);
         let body = network.add_node(0.118, 250.0);
         let core = network.add_node(0.075, 240.0);
@@ -386,7 +368,9 @@ mod tests {
             network.step(step_s, &power);
         }
         let given = power.iter().sum::<f64>() * step_s * steps as f64;
-        let left: f64 = network.boundary_heat_j.iter().chain(&network.radiator_heat_j).sum();
+        let Paths { boundaries, radiators, .. } = &network.paths;
+        let by_boundary = boundaries.iter().map(|boundary| boundary.heat_j);
+        let left: f64 = by_boundary.chain(radiators.iter().map(|radiator| radiator.heat_j)).sum();
         let balance = given - left - (network.stored_heat_j() - stored);
         // Rounding only: half a million sums of f64 on 52 J given and 50 J stored.
         assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");

@@ -21,62 +21,40 @@
 use super::body::Surface;
 use super::convection::BodyConvection;
 use super::convection::film::Film;
-use super::element::{SensorElement, check};
+use super::element::SensorElement;
 use super::error::SensorError;
 use super::network::ThermalNetwork;
 use anemometry::gas::IdealGas;
+use recording::REFERENCE;
 
-/// Its name in a head.
-pub const NAME: &str = "reference";
+const LENGTH_M: f64 = 4e-3;
+const WIDTH_M: f64 = 2.5e-3;
+const CAPACITY_J_K: f64 = 1e-3;
+const EMISSIVITY: f64 = 0.03;
 
-/// What the film is made of; the default is the one of the head of this file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference {
-    pub length_m: f64,
-    pub width_m: f64,
-    pub capacity_j_k: f64,
-    pub emissivity: f64,
-}
-
-impl Default for Reference {
-    fn default() -> Reference {
-        Reference { length_m: 4e-3, width_m: 2.5e-3, capacity_j_k: 1e-3, emissivity: 0.03 }
-    }
-}
-
-impl Reference {
-    /// Puts it beside a body, as its last element and its last surface; returns the convection of
-    /// both.
-    pub(super) fn beside(
-        &self,
-        network: &mut ThermalNetwork,
-        elements: &mut Vec<usize>,
-        surfaces: &mut Vec<Surface>,
-        convection: BodyConvection,
-        gas: &IdealGas,
-    ) -> Result<BodyConvection, SensorError> {
-        let positive = [
-            ("reference.length_m", self.length_m),
-            ("reference.width_m", self.width_m),
-            ("reference.capacity_j_k", self.capacity_j_k),
-        ];
-        check(&positive, &[("reference.emissivity", self.emissivity)])?;
-        let film = Film::new(gas, self.length_m, self.width_m)?;
-        let node = network.add_node(self.capacity_j_k, gas.temperature_k);
-        surfaces.push(Surface {
-            name: NAME.to_owned(),
-            node,
-            emissivity: self.emissivity,
-            area_m2: 2.0 * self.length_m * self.width_m,
-            carries: Vec::new(),
-            element: Some(elements.len()),
-        });
-        elements.push(node);
-        Ok(BodyConvection::Beside(Box::new(convection), film))
-    }
+/// Puts it beside a body, as its last element and its last surface; returns the convection of both.
+pub(super) fn beside(
+    network: &mut ThermalNetwork,
+    elements: &mut Vec<usize>,
+    surfaces: &mut Vec<Surface>,
+    convection: BodyConvection,
+    gas: &IdealGas,
+) -> Result<BodyConvection, SensorError> {
+    let film = Film::new(gas, LENGTH_M, WIDTH_M)?;
+    let node = network.add_node(CAPACITY_J_K, gas.temperature_k);
+    surfaces.push(Surface {
+        name: REFERENCE.to_owned(),
+        node,
+        emissivity: EMISSIVITY,
+        area_m2: 2.0 * LENGTH_M * WIDTH_M,
+        carries: Vec::new(),
+        element: Some(elements.len()),
+    });
+    elements.push(node);
+    Ok(BodyConvection::Beside(Box::new(convection), film))
 }
 
 /// The element.
 pub(super) fn element() -> SensorElement {
-    SensorElement { name: NAME.to_owned(), normal: None }
+    SensorElement { name: REFERENCE.to_owned(), normal: None }
 }

@@ -37,13 +37,13 @@
 use super::body::{Surface, ThermalBody};
 use super::convection::BodyConvection;
 use super::convection::boom::{Boom, BoomShape, CARDS, DICE, DICE_PER_CARD, card_normal};
-use super::element::{SensorElement, check};
+use super::element::SensorElement;
 use super::error::SensorError;
 use super::network::ThermalNetwork;
 use super::rod::SupportRod;
 use anemometry::gas::IdealGas;
 
-/// What the transducer is made of; the default is the one of the head of this file.
+/// What the transducer is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemsConstruction {
     /// Sizes, and what the wind does with them.
@@ -58,57 +58,45 @@ pub struct RemsConstruction {
     pub card_to_head_w_k: f64,
     pub card_emissivity: f64,
     pub head_capacity_j_k: f64,
-    pub shank_w_k: f64,
-    pub shank_capacity_j_k: f64,
+    pub shank: SupportRod,
 }
 
-impl Default for RemsConstruction {
-    fn default() -> RemsConstruction {
-        RemsConstruction {
-            shape: BoomShape {
-                die_side_m: 1.5e-3,
-                die_thickness_m: 0.25e-3,
-                card_length_m: 45e-3,
-                card_width_m: 22e-3,
-                head_diameter_m: 10e-3,
-                head_length_m: 18e-3,
-                shank_diameter_m: 10e-3,
-                shank_length_m: 0.1,
-                shank_cells: 3,
-                shade: 0.3,
-                front_to_rear: 0.1,
-            },
-            die_capacity_j_k: 9.3e-4,
-            die_to_leg_w_k: 4.7e-3,
-            die_to_die_w_k: 1.4e-5,
-            leg_capacity_j_k: 3.2e-4,
-            leg_to_leg_w_k: 3.7e-4,
-            leg_to_card_w_k: 1.63e-3,
-            card_capacity_j_k: 1.1,
-            card_to_head_w_k: 6.7e-4,
-            card_emissivity: 0.9,
-            head_capacity_j_k: 3.6,
-            shank_w_k: 2e-4,
-            shank_capacity_j_k: 4.8,
-        }
-    }
-}
+/// The transducer of the head of this file.
+pub const REMS: RemsConstruction = RemsConstruction {
+    shape: BoomShape {
+        die_side_m: 1.5e-3,
+        die_thickness_m: 0.25e-3,
+        card_length_m: 45e-3,
+        card_width_m: 22e-3,
+        head_diameter_m: 10e-3,
+        head_length_m: 18e-3,
+        shank_diameter_m: 10e-3,
+        shank_length_m: 0.1,
+        shade: 0.3,
+        front_to_rear: 0.1,
+    },
+    die_capacity_j_k: 9.3e-4,
+    die_to_leg_w_k: 4.7e-3,
+    die_to_die_w_k: 1.4e-5,
+    leg_capacity_j_k: 3.2e-4,
+    leg_to_leg_w_k: 3.7e-4,
+    leg_to_card_w_k: 1.63e-3,
+    card_capacity_j_k: 1.1,
+    card_to_head_w_k: 6.7e-4,
+    card_emissivity: 0.9,
+    head_capacity_j_k: 3.6,
+    shank: SupportRod { conductance_w_k: 2e-4, capacity_j_k: 4.8, cells: 3 },
+};
 
 impl RemsConstruction {
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        self.check()?;
-        let mut network = ThermalNetwork::new();
+        let mut network = ThermalNetwork::default();
         let gas_k = gas.temperature_k;
         let dice = [(); DICE].map(|()| network.add_node(self.die_capacity_j_k, gas_k));
         let legs = [(); DICE].map(|()| network.add_node(self.leg_capacity_j_k, gas_k));
         let cards = [(); CARDS].map(|()| network.add_node(self.card_capacity_j_k, gas_k));
         let head = network.add_node(self.head_capacity_j_k, gas_k);
-        let shank = SupportRod {
-            conductance_w_k: self.shank_w_k,
-            capacity_j_k: self.shank_capacity_j_k,
-            cells: self.shape.shank_cells,
-        };
-        let (cells, support) = shank.add(&mut network, &[head], gas_k, support_k);
+        let (cells, support) = self.shank.add(&mut network, &[head], gas_k, support_k);
 
         for i in 0..DICE {
             let card = i / DICE_PER_CARD;
@@ -142,39 +130,6 @@ impl RemsConstruction {
         let convection = BodyConvection::Boom(Boom::new(gas, &self.shape)?);
         Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
     }
-
-    fn check(&self) -> Result<(), SensorError> {
-        let shape = &self.shape;
-        let positive = [
-            ("shape.die_side_m", shape.die_side_m),
-            ("shape.die_thickness_m", shape.die_thickness_m),
-            ("shape.card_length_m", shape.card_length_m),
-            ("shape.card_width_m", shape.card_width_m),
-            ("shape.head_diameter_m", shape.head_diameter_m),
-            ("shape.head_length_m", shape.head_length_m),
-            ("shape.shank_diameter_m", shape.shank_diameter_m),
-            ("shape.shank_length_m", shape.shank_length_m),
-            ("shape.shank_cells", shape.shank_cells as f64),
-            ("die_capacity_j_k", self.die_capacity_j_k),
-            ("die_to_leg_w_k", self.die_to_leg_w_k),
-            ("die_to_die_w_k", self.die_to_die_w_k),
-            ("leg_capacity_j_k", self.leg_capacity_j_k),
-            ("leg_to_leg_w_k", self.leg_to_leg_w_k),
-            ("leg_to_card_w_k", self.leg_to_card_w_k),
-            ("card_capacity_j_k", self.card_capacity_j_k),
-            ("card_to_head_w_k", self.card_to_head_w_k),
-            ("head_capacity_j_k", self.head_capacity_j_k),
-            ("shank_w_k", self.shank_w_k),
-            ("shank_capacity_j_k", self.shank_capacity_j_k),
-        ];
-        let shares = [("card_emissivity", self.card_emissivity), ("shape.shade", shape.shade)];
-        check(&positive, &shares)?;
-        // Twice of it is what a die in the corner may have less of, which must leave some cooling.
-        if !(0.0..0.5).contains(&shape.front_to_rear) {
-            return Err(SensorError::out_of_range("shape.front_to_rear", shape.front_to_rear, "0 to less than 0.5"));
-        }
-        Ok(())
-    }
 }
 
 fn die_name(i: usize) -> String {
@@ -183,8 +138,8 @@ fn die_name(i: usize) -> String {
 
 /// The elements.
 pub(super) fn elements() -> Vec<SensorElement> {
-    let dice = (0..CARDS * DICE_PER_CARD).map(|i| SensorElement::facing(die_name(i), card_normal(i / DICE_PER_CARD)));
-    dice.chain([SensorElement::inside("boom".to_owned())]).collect()
+    let die = |i: usize| SensorElement { name: die_name(i), normal: Some(card_normal(i / DICE_PER_CARD)) };
+    (0..DICE).map(die).chain([SensorElement { name: "boom".to_owned(), normal: None }]).collect()
 }
 
 #[cfg(test)]

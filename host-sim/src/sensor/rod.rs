@@ -6,7 +6,7 @@
 use super::network::{BoundaryId, ThermalNetwork};
 
 /// A rod as a whole.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportRod {
     /// From one end to the other.
     pub conductance_w_k: f64,

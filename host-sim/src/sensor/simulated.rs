@@ -12,7 +12,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::body::ThermalBody;
 use super::config::{SensorConfig, TimedFault};
-use super::error::SensorError;
+use super::error::{SensorError, require};
 use super::front_end::SimulatedFrontEnd;
 use super::gas_swing::GasSwing;
 use super::truth::SensorTruth;
@@ -41,12 +41,11 @@ impl Sensor {
     /// level, as it is after standing by for long.
     pub fn new(config: &SensorConfig) -> Result<Sensor, SensorError> {
         let sample_period_s = config.sample_period_s;
-        if !(1e-6..=10.0).contains(&sample_period_s) {
-            return Err(SensorError::out_of_range("sample_period_s", sample_period_s, "1e-6 to 10"));
-        }
+        require((1e-6..=10.0).contains(&sample_period_s), "sample_period_s", sample_period_s, "1e-6 to 10")?;
         let (expected, found) = (config.construction.elements().len(), config.elements.len());
         if found != expected {
-            return Err(SensorError::Elements { sensor: config.construction.name(), expected, found });
+            let sensor = config.construction.name();
+            return Err(SensorError::Elements(format!("{found} elements are given, but `{sensor}` has {expected}")));
         }
         let gas = IdealGas::new(config.species, config.pressure_pa, config.gas_temperature_c + ZERO_CELSIUS_K)?;
         // Streams of one generator: noise does not change when turbulence is switched on, nor the
@@ -67,7 +66,7 @@ impl Sensor {
         let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
         if let Some(swing) = &config.gas_swing {
             swing.check(sample_period_s)?;
-            check_range(&gas, swing, &body)?;
+            check_range(&gas, swing, config)?;
         }
         let wind_m_s = wind.mean_m_s();
         let mut sensor = Sensor {
@@ -84,7 +83,10 @@ impl Sensor {
             wind_m_s,
         };
         sensor.apply_faults();
-        sensor.settle_at_low_level();
+        sensor.body.set_wind(wind_m_s);
+        let front_end = &sensor.front_end;
+        sensor.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
+        sensor.sample(0);
         Ok(sensor)
     }
 
@@ -122,16 +124,12 @@ impl Sensor {
 
     /// The true state at the end of the last period.
     pub fn truth(&self) -> SensorTruth {
-        let flows = self.body.flows().clone();
+        let surfaces = 0..self.body.surface_names().count();
         SensorTruth {
             time_s: self.time_s(),
             element_temperature_c: self.element_temperature_c.clone(),
-            surface_temperature_c: (0..flows.convection_w.len()).map(|i| self.body.surface_temperature_c(i)).collect(),
-            power_w: flows.power_w,
-            convection_w: flows.convection_w,
-            radiation_w: flows.radiation_w,
-            conduction_w: flows.conduction_w,
-            support_w: flows.support_w,
+            surface_temperature_c: surfaces.map(|i| self.body.surface_temperature_c(i)).collect(),
+            flows: self.body.flows().clone(),
             gas_temperature_c: self.gas_temperature_c(),
             wind_m_s: self.wind_m_s,
             wind_extrapolated: self.wind_extrapolated(),
@@ -163,11 +161,6 @@ impl Sensor {
         self.body.extrapolated(self.wind_m_s)
     }
 
-    /// Label of the wind entry of the last period.
-    pub fn wind_label(&self) -> &str {
-        self.wind.label()
-    }
-
     /// Time since the start, s.
     pub fn time_s(&self) -> f64 {
         self.tick as f64 * self.sample_period_s
@@ -188,13 +181,6 @@ impl Sensor {
         }
     }
 
-    fn settle_at_low_level(&mut self) {
-        self.body.set_wind(self.wind_m_s);
-        let front_end = &self.front_end;
-        self.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
-        self.sample(0);
-    }
-
     fn sample(&mut self, heaters: u16) {
         for (i, temperature_c) in self.element_temperature_c.iter_mut().enumerate() {
             *temperature_c = self.body.element_temperature_c(i);
@@ -204,13 +190,13 @@ impl Sensor {
 }
 
 /// Refuses a swing that leaves the range in which the gas or its convection is known.
-fn check_range(gas: &IdealGas, swing: &GasSwing, body: &ThermalBody) -> Result<(), SensorError> {
+fn check_range(gas: &IdealGas, swing: &GasSwing, config: &SensorConfig) -> Result<(), SensorError> {
     for end_k in [gas.temperature_k - swing.amplitude_k, gas.temperature_k + swing.amplitude_k] {
         let gas = IdealGas::new(gas.species, gas.pressure_pa, end_k).map_err(|_| {
             let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";
             SensorError::out_of_range("gas.swing.amplitude_k", swing.amplitude_k, expected)
         })?;
-        body.check_gas(&gas)?;
+        config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
     }
     Ok(())
 }
@@ -218,13 +204,10 @@ fn check_range(gas: &IdealGas, swing: &GasSwing, body: &ThermalBody) -> Result<(
 /// The faults, latest first, so that the next one is the last of the list.
 fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFault>, SensorError> {
     for (i, fault) in faults.iter().enumerate() {
-        if fault.element >= elements {
-            let name = format!("faults[{i}].element");
-            return Err(SensorError::out_of_range(name, fault.element as f64, "the number of an element, from 0"));
-        }
-        if !(fault.start_s.is_finite() && fault.start_s >= 0.0) {
-            return Err(SensorError::out_of_range(format!("faults[{i}].start_s"), fault.start_s, "zero or more"));
-        }
+        let (known, element) = (fault.element < elements, fault.element as f64);
+        require(known, &format!("faults[{i}].element"), element, "the number of an element, from 0")?;
+        let later = fault.start_s.is_finite() && fault.start_s >= 0.0;
+        require(later, &format!("faults[{i}].start_s"), fault.start_s, "zero or more")?;
     }
     let mut faults = faults.to_vec();
     faults.sort_by(|a, b| b.start_s.total_cmp(&a.start_s));

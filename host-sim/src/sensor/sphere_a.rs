@@ -36,143 +36,47 @@
 //! [`reference`](mod@reference) where the head has one. Surfaces: the two hemispheres, looking
 //! along +x and −x; the stem is along −z.
 //!
-//! Limits: silver without gradient (0.6 mm at 429 W/(m·K) against some 2 mW/K to the gas); the
-//! chips lose nothing to the gas inside, the stem nothing to the wind; no temperature dependence of
-//! the parts.
+//! Limits: those of every [sphere](super::sphere); the silver has no gradient (0.6 mm at 429 W/(m·K)
+//! against some 2 mW/K to the gas).
 
-use std::f64::consts::PI;
-
-use super::body::{Surface, ThermalBody};
-use super::convection::BodyConvection;
-use super::convection::hemispheres::{AXES, HEMISPHERES, Hemispheres};
-use super::element::{SensorElement, check};
-use super::error::SensorError;
-use super::network::ThermalNetwork;
-use super::reference::{self, Reference};
+use super::convection::sphere_surfaces::SphereDivision;
 use super::rod::SupportRod;
-use anemometry::gas::IdealGas;
+use super::sphere::{CarriedLayer, SphereConstruction};
 
-/// What the sphere is made of; the default is prototype A.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereAConstruction {
-    pub diameter_m: f64,
-    pub hemisphere_capacity_j_k: f64,
-    pub film_capacity_j_k: f64,
-    pub film_to_ceramic_w_k: f64,
-    pub ceramic_capacity_j_k: f64,
-    pub ceramic_to_hemisphere_w_k: f64,
-    pub hemisphere_to_core_w_k: f64,
-    pub hemisphere_to_hemisphere_w_k: f64,
-    pub core_capacity_j_k: f64,
-    pub core_to_core_w_k: f64,
-    pub stem_w_k: f64,
-    pub stem_capacity_j_k: f64,
-    pub stem_cells: usize,
-    pub emissivity: f64,
-    /// An element of its own in the stream, where there is one.
-    pub reference: Option<Reference>,
-}
-
-impl Default for SphereAConstruction {
-    fn default() -> SphereAConstruction {
-        SphereAConstruction {
-            diameter_m: 0.01,
-            hemisphere_capacity_j_k: 0.282,
-            film_capacity_j_k: 1e-3,
-            film_to_ceramic_w_k: 0.1,
-            ceramic_capacity_j_k: 3.8e-3,
-            ceramic_to_hemisphere_w_k: 8e-3,
-            hemisphere_to_core_w_k: 2.5e-3,
-            hemisphere_to_hemisphere_w_k: 3e-3,
-            core_capacity_j_k: 0.075,
-            core_to_core_w_k: 0.02,
-            stem_w_k: 2e-3,
-            stem_capacity_j_k: 0.3,
-            stem_cells: 8,
-            emissivity: 0.03,
-            reference: None,
-        }
-    }
-}
-
-impl SphereAConstruction {
-    pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        self.check()?;
-        let mut network = ThermalNetwork::new();
-        let gas_k = gas.temperature_k;
-        let mut pair = |capacity_j_k| [(); HEMISPHERES].map(|()| network.add_node(capacity_j_k, gas_k));
-        let hemispheres = pair(self.hemisphere_capacity_j_k);
-        let ceramics = pair(self.ceramic_capacity_j_k);
-        let films = pair(self.film_capacity_j_k);
-        let cores = pair(self.core_capacity_j_k);
-        for i in 0..HEMISPHERES {
-            network.link(films[i], ceramics[i], self.film_to_ceramic_w_k);
-            network.link(ceramics[i], hemispheres[i], self.ceramic_to_hemisphere_w_k);
-            network.link(hemispheres[i], cores[i], self.hemisphere_to_core_w_k);
-        }
-        network.link(hemispheres[0], hemispheres[1], self.hemisphere_to_hemisphere_w_k);
-        network.link(cores[0], cores[1], self.core_to_core_w_k);
-        let stem =
-            SupportRod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
-        let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
-
-        let surface = |i: usize| Surface {
-            name: format!("hemisphere{}", i + 1),
-            node: hemispheres[i],
-            emissivity: self.emissivity,
-            area_m2: PI * self.diameter_m * self.diameter_m / HEMISPHERES as f64,
-            carries: vec![ceramics[i], films[i]],
-            element: Some(i),
-        };
-        let mut surfaces = (0..HEMISPHERES).map(surface).collect();
-        let mut elements = films.into_iter().chain(cores).collect();
-        let mut convection = BodyConvection::Hemispheres(Hemispheres::new(gas, self.diameter_m)?);
-        if let Some(reference) = &self.reference {
-            convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
-        }
-        Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
-    }
-
-    fn check(&self) -> Result<(), SensorError> {
-        let positive = [
-            ("diameter_m", self.diameter_m),
-            ("hemisphere_capacity_j_k", self.hemisphere_capacity_j_k),
-            ("film_capacity_j_k", self.film_capacity_j_k),
-            ("film_to_ceramic_w_k", self.film_to_ceramic_w_k),
-            ("ceramic_capacity_j_k", self.ceramic_capacity_j_k),
-            ("ceramic_to_hemisphere_w_k", self.ceramic_to_hemisphere_w_k),
-            ("hemisphere_to_core_w_k", self.hemisphere_to_core_w_k),
-            ("hemisphere_to_hemisphere_w_k", self.hemisphere_to_hemisphere_w_k),
-            ("core_capacity_j_k", self.core_capacity_j_k),
-            ("core_to_core_w_k", self.core_to_core_w_k),
-            ("stem_w_k", self.stem_w_k),
-            ("stem_capacity_j_k", self.stem_capacity_j_k),
-            ("stem_cells", self.stem_cells as f64),
-        ];
-        check(&positive, &[("emissivity", self.emissivity)])
-    }
-}
-
-/// The elements of a sphere with or without a reference.
-pub(super) fn elements(construction: &SphereAConstruction) -> Vec<SensorElement> {
-    let hemispheres =
-        AXES.iter().enumerate().map(|(i, &axis)| SensorElement::facing(format!("hemisphere{}", i + 1), axis));
-    let cores = (0..HEMISPHERES).map(|i| SensorElement::inside(format!("core{}", i + 1)));
-    hemispheres.chain(cores).chain(construction.reference.map(|_| reference::element())).collect()
-}
+/// Prototype A; its layers are the ceramic and the film.
+pub const SPHERE_A: SphereConstruction = SphereConstruction {
+    name: "sphere-a",
+    diameter_m: 0.01,
+    division: SphereDivision::Hemispheres,
+    surface_capacity_j_k: 0.282,
+    layers: &[
+        CarriedLayer { capacity_j_k: 3.8e-3, contact_w_k: 8e-3 },
+        CarriedLayer { capacity_j_k: 1e-3, contact_w_k: 0.1 },
+    ],
+    surface_to_core_w_k: 2.5e-3,
+    surface_to_surface_w_k: 3e-3,
+    core_capacity_j_k: 0.075,
+    core_to_core_w_k: 0.02,
+    stem: SupportRod { conductance_w_k: 2e-3, capacity_j_k: 0.3, cells: 8 },
+    emissivity: 0.03,
+    reference: false,
+};
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::body::ThermalBody;
     use crate::sensor::body::testing::imbalance;
-    use anemometry::gas::{Species, ZERO_CELSIUS_K};
+    use anemometry::gas::{IdealGas, Species, ZERO_CELSIUS_K};
+
+    const HEMISPHERES: usize = 2;
 
     fn mars() -> IdealGas {
         IdealGas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
     }
 
     fn body() -> ThermalBody {
-        SphereAConstruction::default().body(&mars(), 230.0).unwrap()
+        SPHERE_A.body(&mars(), 230.0).unwrap()
     }
 
     #[test]
@@ -222,16 +126,7 @@ mod tests {
         let mut body = body();
         body.set_wind([0.0, 1.0, 0.0]);
         let total: f64 = body.conductance_w_k().iter().sum();
-        let time_constant_s = 2.0 * SphereAConstruction::default().hemisphere_capacity_j_k / total;
+        let time_constant_s = 2.0 * SPHERE_A.surface_capacity_j_k / total;
         assert!((400.0..480.0).contains(&time_constant_s), "{time_constant_s}");
-    }
-
-    #[test]
-    fn refuses_an_impossible_construction_by_name() {
-        let bad = SphereAConstruction { ceramic_to_hemisphere_w_k: -1.0, ..SphereAConstruction::default() };
-        let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
-        assert!(error.contains("ceramic_to_hemisphere_w_k"), "{error}");
-        let bad = SphereAConstruction { emissivity: 1.5, ..SphereAConstruction::default() };
-        assert!(bad.body(&mars(), 230.0).unwrap_err().to_string().contains("emissivity"));
     }
 }

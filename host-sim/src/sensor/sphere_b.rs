@@ -31,138 +31,45 @@
 //! Elements: `sector1` … `sector4` (the chips), `core1`, `core2`, and a
 //! [`reference`](mod@reference) where the head has one. Surfaces: the four sectors.
 //!
-//! Limits: the chips lose nothing to the gas inside, the stem nothing to the wind; no temperature
-//! dependence of the parts.
+//! Limits: those of every [sphere](super::sphere).
 
-use std::f64::consts::PI;
-
-use super::body::{Surface, ThermalBody};
-use super::convection::BodyConvection;
-use super::convection::sectors::{SECTORS, Sectors, sector_axis};
-use super::element::{SensorElement, check};
-use super::error::SensorError;
-use super::network::ThermalNetwork;
-use super::reference::{self, Reference};
+use super::convection::sphere_surfaces::SphereDivision;
 use super::rod::SupportRod;
-use anemometry::gas::IdealGas;
+use super::sphere::{CarriedLayer, SphereConstruction};
 
-const CORES: usize = 2;
-
-/// What the sphere is made of; the default is prototype B.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereBConstruction {
-    pub diameter_m: f64,
-    pub sector_capacity_j_k: f64,
-    pub chip_capacity_j_k: f64,
-    pub chip_contact_w_k: f64,
-    pub sector_to_core_w_k: f64,
-    pub sector_to_sector_w_k: f64,
-    pub core_capacity_j_k: f64,
-    pub core_to_core_w_k: f64,
-    pub stem_w_k: f64,
-    pub stem_capacity_j_k: f64,
-    pub stem_cells: usize,
-    pub emissivity: f64,
-    /// An element of its own in the stream, where there is one.
-    pub reference: Option<Reference>,
-}
-
-impl Default for SphereBConstruction {
-    fn default() -> SphereBConstruction {
-        SphereBConstruction {
-            diameter_m: 0.01,
-            sector_capacity_j_k: 0.118,
-            chip_capacity_j_k: 4.7e-3,
-            chip_contact_w_k: 2.0,
-            sector_to_core_w_k: 6e-4,
-            sector_to_sector_w_k: 1e-4,
-            core_capacity_j_k: 0.075,
-            core_to_core_w_k: 0.02,
-            stem_w_k: 1.2e-3,
-            stem_capacity_j_k: 0.2,
-            stem_cells: 8,
-            emissivity: 0.03,
-            reference: None,
-        }
-    }
-}
-
-impl SphereBConstruction {
-    pub(super) fn body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
-        self.check()?;
-        let mut network = ThermalNetwork::new();
-        let gas_k = gas.temperature_k;
-        let sectors: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.sector_capacity_j_k, gas_k));
-        let chips: [usize; SECTORS] = std::array::from_fn(|_| network.add_node(self.chip_capacity_j_k, gas_k));
-        let cores: [usize; CORES] = std::array::from_fn(|_| network.add_node(self.core_capacity_j_k, gas_k));
-        for i in 0..SECTORS {
-            network.link(chips[i], sectors[i], self.chip_contact_w_k);
-            network.link(sectors[i], cores[i / 2], self.sector_to_core_w_k);
-            for j in 0..i {
-                network.link(sectors[i], sectors[j], self.sector_to_sector_w_k);
-            }
-        }
-        network.link(cores[0], cores[1], self.core_to_core_w_k);
-        let stem =
-            SupportRod { conductance_w_k: self.stem_w_k, capacity_j_k: self.stem_capacity_j_k, cells: self.stem_cells };
-        let (_, support) = stem.add(&mut network, &cores, gas_k, support_k);
-
-        let area_m2 = PI * self.diameter_m * self.diameter_m / SECTORS as f64;
-        let surface = |i: usize| Surface {
-            name: format!("sector{}", i + 1),
-            node: sectors[i],
-            emissivity: self.emissivity,
-            area_m2,
-            carries: vec![chips[i]],
-            element: Some(i),
-        };
-        let mut surfaces = (0..SECTORS).map(surface).collect();
-        let mut elements = chips.into_iter().chain(cores).collect();
-        let mut convection = BodyConvection::Sectors(Box::new(Sectors::new(gas, self.diameter_m)?));
-        if let Some(reference) = &self.reference {
-            convection = reference.beside(&mut network, &mut elements, &mut surfaces, convection, gas)?;
-        }
-        Ok(ThermalBody::new(network, elements, surfaces, support, convection, gas))
-    }
-
-    fn check(&self) -> Result<(), SensorError> {
-        let positive = [
-            ("diameter_m", self.diameter_m),
-            ("sector_capacity_j_k", self.sector_capacity_j_k),
-            ("chip_capacity_j_k", self.chip_capacity_j_k),
-            ("chip_contact_w_k", self.chip_contact_w_k),
-            ("sector_to_core_w_k", self.sector_to_core_w_k),
-            ("sector_to_sector_w_k", self.sector_to_sector_w_k),
-            ("core_capacity_j_k", self.core_capacity_j_k),
-            ("core_to_core_w_k", self.core_to_core_w_k),
-            ("stem_w_k", self.stem_w_k),
-            ("stem_capacity_j_k", self.stem_capacity_j_k),
-            ("stem_cells", self.stem_cells as f64),
-        ];
-        check(&positive, &[("emissivity", self.emissivity)])
-    }
-}
-
-/// The elements of a sphere with or without a reference.
-pub(super) fn elements(construction: &SphereBConstruction) -> Vec<SensorElement> {
-    let sectors = (0..SECTORS).map(|i| SensorElement::facing(format!("sector{}", i + 1), sector_axis(i)));
-    let cores = (0..CORES).map(|i| SensorElement::inside(format!("core{}", i + 1)));
-    sectors.chain(cores).chain(construction.reference.map(|_| reference::element())).collect()
-}
+/// Prototype B; its only layer is the chip.
+pub const SPHERE_B: SphereConstruction = SphereConstruction {
+    name: "sphere-b",
+    diameter_m: 0.01,
+    division: SphereDivision::Sectors,
+    surface_capacity_j_k: 0.118,
+    layers: &[CarriedLayer { capacity_j_k: 4.7e-3, contact_w_k: 2.0 }],
+    surface_to_core_w_k: 6e-4,
+    surface_to_surface_w_k: 1e-4,
+    core_capacity_j_k: 0.075,
+    core_to_core_w_k: 0.02,
+    stem: SupportRod { conductance_w_k: 1.2e-3, capacity_j_k: 0.2, cells: 8 },
+    emissivity: 0.03,
+    reference: false,
+};
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::body::STEFAN_BOLTZMANN;
+    use std::f64::consts::PI;
+
     use crate::sensor::body::testing::imbalance;
-    use anemometry::gas::{Species, ZERO_CELSIUS_K};
+    use crate::sensor::body::{STEFAN_BOLTZMANN, ThermalBody};
+    use anemometry::gas::{IdealGas, Species, ZERO_CELSIUS_K};
+
+    const SECTORS: usize = 4;
 
     fn mars() -> IdealGas {
         IdealGas::new(Species::CarbonDioxide, 700.0, 220.0).unwrap()
     }
 
     fn body() -> ThermalBody {
-        SphereBConstruction::default().body(&mars(), 230.0).unwrap()
+        SPHERE_B.body(&mars(), 230.0).unwrap()
     }
 
     #[test]
@@ -176,8 +83,7 @@ mod tests {
 
     #[test]
     fn heat_in_is_heat_out_and_heat_stored_in_a_swinging_gas_and_with_a_reference() {
-        let construction =
-            SphereBConstruction { reference: Some(Reference::default()), ..SphereBConstruction::default() };
+        let construction = SphereConstruction { reference: true, ..SPHERE_B };
         let mut body = construction.body(&mars(), 230.0).unwrap();
         let weather = |body: &mut ThermalBody, phase: f64| {
             body.set_gas_temperature_k(220.0 + 15.0 * (0.3 * phase).sin());
@@ -230,8 +136,7 @@ mod tests {
     #[test]
     fn the_stem_conducts_what_it_should() {
         // Only core 1 is heated and nothing leaves through the gas: all heat goes down the stem.
-        let mut body =
-            SphereBConstruction { emissivity: 0.0, ..SphereBConstruction::default() }.body(&mars(), 230.0).unwrap();
+        let mut body = SphereConstruction { emissivity: 0.0, ..SPHERE_B }.body(&mars(), 230.0).unwrap();
         body.set_conductance_w_k(&[0.0; SECTORS]);
         body.settle(|i, _| if i == SECTORS { 0.012 } else { 0.0 });
         body.advance(0.01, |i, _| if i == SECTORS { 0.012 } else { 0.0 });
@@ -250,14 +155,14 @@ mod tests {
         let mut body = body();
         body.set_wind([1.0, 0.0, 0.0]);
         let total: f64 = body.conductance_w_k().iter().sum();
-        let time_constant_s = 4.0 * SphereBConstruction::default().sector_capacity_j_k / total;
+        let time_constant_s = 4.0 * SPHERE_B.surface_capacity_j_k / total;
         assert!((340.0..=400.0).contains(&time_constant_s), "{time_constant_s}");
     }
 
     #[test]
-    fn refuses_an_impossible_construction_by_name() {
-        let bad = SphereBConstruction { chip_contact_w_k: 0.0, ..SphereBConstruction::default() };
-        let error = bad.body(&mars(), 230.0).unwrap_err().to_string();
-        assert!(error.contains("chip_contact_w_k"), "{error}");
+    #[should_panic(expected = "a link conducts")]
+    fn an_impossible_construction_does_not_become_a_network() {
+        let layers = &[CarriedLayer { capacity_j_k: 4.7e-3, contact_w_k: 0.0 }];
+        let _ = SphereConstruction { layers, ..SPHERE_B }.body(&mars(), 230.0);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use dr_core::control::Refusal;
 use dr_core::{Command, Instrument};
 use wire::settings::KeyNumber;
 use wire::{MOST_ELEMENTS, Setting, SettingsRefusal, SettingsReply, SettingsRequest};
@@ -48,7 +49,10 @@ pub fn rehearse(settings: &BTreeMap<KeyNumber, Setting>) -> Result<(), SettingsE
     let mut station = Instrument::<MOST_ELEMENTS>::new();
     for (&number, setting) in settings {
         let Setting::Command(command) = setting else { continue };
-        station.handle(*command).map_err(|refusal| SettingsError::Refused { key: names::of(number), refusal })?;
+        station.handle(*command).map_err(|refusal| {
+            let first = if refusal == Refusal::NoSamplePeriod { "; set sample_period_s first" } else { "" };
+            SettingsError(format!("{}: {refusal}{first}", names::of(number)))
+        })?;
     }
     Ok(())
 }
@@ -107,7 +111,7 @@ pub fn of_head(
     if let Some(calibration) = &head.calibration {
         let answering = WindOutput::new(None, None, false, sample_period_s);
         let made = calibration.commands(&answering, sample_period_s);
-        let (wind, _) = made.map_err(|error| SettingsError::Calibration(error.to_string()))?;
+        let (wind, _) = made.map_err(|error| SettingsError(error.to_string()))?;
         commands.extend(wind.into_iter().map(Command::Wind));
     }
     for command in commands {

@@ -78,7 +78,9 @@ pub fn is_the_boards(number: KeyNumber) -> bool {
 pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) -> Result<(), SettingsError> {
     let setting = match key {
         "name" => {
-            let long = |_| SettingsError::LongName { name: value.to_owned(), most: Name::new().capacity() };
+            let (bytes, most) = (value.len(), Name::new().capacity());
+            let long =
+                |_| SettingsError(format!("name: {value:?} has {bytes} bytes, and a name has {most} at the most"));
             Setting::Name(Name::try_from(value).map_err(long)?)
         }
         "telemetry_every" => Setting::TelemetryEvery(parse(key, value, "a whole number of ticks from 0 to 65535")?),
@@ -108,14 +110,15 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
 
 fn unknown(key: &str) -> SettingsError {
     if number(key).is_some_and(is_of_head) {
-        return SettingsError::OfAHead(key.to_owned());
+        return SettingsError(format!(
+            "`{key}` is not set by itself: `anemo settings set --head FILE` sets a whole head"
+        ));
     }
-    SettingsError::UnknownKey { key: key.to_owned(), hint: suggest(key, PLAIN) }
+    SettingsError(format!("unknown key `{key}`; {}", suggest(key, PLAIN)))
 }
 
-fn parse<T: std::str::FromStr>(key: &str, value: &str, right: &'static str) -> Result<T, SettingsError> {
-    let wrong = |_| SettingsError::NotAValue { key: key.to_owned(), value: value.to_owned(), right };
-    value.parse().map_err(wrong)
+fn parse<T: std::str::FromStr>(key: &str, value: &str, right: &str) -> Result<T, SettingsError> {
+    value.parse().map_err(|_| SettingsError(format!("{key}: {value:?} is not {right}")))
 }
 
 fn guard(settings: &BTreeMap<KeyNumber, Setting>) -> GuardConfig {
@@ -138,7 +141,8 @@ fn gas(
         _ => None,
     });
     let pressure_pa = new_pa.or(kept.map(|(pressure_pa, _)| pressure_pa));
-    let pressure_pa = pressure_pa.ok_or(SettingsError::NoPressure)?;
+    let pressure_pa =
+        pressure_pa.ok_or_else(|| SettingsError("gas.temperature_c: set gas.pressure_pa first".to_owned()))?;
     let temperature_c = new_c.or(kept.and_then(|(_, temperature_c)| temperature_c));
     Ok(Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })))
 }

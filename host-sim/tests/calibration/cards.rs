@@ -22,7 +22,6 @@ fn shape() -> BoomShape {
         head_length_m: 0.018,
         shank_diameter_m: 0.01,
         shank_length_m: 0.1,
-        shank_cells: 3,
         shade: 0.3,
         front_to_rear: 0.1,
     }

@@ -9,8 +9,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use anemometry::calibrate::{DrawnSphere, DrawnSurface, GasProperties, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
 use host_sim::sensor::convection::BodyConvection;
-use host_sim::sensor::convection::hemispheres::Hemispheres;
-use host_sim::sensor::convection::sectors::Sectors;
+use host_sim::sensor::convection::sphere_surfaces::{SphereDivision, SphereSurfaces};
 
 pub const DIAMETER_M: f64 = 0.01;
 const SURFACE_K: f64 = 250.0;
@@ -62,10 +61,8 @@ impl Tunnel {
 
     fn conductance_w_k(&self, gas_k: f64, wind_m_s: Vector3<f64>) -> Vec<f64> {
         let gas = IdealGas::new(Species::CarbonDioxide, PRESSURE_PA, gas_k).unwrap();
-        let convection = match self.sectors {
-            true => BodyConvection::Sectors(Box::new(Sectors::new(&gas, DIAMETER_M).unwrap())),
-            false => BodyConvection::Hemispheres(Hemispheres::new(&gas, DIAMETER_M).unwrap()),
-        };
+        let division = if self.sectors { SphereDivision::Sectors } else { SphereDivision::Hemispheres };
+        let convection = BodyConvection::Sphere(SphereSurfaces::new(&gas, DIAMETER_M, division).unwrap());
         let mut conductances = vec![0.0; self.gains.len()];
         convection.conductance_w_k((self.rotation * wind_m_s).into(), &mut conductances);
         conductances

@@ -8,16 +8,14 @@ use dr_core::model::{SelfHeatingConfig, mesh};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use host_sim::instrument::emulated::{Emulated, EmulatorLink as Way};
 use host_sim::instrument::in_process::InProcess;
-use host_sim::instrument::{
-    ElementSetup, InstrumentError, InstrumentPort, InstrumentSetup, LockStep, LockStepController, setup,
-};
+use host_sim::instrument::{InstrumentError, InstrumentPort, LockStep, LockStepController, setup};
 use wire::MOST_ELEMENTS;
 
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 const GAS_C: f32 = -50.0;
 
 /// So many elements, the drives in turn, each with a model.
-fn head(elements: usize, observe: bool) -> InstrumentSetup {
+fn head(elements: usize, observe: bool) -> Vec<Command> {
     let platinum = Platinum::linear(175.0, 0.0031).unwrap();
     let channel = Channel::new(platinum, VOLT_PER_CODE, 3e-3, 16e-3).unwrap();
     let limits =
@@ -30,23 +28,27 @@ fn head(elements: usize, observe: bool) -> InstrumentSetup {
         Drive::Level(Level::High),
         Drive::Passive,
     ];
-    let element = |i: usize| ElementSetup {
-        name: format!("element{i}"),
-        config: ElementConfig { channel, limits },
-        model: Some(SelfHeatingConfig {
+    let mut commands = vec![Command::SamplePeriod { sample_period_s: 0.01 }, Command::Guard(GuardConfig::default())];
+    commands.extend(observe.then_some(Command::Observe { on: true }));
+    for i in 0..elements {
+        let element = i as u8;
+        let model = SelfHeatingConfig {
             mesh_rad_s: mesh::geometric(0.003, 30.0).unwrap(),
             r_k_per_w: [600.0 + i as f32, 20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1],
             reference_c: GAS_C,
-        }),
-        drive: drives[i % drives.len()],
-    };
-    let elements = (0..elements).map(element).collect();
-    InstrumentSetup { sample_period_s: 0.01, guard: GuardConfig::default(), observe, elements, wind: Vec::new() }
+        };
+        commands.extend([
+            Command::Element { element, config: ElementConfig { channel, limits } },
+            Command::Model { element, model },
+            Command::Drive { element, drive: drives[i % drives.len()] },
+        ]);
+    }
+    commands
 }
 
 /// A body set up for a head and running. The sensor is only there because an instrument has one: no
 /// time passes for it.
-fn running<B: LockStepController>(body: B, head: &InstrumentSetup) -> LockStep<B> {
+fn running<B: LockStepController>(body: B, head: &[Command]) -> LockStep<B> {
     let mut instrument = LockStep::new(body, sensor(&experiment("gusts.toml")));
     setup::start(&mut instrument, head).unwrap();
     instrument
@@ -144,10 +146,14 @@ fn more_elements_than_there_can_be_are_refused_and_so_is_a_gap() {
     let refused = |instrument: &mut dyn InstrumentPort| {
         let error = setup::start(instrument, &head(MOST_ELEMENTS + 1, false)).unwrap_err();
         assert_eq!(error.to_string(), "the head has 17 elements, the board can drive 16");
-        let element = head(1, false).elements[0].config;
+        let head = head(1, false);
+        let config = head.iter().find_map(|command| match command {
+            Command::Element { config, .. } => Some(*config),
+            _ => None,
+        });
         instrument.command(Command::Stop).unwrap();
         instrument.command(Command::Clear).unwrap();
-        let error = instrument.command(Command::Element { element: 1, config: element }).unwrap_err();
+        let error = instrument.command(Command::Element { element: 1, config: config.unwrap() }).unwrap_err();
         assert!(matches!(error, InstrumentError::Refused(Refusal::NotConfigured { element: 0 })), "{error}");
     };
     let mut host = running(InProcess::new(), &head(13, false));

@@ -37,35 +37,35 @@ pub struct Process {
     folder: TempDir,
     child: Option<Child>,
     /// How long the board may take to answer.
-    timeout: Duration,
+    pub timeout: Duration,
 }
 
 impl Process {
     /// Makes a folder for an emulator of this firmware.
     pub fn prepare(firmware: &Path) -> Result<Self, InstrumentError> {
+        let name = firmware.display();
         // The emulator runs in its own folder, so that the path must not depend on ours.
-        let path = firmware.canonicalize().map_err(|_| InstrumentError::NoFirmware(firmware.to_owned()))?;
+        let path = firmware.canonicalize().map_err(|_| {
+            InstrumentError::Unusable(format!(
+                "there is no firmware at {name}; build it with `cargo xtask demo`, or name another with --firmware"
+            ))
+        })?;
         // The emulator would run anything, as far as it goes.
         if !is_arm_elf(&path) {
-            return Err(InstrumentError::NotFirmware(firmware.to_owned()));
+            return Err(InstrumentError::Unusable(format!(
+                "{name} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds"
+            )));
         }
         let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
         Ok(Self { firmware: path, folder, child: None, timeout: link::TIMEOUT })
     }
 
-    /// How long the board may take to answer.
-    pub const fn timeout(&self) -> Duration {
-        self.timeout
-    }
-
-    /// Changes that.
-    pub const fn set_timeout(&mut self, timeout: Duration) {
-        self.timeout = timeout;
-    }
-
     /// Lets the board keep its settings in this file, erased flash if there is none.
     pub fn keep_settings_in(&self, flash: &Path) -> Result<(), InstrumentError> {
-        let failed = |reason| InstrumentError::Flash { file: flash.to_owned(), reason };
+        let failed = |reason: io::Error| {
+            let file = flash.display();
+            InstrumentError::Unusable(format!("{file}: cannot be the flash of an emulated board: {reason}"))
+        };
         let wrong = || io::Error::other(format!("it has another length than {SETTINGS_BYTES} bytes"));
         match std::fs::metadata(flash) {
             Ok(known) if known.len() == SETTINGS_BYTES => {}
@@ -79,7 +79,7 @@ impl Process {
         std::os::unix::fs::symlink(whole, self.folder.path().join("settings.flash")).map_err(failed)
     }
 
-    /// Starts it with a pair of named pipes for the fast link.
+    /// Starts it with one pair of named pipes for everything.
     pub fn start_with_fifos(&mut self) -> Result<Pipe, InstrumentError> {
         let pipe = self.pipe("to-board.fifo", "from-board.fifo")?;
         self.spawn(&[])?;
@@ -124,8 +124,10 @@ impl Process {
             .stderr(File::create(self.folder.path().join("errors.txt"))?)
             .spawn()
             .map_err(|error| match error.kind() {
-                ErrorKind::NotFound => InstrumentError::NoEmulator(emulator),
-                _ => InstrumentError::EmulatorUnusable { emulator, reason: error },
+                ErrorKind::NotFound => InstrumentError::Unusable(format!(
+                    "`{emulator}` is not installed; install it with `apt-get install qemu-system-arm` (Debian, Ubuntu) or your system's equivalent, or run `cargo xtask demo`, which does so where it may"
+                )),
+                _ => InstrumentError::Unusable(format!("the emulator `{emulator}` cannot be started: {error}")),
             })?;
         self.child = Some(child);
         Ok(())
@@ -137,7 +139,10 @@ impl Process {
         match child.try_wait()? {
             None => Ok(()),
             Some(status) => {
-                Err(InstrumentError::EmulatorStopped { status: status.to_string(), words: self.last_words() })
+                let words = self.last_words();
+                Err(InstrumentError::Unusable(format!(
+                    "the emulated board stopped with {status}; its last words: {words}"
+                )))
             }
         }
     }
@@ -229,22 +234,11 @@ fn is_arm_elf(path: &Path) -> bool {
     read.is_ok() && header.starts_with(b"\x7fELF\x01\x01") && header[MACHINE] == ARM
 }
 
-/// Why the board's log cannot be read.
-#[derive(Debug, thiserror::Error)]
-enum LogError {
-    #[error(transparent)]
-    File(#[from] io::Error),
-    #[error("{0}")]
-    Table(String),
-    #[error("the firmware has no defmt section")]
-    NoTable,
-    #[error("it is damaged")]
-    Damaged,
-}
-
-fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, LogError> {
+/// The lines of a log.
+fn decode(firmware: &Path, log: &Path) -> io::Result<Vec<String>> {
     let elf = std::fs::read(firmware)?;
-    let table = Table::parse(&elf).map_err(|error| LogError::Table(error.to_string()))?.ok_or(LogError::NoTable)?;
+    let table = Table::parse(&elf).map_err(|error| io::Error::other(error.to_string()))?;
+    let table = table.ok_or_else(|| io::Error::other("the firmware has no defmt section"))?;
     let bytes = std::fs::read(log)?;
     let mut decoder = table.new_stream_decoder();
     decoder.received(&bytes);
@@ -253,7 +247,9 @@ fn decode(firmware: &Path, log: &Path) -> Result<Vec<String>, LogError> {
         match decoder.decode() {
             Ok(frame) => lines.push(frame.display(false).to_string()),
             Err(DecodeError::UnexpectedEof) => return Ok(lines),
-            Err(DecodeError::Malformed) if !table.encoding().can_recover() => return Err(LogError::Damaged),
+            Err(DecodeError::Malformed) if !table.encoding().can_recover() => {
+                return Err(io::Error::other("it is damaged"));
+            }
             Err(DecodeError::Malformed) => {}
         }
     }

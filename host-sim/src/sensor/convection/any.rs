@@ -4,18 +4,13 @@ use anemometry::gas::IdealGas;
 
 use super::boom::Boom;
 use super::film::Film;
-use super::flow::continuum;
-use super::hemispheres::Hemispheres;
-use super::sectors::Sectors;
-use crate::sensor::error::SensorError;
+use super::sphere_surfaces::SphereSurfaces;
 
 /// Convection of one body in one gas.
 #[derive(Clone, Debug)]
 pub enum BodyConvection {
-    /// A sphere of four sectors.
-    Sectors(Box<Sectors>),
-    /// A sphere of two hemispheres.
-    Hemispheres(Hemispheres),
+    /// A sphere of sectors or hemispheres.
+    Sphere(SphereSurfaces),
     /// Dice on cards around a boom.
     Boom(Boom),
     /// A body with a film beside it, whose surface is the last.
@@ -26,8 +21,7 @@ impl BodyConvection {
     /// Conductance of every surface to the gas, W/K, in the order of the body's surfaces.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], conductance_w_k: &mut [f64]) {
         match self {
-            BodyConvection::Sectors(sectors) => conductance_w_k.copy_from_slice(&sectors.conductance_w_k(wind_m_s)),
-            BodyConvection::Hemispheres(both) => conductance_w_k.copy_from_slice(&both.conductance_w_k(wind_m_s)),
+            BodyConvection::Sphere(surfaces) => surfaces.conductance_w_k(wind_m_s, conductance_w_k),
             BodyConvection::Boom(boom) => boom.conductance_w_k(wind_m_s, conductance_w_k),
             BodyConvection::Beside(body, film) => {
                 if let Some((last, others)) = conductance_w_k.split_last_mut() {
@@ -41,8 +35,7 @@ impl BodyConvection {
     /// From now on in this gas.
     pub fn follow(&mut self, gas: &IdealGas) {
         match self {
-            BodyConvection::Sectors(sectors) => sectors.follow(gas),
-            BodyConvection::Hemispheres(both) => both.follow(gas),
+            BodyConvection::Sphere(surfaces) => surfaces.follow(gas),
             BodyConvection::Boom(boom) => boom.follow(gas),
             BodyConvection::Beside(body, film) => {
                 body.follow(gas);
@@ -51,21 +44,10 @@ impl BodyConvection {
         }
     }
 
-    /// Refuses a gas that it could not follow to: one so thin that it is no continuum.
-    pub fn check(&self, gas: &IdealGas) -> Result<(), SensorError> {
-        match self {
-            BodyConvection::Sectors(sectors) => continuum(gas, sectors.stream().diameter_m()),
-            BodyConvection::Hemispheres(both) => continuum(gas, both.stream().diameter_m()),
-            BodyConvection::Boom(boom) => continuum(gas, boom.die_side_m()),
-            BodyConvection::Beside(body, film) => body.check(gas).and_then(|()| continuum(gas, film.width_m())),
-        }
-    }
-
     /// Whether this wind lies beyond what is computed or known.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         match self {
-            BodyConvection::Sectors(sectors) => sectors.stream().extrapolated(wind_m_s),
-            BodyConvection::Hemispheres(both) => both.stream().extrapolated(wind_m_s),
+            BodyConvection::Sphere(surfaces) => surfaces.stream().extrapolated(wind_m_s),
             BodyConvection::Boom(boom) => boom.extrapolated(wind_m_s),
             BodyConvection::Beside(body, _) => body.extrapolated(wind_m_s),
         }

@@ -83,8 +83,6 @@ pub struct BoomShape {
     pub shank_diameter_m: f64,
     /// Length of the boom's shank, m.
     pub shank_length_m: f64,
-    /// Cells of the shank.
-    pub shank_cells: usize,
     /// Share of the speed that is left where the wind comes from behind, over what carries the
     /// boom.
     pub shade: f64,
@@ -129,6 +127,9 @@ struct BoomStream {
 impl Boom {
     /// Refuses a gas so thin that it is no continuum around a die.
     pub fn new(gas: &IdealGas, shape: &BoomShape) -> Result<Boom, SensorError> {
+        assert!((0.0..=1.0).contains(&shape.shade), "a shade is a share");
+        // A die in the corner has twice that less, which must leave some cooling.
+        assert!((0.0..0.5).contains(&shape.front_to_rear), "every die is cooled");
         continuum(gas, shape.die_side_m)?;
         Ok(Boom::of(gas, shape))
     }
@@ -160,11 +161,6 @@ impl Boom {
         *self = Boom::of(gas, &self.shape);
     }
 
-    /// What the continuum is judged by.
-    pub fn die_side_m(&self) -> f64 {
-        self.shape.die_side_m
-    }
-
     /// Whether the flow over a card would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds * self.shape.card_length_m * dot(wind_m_s, wind_m_s).sqrt() > HIGHEST_REYNOLDS
@@ -190,8 +186,8 @@ impl Boom {
             let outside = joined(self.card_still_w_m2_k, self.plate_w_m2_k(stream.speed_m_s, card_length_m));
             *card = self.shape.card_area_m2() * (self.card_still_w_m2_k + outside);
         }
-        let BoomShape { head_diameter_m, head_length_m, shank_diameter_m, shank_length_m, shank_cells, .. } =
-            self.shape;
+        let BoomShape { head_diameter_m, head_length_m, shank_diameter_m, shank_length_m, .. } = self.shape;
+        let shank_cells = shank.len();
         let cylinder = |still_w_m2_k: f64, diameter_m: f64, length_m: f64| {
             PI * diameter_m * length_m * joined(still_w_m2_k, self.cylinder_w_m2_k(mean_m_s, diameter_m))
         };
@@ -264,18 +260,18 @@ mod tests {
         head_length_m: 0.018,
         shank_diameter_m: 0.01,
         shank_length_m: 0.1,
-        shank_cells: 3,
         shade: 0.3,
         front_to_rear: 0.1,
     };
     const HEAD: usize = DICE + CARDS;
+    const SHANK_CELLS: usize = 3;
 
     fn air() -> IdealGas {
         IdealGas::new(Species::Air, 24_000.0, 294.15).unwrap()
     }
 
     fn conductance(wind: [f64; 3]) -> Vec<f64> {
-        let mut all = vec![0.0; HEAD + 1 + SHAPE.shank_cells];
+        let mut all = vec![0.0; HEAD + 1 + SHANK_CELLS];
         Boom::new(&air(), &SHAPE).unwrap().conductance_w_k(wind, &mut all);
         all
     }

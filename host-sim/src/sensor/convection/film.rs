@@ -52,11 +52,6 @@ impl Film {
         *self = Film::of(gas, self.length_m, self.width_m);
     }
 
-    /// What the continuum is judged by.
-    pub fn width_m(&self) -> f64 {
-        self.width_m
-    }
-
     /// Conductance to the gas, W/K.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3]) -> f64 {
         let face_m2 = self.length_m * self.width_m;

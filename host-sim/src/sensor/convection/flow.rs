@@ -11,11 +11,13 @@ const HIGHEST_KNUDSEN: f64 = 0.01;
 pub(super) fn continuum(gas: &IdealGas, length_m: f64) -> Result<(), SensorError> {
     let knudsen = gas.knudsen(length_m);
     if knudsen > HIGHEST_KNUDSEN {
-        return Err(SensorError::NotAContinuum {
-            knudsen,
-            pressure_pa: gas.pressure_pa,
-            lowest_pressure_pa: gas.pressure_pa * knudsen / HIGHEST_KNUDSEN,
-        });
+        let sentence = format!(
+            "is {}: the gas is no continuum around the sensor (Knudsen number {knudsen:.3}, at most {HIGHEST_KNUDSEN}); \
+             {:.0} Pa or more would be",
+            gas.pressure_pa,
+            gas.pressure_pa * knudsen / HIGHEST_KNUDSEN
+        );
+        return Err(SensorError::Number { key: "gas.pressure_pa".to_owned(), sentence });
     }
     Ok(())
 }

@@ -3,8 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`sphere_stream`] | local Nusselt number of a sphere in a stream, as Legendre coefficients |
-//! | [`sectors`] | its means over the four sectors of a tetrahedral sphere |
-//! | [`hemispheres`] | its means over two hemispheres |
+//! | [`sphere_surfaces`] | its means over four sectors, or over two hemispheres |
 //! | [`boom`] | small dice on cards around a cylindrical boom, by correlations |
 //! | [`film`] | a small film on its own, by a correlation |
 //!
@@ -16,8 +15,7 @@ mod any;
 pub mod boom;
 pub mod film;
 mod flow;
-pub mod hemispheres;
-pub mod sectors;
 pub mod sphere_stream;
+pub mod sphere_surfaces;
 
 pub use any::BodyConvection;

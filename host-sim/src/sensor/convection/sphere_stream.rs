@@ -21,7 +21,7 @@
 use std::collections::BTreeMap;
 
 use super::flow::{continuum, dot};
-use crate::sensor::error::SensorError;
+use crate::sensor::error::{SensorError, require};
 use anemometry::gas::IdealGas;
 
 /// Number of coefficients in use, a_0 … a_5.
@@ -57,9 +57,7 @@ pub struct SphereStream {
 impl SphereStream {
     /// Refuses a gas so thin that it is no continuum around the sphere.
     pub fn new(gas: &IdealGas, diameter_m: f64) -> Result<SphereStream, SensorError> {
-        if !(diameter_m.is_finite() && diameter_m > 0.0) {
-            return Err(SensorError::out_of_range("diameter_m", diameter_m, "a positive length"));
-        }
+        require(diameter_m.is_finite() && diameter_m > 0.0, "diameter_m", diameter_m, "a positive length")?;
         continuum(gas, diameter_m)?;
         Ok(SphereStream {
             grid: uniform_grid(gas.prandtl()),
@@ -188,19 +186,14 @@ fn uniform_grid(prandtl: f64) -> Vec<Coefficients> {
             let l = HIGHEST_REYNOLDS.ln() * j as f64 / GRID_INTERVALS as f64;
             let base = if n == 0 { 2.0 } else { 0.0 };
             let at_table_prandtl = spline_value(&log_reynolds, &values, &curvature, l);
-            point[n] = base + (at_table_prandtl - base) * prandtl_factor(l.exp(), prandtl);
+            let factor = beyond_conduction(l.exp(), prandtl) / beyond_conduction(l.exp(), TABLE_PRANDTL);
+            point[n] = base + (at_table_prandtl - base) * factor;
         }
     }
     grid
 }
 
-/// (Nu − 2) at `prandtl` over (Nu − 2) at the Prandtl number of the table, by Clift, Grace and
-/// Weber 1978, for Re ≥ 1.
-fn prandtl_factor(reynolds: f64, prandtl: f64) -> f64 {
-    beyond_conduction(reynolds, prandtl) / beyond_conduction(reynolds, TABLE_PRANDTL)
-}
-
-/// Nu − 2 by that correlation.
+/// Nu − 2 by the correlation of Clift, Grace and Weber 1978, for Re ≥ 1.
 fn beyond_conduction(reynolds: f64, prandtl: f64) -> f64 {
     (1.0 + reynolds * prandtl).cbrt() * reynolds.powf(0.077).max(1.0) - 1.0
 }

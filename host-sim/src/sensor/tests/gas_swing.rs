@@ -71,7 +71,8 @@ fn heat_goes_to_the_gas_of_the_moment() {
         let truth = sensor.truth();
         // A quarter of the period has passed where the last tick began.
         assert!((truth.gas_temperature_c - (config.gas_temperature_c + 10.0)).abs() < 1e-9);
-        let pairs = truth.convection_w.iter().zip(&truth.surface_temperature_c).zip(sensor.body.conductance_w_k());
+        let pairs =
+            truth.flows.convection_w.iter().zip(&truth.surface_temperature_c).zip(sensor.body.conductance_w_k());
         for (i, ((flow_w, surface_c), conductance_w_k)) in pairs.enumerate() {
             let expected = conductance_w_k * (surface_c - truth.gas_temperature_c);
             // The flow is a mean over the tick, in which a surface moves by millikelvins.
@@ -91,9 +92,9 @@ fn every_sensor_balances_in_a_swinging_gas() {
         for tick in 0..20_000_u16 {
             sensor.advance(tick.wrapping_mul(40_503) >> 3);
             let truth = sensor.truth();
-            given += truth.power_w.iter().sum::<f64>() * config.sample_period_s;
-            let gas_w = truth.convection_w.iter().chain(&truth.radiation_w).sum::<f64>();
-            left += (gas_w + truth.support_w) * config.sample_period_s;
+            given += truth.flows.power_w.iter().sum::<f64>() * config.sample_period_s;
+            let gas_w = truth.flows.convection_w.iter().chain(&truth.flows.radiation_w).sum::<f64>();
+            left += (gas_w + truth.flows.support_w) * config.sample_period_s;
         }
         let balance = given - left - (sensor.body.stored_heat_j() - before);
         // As without swing: rounding of what is stored from absolute zero on.

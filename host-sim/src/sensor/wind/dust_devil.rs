@@ -19,7 +19,8 @@
 //! Limits: a straight track, an upright axis along z without vertical wind, no change of pressure
 //! or temperature.
 
-use super::range::{HIGHEST_M_S, Refused, first_refused};
+use super::range::{EntryTable, HIGHEST_M_S};
+use crate::sensor::error::SensorError;
 
 /// A vortex that takes longer than this for a metre stands still.
 const SLOWEST_TRAVEL_M_S: f64 = 0.01;
@@ -32,7 +33,8 @@ pub(super) struct HorizontalMean {
 }
 
 /// A passing vortex, with times from the start of the entry it is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DustDevil {
     /// When the centre is nearest, after the entry's start.
     pub time_s: f64,
@@ -44,6 +46,7 @@ pub struct DustDevil {
     /// Tangential speed at the core's radius; positive is counter-clockwise from above.
     pub swirl_m_s: f64,
     /// Speed towards the centre at the core's radius.
+    #[serde(default)]
     pub inflow_m_s: f64,
     /// Of the centre; the horizontal part of the entry's mean if not given.
     pub travel_m_s: Option<f64>,
@@ -68,28 +71,22 @@ impl DustDevil {
         self.travel_m_s.unwrap_or(mean.speed_m_s)
     }
 
-    pub(super) fn check(&self, mean: HorizontalMean) -> Result<(), Refused> {
+    pub(super) fn check(&self, entry: usize, mean: HorizontalMean) -> Result<(), SensorError> {
         let Self { time_s, miss_m, core_radius_m, swirl_m_s, inflow_m_s, .. } = *self;
         let (travel_m_s, azimuth_deg) = (self.travel_m_s(mean), self.travel_azimuth_deg.unwrap_or(0.0));
+        let table = EntryTable { entry, name: "dust_devil" };
+        let later = time_s.is_finite() && time_s >= 0.0;
+        table.require(later, "time_s", time_s, "0 or more: it counts from the entry's start")?;
+        table.require(miss_m.is_finite(), "miss_m", miss_m, "a finite distance, negative to the right")?;
+        let round = core_radius_m.is_finite() && core_radius_m > 0.0;
+        table.require(round, "core_radius_m", core_radius_m, "more than 0")?;
+        let slow = swirl_m_s.abs() <= HIGHEST_M_S;
+        table.require(slow, "swirl_m_s", swirl_m_s, "-100 to 100, negative for clockwise")?;
+        table.require((0.0..=HIGHEST_M_S).contains(&inflow_m_s), "inflow_m_s", inflow_m_s, "0 to 100")?;
         let travel = "0.01 to 100; without it the horizontal part of the entry's mean wind carries the dust devil";
-        first_refused([
-            (
-                time_s.is_finite() && time_s >= 0.0,
-                ("dust_devil.time_s", time_s, "0 or more: it counts from the entry's start"),
-            ),
-            (miss_m.is_finite(), ("dust_devil.miss_m", miss_m, "a finite distance, negative to the right")),
-            (
-                core_radius_m.is_finite() && core_radius_m > 0.0,
-                ("dust_devil.core_radius_m", core_radius_m, "more than 0"),
-            ),
-            (
-                swirl_m_s.abs() <= HIGHEST_M_S,
-                ("dust_devil.swirl_m_s", swirl_m_s, "-100 to 100, negative for clockwise"),
-            ),
-            ((0.0..=HIGHEST_M_S).contains(&inflow_m_s), ("dust_devil.inflow_m_s", inflow_m_s, "0 to 100")),
-            ((SLOWEST_TRAVEL_M_S..=HIGHEST_M_S).contains(&travel_m_s), ("dust_devil.travel_m_s", travel_m_s, travel)),
-            (azimuth_deg.is_finite(), ("dust_devil.travel_azimuth_deg", azimuth_deg, "a finite angle")),
-        ])
+        let carried = (SLOWEST_TRAVEL_M_S..=HIGHEST_M_S).contains(&travel_m_s);
+        table.require(carried, "travel_m_s", travel_m_s, travel)?;
+        table.require(azimuth_deg.is_finite(), "travel_azimuth_deg", azimuth_deg, "a finite angle")
     }
 }
 

@@ -3,7 +3,7 @@
 use super::direction::{added, towards};
 use super::dust_devil::{DustDevil, HorizontalMean};
 use super::gust::Gust;
-use super::range::{Refused, first_refused};
+use super::range::EntryTable;
 use super::sine::{DirectionSwing, Sine};
 use super::turbulence::Turbulence;
 use crate::sensor::error::SensorError;
@@ -75,34 +75,21 @@ impl WindEntry {
 }
 
 /// Checks entry `i` of `entries`.
-pub(super) fn check(
-    entry: &WindEntry,
-    i: usize,
-    entries: &[WindEntry],
-    sample_period_s: f64,
-) -> Result<(), SensorError> {
-    let refuse =
-        |(key, value, expected): Refused| SensorError::out_of_range(format!("wind[{i}].{key}"), value, expected);
-    let start_s = entry.start_s;
+pub(super) fn check(i: usize, entries: &[WindEntry], sample_period_s: f64) -> Result<(), SensorError> {
+    let entry = &entries[i];
+    let WindEntry { start_s, speed_m_s, azimuth_deg, elevation_deg, .. } = *entry;
+    let table = EntryTable { entry: i, name: "" };
+    let expected = "0 for the first entry, so that the wind is known from the start";
+    table.require(i > 0 || start_s == 0.0, "start_s", start_s, expected)?;
     let after = i == 0 || (start_s > entries[i - 1].start_s && start_s.is_finite());
-    let speed_m_s = entry.speed_m_s;
-    first_refused([
-        (
-            i > 0 || start_s == 0.0,
-            ("start_s", start_s, "0 for the first entry, so that the wind is known from the start"),
-        ),
-        (after, ("start_s", start_s, "later than the start of the entry before it")),
-        (
-            speed_m_s.is_finite() && speed_m_s >= 0.0,
-            ("speed_m_s", speed_m_s, "zero or more; turn the direction instead of the sign"),
-        ),
-        (entry.azimuth_deg.is_finite(), ("azimuth_deg", entry.azimuth_deg, "a finite angle")),
-        ((-90.0..=90.0).contains(&entry.elevation_deg), ("elevation_deg", entry.elevation_deg, "-90 to 90")),
-    ])
-    .map_err(refuse)?;
-    entry.swing.map_or(Ok(()), |swing| swing.check(sample_period_s)).map_err(refuse)?;
-    entry.sine.map_or(Ok(()), |sine| sine.check(speed_m_s, sample_period_s)).map_err(refuse)?;
-    entry.gust.map_or(Ok(()), |gust| gust.check(speed_m_s, sample_period_s)).map_err(refuse)?;
-    entry.dust_devil.map_or(Ok(()), |devil| devil.check(entry.horizontal())).map_err(refuse)?;
-    entry.turbulence.map_or(Ok(()), |turbulence| turbulence.check(speed_m_s, sample_period_s)).map_err(refuse)
+    table.require(after, "start_s", start_s, "later than the start of the entry before it")?;
+    let forward = speed_m_s.is_finite() && speed_m_s >= 0.0;
+    table.require(forward, "speed_m_s", speed_m_s, "zero or more; turn the direction instead of the sign")?;
+    table.require(azimuth_deg.is_finite(), "azimuth_deg", azimuth_deg, "a finite angle")?;
+    table.require((-90.0..=90.0).contains(&elevation_deg), "elevation_deg", elevation_deg, "-90 to 90")?;
+    entry.swing.map_or(Ok(()), |swing| swing.check(i, sample_period_s))?;
+    entry.sine.map_or(Ok(()), |sine| sine.check(i, speed_m_s, sample_period_s))?;
+    entry.gust.map_or(Ok(()), |gust| gust.check(i, speed_m_s, sample_period_s))?;
+    entry.dust_devil.map_or(Ok(()), |devil| devil.check(i, entry.horizontal()))?;
+    entry.turbulence.map_or(Ok(()), |turbulence| turbulence.check(i, speed_m_s, sample_period_s))
 }

@@ -8,10 +8,12 @@
 //! continuous. A negative G is a lull. Sources: EASA CS-25 and 14 CFR 25.341(a), discrete gusts.
 
 use super::direction::towards;
-use super::range::{HIGHEST_M_S, Refused, first_refused};
+use super::range::{EntryTable, HIGHEST_M_S};
+use crate::sensor::error::SensorError;
 
 /// A rise of the wind that comes and goes once.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gust {
     /// After the entry's start.
     pub start_s: f64,
@@ -40,25 +42,18 @@ impl Gust {
         towards(self.azimuth_deg.unwrap_or(mean_azimuth_deg), self.elevation_deg.unwrap_or(mean_elevation_deg))
     }
 
-    pub(super) fn check(&self, speed_m_s: f64, sample_period_s: f64) -> Result<(), Refused> {
+    pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
         let Self { start_s, duration_s, rise_m_s, .. } = *self;
         let (azimuth_deg, elevation_deg) = (self.azimuth_deg.unwrap_or(0.0), self.elevation_deg.unwrap_or(0.0));
-        first_refused([
-            (
-                start_s.is_finite() && start_s >= 0.0,
-                ("gust.start_s", start_s, "0 or more: it counts from the entry's start"),
-            ),
-            (
-                duration_s.is_finite() && duration_s >= 2.0 * sample_period_s,
-                ("gust.duration_s", duration_s, "two sample periods or more"),
-            ),
-            (
-                (-speed_m_s..=HIGHEST_M_S).contains(&rise_m_s),
-                ("gust.rise_m_s", rise_m_s, "100 at most, and a lull no more than the entry's `speed_m_s`"),
-            ),
-            (azimuth_deg.is_finite(), ("gust.azimuth_deg", azimuth_deg, "a finite angle")),
-            ((-90.0..=90.0).contains(&elevation_deg), ("gust.elevation_deg", elevation_deg, "-90 to 90")),
-        ])
+        let table = EntryTable { entry, name: "gust" };
+        let later = start_s.is_finite() && start_s >= 0.0;
+        table.require(later, "start_s", start_s, "0 or more: it counts from the entry's start")?;
+        let long = duration_s.is_finite() && duration_s >= 2.0 * sample_period_s;
+        table.require(long, "duration_s", duration_s, "two sample periods or more")?;
+        let expected = "100 at most, and a lull no more than the entry's `speed_m_s`";
+        table.require((-speed_m_s..=HIGHEST_M_S).contains(&rise_m_s), "rise_m_s", rise_m_s, expected)?;
+        table.require(azimuth_deg.is_finite(), "azimuth_deg", azimuth_deg, "a finite angle")?;
+        table.require((-90.0..=90.0).contains(&elevation_deg), "elevation_deg", elevation_deg, "-90 to 90")
     }
 }
 

@@ -1,12 +1,22 @@
-//! How a check of a wind refuses: the first number that is out of its range.
+//! How a check of a wind refuses a number.
+
+use crate::sensor::error::{SensorError, require};
 
 /// No gust, sine or dust devil may add more than this, m/s.
 pub(super) const HIGHEST_M_S: f64 = 100.0;
 
-/// What a check refuses: the key in its entry, its value, what would be right.
-pub(super) type Refused = (&'static str, f64, &'static str);
+/// A table of an entry, as `wind[2].gust`.
+#[derive(Clone, Copy)]
+pub(super) struct EntryTable {
+    pub entry: usize,
+    /// Empty for the entry itself.
+    pub name: &'static str,
+}
 
-/// Refuses the first that is not so.
-pub(super) fn first_refused(cases: impl IntoIterator<Item = (bool, Refused)>) -> Result<(), Refused> {
-    cases.into_iter().find(|(right, _)| !right).map_or(Ok(()), |(_, refused)| Err(refused))
+impl EntryTable {
+    /// Refuses a number of the table that is not right.
+    pub(super) fn require(self, right: bool, key: &str, value: f64, expected: &str) -> Result<(), SensorError> {
+        let dot = if self.name.is_empty() { "" } else { "." };
+        require(right, &format!("wind[{}].{}{dot}{key}", self.entry, self.name), value, expected)
+    }
 }

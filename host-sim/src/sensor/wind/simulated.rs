@@ -48,9 +48,7 @@ pub struct SimulatedWind {
 impl SimulatedWind {
     /// Checks the entries; no entry at all is still gas without a label.
     pub fn new(entries: &[WindEntry], sample_period_s: f64, mut rng: ChaCha8Rng) -> Result<SimulatedWind, SensorError> {
-        for (i, entry) in entries.iter().enumerate() {
-            check(entry, i, entries, sample_period_s)?;
-        }
+        (0..entries.len()).try_for_each(|i| check(i, entries, sample_period_s))?;
         let still = [WindEntry::default()];
         let entries = if entries.is_empty() { &still[..] } else { entries };
         let segments = entries.iter().map(|entry| Segment::of(entry, sample_period_s)).collect();
@@ -91,11 +89,6 @@ impl SimulatedWind {
     /// Mean wind of the entry in force, m/s.
     pub fn mean_m_s(&self) -> [f64; 3] {
         self.segments[self.current].mean_m_s
-    }
-
-    /// Label of the entry in force.
-    pub fn label(&self) -> &str {
-        &self.segments[self.current].entry.label
     }
 
     /// A spectrum's turbulence is that of its entry, and comes in with it.

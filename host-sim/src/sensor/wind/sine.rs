@@ -8,10 +8,12 @@
 //! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a
 //! gust without a direction of its own, turn with it.
 
-use super::range::{Refused, first_refused};
+use super::range::EntryTable;
+use crate::sensor::error::SensorError;
 
 /// Of the speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Amplitude, m/s.
     pub amplitude_m_s: f64,
@@ -20,7 +22,8 @@ pub struct Sine {
 }
 
 /// Of the azimuth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DirectionSwing {
     /// Amplitude, °.
     pub amplitude_deg: f64,
@@ -33,15 +36,11 @@ impl Sine {
         self.amplitude_m_s * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
     }
 
-    pub(super) fn check(&self, speed_m_s: f64, sample_period_s: f64) -> Result<(), Refused> {
-        let amplitude_m_s = self.amplitude_m_s;
-        first_refused([
-            (
-                (0.0..=speed_m_s).contains(&amplitude_m_s),
-                ("sine.amplitude_m_s", amplitude_m_s, "0 to the entry's `speed_m_s`, so that the wind does not turn"),
-            ),
-            frequency("sine.frequency_hz", self.frequency_hz, sample_period_s),
-        ])
+    pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
+        let (table, amplitude_m_s) = (EntryTable { entry, name: "sine" }, self.amplitude_m_s);
+        let expected = "0 to the entry's `speed_m_s`, so that the wind does not turn";
+        table.require((0.0..=speed_m_s).contains(&amplitude_m_s), "amplitude_m_s", amplitude_m_s, expected)?;
+        check_frequency(table, self.frequency_hz, sample_period_s)
     }
 }
 
@@ -50,20 +49,18 @@ impl DirectionSwing {
         self.amplitude_deg * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
     }
 
-    pub(super) fn check(&self, sample_period_s: f64) -> Result<(), Refused> {
-        let amplitude_deg = self.amplitude_deg;
-        first_refused([
-            ((0.0..=180.0).contains(&amplitude_deg), ("swing.amplitude_deg", amplitude_deg, "0 to 180")),
-            frequency("swing.frequency_hz", self.frequency_hz, sample_period_s),
-        ])
+    pub(super) fn check(&self, entry: usize, sample_period_s: f64) -> Result<(), SensorError> {
+        let (table, amplitude_deg) = (EntryTable { entry, name: "swing" }, self.amplitude_deg);
+        table.require((0.0..=180.0).contains(&amplitude_deg), "amplitude_deg", amplitude_deg, "0 to 180")?;
+        check_frequency(table, self.frequency_hz, sample_period_s)
     }
 }
 
-/// A frequency that sample periods can carry.
-fn frequency(key: &'static str, frequency_hz: f64, sample_period_s: f64) -> (bool, Refused) {
+/// Refuses a frequency that sample periods cannot carry.
+fn check_frequency(table: EntryTable, frequency_hz: f64, sample_period_s: f64) -> Result<(), SensorError> {
     // A millionth for a half sample rate that is one but for rounding.
     let right = frequency_hz > 0.0 && frequency_hz * sample_period_s <= 0.5 * (1.0 + 1e-6);
-    (right, (key, frequency_hz, "more than 0 and at most half the sample rate"))
+    table.require(right, "frequency_hz", frequency_hz, "more than 0 and at most half the sample rate")
 }
 
 #[cfg(test)]

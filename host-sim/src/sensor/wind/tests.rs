@@ -22,7 +22,7 @@ fn holds_each_entry_until_the_next_one_starts() {
     let mut wind = wind(&[entry(0.0, "calm", 0.0), entry(0.3, "breeze", 2.0), entry(0.55, "gust", 8.0)], 0.1);
     let speeds: Vec<f64> = (0..8).map(|_| wind.advance()[0]).collect();
     assert_eq!(speeds, [0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 8.0, 8.0]);
-    assert_eq!(wind.label(), "gust");
+    assert_eq!(wind.mean_m_s(), [8.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn refuses_impossible_entries_by_name() {
     cases.push((devil(DustDevil { travel_m_s: Some(0.0), ..plain }), "wind[0].dust_devil.travel_m_s"));
     cases.push((devil(DustDevil { travel_azimuth_deg: Some(f64::NAN), ..plain }), "dust_devil.travel_azimuth_deg"));
     let still = WindEntry { dust_devil: Some(plain), ..entry(0.0, "", 0.0) };
-    cases.push((vec![still], "`wind[0].dust_devil.travel_m_s` is 0; it must be 0.01 to 100; without it"));
+    cases.push((vec![still], "`wind[0].dust_devil.travel_m_s` is 0: it must be 0.01 to 100; without it"));
     for (entries, name) in cases {
         let error = SimulatedWind::new(&entries, 0.01, ChaCha8Rng::seed_from_u64(1)).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");

@@ -40,8 +40,9 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::range::{Refused, first_refused};
+use super::range::EntryTable;
 use super::relaxations::{EDDY, SpectrumShape};
+use crate::sensor::error::SensorError;
 
 /// Random fluctuations about a mean wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,26 +145,23 @@ impl Turbulence {
         }
     }
 
-    pub(super) fn check(&self, speed_m_s: f64, sample_period_s: f64) -> Result<(), Refused> {
-        let intensity = self.intensity;
-        let spectrum = match self.spectrum {
+    pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
+        let (table, intensity) = (EntryTable { entry, name: "turbulence" }, self.intensity);
+        let share = (0.0..=1.0).contains(&intensity);
+        table.require(share, "intensity", intensity, "0 to 1, a fraction of the mean speed")?;
+        match self.spectrum {
             Spectrum::Relaxation { correlation_time_s: time_s } => {
-                (time_s.is_finite() && time_s > 0.0, ("turbulence.correlation_time_s", time_s, "more than 0"))
+                table.require(time_s.is_finite() && time_s > 0.0, "correlation_time_s", time_s, "more than 0")
             }
-            Spectrum::VonKarman { length_m } => (
-                length_m.is_finite() && length_m > 0.0 && length_m >= 5.0 * sample_period_s * speed_m_s,
-                (
-                    "turbulence.length_m",
-                    length_m,
-                    "more than 0, and no less than the mean wind goes in five sample periods",
-                ),
-            ),
-            Spectrum::Kaimal { height_m } => (
-                height_m > 0.0 && height_m <= 60.0,
-                ("turbulence.height_m", height_m, "more than 0 and at most 60, above which eddies do not grow with it"),
-            ),
-        };
-        let part = "0 to 1, a fraction of the mean speed";
-        first_refused([((0.0..=1.0).contains(&intensity), ("turbulence.intensity", intensity, part)), spectrum])
+            Spectrum::VonKarman { length_m } => {
+                let expected = "more than 0, and no less than the mean wind goes in five sample periods";
+                let right = length_m.is_finite() && length_m > 0.0 && length_m >= 5.0 * sample_period_s * speed_m_s;
+                table.require(right, "length_m", length_m, expected)
+            }
+            Spectrum::Kaimal { height_m } => {
+                let expected = "more than 0 and at most 60, above which eddies do not grow with it";
+                table.require(height_m > 0.0 && height_m <= 60.0, "height_m", height_m, expected)
+            }
+        }
     }
 }
