@@ -6,6 +6,7 @@ mod ci;
 mod cost;
 mod coverage;
 mod demo;
+mod emulator;
 mod flash;
 mod fuzz;
 mod install;
