@@ -131,10 +131,23 @@ impl CallGraph {
                     .with_context(|| format!("{} lies beyond .text", function.name()))?;
                 if is_data {
                     pointed.extend(words(bytes).filter_map(pointer));
-                } else {
-                    decode(&decoder, bytes, &part, span, &mut function, &inside, &mut |word| {
-                        pointed.extend(pointer(word))
-                    })?;
+                    continue;
+                }
+                for effect in effects(&decoder, bytes, part.start).with_context(|| function.name().to_owned())? {
+                    match effect {
+                        Effect::Nothing => {}
+                        Effect::Word(word) => pointed.extend(pointer(word)),
+                        Effect::Stack(bytes) => function.frame += bytes,
+                        Effect::Pointer => function.calls_pointers = true,
+                        // Within the function it is a loop or a decision.
+                        Effect::Jump(target) if (span.start..span.end).contains(&target) => {}
+                        Effect::Branch(target) | Effect::Jump(target) => {
+                            let callee = inside(target);
+                            function.calls.insert(callee.with_context(|| {
+                                format!("{} branches to {target:#x}, where no function is", function.name())
+                            })?);
+                        }
+                    }
                 }
             }
             functions.push(function);
@@ -197,45 +210,22 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
 }
 
-/// Reads a stretch of code. `inside` gives the function at an address.
-fn decode(
-    decoder: &Capstone,
-    bytes: &[u8],
-    part: &CodeSpan,
-    whole: &CodeSpan,
-    function: &mut Function,
-    inside: &dyn Fn(u32) -> Option<usize>,
-    keep: &mut dyn FnMut(u32),
-) -> Result<()> {
-    let instructions = decoder
-        .disasm_all(bytes, u64::from(part.start))
-        .map_err(|error| anyhow!("{} cannot be decoded: {error}", function.name()))?;
+/// Reads a stretch of code.
+fn effects(decoder: &Capstone, bytes: &[u8], start: u32) -> Result<Vec<Effect>> {
+    let instructions = decoder.disasm_all(bytes, u64::from(start)).map_err(|error| anyhow!("no code: {error}"))?;
     let mut registers = Registers::default();
-    let mut end = part.start;
+    let mut effects = Vec::new();
+    let mut length = 0;
     for instruction in instructions.iter() {
         let mnemonic = instruction.mnemonic().context("the decoder was built without names of instructions")?;
         let operands = instruction.op_str().unwrap_or("");
-        let at = instruction.address() as u32;
-        end = at + instruction.bytes().len() as u32;
-        let place = || format!("{} at {at:#x}: `{mnemonic} {operands}`", function.name());
-        match effect(mnemonic, operands, &mut registers).with_context(place)? {
-            Effect::Nothing => {}
-            Effect::Word(word) => keep(word),
-            Effect::Stack(bytes) => function.frame += bytes,
-            Effect::Pointer => function.calls_pointers = true,
-            Effect::Branch(target) => {
-                function.calls.insert(inside(target).with_context(|| format!("{} leads to no function", place()))?);
-            }
-            // Within the function it is a loop or a decision.
-            Effect::Jump(target) if (whole.start..whole.end).contains(&target) => {}
-            Effect::Jump(target) => {
-                function.calls.insert(inside(target).with_context(|| format!("{} leads to no function", place()))?);
-            }
-        }
+        length += instruction.bytes().len();
+        let place = || format!("at {:#x}: `{mnemonic} {operands}`", instruction.address());
+        effects.push(effect(mnemonic, operands, &mut registers).with_context(place)?);
     }
     // Padding behind the last instruction is no code.
-    if bytes.get((end - part.start) as usize..).is_some_and(|rest| rest.iter().any(|byte| *byte != 0)) {
-        bail!("{} at {end:#x} is no instruction", function.name());
+    if bytes.get(length..).is_some_and(|rest| rest.iter().any(|byte| *byte != 0)) {
+        bail!("at {:#x} is no instruction", start as usize + length);
     }
-    Ok(())
+    Ok(effects)
 }
