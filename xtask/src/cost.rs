@@ -6,10 +6,11 @@
 //! and logs each; `trace` adds up what lies between call and return. The counts depend on the
 //! pinned compiler alone, so they are asserted and stand in the README exactly as printed.
 
-use crate::{artefacts, emulator, install, shell};
+use crate::artefacts::{self, FirmwareBoard};
+use crate::{emulator, install, shell};
 use anyhow::{Context, Result, bail};
-use image_analysis::symbols::Image;
-use image_analysis::trace::{Counter, KernelTally};
+use image_analysis::code::ImageCode;
+use image_analysis::trace::{self, Counter, KernelTally};
 use std::fmt::Write;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -84,15 +85,14 @@ impl CostOptions {
 pub fn run(options: &CostOptions) -> Result<()> {
     install::thumb_target()?;
     install::qemu()?;
-    let elf = options.image.clone().map_or_else(artefacts::cost_image, Ok)?;
-    let image = Image::read(&elf)?;
-    let entries = KERNELS
-        .iter()
-        .map(|kernel| {
-            image.function(kernel.symbol).with_context(|| format!("the cost image has no function `{}`", kernel.symbol))
-        })
-        .collect::<Result<Vec<u32>>>()?;
-    let tallies = measure(&elf, &entries)?;
+    let build = || artefacts::image("cost", FirmwareBoard::Virtual);
+    let elf = options.image.clone().map_or_else(build, Ok)?;
+    let code = ImageCode::read(&elf)?;
+    let entry = |kernel: &Kernel| {
+        code.entry(kernel.symbol).with_context(|| format!("the cost image has no function `{}`", kernel.symbol))
+    };
+    let entries = KERNELS.iter().map(entry).collect::<Result<Vec<u32>>>()?;
+    let tallies = measure(&elf, Counter::new(&entries, trace::instructions(&code)))?;
     if let Some((kernel, _)) = KERNELS.iter().zip(&tallies).find(|(_, tally)| tally.calls == 0) {
         bail!("the cost image never calls `{}`", kernel.symbol);
     }
@@ -113,14 +113,14 @@ pub fn run(options: &CostOptions) -> Result<()> {
 }
 
 /// Runs an image to its end, one instruction at a time, and counts what each kernel takes.
-fn measure(elf: &Path, entries: &[u32]) -> Result<Vec<KernelTally>> {
+fn measure(elf: &Path, counter: Counter) -> Result<Vec<KernelTally>> {
     let version = shell::output_of(install::QEMU, &["--version"]).unwrap_or_default();
     let mut qemu = emulator::command(&[]);
-    qemu.args(single_step(&version)).args(["-d", "in_asm,exec,nochain", "-kernel"]).arg(elf);
+    qemu.args(single_step(&version)).args(["-d", "exec,nochain", "-kernel"]).arg(elf);
     let mut child = emulator::start(qemu.stderr(Stdio::piped()))?;
     let log = child.stderr.take().context("the emulator's log cannot be read")?;
     std::thread::scope(|scope| {
-        let counting = scope.spawn(|| Counter::new(entries).read(BufReader::with_capacity(1 << 20, log)));
+        let counting = scope.spawn(|| counter.read(BufReader::with_capacity(1 << 20, log)));
         let status = emulator::wait(&mut child, TIME_LIMIT).context("the cost image");
         let tallies = counting.join().unwrap_or_else(|_| bail!("the thread that counts has ended early"))?;
         let status = status?;

@@ -5,7 +5,7 @@
 //! examples in the documentation are not asked: what decides must be tested where it stands.
 
 use crate::{artefacts, install, shell, sources};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use std::collections::BTreeMap;
 
 const CRATE: &str = "dr-core";
@@ -29,12 +29,7 @@ pub fn run() -> Result<()> {
     shell::run(shell::program(tools.join("llvm-profdata")).args(["merge", "-sparse", "-o"]).arg(&merged).arg(&counts))?;
     let mut export = shell::program(tools.join("llvm-cov"));
     export.args(["export", "--format=lcov", "--instr-profile"]).arg(&merged).arg(&tests);
-    let report = export.output().context("llvm-cov cannot be started")?;
-    if !report.status.success() {
-        bail!("llvm-cov failed: {}", String::from_utf8_lossy(&report.stderr));
-    }
-
-    let mut counted = read(&String::from_utf8_lossy(&report.stdout));
+    let mut counted = read(&shell::captured(&mut export)?);
     let mut files = BTreeMap::new();
     for file in sources::rust_files()? {
         let Some(name) = file.path.strip_prefix(CRATE).and_then(|path| path.strip_prefix("/src/")) else { continue };

@@ -1,6 +1,7 @@
 //! Runs the image that overflows its stack, and expects the fault handler's exit code.
 
-use crate::{artefacts, emulator};
+use crate::artefacts::{self, FirmwareBoard};
+use crate::emulator;
 use anyhow::{Context, Result, bail};
 use std::process::Stdio;
 use std::time::Duration;
@@ -15,7 +16,7 @@ const WAYS: [(&str, &str); 2] =
     [("call", "a function that calls itself"), ("interrupt", "an interrupt at the end of the stack")];
 
 pub fn run() -> Result<()> {
-    let elf = artefacts::overflow_image()?;
+    let elf = artefacts::image("overflow", FirmwareBoard::Virtual)?;
     println!();
     for (way, what) in WAYS {
         let mut qemu = emulator::command(&["overflow", way]);

@@ -5,9 +5,8 @@
 //! tree`): what somebody gets who wants that crate only.
 
 use crate::shell;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use std::collections::BTreeSet;
-use std::process::Stdio;
 
 const WATCHED: [&str; 5] = ["clap", "nix", "parquet", "plotters", "serialport"];
 
@@ -67,12 +66,7 @@ fn first_words(tree: &str) -> BTreeSet<&str> {
 
 fn tree(packages: &[&str]) -> Result<String> {
     let mut cargo = shell::cargo();
-    cargo.args(["tree", "--quiet", "-e", "normal", "--prefix", "none"]).args(packages).stderr(Stdio::inherit());
-    let output = cargo.output().context("cargo cannot be started")?;
-    if !output.status.success() {
-        bail!("`cargo tree {}` failed; its message stands above", packages.join(" "));
-    }
-    Ok(String::from_utf8(output.stdout)?)
+    shell::captured(cargo.args(["tree", "--quiet", "-e", "normal", "--prefix", "none"]).args(packages))
 }
 
 #[cfg(test)]
