@@ -10,7 +10,7 @@
 //! only in small loops; instructions that a false condition skips (in an IT block) are counted as
 //! if they were executed, so `high` remains an upper bound for them.
 
-use crate::thumb::list;
+use crate::thumb::{is_any, list};
 
 /// Cycles at best and at worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,8 +62,6 @@ pub struct Instruction {
     writes_late: u32,
 }
 
-const CONDITIONS: [&str; 17] =
-    ["eq", "ne", "cs", "hs", "cc", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le", "al"];
 const ARITHMETIC: [&str; 15] = [
     "vadd", "vsub", "vmul", "vnmul", "vmla", "vmls", "vnmla", "vnmls", "vfma", "vfms", "vfnma", "vfnms", "vdiv",
     "vsqrt", "vcvt",
@@ -114,8 +112,7 @@ impl Instruction {
             // It depends on the operands.
             (Cycles { low: 2, high: 12 }, Timing::Alone)
         } else {
-            let is_branch = is(&["b", "bl", "bx", "blx", "cbz", "cbnz"])
-                || name.strip_prefix('b').is_some_and(|rest| CONDITIONS.contains(&rest));
+            let is_branch = is_any(name, &["b", "bl", "bx", "blx", "cbz", "cbnz"]);
             (always(1), if is_branch || to_pc { Timing::Branch } else { Timing::Alone })
         };
 

@@ -32,7 +32,8 @@ fn is(mnemonic: &str, base: &str) -> bool {
     plain.strip_prefix(base).is_some_and(|rest| rest.is_empty() || CONDITIONS.contains(&rest))
 }
 
-fn is_any(mnemonic: &str, bases: &[&str]) -> bool {
+/// Whether a mnemonic is one of these, under whatever condition and in whatever width.
+pub fn is_any(mnemonic: &str, bases: &[&str]) -> bool {
     bases.iter().any(|base| is(mnemonic, base))
 }
 

@@ -31,3 +31,18 @@ pub fn wait(child: &mut Child, limit: Duration) -> Result<ExitStatus> {
     child.kill()?;
     bail!("it did not end within {} s", limit.as_secs())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_never_ends_is_stopped_and_what_ends_tells_how() {
+        let mut endless = start(Command::new("sleep").arg("60")).expect("every system has it");
+        let error = wait(&mut endless, Duration::from_millis(30)).expect_err("it takes a minute").to_string();
+        assert_eq!(error, "it did not end within 0 s");
+        assert!(!endless.wait().expect("it was stopped").success());
+        let mut failing = start(&mut Command::new("false")).expect("every system has it");
+        assert!(!wait(&mut failing, Duration::from_secs(60)).expect("it ends").success());
+    }
+}

@@ -37,7 +37,10 @@ pub fn run(options: &FuzzOptions) -> Result<()> {
         bail!("--minutes is {}: it must be above 0", options.minutes);
     }
     install::nightly(&[])?;
-    let fuzzer = Fuzzer { program: install::cargo_fuzz()?, target_directory: shell::target_directory()?.join("fuzz") };
+    let fuzzer = Fuzzer {
+        program: install::tool(&install::CARGO_FUZZ)?,
+        target_directory: shell::target_directory()?.join("fuzz"),
+    };
     let mut findings = Vec::new();
     for name in chosen {
         shell::announce(&format!("{name}, {} minutes", options.minutes));

@@ -10,13 +10,22 @@ use std::process::Command;
 
 /// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-const FLIP_LINK_VERSION: &str = "0.1.12";
-const CARGO_FUZZ_VERSION: &str = "0.13.2";
+const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12" };
+/// The program that builds fuzz targets and runs them.
+pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2" };
+/// What changes code to see whether a test finds it. Always this version: what it changes differs
+/// from one to the next.
+pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0" };
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
-const CARGO_MUTANTS_VERSION: &str = "27.1.0";
 pub const QEMU: &str = "qemu-system-arm";
+
+/// A program that cargo installs.
+pub struct Tool {
+    name: &'static str,
+    version: &'static str,
+}
 
 /// A system's package manager and the commands by which it brings QEMU for Arm. The lists of
 /// packages come first, where an install would otherwise not find any.
@@ -76,23 +85,12 @@ pub fn flip_link() -> Result<PathBuf> {
     if shell::answers("flip-link", &["--help"]) {
         return Ok(PathBuf::from("flip-link"));
     }
-    tool("flip-link", FLIP_LINK_VERSION)
-}
-
-/// The program that builds fuzz targets and runs them.
-pub fn cargo_fuzz() -> Result<PathBuf> {
-    tool("cargo-fuzz", CARGO_FUZZ_VERSION)
-}
-
-/// What changes code to see whether a test finds it. Always this version: what it changes differs
-/// from one to the next.
-pub fn cargo_mutants() -> Result<PathBuf> {
-    tool("cargo-mutants", CARGO_MUTANTS_VERSION)
+    tool(&FLIP_LINK)
 }
 
 /// A program that cargo installs among the build's products, if it is not there yet. Gives where it
 /// is.
-fn tool(name: &str, version: &str) -> Result<PathBuf> {
+pub fn tool(&Tool { name, version }: &Tool) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
     let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     if !installed.is_file() {

@@ -12,9 +12,6 @@ pub struct CommandResult {
     pub errors: String,
 }
 
-/// What was done, by name, and what it has come to.
-pub type CommandResults = Vec<(String, CommandResult)>;
-
 /// By place, for example `elements.sector1.mean_power_w` or `pairs.0.mesh_rad_s.2`. Numbers of JSON
 /// keep all digits that are written: read as `f64`, two of them might be taken for one.
 pub type Values = BTreeMap<String, Value>;
@@ -109,20 +106,13 @@ impl ResultComparison {
     }
 
     fn value(&mut self, place: &str, old: &Value, new: &Value) {
-        if let (Value::String(old), Value::String(new)) = (old, new)
-            && !is_column(place)
-        {
-            // Sentences may be put otherwise; names and hashes may not, unless they were renamed.
-            if old.contains([' ', '/']) || new.contains(' ') {
-                return;
-            }
-            if renamed::column(old) == *new {
-                self.compared += 1;
-                return;
-            }
+        let texts = old.as_str().zip(new.as_str()).filter(|_| !is_column(place));
+        // Sentences may be put otherwise; names and hashes may not, unless they were renamed.
+        if texts.is_some_and(|(old, new)| old.contains([' ', '/']) || new.contains(' ')) {
+            return;
         }
         self.compared += 1;
-        if old == new {
+        if old == new || texts.is_some_and(|(old, new)| renamed::column(old) == new) {
             return;
         }
         let written = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -153,50 +143,22 @@ fn without_numbers(place: &str) -> String {
     place.split('.').filter(|name| name.parse::<usize>().is_err()).collect::<Vec<_>>().join(".")
 }
 
-/// All comparisons, to be shown.
-#[derive(Default)]
-pub struct ResultTable {
-    rows: Vec<(String, ResultComparison)>,
-}
-
-impl ResultTable {
-    /// Compares what has the same name in both. `label` is put around the names.
-    pub fn add(&mut self, old: &CommandResults, new: &CommandResults, label: impl Fn(&str) -> String) {
-        for (name, old) in old {
-            let comparison = match new.iter().find(|(other, _)| other == name) {
-                Some((_, new)) => ResultComparison::of(old, new),
-                None => {
-                    ResultComparison { different: vec!["the newer one has none".into()], ..ResultComparison::default() }
-                }
-            };
-            self.rows.push((label(name), comparison));
-        }
+/// Shows all comparisons with what was compared.
+pub fn print(rows: &[(String, ResultComparison)]) {
+    println!("{:<60} {:>8} {:>10} {:>20}", "what", "compared", "different", "largest difference");
+    for (name, comparison) in rows {
+        let (count, largest) = (comparison.different.len(), comparison.largest_difference);
+        let verdict = if count == 0 { "equal".to_owned() } else { count.to_string() };
+        println!("{name:<60} {:>8} {verdict:>10} {largest:>20.1e}", comparison.compared);
+        comparison.different.iter().take(SHOWN).for_each(|difference| println!("    {difference}"));
     }
-
-    /// How many outcomes differ.
-    pub fn different(&self) -> usize {
-        self.rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count()
-    }
-
-    pub fn print(&self) {
-        println!("{:<60} {:>8} {:>10} {:>20}", "what", "compared", "different", "largest difference");
-        for (name, comparison) in &self.rows {
-            let (count, largest) = (comparison.different.len(), comparison.largest_difference);
-            let verdict = if count == 0 { "equal".to_owned() } else { count.to_string() };
-            println!("{name:<60} {:>8} {verdict:>10} {largest:>20.1e}", comparison.compared);
-            for difference in comparison.different.iter().take(SHOWN) {
-                println!("    {difference}");
-            }
+    let only_old: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_old).collect();
+    let only_new: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_new).collect();
+    for (which, places) in [("older", only_old), ("newer", only_new)] {
+        if !places.is_empty() {
+            println!("only the {which} one has:");
         }
-        let all = |only: fn(&ResultComparison) -> &BTreeSet<String>| -> BTreeSet<&String> {
-            self.rows.iter().flat_map(|(_, comparison)| only(comparison)).collect()
-        };
-        for (which, places) in [("older", all(|row| &row.only_old)), ("newer", all(|row| &row.only_new))] {
-            if !places.is_empty() {
-                println!("only the {which} one has:");
-            }
-            places.iter().for_each(|place| println!("    {place}"));
-        }
+        places.iter().for_each(|place| println!("    {place}"));
     }
 }
 

@@ -14,7 +14,7 @@ mod steps;
 
 use crate::{artefacts, shell, sources};
 use anyhow::{Context, Result, bail};
-use compare::{CommandResult, CommandResults, ResultTable};
+use compare::{CommandResult, ResultComparison};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use steps::AnalysisStep;
@@ -33,6 +33,9 @@ pub struct SameResultsOptions {
     #[arg(long)]
     long: bool,
 }
+
+/// What was done, by name, and what it has come to.
+type CommandResults = Vec<(String, CommandResult)>;
 
 /// One of the two commands, and where it finds and leaves its files.
 struct Build {
@@ -65,15 +68,21 @@ pub fn run(options: &SameResultsOptions) -> Result<()> {
 
     shell::announce("experiments, by both");
     let [old_runs, new_runs] = together([&|| before.experiments(), &|| after.experiments()]);
-    let mut table = ResultTable::default();
-    table.add(&old_runs?, &new_runs?, |name| format!("experiment: {name}"));
+    let mut rows = Vec::new();
+    // Both do the same, in the same order.
+    let mut add = |old: &CommandResults, new: &CommandResults, kind: &str, source: &str| {
+        for ((name, old), (_, new)) in old.iter().zip(new) {
+            rows.push((format!("{kind}: {name}{source}"), ResultComparison::of(old, new)));
+        }
+    };
+    add(&old_runs?, &new_runs?, "experiment", "");
     shell::announce("analyses, by both");
     let [old, of_old, own] = together([&|| before.analyses(), &|| handed_over.analyses(), &|| after.analyses()]);
     let old = old?;
-    table.add(&old, &of_old?, |name| format!("analysis: {name}, older recordings"));
-    table.add(&old, &own?, |name| format!("analysis: {name}, own recordings"));
-    table.print();
-    match table.different() {
+    add(&old, &of_old?, "analysis", ", older recordings");
+    add(&old, &own?, "analysis", ", own recordings");
+    compare::print(&rows);
+    match rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count() {
         0 => Ok(()),
         faults => bail!("{faults} results differ; files are kept in {}", folder.display()),
     }
