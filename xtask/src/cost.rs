@@ -62,24 +62,17 @@ const END: &str = "<!-- cost:end -->";
 /// A run takes some seconds; an image that never ends is stopped.
 const TIME_LIMIT: Duration = Duration::from_secs(180);
 
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct CostOptions {
     /// Fail when a budget is exceeded or the README shows other numbers
     #[arg(long, conflicts_with = "write")]
-    check: bool,
+    pub check: bool,
     /// Put the table into the README, where no budget is exceeded
     #[arg(long)]
-    write: bool,
+    pub write: bool,
     /// Count in this image instead of building one
     #[arg(long, value_name = "ELF")]
-    image: Option<PathBuf>,
-}
-
-impl CostOptions {
-    /// What `test` does.
-    pub fn check() -> CostOptions {
-        CostOptions { check: true, write: false, image: None }
-    }
+    pub image: Option<PathBuf>,
 }
 
 pub fn run(options: &CostOptions) -> Result<()> {

@@ -4,7 +4,8 @@
 //! before the test runner's last summary, with which the output ends.
 
 use crate::artefacts::{self, FirmwareBoard};
-use crate::{cost, install, safety, shell, size};
+use crate::cost::{self, CostOptions};
+use crate::{install, safety, shell, size};
 use anyhow::Result;
 use std::io::{BufRead, IsTerminal};
 use std::time::Instant;
@@ -16,7 +17,8 @@ pub fn run() -> Result<()> {
     install::qemu()?;
     stages.run("size of the firmware", size::run)?;
     stages.run("panics, stack, overflow", safety::run)?;
-    stages.run("cost of the hot paths", || cost::run(&cost::CostOptions::check()))?;
+    let check = CostOptions { check: true, ..CostOptions::default() };
+    stages.run("cost of the hot paths", || cost::run(&check))?;
 
     // Always the whole workspace and its tests: for some of its crates alone cargo chooses other
     // features, and compiles everything once more.

@@ -9,8 +9,8 @@ use super::modules::{Destination, ModuleTree};
 use super::parsed::ParsedFile;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names that tie one file to another.
-type FileTies = BTreeMap<(String, String), BTreeSet<String>>;
+/// Of each file, those that it depends on and the names that tie it to them.
+type FileTies = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 pub fn find(files: &[ParsedFile]) -> Vec<String> {
     let by_path: BTreeMap<&str, &ParsedFile> = files.iter().map(|file| (file.path.as_str(), file)).collect();
@@ -35,7 +35,7 @@ fn add_ties(tree: &ModuleTree, ties: &mut FileTies) {
                 let Destination::Definition(owner, name) = destination else { continue };
                 let owner = &tree.modules[owner].file;
                 if *owner != module.file {
-                    ties.entry((module.file.clone(), owner.clone())).or_default().insert(name);
+                    ties.entry(module.file.clone()).or_default().entry(owner.clone()).or_default().insert(name);
                 }
             }
         }
@@ -44,20 +44,17 @@ fn add_ties(tree: &ModuleTree, ties: &mut FileTies) {
 
 /// Of every circle, all files that depend on each other.
 fn circles(ties: &FileTies) -> BTreeSet<BTreeSet<&String>> {
-    let mut next: BTreeMap<&String, Vec<&String>> = BTreeMap::new();
-    for (from, to) in ties.keys() {
-        next.entry(from).or_default().push(to);
-    }
-    let reached_from = |start: &&String| {
-        let (mut reached, mut left) = (BTreeSet::new(), next[*start].clone());
+    let next = |file: &String| ties.get(file).into_iter().flat_map(BTreeMap::keys);
+    let reached_from = |start: &String| {
+        let (mut reached, mut left) = (BTreeSet::new(), Vec::from_iter(next(start)));
         while let Some(file) = left.pop() {
             if reached.insert(file) {
-                left.extend(next.get(file).into_iter().flatten());
+                left.extend(next(file));
             }
         }
         reached
     };
-    let reached: BTreeMap<&String, BTreeSet<&String>> = next.keys().map(|from| (*from, reached_from(from))).collect();
+    let reached: BTreeMap<&String, BTreeSet<&String>> = ties.keys().map(|from| (from, reached_from(from))).collect();
     let leads_back = |from: &String, to: &String| reached.get(to).is_some_and(|back| back.contains(from));
     let mut circles = BTreeSet::new();
     for (from, to) in &reached {
@@ -74,9 +71,11 @@ fn describe(circle: &BTreeSet<&String>, ties: &FileTies) -> String {
         "{} files import each other in a circle; move what both sides need into a file of its own, or hand it over as an argument:",
         circle.len()
     );
-    for ((from, to), names) in ties.iter().filter(|((from, to), _)| circle.contains(from) && circle.contains(to)) {
-        let names = names.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-        text.push_str(&format!("\n      {from} → {to}: {names}"));
+    for (from, tos) in ties.iter().filter(|(from, _)| circle.contains(from)) {
+        for (to, names) in tos.iter().filter(|(to, _)| circle.contains(to)) {
+            let names = names.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+            text.push_str(&format!("\n      {from} → {to}: {names}"));
+        }
     }
     text
 }
