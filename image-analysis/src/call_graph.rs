@@ -1,11 +1,9 @@
 //! Who calls whom in a linked image, and how much stack each function takes, read from its machine
-//! code.
+//! code ([`crate::code`]).
 //!
-//! Capstone decodes; functions are the image's symbols, and the mapping symbols `$t` and `$d` of
-//! the Arm ELF part code from constants. An edge is a branch, with or without link, conditional or
-//! not, to another function. A call through a register may lead to every function whose address is
-//! kept anywhere: as a word in `.rodata` or `.data`, as a constant between the code, or put
-//! together by `movw` and `movt`.
+//! An edge is a branch, with or without link, conditional or not, to another function. A call
+//! through a register may lead to every function whose address is kept anywhere: as a word in
+//! `.rodata` or `.data`, as a constant between the code, or put together by `movw` and `movt`.
 //!
 //! A function's frame is the sum of all that it takes off the stack pointer, whichever way is gone
 //! through it: never less than it takes.
@@ -15,16 +13,13 @@
 //!
 //! What it cannot see: an address that is computed in another way (no compiler does that with a
 //! function), code that is written as the program runs, and exception entries, which are the
-//! caller's business. An instruction that changes the stack pointer in an unknown way, a branch to
-//! nowhere and bytes that are no instruction are errors, not guesses.
+//! caller's business. An instruction that changes the stack pointer in an unknown way and a branch
+//! to nowhere are errors, not guesses.
 
+use crate::code::{DecodedInstruction, ImageCode};
 use crate::thumb::{Effect, Registers, effect};
-use anyhow::{Context, Result, anyhow, bail};
-use capstone::arch::arm::{ArchExtraMode, ArchMode};
-use capstone::prelude::*;
-use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::Path;
+use anyhow::{Context, Result, bail};
+use std::collections::{BTreeSet, HashMap};
 
 /// A function of the image.
 pub struct Function {
@@ -50,11 +45,6 @@ pub struct CallGraph {
     addresses: HashMap<String, u32>,
 }
 
-struct CodeSpan {
-    start: u32,
-    end: u32,
-}
-
 impl Function {
     /// One of its names.
     pub fn name(&self) -> &str {
@@ -68,91 +58,50 @@ impl Function {
 }
 
 impl CallGraph {
-    /// Reads an ELF file.
-    pub fn read(path: &Path) -> Result<CallGraph> {
-        let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        let file = object::File::parse(&*bytes).with_context(|| format!("{} is no ELF image", path.display()))?;
-        let text = file.section_by_name(".text").context("the image has no .text")?;
-        let (base, code) = (text.address() as u32, text.data()?);
-        let text_end = base + code.len() as u32;
-
-        let mut names: BTreeMap<u32, (Vec<String>, u64)> = BTreeMap::new();
-        let mut data_marks: BTreeMap<u32, bool> = BTreeMap::new();
-        let mut addresses = HashMap::new();
-        for symbol in file.symbols() {
-            let (name, address) = (symbol.name().unwrap_or("?"), symbol.address() as u32);
-            match name.get(..2) {
-                Some("$t") => drop(data_marks.insert(address, false)),
-                Some("$d") => drop(data_marks.insert(address, true)),
-                _ if symbol.kind() == SymbolKind::Text && symbol.section_index() == Some(text.index()) => {
-                    let name = format!("{:#}", rustc_demangle::demangle(name));
-                    let slot = names.entry(address & !1).or_default();
-                    slot.0.push(name);
-                    slot.1 = slot.1.max(symbol.size());
-                }
-                _ => drop(addresses.insert(name.to_owned(), address)),
-            }
-        }
-        if !data_marks.values().any(|is_data| *is_data) {
-            bail!("the image has no mapping symbols ($t, $d), so code cannot be told from constants");
-        }
-
-        let starts: Vec<u32> = names.keys().copied().collect();
-        let spans: Vec<CodeSpan> = names
-            .iter()
-            .enumerate()
-            .map(|(i, (&start, &(_, size)))| {
-                // Assembly may say no size: then a function goes on to the next one.
-                let next = starts.get(i + 1).copied().unwrap_or(text_end);
-                CodeSpan { start, end: if size > 0 { start + size as u32 } else { next } }
-            })
-            .collect();
+    /// Follows all branches of an image.
+    pub fn new(code: ImageCode) -> Result<CallGraph> {
+        let starts: Vec<u32> = code.functions.iter().map(|function| function.addresses.start).collect();
         let inside = |address: u32| {
             let i = starts.partition_point(|start| *start <= address).checked_sub(1)?;
-            (address < spans[i].end).then_some(i)
+            code.functions[i].addresses.contains(&address).then_some(i)
         };
         // With the Thumb bit, as addresses of functions are kept.
-        let pointer = |word: u32| starts.binary_search(&(word & !1)).ok().filter(|_| word & 1 == 1);
+        let pointer = |word: &u32| starts.binary_search(&(word & !1)).ok().filter(|_| word & 1 == 1);
 
-        let mut pointed = BTreeSet::new();
+        let mut pointed: BTreeSet<usize> = code.data.iter().filter_map(pointer).collect();
         let mut functions = Vec::new();
-        let decoder = Capstone::new()
-            .arm()
-            .mode(ArchMode::Thumb)
-            .extra_mode([ArchExtraMode::MClass].into_iter())
-            .build()
-            .map_err(|error| anyhow!("the decoder does not start: {error}"))?;
-        for (span, (names, _)) in spans.iter().zip(names.values()) {
+        for own in &code.functions {
+            pointed.extend(own.constants.iter().filter_map(pointer));
             let mut function =
-                Function { names: names.clone(), calls: BTreeSet::new(), calls_pointers: false, frame: 0 };
-            for (part, is_data) in parts(span, &data_marks) {
-                let bytes = code
-                    .get((part.start - base) as usize..(part.end - base) as usize)
-                    .with_context(|| format!("{} lies beyond .text", function.name()))?;
-                if is_data {
-                    pointed.extend(words(bytes).filter_map(pointer));
-                } else {
-                    decode(&decoder, bytes, &part, span, &mut function, &inside, &mut |word| {
-                        pointed.extend(pointer(word))
-                    })?;
+                Function { names: own.names.clone(), calls: BTreeSet::new(), calls_pointers: false, frame: 0 };
+            for stretch in &own.stretches {
+                let mut registers = Registers::default();
+                for DecodedInstruction { address, mnemonic, operands, .. } in stretch {
+                    let place = || format!("{} at {address:#x}: `{mnemonic} {operands}`", function.name());
+                    match effect(mnemonic, operands, &mut registers).with_context(place)? {
+                        Effect::Nothing => {}
+                        Effect::Word(word) => pointed.extend(pointer(&word)),
+                        Effect::Stack(bytes) => function.frame += bytes,
+                        Effect::Pointer => function.calls_pointers = true,
+                        // Within the function it is a loop or a decision.
+                        Effect::Jump(target) if own.addresses.contains(&target) => {}
+                        Effect::Branch(target) | Effect::Jump(target) => {
+                            let callee = inside(target).with_context(|| format!("{} leads to no function", place()))?;
+                            function.calls.insert(callee);
+                        }
+                    }
                 }
             }
             functions.push(function);
-        }
-        for name in [".rodata", ".data"] {
-            if let Some(section) = file.section_by_name(name) {
-                pointed.extend(words(section.data()?).filter_map(pointer));
-            }
         }
         if let Some(writer) =
             functions.iter().find(|f| !f.formats() && f.calls.iter().any(|&to| functions[to].formats()))
         {
             bail!("{} formats: then calls by pointer may lead to formatting, which is not followed", writer.name());
         }
-        pointed.retain(|&function: &usize| !functions[function].formats());
-        let table = file.section_by_name(".vector_table").context("the image has no .vector_table")?;
-        let vectors = words(table.data()?).skip(2).filter_map(pointer).collect();
-        Ok(CallGraph { functions, pointed, vectors, addresses })
+        pointed.retain(|&function| !functions[function].formats());
+        let vectors = code.vectors.iter().skip(2).filter_map(pointer).collect();
+        Ok(CallGraph { functions, pointed, vectors, addresses: code.symbols })
     }
 
     /// A graph made by hand.
@@ -178,64 +127,4 @@ impl CallGraph {
         let pointed = function.calls_pointers.then_some(&self.pointed);
         function.calls.iter().chain(pointed.into_iter().flatten()).copied()
     }
-}
-
-/// Code and constants of a function by turns.
-fn parts(span: &CodeSpan, marks: &BTreeMap<u32, bool>) -> Vec<(CodeSpan, bool)> {
-    let mut is_data = marks.range(..=span.start).next_back().is_some_and(|(_, is_data)| *is_data);
-    let mut start = span.start;
-    let mut parts = Vec::new();
-    for (&at, &mark) in marks.range(span.start + 1..span.end) {
-        parts.push((CodeSpan { start, end: at }, is_data));
-        (start, is_data) = (at, mark);
-    }
-    parts.push((CodeSpan { start, end: span.end }, is_data));
-    parts
-}
-
-fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-}
-
-/// Reads a stretch of code. `inside` gives the function at an address.
-fn decode(
-    decoder: &Capstone,
-    bytes: &[u8],
-    part: &CodeSpan,
-    whole: &CodeSpan,
-    function: &mut Function,
-    inside: &dyn Fn(u32) -> Option<usize>,
-    keep: &mut dyn FnMut(u32),
-) -> Result<()> {
-    let instructions = decoder
-        .disasm_all(bytes, u64::from(part.start))
-        .map_err(|error| anyhow!("{} cannot be decoded: {error}", function.name()))?;
-    let mut registers = Registers::default();
-    let mut end = part.start;
-    for instruction in instructions.iter() {
-        let mnemonic = instruction.mnemonic().context("the decoder was built without names of instructions")?;
-        let operands = instruction.op_str().unwrap_or("");
-        let at = instruction.address() as u32;
-        end = at + instruction.bytes().len() as u32;
-        let place = || format!("{} at {at:#x}: `{mnemonic} {operands}`", function.name());
-        match effect(mnemonic, operands, &mut registers).with_context(place)? {
-            Effect::Nothing => {}
-            Effect::Word(word) => keep(word),
-            Effect::Stack(bytes) => function.frame += bytes,
-            Effect::Pointer => function.calls_pointers = true,
-            Effect::Branch(target) => {
-                function.calls.insert(inside(target).with_context(|| format!("{} leads to no function", place()))?);
-            }
-            // Within the function it is a loop or a decision.
-            Effect::Jump(target) if (whole.start..whole.end).contains(&target) => {}
-            Effect::Jump(target) => {
-                function.calls.insert(inside(target).with_context(|| format!("{} leads to no function", place()))?);
-            }
-        }
-    }
-    // Padding behind the last instruction is no code.
-    if bytes.get((end - part.start) as usize..).is_some_and(|rest| rest.iter().any(|byte| *byte != 0)) {
-        bail!("{} at {end:#x} is no instruction", function.name());
-    }
-    Ok(())
 }

@@ -10,6 +10,8 @@
 //! only in small loops; instructions that a false condition skips (in an IT block) are counted as
 //! if they were executed, so `high` remains an upper bound for them.
 
+use crate::thumb::{is_any, list};
+
 /// Cycles at best and at worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cycles {
@@ -29,19 +31,20 @@ impl std::ops::AddAssign for Cycles {
 /// Cycles that refill the pipeline after a jump.
 const REFILL: Cycles = Cycles { low: 1, high: 3 };
 
+const fn always(cycles: u64) -> Cycles {
+    Cycles { low: cycles, high: cycles }
+}
+
+/// What the time of an instruction depends on, beside itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Timing {
-    /// Always the same.
-    Fixed(u64),
-    /// UDIV, SDIV: depends on the operands.
-    Divide,
-    /// LDR, STR, VLDR, VLDM …: one cycle a word, and one more unless a load or store came right
-    /// before.
-    Transfer { words: u64 },
-    /// LDM, PUSH …: one cycle a word and one more.
-    Multiple { words: u64 },
-    /// B, BL, CBZ, TBB …: so many cycles, and a refill if it is taken.
-    Branch { cycles: u64 },
+    Alone,
+    /// LDR, STR, VLDR, VLDM …: a cycle less where a load or store came right before.
+    Transfer,
+    /// LDM, PUSH …: load or store, but never quicker.
+    Multiple,
+    /// B, BL, CBZ, TBB …: a refill if it is taken.
+    Branch,
 }
 
 /// One instruction of a program, reduced to what its time depends on.
@@ -51,6 +54,7 @@ pub struct Instruction {
     pub length: u32,
     /// BL and BLX: what follows will be returned to.
     pub is_call: bool,
+    cycles: Cycles,
     timing: Timing,
     /// Single-precision registers that it reads, one bit each.
     reads: u32,
@@ -58,8 +62,6 @@ pub struct Instruction {
     writes_late: u32,
 }
 
-const CONDITIONS: [&str; 17] =
-    ["eq", "ne", "cs", "hs", "cc", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le", "al"];
 const ARITHMETIC: [&str; 15] = [
     "vadd", "vsub", "vmul", "vnmul", "vmla", "vmls", "vnmla", "vnmls", "vfma", "vfms", "vfnma", "vfnms", "vdiv",
     "vsqrt", "vcvt",
@@ -80,47 +82,38 @@ impl Instruction {
             Some((_, list)) => list.contains("pc"),
             None => first.trim() == "pc",
         };
-        let jump = |cycles| {
-            if to_pc { Timing::Branch { cycles } } else { Timing::Fixed(cycles) }
-        };
-
-        let timing = if begins(&["vldm", "vstm", "vpush", "vpop"]) {
-            Timing::Transfer { words: registers(operands).count_ones().into() }
+        // One cycle a word and one more.
+        let words = |registers: &str| list(registers).map_or(0, |bytes| u64::from(bytes / 4));
+        let (cycles, timing) = if begins(&["vldm", "vstm", "vpush", "vpop"]) {
+            (always(words(operands) + 1), Timing::Transfer)
         } else if is(&["vldr", "vstr"]) {
-            Timing::Transfer { words: registers(first).count_ones().into() }
+            (always(u64::from(registers(first).count_ones()) + 1), Timing::Transfer)
         } else if is(&READS_FIRST[..ACCUMULATES]) {
-            Timing::Fixed(3)
+            (always(3), Timing::Alone)
         } else if is(&["vdiv", "vsqrt"]) {
-            Timing::Fixed(14)
+            (always(14), Timing::Alone)
         } else if name == "vmov" {
             // Two core registers at once take two cycles.
             let core = operands.split(',').filter(|operand| is_core_register(operand.trim())).count();
-            Timing::Fixed(if core > 1 { 2 } else { 1 })
+            (always(if core > 1 { 2 } else { 1 }), Timing::Alone)
         } else if name.starts_with('v') {
-            Timing::Fixed(1)
+            (always(1), Timing::Alone)
         } else if begins(&["ldm", "stm", "push", "pop"]) {
-            let words = list_length(operands);
-            if to_pc && !begins(&["stm", "push"]) {
-                Timing::Branch { cycles: words + 1 }
-            } else {
-                Timing::Multiple { words }
-            }
+            let returns = to_pc && begins(&["ldm", "pop"]);
+            (always(words(operands) + 1), if returns { Timing::Branch } else { Timing::Multiple })
         } else if begins(&["ldrd", "strd"]) {
-            Timing::Transfer { words: 2 }
-        } else if name.starts_with("ldr") && to_pc {
-            Timing::Branch { cycles: 2 }
+            (always(3), Timing::Transfer)
         } else if begins(&["ldr", "str"]) {
-            Timing::Transfer { words: 1 }
+            let jumps = to_pc && name.starts_with("ldr");
+            (always(2), if jumps { Timing::Branch } else { Timing::Transfer })
         } else if is(&["tbb", "tbh"]) {
-            Timing::Branch { cycles: 2 }
-        } else if is(&["b", "bl", "bx", "blx", "cbz", "cbnz"])
-            || name.strip_prefix('b').is_some_and(|rest| CONDITIONS.contains(&rest))
-        {
-            Timing::Branch { cycles: 1 }
+            (always(2), Timing::Branch)
         } else if is(&["udiv", "sdiv"]) {
-            Timing::Divide
+            // It depends on the operands.
+            (Cycles { low: 2, high: 12 }, Timing::Alone)
         } else {
-            jump(1)
+            let is_branch = is_any(name, &["b", "bl", "bx", "blx", "cbz", "cbnz"]);
+            (always(1), if is_branch || to_pc { Timing::Branch } else { Timing::Alone })
         };
 
         let reads = if begins(&READS_FIRST) || begins(&["vstm"]) {
@@ -131,32 +124,22 @@ impl Instruction {
             registers(rest)
         };
         let writes_late = if begins(&ARITHMETIC) { registers(first) } else { 0 };
-        Instruction { length, is_call: is(&["bl", "blx"]), timing, reads, writes_late }
-    }
-
-    fn is_transfer(&self) -> bool {
-        matches!(self.timing, Timing::Transfer { .. } | Timing::Multiple { .. })
+        Instruction { length, is_call: is(&["bl", "blx"]), cycles, timing, reads, writes_late }
     }
 
     /// Its cycles after `previous`, given whether the program went on elsewhere than right behind
     /// it.
     pub fn cycles(&self, previous: Option<&Instruction>, jumped: bool) -> Cycles {
-        let same = |cycles| Cycles { low: cycles, high: cycles };
-        let mut cycles = match self.timing {
-            Timing::Fixed(cycles) => same(cycles),
-            Timing::Divide => Cycles { low: 2, high: 12 },
-            Timing::Transfer { words } => {
-                let pipelined = previous.is_some_and(Instruction::is_transfer);
-                Cycles { low: if pipelined { words } else { words + 1 }, high: words + 1 }
-            }
-            Timing::Multiple { words } => same(words + 1),
-            Timing::Branch { cycles } => same(cycles),
-        };
-        if jumped && matches!(self.timing, Timing::Branch { .. }) {
+        let mut cycles = self.cycles;
+        let is_transfer = |other: &Instruction| matches!(other.timing, Timing::Transfer | Timing::Multiple);
+        if self.timing == Timing::Transfer && previous.is_some_and(is_transfer) {
+            cycles.low -= 1;
+        }
+        if jumped && self.timing == Timing::Branch {
             cycles += REFILL;
         }
         if previous.is_some_and(|previous| previous.writes_late & self.reads != 0) {
-            cycles += same(1);
+            cycles += always(1);
         }
         cycles
     }
@@ -189,19 +172,6 @@ fn register(name: &str) -> Option<u32> {
 fn is_core_register(name: &str) -> bool {
     matches!(name, "lr" | "ip" | "sp" | "fp" | "sl" | "sb")
         || name.strip_prefix('r').is_some_and(|number| number.parse::<u32>().is_ok())
-}
-
-/// How many core registers a list such as `{r4-r7, lr}` names.
-fn list_length(operands: &str) -> u64 {
-    let list = operands.split_once('{').map_or("", |(_, list)| list).trim_end_matches('}');
-    let number = |name: &str| name.trim().strip_prefix('r').and_then(|number| number.parse::<u64>().ok());
-    list.split(',')
-        .filter(|part| !part.trim().is_empty())
-        .map(|part| match part.split_once('-').map(|(from, to)| (number(from), number(to))) {
-            Some((Some(from), Some(to))) if to >= from => to - from + 1,
-            _ => 1,
-        })
-        .sum()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! | file | what it finds |
 //! |---|---|
 //! | [`symbols`] | sections and symbols of an ELF image, with their sizes |
+//! | [`code`] | functions of an ELF image, with their decoded instructions |
 //! | [`call_graph`] | which function calls which, and the stack frame of each, from the machine code |
 //! | [`thumb`] | what one decoded instruction means for those two |
 //! | [`panics`] | ways from a task to a panic |
@@ -15,6 +16,7 @@
 #![warn(missing_docs)]
 
 pub mod call_graph;
+pub mod code;
 pub mod cortex_m4;
 pub mod panics;
 pub mod stack;

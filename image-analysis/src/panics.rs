@@ -10,8 +10,7 @@
 
 use crate::call_graph::{CallGraph, Function};
 use anyhow::{Result, bail};
-use std::collections::hash_map::Entry;
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::BTreeSet;
 
 /// What is known of an image beforehand.
 pub struct Rules<'a> {
@@ -67,48 +66,45 @@ pub fn find(graph: &CallGraph, rules: &Rules) -> Result<PanicFindings> {
             exceptions.push(format!("allowed in {name}: {why}"));
         }
     }
-    Ok(PanicFindings { exceptions, ways, reachable: reachable(graph, idle) })
+    let reachable = reached(graph, graph.vectors.iter().copied().chain([idle]), |_| true).len();
+    Ok(PanicFindings { exceptions, ways, reachable })
 }
 
-/// How many functions can run after start-up.
-fn reachable(graph: &CallGraph, idle: usize) -> usize {
-    let mut seen: BTreeSet<usize> = graph.vectors.iter().copied().chain([idle]).collect();
-    let mut queue: Vec<usize> = seen.iter().copied().collect();
-    while let Some(function) = queue.pop() {
-        queue.extend(graph.callees(function).filter(|callee| seen.insert(*callee)));
+/// Every function that some can reach, in the order of its distance, and the place in this list of
+/// one that calls it. Only those callees are followed that `follow` accepts.
+fn reached(
+    graph: &CallGraph,
+    roots: impl Iterator<Item = usize>,
+    follow: impl Fn(&usize) -> bool,
+) -> Vec<(usize, Option<usize>)> {
+    let mut seen: BTreeSet<usize> = roots.collect();
+    let mut reached: Vec<_> = seen.iter().map(|&root| (root, None)).collect();
+    let mut at = 0;
+    while at < reached.len() {
+        let new = graph.callees(reached[at].0).filter(&follow).filter(|callee| seen.insert(*callee));
+        reached.extend(new.map(|callee| (callee, Some(at))).collect::<Vec<_>>());
+        at += 1;
     }
-    seen.len()
+    reached
 }
 
 fn ways(graph: &CallGraph, roots: impl Iterator<Item = usize>, allowed: &[(&str, &str)]) -> Vec<String> {
     let name = |function: usize| graph.functions[function].name();
-    let mut from: HashMap<usize, Option<usize>> = roots.map(|root| (root, None)).collect();
-    let mut queue: VecDeque<usize> = from.keys().copied().collect();
-    queue.make_contiguous().sort_unstable();
-    let mut ways = Vec::new();
-    while let Some(function) = queue.pop_front() {
-        let mut panics = false;
-        for callee in graph.callees(function) {
-            if is_panic(&graph.functions[callee]) {
-                if panics || allowed.iter().any(|(allowed, _)| *allowed == name(function)) {
-                    continue;
-                }
-                panics = true;
-                let mut way = vec![name(callee)];
-                let mut at = Some(function);
-                while let Some(function) = at {
-                    way.push(name(function));
-                    at = from.get(&function).copied().flatten();
-                }
-                way.reverse();
-                ways.push(way.join(" → "));
-            } else if let Entry::Vacant(new) = from.entry(callee) {
-                new.insert(Some(function));
-                queue.push_back(callee);
-            }
+    let panics = |function: &usize| is_panic(&graph.functions[*function]);
+    let reached = reached(graph, roots, |callee| !panics(callee));
+    let way_to = |&(function, caller): &(usize, Option<usize>)| {
+        let panic = graph.callees(function).find(panics)?;
+        let mut way = vec![name(panic), name(function)];
+        let mut at = caller;
+        while let Some((function, caller)) = at.map(|at| reached[at]) {
+            way.push(name(function));
+            at = caller;
         }
-    }
-    ways
+        way.reverse();
+        Some(way.join(" → "))
+    };
+    let is_allowed = |function: usize| allowed.iter().any(|(allowed, _)| *allowed == name(function));
+    reached.iter().filter(|(function, _)| !is_allowed(*function)).filter_map(way_to).collect()
 }
 
 #[cfg(test)]

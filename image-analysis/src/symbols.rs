@@ -20,12 +20,8 @@ pub struct ImageSection {
 pub struct ImageSymbol {
     /// Demangled.
     pub name: String,
-    /// Without the Thumb bit.
-    pub address: u32,
     /// In bytes; assembly may say none.
     pub size: u64,
-    /// Whether it is a function.
-    pub is_code: bool,
     /// Index into the image's sections, if it lies in an allocated one.
     pub section: Option<usize>,
 }
@@ -43,42 +39,29 @@ impl Image {
     pub fn read(path: &Path) -> Result<Image> {
         let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         let file = object::File::parse(&*bytes).with_context(|| format!("{} is no ELF image", path.display()))?;
-        let mut sections = Vec::new();
-        let mut indices = Vec::new();
-        for section in file.sections() {
-            let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
-                continue;
-            };
-            if !sh_flags.contains(elf::SHF_ALLOC) || section.size() == 0 {
-                continue;
-            }
-            indices.push(section.index());
-            sections.push(ImageSection {
-                name: section.name().unwrap_or("?").to_owned(),
-                size: section.size(),
-                stored: section.file_range().is_some(),
-                writable: sh_flags.contains(elf::SHF_WRITE),
-            });
-        }
-        let symbols = file
-            .symbols()
-            .filter(|symbol| {
-                matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data | SymbolKind::Unknown)
-                    && symbol.is_definition()
-            })
-            .map(|symbol| ImageSymbol {
-                name: format!("{:#}", rustc_demangle::demangle(symbol.name().unwrap_or("?"))),
-                address: symbol.address() as u32 & if symbol.kind() == SymbolKind::Text { !1 } else { !0 },
-                size: symbol.size(),
-                is_code: symbol.kind() == SymbolKind::Text,
-                section: symbol.section_index().and_then(|index| indices.iter().position(|known| *known == index)),
-            })
-            .collect();
+        let flags = |section: &object::Section| match section.flags() {
+            SectionFlags::Elf { sh_flags, .. } => sh_flags,
+            _ => elf::SectionFlags::default(),
+        };
+        let allocated: Vec<_> =
+            file.sections().filter(|section| section.size() > 0 && flags(section).contains(elf::SHF_ALLOC)).collect();
+        let sections = allocated.iter().map(|section| ImageSection {
+            name: section.name().unwrap_or("?").to_owned(),
+            size: section.size(),
+            stored: section.file_range().is_some(),
+            writable: flags(section).contains(elf::SHF_WRITE),
+        });
+        let sections = sections.collect();
+        let place = |index| allocated.iter().position(|section| section.index() == index);
+        let is_function_or_static = |symbol: &object::Symbol| {
+            matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data | SymbolKind::Unknown) && symbol.is_definition()
+        };
+        let symbols = file.symbols().filter(is_function_or_static).map(|symbol| ImageSymbol {
+            name: format!("{:#}", rustc_demangle::demangle(symbol.name().unwrap_or("?"))),
+            size: symbol.size(),
+            section: symbol.section_index().and_then(place),
+        });
+        let symbols = symbols.collect();
         Ok(Image { sections, symbols })
-    }
-
-    /// Address of a function, by its whole name.
-    pub fn function(&self, name: &str) -> Option<u32> {
-        self.symbols.iter().find(|symbol| symbol.is_code && symbol.name == name).map(|symbol| symbol.address)
     }
 }

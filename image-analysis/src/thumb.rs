@@ -32,7 +32,8 @@ fn is(mnemonic: &str, base: &str) -> bool {
     plain.strip_prefix(base).is_some_and(|rest| rest.is_empty() || CONDITIONS.contains(&rest))
 }
 
-fn is_any(mnemonic: &str, bases: &[&str]) -> bool {
+/// Whether a mnemonic is one of these, under whatever condition and in whatever width.
+pub fn is_any(mnemonic: &str, bases: &[&str]) -> bool {
     bases.iter().any(|base| is(mnemonic, base))
 }
 
@@ -104,10 +105,10 @@ fn stack(mnemonic: &str, operands: &str, registers: &Registers) -> Result<Effect
     bail!("changes the stack pointer in an unknown way")
 }
 
-/// Bytes of a list such as `{r4, r5-r7, lr}` or `{d8, d9}`.
-fn list(operands: &str) -> Result<u32> {
-    let inner = operands.strip_prefix('{').and_then(|list| list.strip_suffix('}')).context("a list is expected")?;
-    inner.split(", ").try_fold(0, |sum, entry| {
+/// Bytes of the registers in a list such as `{r4, r5-r7, lr}` or `{d8, d9}`.
+pub fn list(operands: &str) -> Result<u32> {
+    let (_, inner) = operands.split_once('{').context("a list is expected")?;
+    inner.trim_end_matches('}').split(',').map(str::trim).try_fold(0, |sum, entry| {
         let width = if entry.starts_with('d') { 8 } else { 4 };
         let number = |register: &str| register[1..].parse::<u32>().context("a range of numbers is expected");
         let count = match entry.split_once('-') {

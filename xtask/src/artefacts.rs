@@ -4,9 +4,9 @@
 
 use crate::install::{self, TARGET};
 use crate::shell;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
 pub const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
@@ -35,22 +35,13 @@ pub fn firmware(board: FirmwareBoard) -> Result<PathBuf> {
     image("firmware", board)
 }
 
-/// Builds the image that runs every counted kernel once (see `cost`).
-pub fn cost_image() -> Result<PathBuf> {
-    image("cost", FirmwareBoard::Virtual)
-}
-
-/// Builds the image that overflows its stack (see `overflow`).
-pub fn overflow_image() -> Result<PathBuf> {
-    image("overflow", FirmwareBoard::Virtual)
-}
-
 /// Builds the `anemo` command.
 pub fn anemo() -> Result<PathBuf> {
     executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
 }
 
-fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
+/// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.
+pub fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     let mut cargo = shell::cargo();
     cargo.env(LINKER_VARIABLE, install::flip_link()?);
     // Incremental builds are cut into other units: other instructions are counted then than in a
@@ -68,15 +59,7 @@ fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
 /// Runs a `cargo build` or a `cargo test --no-run` and returns the executable that it reports for
 /// `bin`.
 pub fn executable(cargo: &mut Command, bin: &str) -> Result<PathBuf> {
-    let output = cargo
-        .arg("--message-format=json-render-diagnostics")
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cargo cannot be started")?;
-    if !output.status.success() {
-        bail!("{bin} does not build; the compiler's messages stand above");
-    }
-    let messages = String::from_utf8_lossy(&output.stdout);
+    let messages = shell::captured(cargo.arg("--message-format=json-render-diagnostics"))?;
     find_executable(&messages, bin)
         .with_context(|| format!("cargo reports no executable for {bin}: is there still such a binary?"))
 }

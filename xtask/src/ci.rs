@@ -13,12 +13,11 @@ pub fn run() -> Result<()> {
     };
     // The tests come last and the times before them, so that the output ends with the test runner's
     // own summary.
-    let mut times = Vec::new();
-    let stages = [("prepare", &prepare as &dyn Fn() -> Result<()>), ("lint", &lint::run), ("coverage", &coverage::run)];
-    for (name, stage) in stages {
-        times.push(format!("{name} {:.0} s", shell::timed(name, stage)?.as_secs_f64()));
-    }
-    shell::announce(&times.join(", "));
+    let mut stages = shell::Stages::default();
+    stages.run("prepare", prepare)?;
+    stages.run("lint", lint::run)?;
+    stages.run("coverage", coverage::run)?;
+    shell::announce(&stages.times());
     // An emulated board and its host take turns, and the interpreter takes what they leave of two
     // processors.
     let interpreted = std::thread::spawn(miri::run_aside);

@@ -6,15 +6,15 @@
 //! and logs each; `trace` adds up what lies between call and return. The counts depend on the
 //! pinned compiler alone, so they are asserted and stand in the README exactly as printed.
 
-use crate::{artefacts, install, shell};
+use crate::artefacts::{self, FirmwareBoard};
+use crate::{emulator, install, shell};
 use anyhow::{Context, Result, bail};
-use image_analysis::symbols::Image;
-use image_analysis::trace::{Counter, KernelTally};
+use image_analysis::code::ImageCode;
+use image_analysis::trace::{self, Counter, KernelTally};
 use std::fmt::Write;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::{Mutex, mpsc};
+use std::process::Stdio;
 use std::time::Duration;
 
 struct Kernel {
@@ -27,62 +27,31 @@ struct Kernel {
     budget: u64,
 }
 
+const fn kernel(symbol: &'static str, operation: &'static str, budget: u64) -> Kernel {
+    Kernel { symbol, operation, poles: None, budget }
+}
+
 /// Budgets lie a few per cent above what the pinned compiler makes of the code, so that a change of
 /// cost is noticed and said.
 const KERNELS: [Kernel; 14] = [
-    Kernel {
-        symbol: "relaxations_8_poles",
-        operation: "8 relaxations, compensated, with output",
-        poles: Some(8),
-        budget: 120,
-    },
-    Kernel {
-        symbol: "control_6_elements",
-        operation: "control tick: 6 elements, all drives, with models",
-        poles: None,
-        // 2 500 in the mean; one element's drive and model are verified in a tick, and the largest
-        // take some 200 more.
-        budget: 2860,
-    },
-    Kernel { symbol: "control_6_elements_observing", operation: "the same, observing", poles: None, budget: 3500 },
-    Kernel {
-        symbol: "control_6_of_16",
-        operation: "control tick: the 6 elements on a controller of 16",
-        poles: None,
-        budget: 3170,
-    },
-    Kernel { symbol: "control_13_of_16", operation: "13 elements on a controller of 16", poles: None, budget: 5960 },
-    Kernel { symbol: "platinum_linear", operation: "resistance to temperature, linear", poles: None, budget: 16 },
-    Kernel { symbol: "platinum_iec60751", operation: "resistance to temperature, IEC 60751", poles: None, budget: 135 },
-    Kernel { symbol: "prbs_step", operation: "pseudo-random bit", poles: None, budget: 20 },
-    Kernel { symbol: "sigma_delta_step", operation: "sigma-delta modulator", poles: None, budget: 18 },
-    Kernel { symbol: "decimator_push", operation: "decimator, one bit in", poles: None, budget: 85 },
-    Kernel {
-        symbol: "wind_4_sectors",
-        operation: "wind vector from four sectors, at the decimated rate",
-        poles: None,
-        budget: 38_500,
-    },
-    Kernel {
-        symbol: "wind_3_sectors",
-        operation: "the same from three of them, or from four of which one is hardly known",
-        poles: None,
-        budget: 75_000,
-    },
-    Kernel {
-        symbol: "anemometer_6_elements",
-        operation: "anemometer tick: 6 elements, with the wind of 4 sectors",
-        poles: None,
-        budget: 90_000,
-    },
-    Kernel {
-        symbol: "anemometer_between_outputs",
-        operation: "anemometer tick without an answer",
-        poles: None,
-        // 6 700 in the mean; the rest is the checksum of the largest piece, the prepared output,
-        // once in 43 ticks.
-        budget: 9_500,
-    },
+    Kernel { poles: Some(8), ..kernel("relaxations_8_poles", "8 relaxations, compensated, with output", 120) },
+    // 2 500 in the mean; one element's drive and model are verified in a tick, and the largest take
+    // some 200 more.
+    kernel("control_6_elements", "control tick: 6 elements, all drives, with models", 2860),
+    kernel("control_6_elements_observing", "the same, observing", 3500),
+    kernel("control_6_of_16", "control tick: the 6 elements on a controller of 16", 3170),
+    kernel("control_13_of_16", "13 elements on a controller of 16", 5960),
+    kernel("platinum_linear", "resistance to temperature, linear", 16),
+    kernel("platinum_iec60751", "resistance to temperature, IEC 60751", 135),
+    kernel("prbs_step", "pseudo-random bit", 20),
+    kernel("sigma_delta_step", "sigma-delta modulator", 18),
+    kernel("decimator_push", "decimator, one bit in", 85),
+    kernel("wind_4_sectors", "wind vector from four sectors, at the decimated rate", 38_500),
+    kernel("wind_3_sectors", "the same from three of them, or from four of which one is hardly known", 75_000),
+    kernel("anemometer_6_elements", "anemometer tick: 6 elements, with the wind of 4 sectors", 90_000),
+    // 6 700 in the mean; the rest is the checksum of the largest piece, the prepared output, once
+    // in 43 ticks.
+    kernel("anemometer_between_outputs", "anemometer tick without an answer", 9_500),
 ];
 
 const CLOCK_HZ: f64 = 168e6;
@@ -93,38 +62,30 @@ const END: &str = "<!-- cost:end -->";
 /// A run takes some seconds; an image that never ends is stopped.
 const TIME_LIMIT: Duration = Duration::from_secs(180);
 
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct CostOptions {
     /// Fail when a budget is exceeded or the README shows other numbers
     #[arg(long, conflicts_with = "write")]
-    check: bool,
+    pub check: bool,
     /// Put the table into the README, where no budget is exceeded
     #[arg(long)]
-    write: bool,
+    pub write: bool,
     /// Count in this image instead of building one
     #[arg(long, value_name = "ELF")]
-    image: Option<PathBuf>,
-}
-
-impl CostOptions {
-    /// What `test` does.
-    pub fn check() -> CostOptions {
-        CostOptions { check: true, write: false, image: None }
-    }
+    pub image: Option<PathBuf>,
 }
 
 pub fn run(options: &CostOptions) -> Result<()> {
     install::thumb_target()?;
     install::qemu()?;
-    let elf = options.image.clone().map_or_else(artefacts::cost_image, Ok)?;
-    let image = Image::read(&elf)?;
-    let entries = KERNELS
-        .iter()
-        .map(|kernel| {
-            image.function(kernel.symbol).with_context(|| format!("the cost image has no function `{}`", kernel.symbol))
-        })
-        .collect::<Result<Vec<u32>>>()?;
-    let tallies = measure(&elf, &entries)?;
+    let build = || artefacts::image("cost", FirmwareBoard::Virtual);
+    let elf = options.image.clone().map_or_else(build, Ok)?;
+    let code = ImageCode::read(&elf)?;
+    let entry = |kernel: &Kernel| {
+        code.entry(kernel.symbol).with_context(|| format!("the cost image has no function `{}`", kernel.symbol))
+    };
+    let entries = KERNELS.iter().map(entry).collect::<Result<Vec<u32>>>()?;
+    let tallies = measure(&elf, Counter::new(&entries, trace::instructions(&code)))?;
     if let Some((kernel, _)) = KERNELS.iter().zip(&tallies).find(|(_, tally)| tally.calls == 0) {
         bail!("the cost image never calls `{}`", kernel.symbol);
     }
@@ -132,44 +93,32 @@ pub fn run(options: &CostOptions) -> Result<()> {
     print!("{table}");
     if options.check || options.write {
         check_budgets(&tallies)?;
-    }
-    if options.write {
-        update_readme(&table)?;
-    }
-    if options.check {
-        check_readme(&table)?;
+        let path = shell::root().join(README);
+        let readme = std::fs::read_to_string(&path).with_context(|| format!("{README} cannot be read"))?;
+        let updated = with_table(&readme, &table)?;
+        if options.write {
+            std::fs::write(path, updated).with_context(|| format!("{README} cannot be written"))?;
+        } else if updated != readme {
+            bail!("the cost table of {README} is not what was measured; type: cargo xtask cost --write");
+        }
     }
     Ok(())
 }
 
 /// Runs an image to its end, one instruction at a time, and counts what each kernel takes.
-fn measure(elf: &Path, entries: &[u32]) -> Result<Vec<KernelTally>> {
+fn measure(elf: &Path, counter: Counter) -> Result<Vec<KernelTally>> {
     let version = shell::output_of(install::QEMU, &["--version"]).unwrap_or_default();
-    let mut qemu = Command::new(install::QEMU);
-    qemu.args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null"]);
-    qemu.args(["-semihosting-config", "enable=on,target=native"]);
-    qemu.args(single_step(&version)).args(["-d", "in_asm,exec,nochain", "-kernel"]).arg(elf);
-    let mut child =
-        qemu.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().context("qemu-system-arm cannot be started")?;
+    let mut qemu = emulator::command(&[]);
+    qemu.args(single_step(&version)).args(["-d", "exec,nochain", "-kernel"]).arg(elf);
+    let mut child = emulator::start(qemu.stderr(Stdio::piped()))?;
     let log = child.stderr.take().context("the emulator's log cannot be read")?;
-
-    let child = Mutex::new(child);
-    let (finished, wait) = mpsc::channel::<()>();
     std::thread::scope(|scope| {
-        let child = &child;
-        scope.spawn(move || {
-            if wait.recv_timeout(TIME_LIMIT) == Err(mpsc::RecvTimeoutError::Timeout)
-                && let Ok(mut child) = child.lock()
-            {
-                let _ = child.kill();
-            }
-        });
-        let tallies = Counter::new(entries).read(BufReader::with_capacity(1 << 20, log));
-        drop(finished);
-        let status = child.lock().map_err(|_| anyhow::anyhow!("the emulator was lost"))?.wait()?;
-        let tallies = tallies?;
+        let counting = scope.spawn(|| counter.read(BufReader::with_capacity(1 << 20, log)));
+        let status = emulator::wait(&mut child, TIME_LIMIT).context("the cost image");
+        let tallies = counting.join().unwrap_or_else(|_| bail!("the thread that counts has ended early"))?;
+        let status = status?;
         if !status.success() {
-            bail!("the cost image did not end well in the emulator ({status}) within {} s", TIME_LIMIT.as_secs());
+            bail!("the cost image did not end well in the emulator ({status})");
         }
         Ok(tallies)
     })
@@ -222,34 +171,13 @@ fn check_budgets(tallies: &[KernelTally]) -> Result<()> {
     Ok(())
 }
 
-/// The README's three parts: up to and including the begin mark, the table, from the end mark on.
-fn parts(readme: &str) -> Result<(&str, &str, &str)> {
-    let begin = readme.find(BEGIN).map(|at| at + BEGIN.len());
-    let end = readme.find(END);
-    match (begin, end) {
-        (Some(begin), Some(end)) if begin <= end => Ok((&readme[..begin], &readme[begin..end], &readme[end..])),
-        _ => bail!("{README} has no place for the cost table; put {BEGIN} and {END} on lines of their own"),
-    }
-}
-
-fn read_readme() -> Result<String> {
-    std::fs::read_to_string(shell::root().join(README)).with_context(|| format!("{README} cannot be read"))
-}
-
-fn check_readme(table: &str) -> Result<()> {
-    let readme = read_readme()?;
-    let (_, shown, _) = parts(&readme)?;
-    if shown.trim() != table.trim() {
-        bail!("the cost table of {README} is not what was measured; type: cargo xtask cost --write");
-    }
-    Ok(())
-}
-
-fn update_readme(table: &str) -> Result<()> {
-    let readme = read_readme()?;
-    let (before, _, after) = parts(&readme)?;
-    std::fs::write(shell::root().join(README), format!("{before}\n{table}{after}"))
-        .with_context(|| format!("{README} cannot be written"))
+/// The README with this table between its marks.
+fn with_table(readme: &str, table: &str) -> Result<String> {
+    let marked = readme.split_once(BEGIN).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
+    let (before, after) = marked.with_context(|| {
+        format!("{README} has no place for the cost table; put {BEGIN} and {END} on lines of their own")
+    })?;
+    Ok(format!("{before}{BEGIN}\n{table}{END}{after}"))
 }
 
 #[cfg(test)]
@@ -265,12 +193,11 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_found_between_its_marks() {
-        let readme = format!("before\n{BEGIN}\n| x |\n{END}\nafter\n");
-        let (before, table, after) = parts(&readme).expect("both marks are there");
-        assert!(before.starts_with("before") && after.ends_with("after\n"));
-        assert_eq!(table.trim(), "| x |");
-        assert!(parts(&format!("{END} {BEGIN}")).is_err());
+    fn the_table_is_put_between_its_marks() {
+        let readme = |table: &str| format!("before\n{BEGIN}\n{table}{END}\nafter\n");
+        let updated = with_table(&readme("| x |\n"), "| y |\n").expect("both marks are there");
+        assert_eq!(updated, readme("| y |\n"));
+        assert!(with_table(&format!("{END} {BEGIN}"), "").is_err());
     }
 
     #[test]

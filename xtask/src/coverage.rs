@@ -1,19 +1,18 @@
 //! How many lines of `dr-core` its own unit tests run, file by file, and which they do not.
 //!
 //! The compiler counts (`-C instrument-coverage`), LLVM's own two tools make a report of it.
-//! LineHits of tests are not counted: they would run whatever they test. Tests of other crates and
+//! Lines of tests are not counted: they would run whatever they test. Tests of other crates and
 //! examples in the documentation are not asked: what decides must be tested where it stands.
 
-use crate::{artefacts, install, shell};
-use anyhow::{Context, Result, bail};
+use crate::{artefacts, install, shell, sources};
+use anyhow::{Result, bail};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 const CRATE: &str = "dr-core";
 /// Of all lines, so many per cent at the least.
 const LEAST_PERCENT: f64 = 95.0;
 
-/// LineHits of one file that hold code, and whether a test has run them.
+/// Lines of one file that hold code, and whether a test has run them.
 type LineHits = BTreeMap<usize, bool>;
 
 pub fn run() -> Result<()> {
@@ -21,16 +20,8 @@ pub fn run() -> Result<()> {
     let folder = shell::target_directory()?.join("coverage");
     // Built apart: counting changes all code.
     let mut cargo = shell::cargo();
-    cargo.args([
-        "test",
-        "--release",
-        "--no-run",
-        "-p",
-        CRATE,
-        "--lib",
-        "--config",
-        "build.rustflags=['-Cinstrument-coverage']",
-    ]);
+    cargo.args(["test", "--release", "--no-run", "-p", CRATE, "--lib"]);
+    cargo.args(["--config", "build.rustflags=['-Cinstrument-coverage']"]);
     let tests = artefacts::executable(cargo.arg("--target-dir").arg(&folder), &CRATE.replace('-', "_"))?;
 
     let (counts, merged) = (folder.join("counts.profraw"), folder.join("counts.profdata"));
@@ -38,21 +29,17 @@ pub fn run() -> Result<()> {
     shell::run(shell::program(tools.join("llvm-profdata")).args(["merge", "-sparse", "-o"]).arg(&merged).arg(&counts))?;
     let mut export = shell::program(tools.join("llvm-cov"));
     export.args(["export", "--format=lcov", "--instr-profile"]).arg(&merged).arg(&tests);
-    let report = export.output().context("llvm-cov cannot be started")?;
-    if !report.status.success() {
-        bail!("llvm-cov failed: {}", String::from_utf8_lossy(&report.stderr));
-    }
-
+    let mut counted = read(&shell::captured(&mut export)?);
     let mut files = BTreeMap::new();
-    for (path, mut lines) in read(&String::from_utf8_lossy(&report.stdout)) {
-        let Ok(name) = Path::new(&path).strip_prefix(shell::root().join(CRATE).join("src")) else { continue };
-        let name = name.to_string_lossy().replace('\\', "/");
-        if name.split('/').any(|part| part == "tests" || part == "tests.rs") {
-            continue;
+    for file in sources::rust_files()? {
+        let Some(name) = file.path.strip_prefix(CRATE).and_then(|path| path.strip_prefix("/src/")) else { continue };
+        let path = shell::root().join(&file.path);
+        if let Some(mut lines) = counted.remove(&*path.to_string_lossy())
+            && file.in_tests.contains(&false)
+        {
+            lines.retain(|&line, _| !file.in_tests[line - 1]);
+            files.insert(name.to_owned(), lines);
         }
-        let text = std::fs::read_to_string(&path).with_context(|| format!("{path} cannot be read"))?;
-        lines.retain(|&line, _| line < first_line_of_tests(&text));
-        files.insert(name, lines);
     }
     judge(&files)
 }
@@ -81,13 +68,13 @@ fn judge(files: &BTreeMap<String, LineHits>) -> Result<()> {
     Ok(())
 }
 
-/// LineHits that are not run, as `3, 7-9`.
+/// Lines that are not run, as `3, 7-9`.
 fn missed(lines: &LineHits) -> String {
     let mut ranges: Vec<(usize, usize)> = Vec::new();
     let mut before_is_missed = false;
     for (&line, &is_run) in lines {
         match ranges.last_mut() {
-            // LineHits without code between two missed ones do not part them.
+            // Lines without code between two missed ones do not part them.
             Some(range) if before_is_missed && !is_run => range.1 = line,
             _ if !is_run => ranges.push((line, line)),
             _ => {}
@@ -115,13 +102,6 @@ fn read(report: &str) -> BTreeMap<String, LineHits> {
     files
 }
 
-/// Where the tests begin, which stand below the code; beyond the end for a file without.
-fn first_line_of_tests(text: &str) -> usize {
-    let lines: Vec<&str> = text.lines().collect();
-    let begins = |pair: &[&str]| pair[0] == "#[cfg(test)]" && pair[1].starts_with("mod ") && pair[1].ends_with('{');
-    lines.windows(2).position(begins).map_or(usize::MAX, |index| index + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,11 +123,5 @@ mod tests {
         assert!(judge(&of(190)).is_ok());
         assert!(judge(&of(189)).is_err());
         assert!(judge(&BTreeMap::new()).is_err(), "nothing is not everything");
-    }
-
-    #[test]
-    fn tests_begin_where_their_module_has_its_body() {
-        assert_eq!(first_line_of_tests("fn f() {}\n#[cfg(test)]\nmod tests {\n}\n"), 2);
-        assert_eq!(first_line_of_tests("fn f() {}\n#[cfg(test)]\nmod tests;\n"), usize::MAX);
     }
 }

@@ -37,7 +37,10 @@ pub fn run(options: &FuzzOptions) -> Result<()> {
         bail!("--minutes is {}: it must be above 0", options.minutes);
     }
     install::nightly(&[])?;
-    let fuzzer = Fuzzer { program: install::cargo_fuzz()?, target_directory: shell::target_directory()?.join("fuzz") };
+    let fuzzer = Fuzzer {
+        program: install::tool(&install::CARGO_FUZZ)?,
+        target_directory: shell::target_directory()?.join("fuzz"),
+    };
     let mut findings = Vec::new();
     for name in chosen {
         shell::announce(&format!("{name}, {} minutes", options.minutes));
@@ -47,12 +50,8 @@ pub fn run(options: &FuzzOptions) -> Result<()> {
 }
 
 fn targets() -> Result<Vec<String>> {
-    let mut names: Vec<String> = files(&shell::root().join("fuzz/fuzz_targets"))?
-        .iter()
-        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
-        .collect();
-    names.sort();
-    Ok(names)
+    let name = |path: PathBuf| Some(path.file_stem()?.to_str()?.to_owned());
+    Ok(files(&shell::root().join("fuzz/fuzz_targets"))?.into_iter().filter_map(name).collect())
 }
 
 struct Fuzzer {
@@ -97,19 +96,16 @@ impl Fuzzer {
         let chosen = self.target_directory.join("chosen").join(name);
         std::fs::remove_dir_all(&chosen).ok();
         std::fs::create_dir_all(&chosen).with_context(|| chosen.display().to_string())?;
-        let by_hand = files(corpus)?;
-        for path in &by_hand {
-            copy_into(path, &chosen)?;
+        for path in files(corpus)? {
+            let to = chosen.join(path.file_name().unwrap_or_default());
+            std::fs::copy(path, &to).with_context(|| to.display().to_string())?;
         }
         let mut merge = self.libfuzzer(name, &[&chosen, &working.to_owned()]);
         // Whether a place is reached counts, not how often: the latter keeps thousands.
         shell::run(merge.args(["-merge=1", "-use_counters=0", "-verbosity=0"]))?;
 
-        for path in &by_hand {
-            let copied = chosen.join(path.file_name().unwrap_or_default());
-            std::fs::remove_file(&copied).with_context(|| copied.display().to_string())?;
-        }
-        let chosen = files(&chosen)?;
+        let is_by_hand = |path: &PathBuf| corpus.join(path.file_name().unwrap_or_default()).exists();
+        let chosen: Vec<PathBuf> = files(&chosen)?.into_iter().filter(|path| !is_by_hand(path)).collect();
         let bytes = found::pack(&chosen, kept)?;
         println!("  {} found inputs are kept in {}, {bytes} bytes", chosen.len(), kept.display());
         Ok(())
@@ -122,24 +118,10 @@ impl Fuzzer {
         // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often.
         // Overflows and assertions are checked. In units, since in one the largest crate alone
         // takes many minutes to compile.
-        command.arg(&self.program).args([
-            "fuzz",
-            "run",
-            "--sanitizer",
-            "none",
-            "--codegen-units",
-            "16",
-            "--target-dir",
-        ]);
-        command.arg(&self.target_directory).arg(name).args(folders).arg("--");
+        command.arg(&self.program).args(["fuzz", "run", "--sanitizer", "none", "--codegen-units", "16"]);
+        command.arg("--target-dir").arg(&self.target_directory).arg(name).args(folders).arg("--");
         command
     }
-}
-
-fn copy_into(path: &Path, folder: &Path) -> Result<()> {
-    let to = folder.join(path.file_name().unwrap_or_default());
-    std::fs::copy(path, &to).with_context(|| to.display().to_string())?;
-    Ok(())
 }
 
 /// What is in a folder, by name.

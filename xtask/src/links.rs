@@ -6,6 +6,7 @@
 
 use crate::{shell, sources};
 use anyhow::{Context, Result, bail};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Templates: their links are those of the pages in `docs/results` that are made from them, which
@@ -99,6 +100,7 @@ fn targets(text: &str) -> Vec<(usize, String)> {
 /// The names by which a page's headings are linked to, made as GitHub makes them.
 fn anchors(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
+    let mut twins: BTreeMap<String, usize> = BTreeMap::new();
     // Headings keep the words that stand as code, so the raw line is read.
     let raw: Vec<&str> = text.lines().collect();
     for (number, _) in prose(text) {
@@ -107,20 +109,11 @@ fn anchors(text: &str) -> Vec<String> {
         if heading.len() == line.len() || !heading.starts_with(' ') {
             continue;
         }
-        let name: String = heading
-            .trim()
-            .to_lowercase()
-            .chars()
-            .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
-            .map(|c| if c == ' ' { '-' } else { c })
-            .collect();
-        let twins = found
-            .iter()
-            .filter(|known| {
-                **known == name || known.strip_prefix(&format!("{name}-")).is_some_and(|n| n.parse::<u32>().is_ok())
-            })
-            .count();
-        found.push(if twins == 0 { name } else { format!("{name}-{twins}") });
+        let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+        let name = heading.trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-");
+        let before = twins.entry(name.clone()).or_default();
+        found.push(if *before == 0 { name } else { format!("{name}-{before}") });
+        *before += 1;
     }
     found
 }

@@ -6,6 +6,7 @@ mod ci;
 mod cost;
 mod coverage;
 mod demo;
+mod emulator;
 mod flash;
 mod fuzz;
 mod install;
@@ -23,7 +24,7 @@ mod sources;
 mod structure;
 mod test;
 
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -33,12 +34,6 @@ use std::process::ExitCode;
     about = "Every job of the project, one command each",
     disable_help_subcommand = true
 )]
-struct Cli {
-    #[command(subcommand)]
-    job: Job,
-}
-
-#[derive(Subcommand)]
 enum Job {
     /// Fly the simulated sphere through gusts with the real firmware on an emulated board, and plot
     /// it
@@ -81,7 +76,7 @@ enum Job {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().job {
+    let outcome = match Job::parse() {
         Job::Demo => demo::run(),
         Job::Test => test::run(),
         Job::Lint => lint::run(),

@@ -20,7 +20,7 @@ pub struct MutantsOptions {
 }
 
 pub fn run(options: &MutantsOptions) -> Result<()> {
-    let mut mutants = shell::program(install::cargo_mutants()?);
+    let mut mutants = shell::program(install::tool(&install::CARGO_MUTANTS)?);
     // Built in its copy of the workspace, and a little of it again for each mutant.
     mutants.env_remove("CARGO_TARGET_DIR").env("CARGO_INCREMENTAL", "1").env_remove("RUSTFLAGS");
     mutants.args(["mutants", "--package", "dr-core", "--no-shuffle"]);

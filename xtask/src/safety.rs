@@ -7,6 +7,7 @@ use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, overflow, shell};
 use anyhow::{Context, Result, bail};
 use image_analysis::call_graph::CallGraph;
+use image_analysis::code::ImageCode;
 use image_analysis::panics::{self, Rules};
 use image_analysis::stack::{self, EXCEPTION_FRAME};
 
@@ -45,7 +46,7 @@ pub fn run() -> Result<()> {
     install::qemu()?;
     let mut faults = Vec::new();
     for board in FirmwareBoard::ALL {
-        let graph = CallGraph::read(&artefacts::firmware(board)?)?;
+        let graph = CallGraph::new(ImageCode::read(&artefacts::firmware(board)?)?)?;
         println!("\n{}", board.feature());
         let found = panics::find(&graph, &RULES).context("panics");
         let reachable = found.as_ref().map_or(0, |found| found.reachable);

@@ -44,18 +44,29 @@ pub fn announce(what: &str) {
 
 /// Runs to the end with this terminal's output; a failure names the command line.
 pub fn run(command: &mut Command) -> Result<()> {
-    let status = command.status().with_context(|| format!("`{}` cannot be started", line(command)))?;
+    let status = command.status().with_context(|| no_start(command))?;
     judge(command, status)
+}
+
+/// Runs to the end and hands back what it prints, but its messages; a failure names the command
+/// line.
+pub fn captured(command: &mut Command) -> Result<String> {
+    let output = command.stderr(Stdio::inherit()).output().with_context(|| no_start(command))?;
+    judge(command, output.status)?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// Runs to the end and hands what it prints to `reader`; a failure names the command line.
 pub fn run_through(command: &mut Command, reader: impl FnOnce(BufReader<ChildStdout>) -> Result<()>) -> Result<()> {
-    let child = command.stdout(Stdio::piped()).spawn();
-    let mut child = child.with_context(|| format!("`{}` cannot be started", line(command)))?;
+    let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| no_start(command))?;
     if let Some(output) = child.stdout.take() {
         reader(BufReader::new(output))?;
     }
     judge(command, child.wait()?)
+}
+
+fn no_start(command: &Command) -> String {
+    format!("`{}` cannot be started", line(command))
 }
 
 fn judge(command: &Command, status: ExitStatus) -> Result<()> {
@@ -84,12 +95,25 @@ fn line(command: &Command) -> String {
     std::iter::once(program).chain(command.get_args()).map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
-/// Announces a stage, does it and hands back how long it took.
-pub fn timed(what: &str, work: impl FnOnce() -> Result<()>) -> Result<Duration> {
-    announce(what);
-    let start = Instant::now();
-    work()?;
-    Ok(start.elapsed())
+/// Stages of a job, one after the other, and how long each has taken.
+#[derive(Default)]
+pub struct Stages(Vec<(&'static str, Duration)>);
+
+impl Stages {
+    /// Announces a stage and does it.
+    pub fn run<T>(&mut self, what: &'static str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        announce(what);
+        let start = Instant::now();
+        let done = work();
+        self.0.push((what, start.elapsed()));
+        done
+    }
+
+    /// All times in a line.
+    pub fn times(&self) -> String {
+        let stages: Vec<_> = self.0.iter().map(|(what, time)| format!("{what} {:.0} s", time.as_secs_f64())).collect();
+        stages.join(", ")
+    }
 }
 
 #[cfg(test)]
@@ -100,6 +124,12 @@ mod tests {
     fn a_failing_program_is_named_with_its_arguments() {
         let error = run(Command::new("/nonexistent/probe-rs").arg("list")).expect_err("there is no such program");
         assert!(format!("{error:#}").starts_with("`probe-rs list` cannot be started"), "{error:#}");
+    }
+
+    #[test]
+    fn times_are_of_every_stage() {
+        let stages = Stages(vec![("size", Duration::from_secs(3)), ("unit tests", Duration::from_millis(1600))]);
+        assert_eq!(stages.times(), "size 3 s, unit tests 2 s");
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use crate::artefacts::{self, FirmwareBoard};
 use crate::install;
 use anyhow::{Result, bail};
-use image_analysis::symbols::{Image, ImageSymbol};
+use image_analysis::symbols::{Image, ImageSection, ImageSymbol};
 
 const KIB: u64 = 1024;
 /// Budget of the image, of 960 KiB that the settings leave it.
@@ -33,13 +33,10 @@ const FORBIDDEN: [(&str, &str); 7] = [
 /// How many of the largest symbols are shown for each memory.
 const SHOWN: usize = 8;
 
-struct Usage<'a> {
+struct Usage {
     flash: u64,
     ram: u64,
     telemetry: u64,
-    /// Largest first.
-    flash_symbols: Vec<&'a ImageSymbol>,
-    ram_symbols: Vec<&'a ImageSymbol>,
 }
 
 pub fn run() -> Result<()> {
@@ -57,29 +54,22 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-fn usage(image: &Image) -> Usage<'_> {
-    let sum = |chosen: &dyn Fn(&image_analysis::symbols::ImageSection) -> bool| {
+fn usage(image: &Image) -> Usage {
+    let sum = |chosen: fn(&ImageSection) -> bool| {
         image.sections.iter().filter(|section| chosen(section)).map(|section| section.size).sum()
     };
-    let symbols = |writable: bool| {
-        let mut symbols: Vec<&ImageSymbol> = image
-            .symbols
-            .iter()
-            .filter(|symbol| {
-                symbol.size > 0 && symbol.section.is_some_and(|index| image.sections[index].writable == writable)
-            })
-            .collect();
-        symbols.sort_by(|a, b| b.size.cmp(&a.size).then_with(|| a.name.cmp(&b.name)));
-        symbols
-    };
-    let ram_symbols = symbols(true);
-    Usage {
-        flash: sum(&|section| section.stored),
-        ram: sum(&|section| section.writable),
-        telemetry: ram_symbols.iter().filter(|symbol| is_telemetry(&symbol.name)).map(|symbol| symbol.size).sum(),
-        flash_symbols: symbols(false),
-        ram_symbols,
-    }
+    let telemetry =
+        symbols(image, true).into_iter().filter(|symbol| is_telemetry(&symbol.name)).map(|symbol| symbol.size);
+    Usage { flash: sum(|section| section.stored), ram: sum(|section| section.writable), telemetry: telemetry.sum() }
+}
+
+/// Symbols of RAM, or of flash only, the largest first.
+fn symbols(image: &Image, writable: bool) -> Vec<&ImageSymbol> {
+    let is_there = |index: usize| image.sections[index].writable == writable;
+    let mut symbols: Vec<&ImageSymbol> =
+        image.symbols.iter().filter(|symbol| symbol.size > 0 && symbol.section.is_some_and(is_there)).collect();
+    symbols.sort_by(|a, b| b.size.cmp(&a.size).then_with(|| a.name.cmp(&b.name)));
+    symbols
 }
 
 fn is_telemetry(name: &str) -> bool {
@@ -120,15 +110,11 @@ fn print(board: FirmwareBoard, image: &Image, usage: &Usage) {
     line("static RAM without telemetry buffers", usage.ram - usage.telemetry, RAM_BUDGET);
     println!("  {:<40} {:>8}", "telemetry buffers", usage.telemetry);
     println!("  {:<40} {:>8}", "left for the stack", RAM.saturating_sub(usage.ram));
-    for (memory, symbols) in [("flash", &usage.flash_symbols), ("RAM", &usage.ram_symbols)] {
+    for (memory, writable) in [("flash", false), ("RAM", true)] {
         println!("  largest in {memory}");
-        for symbol in symbols.iter().take(SHOWN) {
-            println!(
-                "    {:>8}  {}{}",
-                symbol.size,
-                symbol.name,
-                if memory == "RAM" && is_telemetry(&symbol.name) { "  (telemetry)" } else { "" }
-            );
+        for symbol in symbols(image, writable).iter().take(SHOWN) {
+            let mark = if writable && is_telemetry(&symbol.name) { "  (telemetry)" } else { "" };
+            println!("    {:>8}  {}{mark}", symbol.size, symbol.name);
         }
     }
 }
@@ -136,17 +122,10 @@ fn print(board: FirmwareBoard, image: &Image, usage: &Usage) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image_analysis::symbols::ImageSection;
 
     fn image() -> Image {
         let section = |name: &str, size, stored, writable| ImageSection { name: name.into(), size, stored, writable };
-        let symbol = |name: &str, size, section| ImageSymbol {
-            name: name.into(),
-            address: 0,
-            size,
-            is_code: false,
-            section: Some(section),
-        };
+        let symbol = |name: &str, size, section| ImageSymbol { name: name.into(), size, section: Some(section) };
         Image {
             sections: vec![
                 section(".text", 1000, true, false),

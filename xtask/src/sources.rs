@@ -134,24 +134,16 @@ fn is_for_tests(tokens: &[TokenTree]) -> bool {
     tokens.chunks_exact(2).map_while(attribute).any(|attribute| attribute == "cfg(test)")
 }
 
-/// How many tokens the item takes that begins with its attributes: up to a semicolon or the brace
-/// of its body.
+/// How many tokens the item takes: up to a semicolon or the brace of its body. A value may have
+/// braces, too; then a semicolon follows.
 fn item_length(tokens: &[TokenTree]) -> usize {
-    let is = |at: usize, word: &str| tokens.get(at).is_some_and(|token| token.to_string() == word);
-    let mut start = 0;
-    while is(start, "#") {
-        start += 2;
-    }
-    let words =
-        || (start..tokens.len()).take_while(|&at| matches!(tokens[at], TokenTree::Ident(_) | TokenTree::Group(_)));
-    let has = |word: &str| words().any(|at| is(at, word));
-    // The value of these may have braces, too.
-    let has_value = !has("fn") && ["const", "static", "use", "let"].into_iter().any(has);
-    let ends = |at: &usize| {
-        let is_body = matches!(&tokens[*at], TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
-        is(*at, ";") || is_body && !has_value
+    let is_semicolon = |token: &TokenTree| matches!(token, TokenTree::Punct(mark) if mark.as_char() == ';');
+    let is_brace =
+        |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+    let ends = |&at: &usize| {
+        is_semicolon(&tokens[at]) || is_brace(&tokens[at]) && !tokens.get(at + 1).is_some_and(is_semicolon)
     };
-    (start..tokens.len()).find(ends).map_or(tokens.len(), |at| at + 1)
+    (0..tokens.len()).find(ends).map_or(tokens.len(), |at| at + 1)
 }
 
 #[cfg(test)]

@@ -4,24 +4,21 @@
 //! before the test runner's last summary, with which the output ends.
 
 use crate::artefacts::{self, FirmwareBoard};
-use crate::{cost, install, safety, shell, size};
+use crate::cost::{self, CostOptions};
+use crate::{install, safety, shell, size};
 use anyhow::Result;
-use std::cell::RefCell;
 use std::io::{BufRead, IsTerminal};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub fn run() -> Result<()> {
     let start = Instant::now();
-    let times = RefCell::new(Vec::new());
-    let timed = |what: &'static str, work: &dyn Fn() -> Result<()>| -> Result<()> {
-        times.borrow_mut().push((what, shell::timed(what, work)?));
-        Ok(())
-    };
+    let mut stages = shell::Stages::default();
     install::thumb_target()?;
     install::qemu()?;
-    timed("size of the firmware", &size::run)?;
-    timed("panics, stack, overflow", &safety::run)?;
-    timed("cost of the hot paths", &|| cost::run(&cost::CostOptions::check()))?;
+    stages.run("size of the firmware", size::run)?;
+    stages.run("panics, stack, overflow", safety::run)?;
+    let check = CostOptions { check: true, ..CostOptions::default() };
+    stages.run("cost of the hot paths", || cost::run(&check))?;
 
     // Always the whole workspace and its tests: for some of its crates alone cargo chooses other
     // features, and compiles everything once more.
@@ -31,42 +28,36 @@ pub fn run() -> Result<()> {
         cargo
     };
     // Tests that cross crates start these two programs; they are handed over built.
-    let programs = RefCell::new(Vec::new());
-    timed("building the tests", &|| {
+    let programs = stages.run("building the tests", || {
         let firmware = artefacts::firmware(FirmwareBoard::Virtual)?;
         let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;
-        programs.borrow_mut().extend([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)]);
         // Examples are started by the tests of their crates, which compare what they print. `cargo
         // test` would build them as tests.
-        shell::run(shell::cargo().args(["build", "--release", "--workspace", "--examples"]))
+        shell::run(shell::cargo().args(["build", "--release", "--workspace", "--examples"]))?;
+        Ok([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)])
     })?;
     let test = |arguments: &[&str]| {
         let mut cargo = cargo(arguments);
-        cargo.envs(programs.borrow().iter().cloned());
+        cargo.envs(programs.iter().cloned());
         cargo
     };
-    timed("examples in the documentation", &|| shell::run(&mut test(&["--doc"])))?;
-    timed("unit tests", &|| shell::run(&mut test(&["--lib", "--bins"])))?;
-    let last = "whole experiments";
-    shell::announce(last);
-    let last_start = Instant::now();
+    stages.run("examples in the documentation", || shell::run(&mut test(&["--doc"])))?;
+    stages.run("unit tests", || shell::run(&mut test(&["--lib", "--bins"])))?;
     let mut whole = test(&["--test", "*"]);
     if std::io::stdout().is_terminal() {
         // Through a pipe they would have none.
         whole.args(["--", "--color=always"]);
     }
-    shell::run_through(&mut whole, |output| {
-        let summary = all_but_last_summary(output, |line| println!("{line}"))?;
-        times.borrow_mut().push((last, last_start.elapsed()));
-        shell::announce(&line_of_times(&times.borrow(), start.elapsed()));
-        summary.iter().for_each(|line| println!("{line}"));
-        Ok(())
-    })
-}
-
-fn line_of_times(times: &[(&str, Duration)], all: Duration) -> String {
-    let stages: Vec<_> = times.iter().map(|(what, time)| format!("{what} {:.0} s", time.as_secs_f64())).collect();
-    format!("{}; in all {:.0} s", stages.join(", "), all.as_secs_f64())
+    let mut summary = Vec::new();
+    let outcome = stages.run("whole experiments", || {
+        shell::run_through(&mut whole, |output| {
+            summary = all_but_last_summary(output, |line| println!("{line}"))?;
+            Ok(())
+        })
+    });
+    shell::announce(&format!("{}; in all {:.0} s", stages.times(), start.elapsed().as_secs_f64()));
+    summary.iter().for_each(|line| println!("{line}"));
+    outcome
 }
 
 /// Hands on every line of a test runner's output but its last summary, which is returned.
@@ -106,11 +97,5 @@ mod tests {
         let mut printed = 0;
         assert!(all_but_last_summary("error\n".as_bytes(), |_| printed += 1).expect("text").is_empty());
         assert_eq!(printed, 1);
-    }
-
-    #[test]
-    fn times_are_of_every_stage_and_of_all() {
-        let times = [("size", Duration::from_secs(3)), ("unit tests", Duration::from_millis(1600))];
-        assert_eq!(line_of_times(&times, Duration::from_secs(5)), "size 3 s, unit tests 2 s; in all 5 s");
     }
 }

@@ -1,20 +1,64 @@
-//! CommandResults side by side.
+//! Results of commands side by side.
 
-use super::json::Leaf;
 use super::renamed;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a command has come to.
+#[derive(Default)]
 pub struct CommandResult {
     pub exit_code: Option<i32>,
-    pub leaves: BTreeMap<String, Leaf>,
+    pub values: Values,
     pub errors: String,
 }
 
-/// What was done, by name, and what it has come to.
-pub type CommandResults = Vec<(String, CommandResult)>;
+/// By place, for example `elements.sector1.mean_power_w` or `pairs.0.mesh_rad_s.2`. Numbers of JSON
+/// keep all digits that are written: read as `f64`, two of them might be taken for one.
+pub type Values = BTreeMap<String, Value>;
 
-/// How two outcomes differ.
+/// What the places of tables' cells begin with.
+const COLUMN: &str = "column.";
+/// How many differences of one result are shown.
+const SHOWN: usize = 5;
+
+/// All values of a text of JSON. Nothing if the text is none.
+pub fn values(text: &str) -> Values {
+    let mut values = Values::new();
+    if let Ok(json) = serde_json::from_str(text) {
+        collect(String::new(), json, &mut values);
+    }
+    values
+}
+
+fn collect(place: String, value: Value, values: &mut Values) {
+    let below = |name: &str| if place.is_empty() { name.to_owned() } else { format!("{place}.{name}") };
+    match value {
+        Value::Object(entries) => {
+            for (name, entry) in entries {
+                collect(below(&name), entry, values);
+            }
+        }
+        Value::Array(entries) => {
+            for (index, entry) in entries.into_iter().enumerate() {
+                collect(below(&index.to_string()), entry, values);
+            }
+        }
+        leaf => drop(values.insert(place, leaf)),
+    }
+}
+
+/// Cells of a table of comma-separated values by column and row. Lines of comment are left out.
+pub fn cells(text: &str) -> Values {
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let columns: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let of_row = |(row, line): (usize, &str)| {
+        let cells = columns.iter().zip(line.split(','));
+        cells.map(|(column, cell)| (format!("{COLUMN}{column}.{row}"), cell.into())).collect::<Vec<_>>()
+    };
+    lines.enumerate().flat_map(of_row).collect()
+}
+
+/// How two results differ.
 #[derive(Debug, Default, PartialEq)]
 pub struct ResultComparison {
     /// Values that both have.
@@ -25,91 +69,60 @@ pub struct ResultComparison {
     pub largest_difference: f64,
     pub only_old: BTreeSet<String>,
     pub only_new: BTreeSet<String>,
-    /// What both have, without the numbers of rows and entries.
-    names: BTreeSet<String>,
-}
-
-/// What the places of tables' cells begin with.
-const COLUMN: &str = "column.";
-
-/// Cells of a table of comma-separated values by column and row. Lines of comment are left out.
-pub fn cells(text: &str) -> BTreeMap<String, Leaf> {
-    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-    let columns: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let mut cells = BTreeMap::new();
-    for (row, line) in lines.enumerate() {
-        for (column, cell) in columns.iter().zip(line.split(',')) {
-            let is_number = cell.parse::<f64>().is_ok();
-            let leaf = if is_number { Leaf::Number(cell.into()) } else { Leaf::Word(cell.into()) };
-            cells.insert(format!("{COLUMN}{column}.{row}"), leaf);
-        }
-    }
-    cells
 }
 
 impl ResultComparison {
     pub fn of(old: &CommandResult, new: &CommandResult) -> ResultComparison {
         let mut comparison = ResultComparison::default();
         if old.exit_code != new.exit_code {
-            comparison.different.push(format!(
-                "exit code {:?} → {:?}: {}{}",
-                old.exit_code,
-                new.exit_code,
-                old.errors.trim(),
-                new.errors.trim()
-            ));
+            let codes = format!("exit code {:?} → {:?}", old.exit_code, new.exit_code);
+            comparison.different.push(format!("{codes}: {}{}", old.errors.trim(), new.errors.trim()));
         }
-        let mut new_left: BTreeMap<&str, &Leaf> =
-            new.leaves.iter().map(|(place, leaf)| (place.as_str(), leaf)).collect();
+        let mut new_left: BTreeMap<&String, &Value> = new.values.iter().collect();
         // A column's older name may be another one's newer name.
         let columns_as_before =
-            old.leaves.keys().filter(|place| is_column(place)).all(|place| new.leaves.contains_key(place));
-        for (place, leaf) in &old.leaves {
-            let translated = if is_column(place) && columns_as_before { place.clone() } else { translated(place) };
+            old.values.keys().filter(|place| is_column(place)).all(|place| new.values.contains_key(place));
+        // What both have, without the numbers of rows and entries.
+        let mut names = BTreeSet::new();
+        for (place, value) in &old.values {
+            let translated = if is_column(place) && columns_as_before { place } else { &translated(place) };
             // A key that has not been renamed yet has its older name.
-            let found = new_left.remove_entry(translated.as_str()).or_else(|| new_left.remove_entry(place.as_str()));
-            match found {
-                Some((new_place, new_leaf)) => {
-                    comparison.names.extend([without_numbers(place), without_numbers(new_place)]);
-                    comparison.value(new_place, leaf, new_leaf);
+            match new_left.remove_entry(translated).or_else(|| new_left.remove_entry(place)) {
+                Some((new_place, new_value)) => {
+                    names.extend([without_numbers(place), without_numbers(new_place)]);
+                    comparison.value(new_place, value, new_value);
                 }
                 None => drop(comparison.only_old.insert(without_numbers(place))),
             }
         }
         comparison.only_new = new_left.keys().map(|place| without_numbers(place)).collect();
         let missing = comparison.only_old.union(&comparison.only_new);
-        let lists: Vec<_> = missing.filter(|name| comparison.names.contains(*name)).cloned().collect();
-        comparison.different.extend(lists.iter().map(|name| format!("{name}: another number of entries")));
-        if comparison.compared == 0 && !old.leaves.is_empty() {
+        let lists = missing.filter(|name| names.contains(*name));
+        comparison.different.extend(lists.map(|name| format!("{name}: another number of entries")));
+        if comparison.compared == 0 && !old.values.is_empty() {
             comparison.different.push(format!("the newer one has nothing to compare: {}", new.errors.trim()));
         }
         comparison
     }
 
-    fn value(&mut self, place: &str, old: &Leaf, new: &Leaf) {
-        if let (Leaf::Text(old), Leaf::Text(new)) = (old, new) {
-            // Sentences may be put otherwise; names and hashes may not.
-            if old.contains(' ') || new.contains(' ') || old.contains('/') {
-                return;
-            }
-            self.compared += 1;
-            if old != new && renamed::column(old) != *new {
-                self.different.push(format!("{place}: {old} → {new}"));
-            }
+    fn value(&mut self, place: &str, old: &Value, new: &Value) {
+        let texts = old.as_str().zip(new.as_str()).filter(|_| !is_column(place));
+        // Sentences may be put otherwise; names and hashes may not, unless they were renamed.
+        if texts.is_some_and(|(old, new)| old.contains([' ', '/']) || new.contains(' ')) {
             return;
         }
         self.compared += 1;
-        if old == new {
+        if old == new || texts.is_some_and(|(old, new)| renamed::column(old) == new) {
             return;
         }
-        let (Leaf::Number(a) | Leaf::Word(a) | Leaf::Text(a)) = old;
-        let (Leaf::Number(b) | Leaf::Word(b) | Leaf::Text(b)) = new;
-        self.different.push(format!("{place}: {a} → {b}"));
-        if let (Ok(a), Ok(b)) = (a.parse::<f64>(), b.parse::<f64>()) {
+        let written = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let (old, new) = (written(old), written(new));
+        if let (Ok(a), Ok(b)) = (old.parse::<f64>(), new.parse::<f64>()) {
             let largest = a.abs().max(b.abs());
             let difference = if largest > 0.0 { (a - b).abs() / largest } else { 0.0 };
             self.largest_difference = self.largest_difference.max(difference);
         }
+        self.different.push(format!("{place}: {old} → {new}"));
     }
 }
 
@@ -130,72 +143,49 @@ fn without_numbers(place: &str) -> String {
     place.split('.').filter(|name| name.parse::<usize>().is_err()).collect::<Vec<_>>().join(".")
 }
 
-/// All comparisons, to be shown.
-#[derive(Default)]
-pub struct ResultTable {
-    rows: Vec<(String, ResultComparison)>,
-}
-
-impl ResultTable {
-    /// Compares what has the same name in both.
-    pub fn add(&mut self, kind: &str, source: &str, old: &CommandResults, new: &CommandResults) {
-        for (name, old) in old {
-            let comparison = match new.iter().find(|(other, _)| other == name) {
-                Some((_, new)) => ResultComparison::of(old, new),
-                None => {
-                    ResultComparison { different: vec!["the newer one has none".into()], ..ResultComparison::default() }
-                }
-            };
-            let source = if source.is_empty() { String::new() } else { format!(", {source}") };
-            self.rows.push((format!("{kind}: {name}{source}"), comparison));
-        }
+/// Shows all comparisons with what was compared.
+pub fn print(rows: &[(String, ResultComparison)]) {
+    println!("{:<60} {:>8} {:>10} {:>20}", "what", "compared", "different", "largest difference");
+    for (name, comparison) in rows {
+        let (count, largest) = (comparison.different.len(), comparison.largest_difference);
+        let verdict = if count == 0 { "equal".to_owned() } else { count.to_string() };
+        println!("{name:<60} {:>8} {verdict:>10} {largest:>20.1e}", comparison.compared);
+        comparison.different.iter().take(SHOWN).for_each(|difference| println!("    {difference}"));
     }
-
-    /// How many outcomes differ.
-    pub fn different(&self) -> usize {
-        self.rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count()
-    }
-
-    pub fn print(&self) {
-        println!("{:<60} {:>8} {:>10} {:>20}", "what", "compared", "different", "largest difference");
-        for (name, comparison) in &self.rows {
-            let (count, largest) = (comparison.different.len(), comparison.largest_difference);
-            let verdict = if count == 0 { "equal".to_owned() } else { count.to_string() };
-            println!("{name:<60} {:>8} {verdict:>10} {largest:>20.1e}", comparison.compared);
-            for difference in comparison.different.iter().take(SHOWN) {
-                println!("    {difference}");
-            }
+    let only_old: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_old).collect();
+    let only_new: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_new).collect();
+    for (which, places) in [("older", only_old), ("newer", only_new)] {
+        if !places.is_empty() {
+            println!("only the {which} one has:");
         }
-        let all = |only: fn(&ResultComparison) -> &BTreeSet<String>| -> BTreeSet<&String> {
-            self.rows.iter().flat_map(|(_, comparison)| only(comparison)).collect()
-        };
-        for (which, places) in [("older", all(|row| &row.only_old)), ("newer", all(|row| &row.only_new))] {
-            if !places.is_empty() {
-                println!("only the {which} one has:");
-            }
-            places.iter().for_each(|place| println!("    {place}"));
-        }
+        places.iter().for_each(|place| println!("    {place}"));
     }
 }
-
-/// How many differences of one outcome are shown.
-const SHOWN: usize = 5;
 
 #[cfg(test)]
 mod tests {
-    use super::super::json;
     use super::*;
 
     fn outcome(exit_code: i32, text: &str) -> CommandResult {
-        CommandResult {
-            exit_code: Some(exit_code),
-            leaves: json::leaves(text).unwrap_or_default(),
-            errors: String::new(),
-        }
+        CommandResult { exit_code: Some(exit_code), values: values(text), errors: String::new() }
     }
 
     fn compare(old: &str, new: &str) -> ResultComparison {
         ResultComparison::of(&outcome(0, old), &outcome(0, new))
+    }
+
+    #[test]
+    fn numbers_keep_all_their_digits_and_their_places() {
+        let text = r#" {"a": 0.10000000000000001, "b": [1, {"c": "x, \"y\"}"}, []], "d": {}, "e": null, "f": -1e-9} "#;
+        let written: Vec<_> = values(text).iter().map(|(place, value)| format!("{place}: {value}")).collect();
+        assert_eq!(written, ["a: 0.10000000000000001", "b.0: 1", r#"b.1.c: "x, \"y\"}""#, "e: null", "f: -1e-9"]);
+    }
+
+    #[test]
+    fn what_is_no_json_is_nothing() {
+        for text in ["", "a summary", "{\"a\": 1", "{\"a\": what}", "[1 2]", "1 2"] {
+            assert!(values(text).is_empty(), "{text}");
+        }
     }
 
     #[test]
@@ -247,7 +237,7 @@ mod tests {
 
     #[test]
     fn columns_of_tables_are_compared_cell_by_cell() {
-        let table = |text: &str| CommandResult { exit_code: Some(0), leaves: cells(text), errors: String::new() };
+        let table = |text: &str| CommandResult { exit_code: Some(0), values: cells(text), errors: String::new() };
         let old = table("# head: x\ntime_s,wind_x_m_s,answer_x_m_s,state\n0,1,2,running\n1,1,2.5,running\n");
         let new = table("time_s,true_wind_x_m_s,wind_x_m_s,state\n0,1,2,running\n1,1,2.25,running\n");
         let comparison = ResultComparison::of(&old, &new);

@@ -9,16 +9,15 @@
 //! for people are not compared.
 
 mod compare;
-mod json;
 mod renamed;
 mod steps;
 
 use crate::{artefacts, shell, sources};
 use anyhow::{Context, Result, bail};
-use compare::{CommandResult, CommandResults};
+use compare::{CommandResult, ResultComparison};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use steps::{AnalysisStep, STEPS};
+use steps::AnalysisStep;
 
 #[derive(clap::Args)]
 pub struct SameResultsOptions {
@@ -35,13 +34,16 @@ pub struct SameResultsOptions {
     long: bool,
 }
 
+/// What was done, by name, and what it has come to.
+type CommandResults = Vec<(String, CommandResult)>;
+
 /// One of the two commands, and where it finds and leaves its files.
 struct Build {
     program: PathBuf,
     experiments: PathBuf,
     recordings: PathBuf,
     work: PathBuf,
-    steps: Vec<&'static AnalysisStep>,
+    steps: Vec<AnalysisStep>,
 }
 
 pub fn run(options: &SameResultsOptions) -> Result<()> {
@@ -57,7 +59,7 @@ pub fn run(options: &SameResultsOptions) -> Result<()> {
             std::fs::remove_dir_all(&work)?;
         }
         std::fs::create_dir_all(&work)?;
-        let steps = STEPS.iter().filter(|step| options.long || !step.is_long).collect();
+        let steps = steps::read()?.into_iter().filter(|step| options.long || !step.is_long).collect();
         Ok(Build { program: program.to_path_buf(), experiments: experiments.clone(), recordings, work, steps })
     };
     let before = build(&old, "old", "old-analyses")?;
@@ -65,33 +67,32 @@ pub fn run(options: &SameResultsOptions) -> Result<()> {
     let after = build(&new, "new", "new-analyses")?;
 
     shell::announce("experiments, by both");
-    let mut both = together([&|| before.experiments(), &|| after.experiments()])?.into_iter();
-    let (old_runs, new_runs) = (both.next().unwrap_or_default(), both.next().unwrap_or_default());
+    let [old_runs, new_runs] = together([&|| before.experiments(), &|| after.experiments()]);
+    let mut rows = Vec::new();
+    // Both do the same, in the same order.
+    let mut add = |old: &CommandResults, new: &CommandResults, kind: &str, source: &str| {
+        for ((name, old), (_, new)) in old.iter().zip(new) {
+            rows.push((format!("{kind}: {name}{source}"), ResultComparison::of(old, new)));
+        }
+    };
+    add(&old_runs?, &new_runs?, "experiment", "");
     shell::announce("analyses, by both");
-    let mut all = together([&|| before.analyses(), &|| handed_over.analyses(), &|| after.analyses()])?.into_iter();
-    let old_analyses = all.next().unwrap_or_default();
-
-    let mut table = compare::ResultTable::default();
-    table.add("experiment", "", &old_runs, &new_runs);
-    for (recordings, analyses) in ["older recordings", "own recordings"].into_iter().zip(all) {
-        table.add("analysis", recordings, &old_analyses, &analyses);
-    }
-    table.print();
-    match table.different() {
+    let [old, of_old, own] = together([&|| before.analyses(), &|| handed_over.analyses(), &|| after.analyses()]);
+    let old = old?;
+    add(&old, &of_old?, "analysis", ", older recordings");
+    add(&old, &own?, "analysis", ", own recordings");
+    compare::print(&rows);
+    match rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count() {
         0 => Ok(()),
         faults => bail!("{faults} results differ; files are kept in {}", folder.display()),
     }
 }
 
 /// Does all of these at once, each in a thread of its own.
-fn together<const N: usize>(jobs: [&(dyn Fn() -> Result<CommandResults> + Sync); N]) -> Result<Vec<CommandResults>> {
+fn together<const N: usize>(jobs: [&(dyn Fn() -> Result<CommandResults> + Sync); N]) -> [Result<CommandResults>; N] {
     std::thread::scope(|scope| {
         let threads = jobs.map(|job| scope.spawn(job));
-        let done = |thread: std::thread::ScopedJoinHandle<'_, Result<CommandResults>>| match thread.join() {
-            Ok(outcomes) => outcomes,
-            Err(_) => bail!("a thread has ended early"),
-        };
-        threads.into_iter().map(done).collect()
+        threads.map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread has ended early")))
     })
 }
 
@@ -105,7 +106,7 @@ impl Build {
             let recording = format!("{}.parquet", name.replace('/', "-"));
             let mut command = Command::new(&self.program);
             command.arg("run").arg(&path).args(["--on", "sim", "--json"]);
-            if self.steps.iter().any(|step| step.arguments.contains(&format!("{{recordings}}/{recording}").as_str())) {
+            if self.steps.iter().any(|step| step.arguments.contains(&format!("{{recordings}}/{recording}"))) {
                 command.arg("-o").arg(self.recordings.join(&recording));
             }
             outcomes.push((name, self.outcome(&mut command, None)?));
@@ -121,49 +122,39 @@ impl Build {
         let mut outcomes = Vec::new();
         for step in &self.steps {
             let mut command = Command::new(&self.program);
-            command.args(self.spelled(step.command)?).args(step.arguments.iter().map(|argument| self.filled(argument)));
-            outcomes.push((step.name.to_owned(), self.outcome(&mut command, step.table)?));
+            command.args(self.spelled(step)?.split(' ')).args(step.arguments.iter().map(|text| self.filled(text)));
+            outcomes.push((step.name.clone(), self.outcome(command.arg("--json"), step.table())?));
         }
         Ok(outcomes)
     }
 
     /// A subcommand as this build calls it.
-    fn spelled(&self, command: &'static str) -> Result<Vec<&'static str>> {
-        let Some((_, new)) = renamed::COMMANDS.iter().find(|(old, _)| *old == command) else {
-            return Ok(vec![command]);
-        };
+    fn spelled<'a>(&self, step: &'a AnalysisStep) -> Result<&'a str> {
+        let Some(older) = &step.older_command else { return Ok(&step.command) };
         let mut help = Command::new(&self.program);
-        help.args(*new).arg("--help").stdout(Stdio::null()).stderr(Stdio::null());
+        help.args(step.command.split(' ')).arg("--help").stdout(Stdio::null()).stderr(Stdio::null());
         let is_known = help.status().context("anemo cannot be started")?.success();
-        Ok(if is_known { new.to_vec() } else { vec![command] })
+        Ok(if is_known { &step.command } else { older })
     }
 
     fn filled(&self, argument: &str) -> String {
-        let fixtures = shell::root().join("tests/fixtures");
-        let folders = [
-            ("experiments", &self.experiments),
-            ("recordings", &self.recordings),
-            ("fixtures", &fixtures),
-            ("work", &self.work),
-        ];
-        folders.into_iter().fold(argument.to_owned(), |text, (name, folder)| {
-            text.replace(&format!("{{{name}}}"), &folder.to_string_lossy())
-        })
+        let text = |folder: &Path| folder.to_string_lossy().into_owned();
+        argument
+            .replace("{experiments}", &text(&self.experiments))
+            .replace("{recordings}", &text(&self.recordings))
+            .replace("{fixtures}", &text(&shell::root().join("tests/fixtures")))
+            .replace("{work}", &text(&self.work))
     }
 
-    /// Runs a command to its end. `table` is a file that it writes into the folder of work.
-    fn outcome(&self, command: &mut Command, table: Option<&str>) -> Result<CommandResult> {
+    /// Runs a command to its end. `table` is a file that it writes.
+    fn outcome(&self, command: &mut Command, table: Option<&String>) -> Result<CommandResult> {
         let output = command.stdin(Stdio::null()).output().context("anemo cannot be started")?;
-        let text = String::from_utf8_lossy(&output.stdout);
-        let mut leaves = json::leaves(text.trim()).unwrap_or_default();
+        let mut values = compare::values(&String::from_utf8_lossy(&output.stdout));
         if let Some(table) = table {
             // Where none is written, the other one's cells are missing.
-            leaves.extend(compare::cells(&std::fs::read_to_string(self.work.join(table)).unwrap_or_default()));
+            values.extend(compare::cells(&std::fs::read_to_string(self.filled(table)).unwrap_or_default()));
         }
-        Ok(CommandResult {
-            exit_code: output.status.code(),
-            leaves,
-            errors: String::from_utf8_lossy(&output.stderr).into(),
-        })
+        let errors = String::from_utf8_lossy(&output.stderr).into();
+        Ok(CommandResult { exit_code: output.status.code(), values, errors })
     }
 }

@@ -1,10 +1,4 @@
-//! What has another name in the newer build: subcommands, keys of JSON, columns of tables.
-
-/// Subcommands; the newer name is taken where it is known.
-pub const COMMANDS: [(&str, &[&str]); 2] = [("network", &["head", "identify"]), ("study", &["benchmark"])];
-
-/// Keys of JSON, older and newer.
-const KEYS: [(&str, &str); 1] = [("doubts", "quality_flags")];
+//! What has another name in the newer build: keys of JSON, columns of tables.
 
 /// Beginnings of columns' names, older and newer; hyphens become `_` in columns.
 const COLUMNS: [(&str, &str); 13] = [
@@ -25,9 +19,11 @@ const COLUMNS: [(&str, &str); 13] = [
 
 /// The newer name of a key.
 pub fn key(name: &str) -> String {
-    let renamed =
-        KEYS.iter().find(|(old, _)| *old == name).map_or_else(|| name.to_owned(), |(_, new)| (*new).to_owned());
-    if renamed.contains(':') { column(&renamed) } else { renamed }
+    match name {
+        "doubts" => "quality_flags".to_owned(),
+        _ if name.contains(':') => column(name),
+        _ => name.to_owned(),
+    }
 }
 
 /// The newer name of a column.

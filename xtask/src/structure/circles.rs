@@ -2,15 +2,15 @@
 //!
 //! A file depends on another one if it mentions a name that the other one defines. A `mod.rs` that
 //! declares its children and hands on their names depends on nothing and nothing on it: names are
-//! followed to the file that defines them. A trait counts when it is imported. Files of a strongly
-//! connected component (Tarjan, SIAM J. Comput. 1, 1972) depend on each other in a circle.
+//! followed to the file that defines them. A trait counts when it is imported. Files of which each
+//! depends on each, by whatever way, are a circle.
 
 use super::modules::{Destination, ModuleTree};
 use super::parsed::ParsedFile;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names that tie one file to another.
-type FileTies = BTreeMap<(String, String), BTreeSet<String>>;
+/// Of each file, those that it depends on and the names that tie it to them.
+type FileTies = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 pub fn find(files: &[ParsedFile]) -> Vec<String> {
     let by_path: BTreeMap<&str, &ParsedFile> = files.iter().map(|file| (file.path.as_str(), file)).collect();
@@ -18,7 +18,7 @@ pub fn find(files: &[ParsedFile]) -> Vec<String> {
     for root in by_path.keys().filter(|path| is_root(path)) {
         add_ties(&ModuleTree::read(root, &by_path), &mut ties);
     }
-    components(&ties).iter().map(|component| describe(component, &ties)).collect()
+    circles(&ties).iter().map(|circle| describe(circle, &ties)).collect()
 }
 
 /// Whether a file is the root of a library or of a binary.
@@ -35,72 +35,47 @@ fn add_ties(tree: &ModuleTree, ties: &mut FileTies) {
                 let Destination::Definition(owner, name) = destination else { continue };
                 let owner = &tree.modules[owner].file;
                 if *owner != module.file {
-                    ties.entry((module.file.clone(), owner.clone())).or_default().insert(name);
+                    ties.entry(module.file.clone()).or_default().entry(owner.clone()).or_default().insert(name);
                 }
             }
         }
     }
 }
 
-/// Strongly connected components of more than one file.
-fn components(ties: &FileTies) -> Vec<BTreeSet<String>> {
-    let mut search = ComponentSearch::default();
-    for (from, to) in ties.keys() {
-        search.next.entry(from).or_default().push(to);
-    }
-    for file in search.next.keys().copied().collect::<Vec<_>>() {
-        if !search.order.contains_key(file) {
-            search.visit(file);
-        }
-    }
-    search.found.sort();
-    search.found
-}
-
-#[derive(Default)]
-struct ComponentSearch<'a> {
-    next: BTreeMap<&'a str, Vec<&'a str>>,
-    /// Of each file, when it was reached, and the earliest file that it leads back to.
-    order: BTreeMap<&'a str, (usize, usize)>,
-    open: Vec<&'a str>,
-    found: Vec<BTreeSet<String>>,
-}
-
-impl<'a> ComponentSearch<'a> {
-    fn visit(&mut self, file: &'a str) -> usize {
-        let number = self.order.len();
-        self.order.insert(file, (number, number));
-        self.open.push(file);
-        let mut earliest = number;
-        for next in self.next.get(file).cloned().unwrap_or_default() {
-            match self.order.get(next) {
-                None => earliest = earliest.min(self.visit(next)),
-                Some(&(reached, _)) if self.open.contains(&next) => earliest = earliest.min(reached),
-                Some(_) => {}
+/// Of every circle, all files that depend on each other.
+fn circles(ties: &FileTies) -> BTreeSet<BTreeSet<&String>> {
+    let next = |file: &String| ties.get(file).into_iter().flat_map(BTreeMap::keys);
+    let reached_from = |start: &String| {
+        let (mut reached, mut left) = (BTreeSet::new(), Vec::from_iter(next(start)));
+        while let Some(file) = left.pop() {
+            if reached.insert(file) {
+                left.extend(next(file));
             }
         }
-        self.order.insert(file, (number, earliest));
-        if earliest == number
-            && let Some(at) = self.open.iter().position(|&open| open == file)
-        {
-            let component: BTreeSet<String> = self.open.split_off(at).into_iter().map(str::to_owned).collect();
-            if component.len() > 1 {
-                self.found.push(component);
-            }
+        reached
+    };
+    let reached: BTreeMap<&String, BTreeSet<&String>> = ties.keys().map(|from| (from, reached_from(from))).collect();
+    let leads_back = |from: &String, to: &String| reached.get(to).is_some_and(|back| back.contains(from));
+    let mut circles = BTreeSet::new();
+    for (from, to) in &reached {
+        let circle: BTreeSet<&String> = to.iter().copied().filter(|to| leads_back(from, to)).collect();
+        if !circle.is_empty() {
+            circles.insert(circle);
         }
-        earliest
     }
+    circles
 }
 
-fn describe(component: &BTreeSet<String>, ties: &FileTies) -> String {
+fn describe(circle: &BTreeSet<&String>, ties: &FileTies) -> String {
     let mut text = format!(
         "{} files import each other in a circle; move what both sides need into a file of its own, or hand it over as an argument:",
-        component.len()
+        circle.len()
     );
-    for ((from, to), names) in ties.iter().filter(|((from, to), _)| component.contains(from) && component.contains(to))
-    {
-        let names = names.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-        text.push_str(&format!("\n      {from} → {to}: {names}"));
+    for (from, tos) in ties.iter().filter(|(from, _)| circle.contains(from)) {
+        for (to, names) in tos.iter().filter(|(to, _)| circle.contains(to)) {
+            let names = names.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+            text.push_str(&format!("\n      {from} → {to}: {names}"));
+        }
     }
     text
 }

@@ -5,13 +5,12 @@
 //! tree`): what somebody gets who wants that crate only.
 
 use crate::shell;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use std::collections::BTreeSet;
-use std::process::Stdio;
 
 const WATCHED: [&str; 5] = ["clap", "nix", "parquet", "plotters", "serialport"];
 
-/// Folders of all crates, and what each has of [`WATCHED`].
+/// All crates, and what each has of [`WATCHED`].
 const CRATES: [(&str, &[&str]); 13] = [
     ("dr-core", &[]),
     ("wire", &[]),
@@ -23,22 +22,22 @@ const CRATES: [(&str, &[&str]); 13] = [
     ("host-sim", &["nix", "parquet", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
-    ("tests", &["nix", "parquet", "serialport"]),
+    ("anemo-tests", &["nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
 ];
 
 pub fn find() -> Result<Vec<String>> {
-    let (mut faults, present) = (Vec::new(), members()?);
-    for (folder, package) in &present {
-        match CRATES.iter().find(|(known, _)| known == folder) {
-            Some((_, listed)) => faults.extend(compare(package, listed, &tree(package)?)),
-            None => faults.push(format!("{folder}/ is a crate that is not on the list; {LIST}")),
+    let (mut faults, present) = (Vec::new(), tree(&["--workspace", "--depth", "0"])?);
+    let present = first_words(&present);
+    for package in &present {
+        match CRATES.iter().find(|(known, _)| known == package) {
+            Some((_, listed)) => faults.extend(compare(package, listed, &tree(&["-p", package])?)),
+            None => faults.push(format!("{package} is a crate that is not on the list; {LIST}")),
         }
     }
-    for (folder, _) in CRATES.iter().filter(|(known, _)| !present.iter().any(|(folder, _)| folder == known)) {
-        faults.push(format!("there is no crate {folder}/; {LIST}"));
-    }
+    let missing = CRATES.iter().filter(|(known, _)| !present.contains(known));
+    faults.extend(missing.map(|(known, _)| format!("there is no crate {known}; {LIST}")));
     Ok(faults)
 }
 
@@ -47,7 +46,7 @@ const LIST: &str = "make it, or change `CRATES` in xtask/src/structure/dependenc
 /// What differs between a crate's list and its dependencies, as `cargo tree --prefix none` prints
 /// them.
 fn compare(package: &str, listed: &[&str], tree: &str) -> Vec<String> {
-    let names: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
+    let names = first_words(tree);
     let fault = |dependency: &&str| match (names.contains(dependency), listed.contains(dependency)) {
         (true, false) => Some(format!(
             "{package} depends on {dependency}, which is not on its list; `cargo tree -p {package} -e normal -i {dependency}` shows how"
@@ -60,33 +59,14 @@ fn compare(package: &str, listed: &[&str], tree: &str) -> Vec<String> {
     WATCHED.iter().filter_map(fault).collect()
 }
 
-fn tree(package: &str) -> Result<String> {
-    output(&["tree", "--quiet", "-p", package, "-e", "normal", "--prefix", "none"])
+/// The packages that `cargo tree` prints, each on a line with its version.
+fn first_words(tree: &str) -> BTreeSet<&str> {
+    tree.lines().filter_map(|line| line.split(' ').next().filter(|name| !name.is_empty())).collect()
 }
 
-/// Folder and package of every crate of the workspace.
-fn members() -> Result<Vec<(String, String)>> {
-    let metadata: serde_json::Value =
-        serde_json::from_str(&output(&["metadata", "--no-deps", "--format-version", "1"])?)?;
-    let member = |package: &serde_json::Value| {
-        let (folder, _) = package["manifest_path"].as_str()?.rsplit_once(['/', '\\'])?;
-        let folder = folder.rsplit(['/', '\\']).next()?;
-        Some((folder.to_owned(), package["name"].as_str()?.to_owned()))
-    };
-    metadata["packages"]
-        .as_array()
-        .context("cargo names no packages")?
-        .iter()
-        .map(|package| member(package).context("cargo names a package without a folder"))
-        .collect()
-}
-
-fn output(arguments: &[&str]) -> Result<String> {
-    let output = shell::cargo().args(arguments).stderr(Stdio::inherit()).output().context("cargo cannot be started")?;
-    if !output.status.success() {
-        bail!("`cargo {}` failed; its message stands above", arguments.join(" "));
-    }
-    Ok(String::from_utf8(output.stdout)?)
+fn tree(packages: &[&str]) -> Result<String> {
+    let mut cargo = shell::cargo();
+    shell::captured(cargo.args(["tree", "--quiet", "-e", "normal", "--prefix", "none"]).args(packages))
 }
 
 #[cfg(test)]

@@ -6,9 +6,11 @@
 //! paths in texts (of serde). Imports inside of a function count as if they stood at the top of its
 //! module.
 
-use super::parsed::ParsedFile;
+use super::parsed::{ParsedFile, type_name};
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
+use syn::parse::discouraged::Speculative;
+use syn::parse::{ParseStream, Parser};
 use syn::visit::{self, Visit};
 
 pub struct ModuleTree {
@@ -48,8 +50,7 @@ impl ModuleTree {
     pub fn read(root: &str, files: &BTreeMap<&str, &ParsedFile>) -> ModuleTree {
         let mut tree = ModuleTree { modules: Vec::new() };
         if let Some(file) = files.get(root) {
-            let folder = root.rsplit_once('/').map_or("", |(folder, _)| folder);
-            tree.add(0, root, folder, &file.syntax.items, files);
+            tree.add(0, root, folder_of(root), &file.syntax.items, files);
         }
         tree
     }
@@ -76,10 +77,9 @@ impl ModuleTree {
             let child = match &module.content {
                 Some((_, items)) => self.add(index, file, &below, items, files),
                 None => {
-                    let beside = file.rsplit_once('/').map_or("", |(folder, _)| folder);
                     let candidates = match path_attribute(&module.attrs) {
-                        Some(path) => [joined(beside, &path), String::new()],
-                        None => [format!("{below}.rs"), format!("{below}/mod.rs")],
+                        Some(path) => vec![joined(folder_of(file), &path)],
+                        None => vec![format!("{below}.rs"), format!("{below}/mod.rs")],
                     };
                     let Some(found) = candidates.iter().find_map(|path| files.get(path.as_str())) else { continue };
                     self.add(index, &found.path, &below, &found.syntax.items, files)
@@ -147,7 +147,7 @@ impl ModuleTree {
 impl<'a> Visit<'a> for ModuleContent {
     fn visit_item_use(&mut self, item: &'a syn::ItemUse) {
         if item.leading_colon.is_none() {
-            self.add_imports(&mut Vec::new(), &item.tree, !matches!(item.vis, syn::Visibility::Inherited));
+            self.add_imports(&[], &item.tree, !matches!(item.vis, syn::Visibility::Inherited));
         }
     }
 
@@ -158,110 +158,75 @@ impl<'a> Visit<'a> for ModuleContent {
         visit::visit_path(self, path);
     }
 
-    /// What a macro is given is no syntax yet: every row of names joined by `::` is taken for a
-    /// path.
+    /// What a macro is given is no syntax yet: whatever can be read as a path is taken for one.
     fn visit_token_stream(&mut self, tokens: &'a TokenStream) {
-        let mut path: Vec<String> = Vec::new();
-        let mut colons = 0;
-        for token in tokens.clone() {
-            match token {
-                TokenTree::Ident(name) => {
-                    if colons != 2 && !path.is_empty() {
-                        self.mentioned.insert(std::mem::take(&mut path));
-                    }
-                    path.push(name.to_string());
-                    colons = 0;
-                }
-                TokenTree::Punct(mark) if mark.as_char() == ':' && !path.is_empty() => colons += 1,
-                other => {
-                    if !path.is_empty() {
-                        self.mentioned.insert(std::mem::take(&mut path));
-                    }
-                    colons = 0;
-                    if let TokenTree::Group(group) = other {
-                        let stream = group.stream();
-                        visit_owned(self, &stream);
-                    }
-                }
-            }
-        }
-        if !path.is_empty() {
-            self.mentioned.insert(path);
-        }
+        let mut found = Vec::new();
+        // Tokens can always be read on, so this cannot fail.
+        let _ = (|input: ParseStream| paths(input, &mut found)).parse2(tokens.clone());
+        found.iter().for_each(|path| self.visit_expr_path(path));
     }
 }
 
-/// The same for tokens that live for the call only.
-fn visit_owned(content: &mut ModuleContent, tokens: &TokenStream) {
-    Visit::visit_token_stream(content, tokens);
+fn paths(input: ParseStream, found: &mut Vec<syn::ExprPath>) -> syn::Result<()> {
+    while !input.is_empty() {
+        let ahead = input.fork();
+        if let Ok(path) = ahead.parse() {
+            input.advance_to(&ahead);
+            found.push(path);
+        } else if let TokenTree::Group(group) = input.parse()? {
+            (|input: ParseStream| paths(input, found)).parse2(group.stream())?;
+        }
+    }
+    Ok(())
 }
 
 impl ModuleContent {
-    fn add_imports(&mut self, path: &mut Vec<String>, tree: &syn::UseTree, is_reexport: bool) {
-        let mut add = |path: Vec<String>, name: Option<String>| self.imports.push(Import { path, name, is_reexport });
-        let extended = |name: &syn::Ident| {
-            // `use a::{self}` is `use a`.
-            let more = (name != "self" || path.is_empty()).then(|| name.to_string());
-            path.iter().cloned().chain(more).collect::<Vec<_>>()
-        };
-        match tree {
-            syn::UseTree::Name(leaf) => {
-                let whole = extended(&leaf.ident);
-                let name = whole.last().cloned();
-                add(whole, name);
-            }
-            syn::UseTree::Rename(leaf) => add(extended(&leaf.ident), Some(leaf.rename.to_string())),
-            syn::UseTree::Glob(_) => add(path.clone(), None),
-            syn::UseTree::Path(inner) => {
-                path.push(inner.ident.to_string());
-                self.add_imports(path, &inner.tree, is_reexport);
-                path.pop();
-            }
+    fn add_imports(&mut self, path: &[String], tree: &syn::UseTree, is_reexport: bool) {
+        let with = |name: &syn::Ident| [path, &[name.to_string()]].concat();
+        let (path, name) = match tree {
+            syn::UseTree::Path(inner) => return self.add_imports(&with(&inner.ident), &inner.tree, is_reexport),
             syn::UseTree::Group(group) => {
-                for tree in &group.items {
-                    self.add_imports(path, tree, is_reexport);
-                }
+                return group.items.iter().for_each(|tree| self.add_imports(path, tree, is_reexport));
             }
-        }
+            // `use a::{self}` is called `a`.
+            syn::UseTree::Name(leaf) if leaf.ident == "self" => (path.to_vec(), path.last().cloned()),
+            syn::UseTree::Name(leaf) => (with(&leaf.ident), Some(leaf.ident.to_string())),
+            syn::UseTree::Rename(leaf) => (with(&leaf.ident), Some(leaf.rename.to_string())),
+            syn::UseTree::Glob(_) => (path.to_vec(), None),
+        };
+        self.imports.push(Import { path, name, is_reexport });
     }
 }
 
 fn defined_name(item: &syn::Item) -> Option<String> {
-    Some(match item {
-        syn::Item::Const(item) => item.ident.to_string(),
-        syn::Item::Enum(item) => item.ident.to_string(),
-        syn::Item::Fn(item) => item.sig.ident.to_string(),
-        syn::Item::Macro(item) => item.ident.as_ref()?.to_string(),
-        syn::Item::Static(item) => item.ident.to_string(),
-        syn::Item::Struct(item) => item.ident.to_string(),
-        syn::Item::Trait(item) => item.ident.to_string(),
-        syn::Item::Type(item) => item.ident.to_string(),
-        syn::Item::Union(item) => item.ident.to_string(),
-        _ => return None,
-    })
+    let name = match item {
+        syn::Item::Const(item) => &item.ident,
+        syn::Item::Fn(item) => &item.sig.ident,
+        syn::Item::Macro(item) => item.ident.as_ref()?,
+        syn::Item::Static(item) => &item.ident,
+        _ => type_name(item)?,
+    };
+    Some(name.to_string())
 }
 
 /// The value of `#[path = "…"]`.
 fn path_attribute(attributes: &[syn::Attribute]) -> Option<String> {
-    attributes.iter().find_map(|attribute| match &attribute.meta {
-        syn::Meta::NameValue(pair) if pair.path.is_ident("path") => match &pair.value {
-            syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value()),
-            _ => None,
-        },
+    let attribute = attributes.iter().find(|attribute| attribute.path().is_ident("path"))?;
+    match &attribute.meta.require_name_value().ok()?.value {
+        syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value()),
         _ => None,
-    })
+    }
+}
+
+fn folder_of(path: &str) -> &str {
+    path.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
 fn joined(folder: &str, path: &str) -> String {
-    let mut parts: Vec<&str> = folder.split('/').collect();
-    for part in path.split('/') {
-        match part {
-            ".." => drop(parts.pop()),
-            "." => {}
-            _ => parts.push(part),
-        }
+    match path.strip_prefix("../") {
+        Some(rest) => joined(folder_of(folder), rest),
+        None => format!("{folder}/{path}"),
     }
-    parts.join("/")
 }
 
 #[cfg(test)]

@@ -8,15 +8,25 @@ pub struct ParsedFile {
     /// From the workspace's root on.
     pub path: String,
     pub syntax: syn::File,
-    /// Whether it is of the crate `tests`, which is there for tests only.
-    pub is_for_tests: bool,
 }
 
 impl ParsedFile {
     pub fn parse(file: &RustFile) -> Result<ParsedFile> {
         let syntax =
             syn::parse_file(&file.without_tests()?).with_context(|| format!("{} cannot be parsed", file.path))?;
-        Ok(ParsedFile { path: file.path.clone(), syntax, is_for_tests: file.path.starts_with("tests/") })
+        Ok(ParsedFile { path: file.path.clone(), syntax })
+    }
+}
+
+/// The name of a type that an item defines.
+pub fn type_name(item: &syn::Item) -> Option<&syn::Ident> {
+    match item {
+        syn::Item::Enum(item) => Some(&item.ident),
+        syn::Item::Struct(item) => Some(&item.ident),
+        syn::Item::Trait(item) => Some(&item.ident),
+        syn::Item::Type(item) => Some(&item.ident),
+        syn::Item::Union(item) => Some(&item.ident),
+        _ => None,
     }
 }
 
@@ -27,7 +37,7 @@ pub mod testing {
     pub fn parsed(files: &[(&str, &str)]) -> Vec<ParsedFile> {
         let parse = |&(path, text): &(&str, &str)| {
             let syntax = syn::parse_file(text).expect("the test's own source");
-            ParsedFile { path: path.into(), syntax, is_for_tests: path.starts_with("tests/") }
+            ParsedFile { path: path.into(), syntax }
         };
         files.iter().map(parse).collect()
     }
