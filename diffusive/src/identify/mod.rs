@@ -30,7 +30,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`record`] | any uniformly sampled record, block by block |
-//! | [`options`], [`error`] | options, and every sentence that refuses them |
+//! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
 //! | `panels`, `gram`, `pass` | one reading of the record: normal equations, fold by fold |
@@ -45,7 +45,6 @@
 //! | [`cole_cole`] | a system whose response is known exactly |
 
 pub mod cole_cole;
-pub mod error;
 pub mod nonnegative;
 pub mod options;
 pub mod record;
@@ -86,12 +85,11 @@ mod tied;
 mod validate_options;
 mod whiteness;
 
-pub use error::{IdentifyError, Unidentifiable};
 pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
-use record::RecordSource;
+use record::{RecordError, RecordSource};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
 /// row with the model's prediction.
@@ -103,8 +101,8 @@ pub fn identify(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
-    validate_options::refuse(source.survey(), options).map_err(|reason| IdentifyError::unfit(source, reason))?;
+) -> Result<Model, RecordError> {
+    validate_options::refuse(source.survey(), options)?;
     let mut model = match (options.free_poles, options.structure) {
         (Some(poles), _) => {
             let mesh = symbol::identify(source, options, progress, &mut |_| {})?;

@@ -4,11 +4,10 @@ use std::rc::Rc;
 
 use super::choose::Choice;
 use super::design::RegressionDesign;
-use super::error::IdentifyError;
 use super::gas_source::GasSource;
 use super::normal_equations::in_columns;
 use super::options::{FitObserver, Progress};
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource};
 use super::residuals::{FitRow, FittedOutput, ResidualPass, read_residuals};
 
 /// A reading, and which of those that share it an output was.
@@ -25,7 +24,7 @@ pub fn residuals_of_all(
     output_shift: &[f64],
     choices: &[Choice],
     seen: &mut dyn FnMut(&FitRow<'_>),
-) -> Result<Vec<OutputResiduals>, IdentifyError> {
+) -> Result<Vec<OutputResiduals>, RecordError> {
     let mut residuals: Vec<Option<OutputResiduals>> = vec![None; choices.len()];
     for first in 0..choices.len() {
         if residuals[first].is_some() {

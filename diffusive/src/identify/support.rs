@@ -1,10 +1,12 @@
 //! Whether a record supports its model, and what it lacks if not.
 
-use super::error::{GREATEST, Unidentifiable};
 use super::folds::FOLDS;
 use super::pass::Facts;
-use super::record::Survey;
+use super::record::{RecordError, Survey};
 use crate::model::{Model, ModelOutput};
+
+/// Column values beyond it have squares, and sums of squares, that are no longer numbers.
+const GREATEST: f64 = 1e100;
 
 /// An input that is not at its first value in fewer rows than this, counted as rows of its greatest
 /// departure, excites too little.
@@ -17,29 +19,34 @@ pub fn refuse(
     classes: &[String],
     gated: bool,
     from_rest: bool,
-) -> Result<(), Unidentifiable> {
+) -> Result<(), RecordError> {
     let columns = survey.inputs.iter().zip(&facts.input_range).chain(survey.outputs.iter().zip(&facts.output_range));
     for (name, &[least, most]) in columns {
         if most.abs().max(least.abs()) > GREATEST {
-            return Err(Unidentifiable::HugeValues { column: name.clone(), least, most });
+            return Err(survey.refuse(format!(
+                "column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"
+            )));
         }
     }
     for (input, name) in survey.inputs.iter().enumerate() {
         let [value, _] = facts.input_range[input];
         // From rest, a constant is a step at the first row.
         if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
-            return Err(Unidentifiable::ConstantInput { column: name.clone(), value, rows: facts.rows });
+            return Err(survey.refuse(format!(
+                "column `{name}` is {value} in all {} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input",
+                facts.rows
+            )));
         }
     }
     if gated {
         for (class, label) in classes.iter().enumerate() {
             let excited = (0..survey.inputs.len()).any(|input| facts.class_input_sd(class, input) > 0.0);
             if !excited {
-                return Err(Unidentifiable::SilentClass {
-                    label: label.clone(),
-                    column: survey.event_column.clone().unwrap_or_else(|| "event".to_owned()),
-                    rows: facts.class_rows.get(class).copied().unwrap_or(0),
-                });
+                return Err(survey.refuse(format!(
+                    "class `{label}` of column `{}` has no excitation: no input changes in its {} rows; excite it there, or give these rows another label",
+                    survey.event_column.as_deref().unwrap_or("event"),
+                    facts.class_rows.get(class).copied().unwrap_or(0)
+                )));
             }
         }
     }
@@ -96,29 +103,46 @@ pub fn silent(model: &Model) -> Vec<String> {
     outputs.map(sentence).collect()
 }
 
+/// Refuses as many unknowns as there are rows, or more.
+pub fn solvable(survey: &Survey, unknowns: usize) -> Result<(), RecordError> {
+    let rows = survey.rows;
+    refuse_if!(
+        unknowns as u64 >= rows,
+        survey.refuse(format!("has {rows} rows for {unknowns} unknowns: record longer, or ask for fewer with --order"))
+    );
+    Ok(())
+}
+
 /// Most memory for the sums of all meshes together, bytes.
 const MOST_BYTES: f64 = 4e9;
 
 /// Refuses more unknowns than any machine should be asked for. `unknowns`: of every mesh that would
 /// be tried.
-pub fn affordable(unknowns: &[usize], inputs: usize, classes: usize) -> Result<(), Unidentifiable> {
+pub fn affordable(survey: &Survey, unknowns: &[usize], classes: usize) -> Result<(), RecordError> {
     let bytes: f64 = unknowns.iter().map(|&count| 8.0 * FOLDS as f64 * (count as f64).powi(2)).sum();
     if bytes <= MOST_BYTES {
         return Ok(());
     }
     let unknowns = unknowns.iter().copied().max().unwrap_or(0);
-    Err(Unidentifiable::Unaffordable { inputs, classes, unknowns, gigabytes: bytes / 1e9 })
+    Err(survey.refuse(format!(
+        "has {} inputs and {classes} event classes, which make up to {unknowns} unknowns and {:.0} GB of sums: join classes, name fewer inputs, or ask for fewer rates with --order",
+        survey.inputs.len(),
+        bytes / 1e9
+    )))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::record::{RecordSource as _, RecordTable};
 
     #[test]
     fn unknowns_beyond_the_memory_of_machines_are_refused() {
-        assert_eq!(affordable(&[500, 800], 1, 60), Ok(()));
+        let inputs = (0..10).map(|input| (format!("u{input}"), vec![0.0, 1.0])).collect();
+        let table = RecordTable::new(1.0, inputs, vec![("y".to_owned(), vec![0.0, 1.0])]).unwrap();
+        assert!(affordable(table.survey(), &[500, 800], 60).is_ok());
         // 8 bytes, ten folds, 20 000²: 32 GB.
-        let sentence = affordable(&[500, 20_000], 10, 64).unwrap_err().to_string();
-        assert!(sentence.starts_with("has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
+        let sentence = affordable(table.survey(), &[500, 20_000], 64).unwrap_err().to_string();
+        assert!(sentence.contains(": has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
     }
 }

@@ -21,13 +21,12 @@ use nalgebra::{DMatrix, DVector};
 use super::candidates::terms;
 use super::choose::{Choice, ScoredCandidate, change};
 use super::design::{RegressionDesign, Role};
-use super::error::Unidentifiable;
 use super::folds::{Score, score};
 use super::gram::Gram;
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
 use super::options::IdentifyOptions;
 use super::prior::Scales;
-use super::record::Survey;
+use super::record::{RecordError, Survey};
 use crate::model::Structure;
 
 /// From what ratio of mean squared cross-validated errors on the record speaks against the ties.
@@ -54,13 +53,24 @@ pub struct Tied {
 }
 
 /// Refuses a record in which there is nothing to tie, and what ties are not for.
-pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), Unidentifiable> {
-    refuse_if!(options.structure == Some(Structure::Conductance), Unidentifiable::TiesOfConductance);
-    refuse_if!(options.free_poles.is_some(), Unidentifiable::TiesOfFreePoles);
-    if survey.inputs.len() == survey.outputs.len() && survey.inputs.len() > 1 {
-        return Ok(());
-    }
-    Err(Unidentifiable::NothingToTie { inputs: survey.inputs.clone(), outputs: survey.outputs.clone() })
+pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError> {
+    let is_conductance = options.structure == Some(Structure::Conductance);
+    refuse_if!(is_conductance, survey.refuse("tied pairs are for structure `symbol`: leave out --tie"));
+    refuse_if!(
+        options.free_poles.is_some(),
+        survey.refuse(
+            "free poles differ from output to output, and tied pairs share theirs: choose one of --free-poles and --tie"
+        )
+    );
+    let (inputs, outputs) = (&survey.inputs, &survey.outputs);
+    refuse_if!(
+        inputs.len() != outputs.len() || inputs.len() < 2,
+        survey.refuse(format!(
+            "{} inputs ({}) and {} outputs ({}) cannot be tied: name as many outputs as inputs, two at least, in the same order with --input and --output",
+            inputs.len(), inputs.join(", "), outputs.len(), outputs.join(", ")
+        ))
+    );
+    Ok(())
 }
 
 /// One output's part of the joint problem.

@@ -9,9 +9,8 @@
 
 use super::choose::Choice;
 use super::design::RegressionDesign;
-use super::error::IdentifyError;
 use super::options::InitialState;
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource};
 use super::residual_pass::{OutputResiduals, residuals_of_all};
 
 /// Correlated residuals make standard errors larger by this or more: coloured.
@@ -26,7 +25,7 @@ pub fn prefer_white(
     choices: Vec<Choice>,
     settle: &dyn Fn(usize, &Choice) -> Option<Choice>,
     tell: &mut dyn FnMut(u64),
-) -> Result<Vec<Choice>, IdentifyError> {
+) -> Result<Vec<Choice>, RecordError> {
     // A record of one output and one mesh has no rivals: no reading is spent on it.
     let rivals: Vec<Option<Choice>> =
         choices.iter().enumerate().map(|(output, choice)| settle(output, choice)).collect();

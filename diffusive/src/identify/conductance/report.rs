@@ -7,14 +7,13 @@ use nalgebra::{DMatrix, DVector};
 use super::super::candidates::CandidateMesh;
 use super::super::choose::change;
 use super::super::design::Role;
-use super::super::error::IdentifyError;
 use super::super::gram::Gram;
 use super::super::normal_equations::{ModelTerm, in_columns};
 use super::super::options::InitialState;
 use super::super::options::{FitObserver, GasGiven, IdentifyOptions, Progress};
 use super::super::outcome::{chosen_by, decays};
 use super::super::pass::Passed;
-use super::super::record::{RecordSource, Survey};
+use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::residual_pass::observed;
 use super::super::residuals::{FittedOutput, read_residuals};
 use super::super::support;
@@ -32,7 +31,7 @@ pub(super) fn model(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
+) -> Result<Model, RecordError> {
     let WindSearch { survey, classes, passed, meshes, .. } = found;
     let (best, reference) = (found.best(), &classes[found.reference]);
     let design = &found.designs[best.mesh];

@@ -2,7 +2,6 @@
 
 use super::super::candidates::CandidateMesh;
 use super::super::design::{RegressionDesign, Role};
-use super::super::error::{IdentifyError, Unidentifiable};
 use super::super::folds::{FOLDS, Score, score};
 use super::super::gas_source::GasSource;
 use super::super::gram::Gram;
@@ -11,7 +10,7 @@ use super::super::options::InitialState;
 use super::super::options::{GasGiven, IdentifyOptions, Progress};
 use super::super::pass::{Passed, pass};
 use super::super::prior::{Prior, Scales};
-use super::super::record::{RecordSource, Survey};
+use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::support;
 use super::plan::{self, GasBanks};
 use super::solver::Solver;
@@ -58,7 +57,7 @@ impl WindSearch {
         classes: &[String],
         reference: usize,
         progress: &mut Progress<'_>,
-    ) -> Result<Self, IdentifyError> {
+    ) -> Result<Self, RecordError> {
         let survey = source.survey().clone();
         let (banks, rows) = (GasBanks::of(options, &survey), survey.rows);
         let gas = match options.gas {
@@ -66,18 +65,15 @@ impl WindSearch {
             GasGiven::ConstantC(gas_c) => GasSource::Constant(gas_c),
             GasGiven::Column => GasSource::Column,
         };
-        let meshes = plan::meshes(rows as f64 * survey.sample_period_s, survey.sample_period_s, options);
+        let meshes = plan::meshes(survey.duration_s(), survey.sample_period_s, options);
         let design = |mesh| plan::design(mesh, survey.inputs.len(), classes.len(), reference, banks);
         let designs: Vec<RegressionDesign> = meshes.iter().map(design).collect();
         let roles: Vec<Vec<Role>> = designs.iter().map(RegressionDesign::roles).collect();
         let unknowns = roles.iter().map(Vec::len).min().unwrap_or(0);
-        if unknowns as u64 >= rows {
-            return Err(IdentifyError::unfit(source, Unidentifiable::ManyUnknowns { rows, unknowns }));
-        }
+        support::solvable(&survey, unknowns)?;
         let mut tell = |done| progress("reading", done, rows);
         let passed = pass(source, &designs, FOLDS, gas, u64::MAX, &mut tell)?;
-        support::refuse(&survey, &passed.facts, classes, false, false)
-            .map_err(|reason| IdentifyError::unfit(source, reason))?;
+        support::refuse(&survey, &passed.facts, classes, false, false)?;
 
         progress("choosing", 0, 1);
         let classes = classes.to_vec();
@@ -86,7 +82,7 @@ impl WindSearch {
         search.trials = search.try_all(options);
         let trials = search.trials.iter().enumerate();
         let best = trials.min_by(|a, b| a.1.overall().total_cmp(&b.1.overall())).map(|(best, _)| best);
-        search.best = best.ok_or_else(|| IdentifyError::unfit(source, Unidentifiable::NoCandidate))?;
+        search.best = best.ok_or_else(|| search.survey.refuse("gives no candidate"))?;
         Ok(search)
     }
 
@@ -118,7 +114,7 @@ impl WindSearch {
         options: &'a IdentifyOptions,
     ) -> Solver<'a> {
         let (survey, banks) = (&self.survey, &self.designs[mesh].banks);
-        let duration_s = survey.rows as f64 * survey.sample_period_s;
+        let duration_s = survey.duration_s();
         Solver {
             places: ConductanceColumns {
                 roles: &self.roles[mesh],

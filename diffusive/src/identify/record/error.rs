@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use recording::RecordingError;
 use recording::text::one_line;
 
-/// A record that cannot be read, or whose content identification cannot use.
+/// A record that cannot be read, or that cannot be identified, or held against a model, with the
+/// options given.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file cannot be read.

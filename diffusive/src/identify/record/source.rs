@@ -56,6 +56,18 @@ pub struct Survey {
     pub notes: Vec<String>,
 }
 
+impl Survey {
+    /// How long the record is.
+    pub fn duration_s(&self) -> f64 {
+        self.rows as f64 * self.sample_period_s
+    }
+
+    /// Why the record cannot be used: a sentence that goes on behind its name.
+    pub(in crate::identify) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
+        RecordError::content(&self.path, sentence)
+    }
+}
+
 /// Consecutive rows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Block {

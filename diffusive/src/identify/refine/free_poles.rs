@@ -3,10 +3,10 @@
 
 use super::super::choose::{Choice, ScoredCandidate};
 use super::super::design::Role;
-use super::super::error::Unidentifiable;
 use super::super::folds::score;
 use super::super::normal_equations::ModelTerm;
 use super::super::options::InitialState;
+use super::super::record::{RecordError, Survey};
 use super::columns::Point;
 use super::search::{LEAST_RATIO, MOST_READINGS, RateSearch, SearchState};
 use crate::model::ModelOutput;
@@ -20,7 +20,7 @@ pub struct FreePoles {
 }
 
 /// Whether what another start led to leaves less of the record, or leads anywhere at all.
-pub fn is_better(new: &Result<FreePoles, Unidentifiable>, old: &Result<FreePoles, Unidentifiable>) -> bool {
+pub fn is_better(new: &Result<FreePoles, RecordError>, old: &Result<FreePoles, RecordError>) -> bool {
     match (new, old) {
         (Ok(new), Ok(old)) => new.point.cost < old.point.cost,
         (Ok(_), Err(_)) => true,
@@ -31,15 +31,16 @@ pub fn is_better(new: &Result<FreePoles, Unidentifiable>, old: &Result<FreePoles
 /// Refuses poles that came together; else the choice that the search ended with, and what is to be
 /// said of it.
 pub fn settled(
+    survey: &Survey,
     mut search: RateSearch,
     outputs: &[ModelOutput],
     poles: usize,
     first_drives: &[f64],
     nyquist_rad_s: f64,
-) -> Result<FreePoles, Unidentifiable> {
+) -> Result<FreePoles, RecordError> {
     let name = &outputs[search.setup.output].name;
     let pinned = search.pinned();
-    let Some(point) = search.take_best() else { return Err(Unidentifiable::NoRows) };
+    let Some(point) = search.take_best() else { return Err(survey.refuse("has no rows")) };
     let rates = &point.rates_rad_s;
     let close = match search.state {
         SearchState::Merged(close) => Some(close),
@@ -47,7 +48,9 @@ pub fn settled(
     };
     if let Some(close) = close {
         let (slow, fast) = (rates[close], rates[close + 1]);
-        return Err(Unidentifiable::PolesTogether { poles, output: name.clone(), slow, fast });
+        return Err(survey.refuse(format!(
+            "{poles} poles are more than this record can tell apart: for `{name}` those at {slow:.4e} and {fast:.4e} rad/s come together; ask for fewer with --free-poles"
+        )));
     }
     let mut warnings = Vec::new();
     for (k, _) in pinned.iter().enumerate().filter(|(_, pinned)| **pinned) {

@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 
 use super::super::choose::change;
 use super::super::design::Role;
-use super::super::error::IdentifyError;
 use super::super::gas_source::GasSource;
 use super::super::normal_equations::in_columns;
 use super::super::options::FitObserver;
 use super::super::outcome::{self, class_of, decays};
 use super::super::pass::Facts;
-use super::super::record::{RecordSource, Survey};
+use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::residuals::{FittedOutput, read_residuals};
 use super::super::support;
 use super::free_poles::FreePoles;
@@ -32,7 +31,7 @@ pub fn model(
     known: &RefineContext<'_>,
     found: &[FreePoles],
     sight: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
+) -> Result<Model, RecordError> {
     let &RefineContext { mesh, survey, facts, output_shift: shift, thesis_rad_s } = known;
     let mut outputs = mesh.outputs.clone();
     let mut pairs = mesh.pairs.clone();

@@ -10,11 +10,10 @@ mod reasons;
 mod report;
 
 use super::choose::{CandidateSet, Choice};
-use super::error::IdentifyError;
 use super::labels::labels;
 use super::options::{FitObserver, IdentifyOptions, Progress};
 use super::pass::Passed;
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource};
 use super::residual_pass::{observed, progress_now_and_then, residuals_of_all};
 use super::tied::Ties;
 use super::whiteness::prefer_white;
@@ -32,7 +31,7 @@ pub fn identify(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
+) -> Result<Model, RecordError> {
     let survey = source.survey().clone();
     let classes = labels(source, progress)?;
     let plan = SymbolPlan::of(source, survey, classes, options)?;
@@ -60,7 +59,7 @@ fn choose(
     banks: &BankFacts,
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
-) -> Result<Vec<Choice>, IdentifyError> {
+) -> Result<Vec<Choice>, RecordError> {
     let bank_input: Vec<usize> = plan.parts.iter().map(|part| part.input).collect();
     let feed_through: &[bool] = match (plan.path.feed_through, options.constraints.feed_through) {
         (false, _) => &[false],

@@ -70,7 +70,7 @@ impl SymbolResult<'_> {
         let mut warnings = support::warnings(survey, facts);
         warnings.extend(tie_warning);
         for ((output, name), choice) in survey.outputs.iter().enumerate().zip(self.choices) {
-            warnings.extend(outcome::warnings(name, choice, facts, output, self.plan.duration_s(), pairs));
+            warnings.extend(outcome::warnings(name, choice, facts, output, survey.duration_s(), pairs));
         }
         for (output, name) in survey.outputs.iter().enumerate() {
             if let Some((row, part)) = self.residuals[output].pass.residuals[output].lonely_row() {
