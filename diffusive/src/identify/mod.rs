@@ -39,7 +39,7 @@
 //! | `folds`, `choose` | block cross-validation, and the choice |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `residuals`, `residual_pass`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | [`report`] | the result for people |
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose response is known exactly |
@@ -72,6 +72,7 @@ pub mod pass;
 mod choose;
 mod conductance;
 mod delay;
+mod fitted;
 mod labels;
 mod outcome;
 mod panels;

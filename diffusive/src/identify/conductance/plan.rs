@@ -2,8 +2,7 @@
 
 use super::super::candidates::{self, CandidateMesh};
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::super::options::InitialState;
-use super::super::options::{GasGiven, IdentifyOptions};
+use super::super::options::{GasGiven, IdentifyOptions, InitialState};
 use super::super::pass::Passed;
 use super::super::prior::Prior;
 use super::super::record::Survey;

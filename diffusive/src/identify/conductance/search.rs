@@ -6,8 +6,7 @@ use super::super::folds::{FOLDS, Score, score};
 use super::super::gas_source::GasSource;
 use super::super::gram::Gram;
 use super::super::normal_equations::NormalEquations;
-use super::super::options::InitialState;
-use super::super::options::{GasGiven, IdentifyOptions, Progress};
+use super::super::options::{GasGiven, IdentifyOptions, InitialState, Progress};
 use super::super::pass::{Passed, pass};
 use super::super::prior::{Prior, Scales};
 use super::super::record::{RecordError, RecordSource, Survey};
@@ -130,7 +129,6 @@ impl WindSearch {
             },
             prior,
             initial_state,
-            outputs: survey.outputs.len(),
             sample_period_s: survey.sample_period_s,
             signs: &options.signs,
         }
@@ -163,12 +161,12 @@ impl WindSearch {
     fn scores(&self, mesh: usize, total: &Gram, solver: &Solver<'_>, winds: &ClassConductances) -> Vec<Score> {
         let terms = solver.places.terms(solver.initial_state, winds);
         let of = |output: usize| {
-            let of = |fold: &Gram| NormalEquations::of(fold, &terms, solver.outputs, output);
+            let of = |fold: &Gram| NormalEquations::of(fold, &terms, solver.places.elements, output);
             let folds: Vec<NormalEquations> = self.passed.folds[mesh].iter().map(of).collect();
             let whole = of(total);
             let positive = solver.positive(&terms, output);
             score(&folds, &whole, &solver.penalty(&terms, &whole), positive.as_deref())
         };
-        (0..solver.outputs).map(of).collect()
+        (0..solver.places.elements).map(of).collect()
     }
 }

@@ -6,8 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::design::Role;
 use super::super::gram::Gram;
 use super::super::normal_equations::{ModelTerm, NormalEquations};
-use super::super::options::InitialState;
-use super::super::options::Signs;
+use super::super::options::{InitialState, Signs};
 use super::super::prior::{Prior, Scales};
 use super::terms::{ClassConductances, ConductanceColumns};
 use crate::optimise::{DampingRule, DescentProblem, descend};
@@ -33,7 +32,6 @@ pub(super) struct Solver<'a> {
     pub(super) scales: Scales,
     pub(super) prior: Prior,
     pub(super) initial_state: InitialState,
-    pub(super) outputs: usize,
     pub(super) sample_period_s: f64,
     pub(super) signs: &'a Signs,
 }
@@ -45,10 +43,8 @@ impl Solver<'_> {
 
     /// Which parameters of an output may not be negative; `None` where all may.
     pub(super) fn positive(&self, terms: &[ModelTerm], output: usize) -> Option<Vec<bool>> {
-        let of = |term: &ModelTerm| match term.role {
-            Role::Relaxation { bank, .. } => bank < self.places.elements && self.signs.asks(bank, output),
-            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset => false,
-        };
+        let is_held = |bank: usize| bank < self.places.elements && self.signs.asks(bank, output);
+        let of = |term: &ModelTerm| term.role.bank().is_some_and(is_held);
         let positive: Vec<bool> = terms.iter().map(of).collect();
         positive.contains(&true).then_some(positive)
     }
@@ -61,8 +57,8 @@ impl Solver<'_> {
     ) -> (Vec<ModelTerm>, Vec<DVector<f64>>, Vec<f64>) {
         let terms = self.places.terms(self.initial_state, winds);
         let (mut thetas, mut errors) = (Vec::new(), Vec::new());
-        for output in 0..self.outputs {
-            let problem = NormalEquations::of(gram, &terms, self.outputs, output);
+        for output in 0..self.places.elements {
+            let problem = NormalEquations::of(gram, &terms, self.places.elements, output);
             let penalty = self.penalty(&terms, &problem);
             let theta = problem.estimate(&penalty, self.positive(&terms, output).as_deref());
             errors.push(problem.squared_error(&theta) + theta.dot(&(&penalty * &theta)));
@@ -121,8 +117,8 @@ impl Solver<'_> {
         let mut parts = Vec::new();
         for (output, theta) in thetas.iter().enumerate() {
             let all: Vec<ModelTerm> = terms.iter().cloned().chain(self.slopes(&terms, theta, winds)).collect();
-            let problem = NormalEquations::of(gram, &all, self.outputs, output);
-            let plain = NormalEquations::of(gram, &terms, self.outputs, output);
+            let problem = NormalEquations::of(gram, &all, self.places.elements, output);
+            let plain = NormalEquations::of(gram, &terms, self.places.elements, output);
             let penalty = self.penalty(&terms, &plain);
             let positive = self.positive(&terms, output);
             let solution = plain.solve(&penalty, positive.as_deref());

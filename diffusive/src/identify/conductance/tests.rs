@@ -71,7 +71,6 @@ fn solver<'a>(roles: &'a [Role], design: &RegressionDesign, gates: bool) -> Solv
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-9),
         initial_state: InitialState::Rest,
-        outputs: 2,
         sample_period_s: PERIOD_S,
         signs: &Signs::Any,
     }
@@ -208,7 +207,6 @@ fn one_element<'a>(roles: &'a [Role], design: &RegressionDesign) -> Solver<'a> {
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-13),
         initial_state: InitialState::Rest,
-        outputs: 1,
         sample_period_s: PERIOD_S,
         signs: &Signs::Any,
     }

@@ -112,6 +112,13 @@ impl Block {
     }
 }
 
+/// The values of one row.
+pub(in crate::identify) fn copy_row(columns: &[Vec<f64>], at: usize, row: &mut [f64]) {
+    for (value, column) in row.iter_mut().zip(columns) {
+        *value = column[at];
+    }
+}
+
 /// A record that can be read from its start to its end, and again.
 ///
 /// ```

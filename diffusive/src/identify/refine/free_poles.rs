@@ -1,10 +1,10 @@
 //! What a search for free poles ended with: the choice, and what is to be said of poles at the edge
 //! of what the record shows.
 
-use super::super::choose::{Choice, ScoredCandidate};
-use super::super::design::Role;
-use super::super::folds::score;
-use super::super::normal_equations::ModelTerm;
+use super::super::design::{RegressionDesign, Role};
+use super::super::fitted::FittedOutput;
+use super::super::folds::{Score, score};
+use super::super::normal_equations::{ModelTerm, PenalisedSolution};
 use super::super::options::InitialState;
 use super::super::record::{RecordError, Survey};
 use super::columns::Point;
@@ -14,9 +14,21 @@ use crate::model::ModelOutput;
 /// One output's poles.
 pub struct FreePoles {
     pub search: RateSearch,
-    pub choice: Choice,
     pub point: Point,
+    pub score: Score,
+    pub initial_state: InitialState,
+    pub design: RegressionDesign,
+    pub terms: Vec<ModelTerm>,
+    pub solution: PenalisedSolution,
     pub warnings: Vec<String>,
+}
+
+impl FreePoles {
+    /// The model of the output; `shift` was subtracted from it.
+    pub fn fitted(&self, shift: f64) -> FittedOutput<'_> {
+        let PenalisedSolution { theta, covariance, .. } = &self.solution;
+        FittedOutput { design: &self.design, terms: &self.terms, theta, covariance, shift }
+    }
 }
 
 /// Whether what another start led to leaves less of the record, or leads anywhere at all.
@@ -84,27 +96,11 @@ pub fn settled(
     }
     let score = score(&point.folds, &point.total, &point.penalty, point.positive.as_deref());
     let initial_state = search.setup.initial_state.unwrap_or(InitialState::Free);
-    let trial = ScoredCandidate {
-        mesh: 0,
-        initial_state,
-        feed_through: search.setup.feed_through,
-        prior: search.setup.prior,
-        score,
-    };
     // Terms of the plain design stand in the order of θ; the rates' own behind them weigh no
     // column.
     let design = search.setup.design(rates);
     let mut terms = search.setup.terms(&design, initial_state, first_drives);
     terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
-    let choice = Choice {
-        trial,
-        terms,
-        positive: point.positive.clone(),
-        solution: point.solution(),
-        rivals: Vec::new(),
-        sign_reason: String::new(),
-        gain_spread: Vec::new(),
-        reason: None,
-    };
-    Ok(FreePoles { search, choice, point, warnings })
+    let solution = point.solution();
+    Ok(FreePoles { search, point, score, initial_state, design, terms, solution, warnings })
 }

@@ -35,12 +35,10 @@ use self::free_poles::{FreePoles, is_better, settled};
 use self::report::RefineContext;
 use self::search::{RateSearch, SearchState};
 use super::design::BankDrive;
-use super::folds::{FOLDS, Score, score};
+use super::folds::{FOLDS, FoldedEquations, Score};
 use super::gas_source::GasSource;
 use super::gram::Gram;
-use super::normal_equations::NormalEquations;
-use super::options::InitialState;
-use super::options::{FitObserver, IdentifyOptions, Progress};
+use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
 use super::pass::{Facts, pass};
 use super::prior::{Prior, Scales};
 use super::record::{RecordError, RecordSource, Survey};
@@ -209,10 +207,8 @@ fn known(setup: &Setup, mesh: &Model, facts: &Facts, thesis_rad_s: f64) -> (Scal
 fn begin(setup: &Setup, rates_rad_s: &[f64], folds: &[Gram], scales: &Scales, first_drives: &[f64]) -> InitialState {
     let scored = |initial_state: InitialState| -> (InitialState, Score) {
         let terms = setup.centre(rates_rad_s, initial_state, first_drives);
-        let folds: Vec<NormalEquations> =
-            folds.iter().map(|fold| NormalEquations::of(fold, &terms, setup.outputs, setup.output)).collect();
-        let total = NormalEquations::total(&folds);
-        (initial_state, score(&folds, &total, &scales.penalty(setup.prior, &terms, &total), None))
+        let equations = FoldedEquations::of(folds, terms, setup.outputs, setup.output);
+        (initial_state, equations.score(&equations.penalty(scales, setup.prior), None))
     };
     let moves = first_drives.iter().any(|&drive| drive != 0.0);
     let tried: Vec<(InitialState, Score)> = [InitialState::Rest, InitialState::Settled, InitialState::Free]

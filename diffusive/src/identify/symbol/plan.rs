@@ -1,14 +1,15 @@
 //! What is tried for a record: which banks of relaxations its inputs and classes need, and on which
 //! meshes.
 
+use dr_core::model::mesh::thesis_edges_rad_s;
+
 use super::super::candidates::{self, CandidateMesh};
 use super::super::delay::{self, PathDecision};
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::super::folds::FOLDS;
 use super::super::gas_source::GasSource;
-use super::super::options::{Constraints, InitialState};
-use super::super::options::{IdentifyOptions, Progress};
-use super::super::pass::{Facts, Passed, pass};
+use super::super::options::{Constraints, IdentifyOptions, InitialState, Progress};
+use super::super::pass::{Passed, pass};
 use super::super::prior::Scales;
 use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::support;
@@ -84,8 +85,10 @@ pub struct SymbolPlan {
     pub sees: Vec<Vec<bool>>,
 }
 
-/// What the record's sums are weighed with.
-pub struct BankFacts {
+/// What is tried, and the sums of one reading on which all of it is.
+pub struct SymbolReading {
+    pub plan: SymbolPlan,
+    pub passed: Passed,
     pub scales: Scales,
     /// What drove each bank in the first row.
     pub first_drives: Vec<f64>,
@@ -99,8 +102,7 @@ impl SymbolPlan {
         options: &IdentifyOptions,
     ) -> Result<Self, RecordError> {
         let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
-        let drives: Vec<BankDrive> = (0..inputs).map(BankDrive::Input).collect();
-        let path = delay::decide(source, &drives, &options.constraints)?;
+        let path = delay::decide(source, &options.constraints)?;
         let meshes = meshes(&survey, classes.len(), &options.constraints)?;
         let parts_of = |kind| parts(inputs, classes.len(), kind);
         let (parts, cross_rad_s) = match &options.cross {
@@ -136,35 +138,40 @@ impl SymbolPlan {
 
     /// One reading of the record for all designs.
     pub fn read(
-        &self,
+        self,
         source: &mut dyn RecordSource,
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
-    ) -> Result<Passed, RecordError> {
+    ) -> Result<SymbolReading, RecordError> {
         let mut tell = |done| progress("reading", done, self.survey.rows);
         let passed = pass(source, &self.designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
         let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
         support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)?;
-        Ok(passed)
+        let duration_s = self.survey.duration_s();
+        let classes = self.classes.len() as u32;
+        let (thesis_rad_s, _) = thesis_edges_rad_s(duration_s, self.survey.sample_period_s, classes);
+        let facts = &passed.facts;
+        let first_drive = |part: &BankPart| match self.is_gated() && facts.first_class != part.class {
+            true => 0.0,
+            false => facts.first_inputs[part.input],
+        };
+        let first_drives = self.parts.iter().map(first_drive).collect();
+        let drive = self.parts.iter().map(|part| facts.input_scale(part.input)).collect();
+        Ok(SymbolReading { scales: Scales { drive, thesis_rad_s }, first_drives, passed, plan: self })
+    }
+
+    /// Whether models with feed-through columns are tried, and models without.
+    pub fn feed_throughs(&self, given: &Constraints) -> &'static [bool] {
+        match (self.path.feed_through, given.feed_through) {
+            (false, _) => &[false],
+            (true, None) => &[false, true],
+            (true, Some(_)) => &[true],
+        }
     }
 
     /// Whether inputs drive only in their class.
     pub fn is_gated(&self) -> bool {
         self.classes.len() > 1
-    }
-
-    pub fn bank_facts(&self, facts: &Facts) -> BankFacts {
-        let (thesis_rad_s, _) = dr_core::model::mesh::thesis_edges_rad_s(
-            self.survey.duration_s(),
-            self.survey.sample_period_s,
-            self.classes.len() as u32,
-        );
-        let first_drive = |part: &BankPart| match self.is_gated() && facts.first_class != part.class {
-            true => 0.0,
-            false => facts.first_inputs[part.input],
-        };
-        let drive = self.parts.iter().map(|part| facts.input_scale(part.input)).collect();
-        BankFacts { scales: Scales { drive, thesis_rad_s }, first_drives: self.parts.iter().map(first_drive).collect() }
     }
 }
 

@@ -1,21 +1,21 @@
 //! Why a model is as it is.
 
-use super::super::candidates::CandidateMesh;
-use super::super::choose::{Choice, ScoredCandidate, change};
+use super::super::choose::{Choice, ScoredCandidate};
+use super::super::folds::change;
 use super::super::options::{Constraints, InitialState};
 use super::super::outcome::chosen_by;
+use super::plan::SymbolPlan;
 use crate::model::Chosen;
 
 /// `is_white`: whether the choice leaves white residuals.
 pub fn chosen(
     choice: &Choice,
     is_white: bool,
-    meshes: &[CandidateMesh],
-    lag: usize,
+    plan: &SymbolPlan,
     mut reasons: Vec<String>,
     given: &Constraints,
 ) -> Chosen {
-    let trial = &choice.trial;
+    let (trial, meshes) = (&choice.trial, &plan.meshes);
     let mesh = &meshes[trial.mesh];
     // What is for comparison only could not have been taken.
     let is_fit = |rival: &&ScoredCandidate| meshes[rival.mesh].free || rival.initial_state != InitialState::Free;
@@ -52,7 +52,7 @@ pub fn chosen(
     Chosen {
         non_negative: choice.positive.is_some(),
         feed_through: trial.feed_through,
-        dead_time_samples: lag,
+        dead_time_samples: plan.path.delay,
         ..chosen_by(mesh, trial.initial_state, trial.prior, &trial.score, reasons)
     }
 }

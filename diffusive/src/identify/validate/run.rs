@@ -1,6 +1,6 @@
 //! A model that runs over a record, row by row.
 
-use super::super::record::{RecordError, RecordSource};
+use super::super::record::{RecordError, RecordSource, copy_row};
 use super::super::residuals::FitRow;
 use crate::model::{Forward, Model, ModelGas};
 
@@ -43,12 +43,8 @@ pub(super) fn run(
             classes.push(known.unwrap_or(0));
         }
         for at in 0..block.len() {
-            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
-                *value = column[at];
-            }
-            for (value, column) in measured.iter_mut().zip(&block.outputs) {
-                *value = column[at];
-            }
+            copy_row(&block.inputs, at, &mut input_row);
+            copy_row(&block.outputs, at, &mut measured);
             let class = classes[block.class[at] as usize];
             let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
             match losses {
