@@ -87,7 +87,7 @@ pub fn warnings(
     pairs: &[Pair],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
-    let spread = facts.output_sd(output);
+    let spread = facts.outputs[output].sd();
     let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
         warnings.push(format!(

@@ -20,8 +20,9 @@ pub fn refuse(
     gated: bool,
     from_rest: bool,
 ) -> Result<(), RecordError> {
-    let columns = survey.inputs.iter().zip(&facts.input_range).chain(survey.outputs.iter().zip(&facts.output_range));
-    for (name, &[least, most]) in columns {
+    let inputs = survey.inputs.iter().enumerate().map(|(input, name)| (name, facts.input_range(input)));
+    let outputs = survey.outputs.iter().zip(&facts.outputs).map(|(name, of)| (name, [of.least, of.greatest]));
+    for (name, [least, most]) in inputs.chain(outputs) {
         if most.abs().max(least.abs()) > GREATEST {
             return Err(survey.refuse(format!(
                 "column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"
@@ -29,7 +30,7 @@ pub fn refuse(
         }
     }
     for (input, name) in survey.inputs.iter().enumerate() {
-        let [value, _] = facts.input_range[input];
+        let [value, _] = facts.input_range(input);
         // From rest, a constant is a step at the first row.
         if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
             return Err(survey.refuse(format!(
@@ -40,12 +41,12 @@ pub fn refuse(
     }
     if gated {
         for (class, label) in classes.iter().enumerate() {
-            let excited = (0..survey.inputs.len()).any(|input| facts.class_input_sd(class, input) > 0.0);
-            if !excited {
+            let spreads = facts.classes.get(class).map_or(&[][..], Vec::as_slice);
+            if !spreads.iter().any(|input| input.sd() > 0.0) {
                 return Err(survey.refuse(format!(
                     "class `{label}` of column `{}` has no excitation: no input changes in its {} rows; excite it there, or give these rows another label",
                     survey.event_column.as_deref().unwrap_or("event"),
-                    facts.class_rows.get(class).copied().unwrap_or(0)
+                    spreads.first().map_or(0, |input| input.count)
                 )));
             }
         }
@@ -56,11 +57,11 @@ pub fn refuse(
 /// What makes the record a poor one.
 pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
     let mut warnings = Vec::new();
-    for (output, name) in survey.outputs.iter().enumerate() {
-        if facts.output_sd(output) == 0.0 {
-            let [value, _] = facts.output_range[output];
+    for (spread, name) in facts.outputs.iter().zip(&survey.outputs) {
+        if spread.sd() == 0.0 {
             warnings.push(format!(
-                "`{name}` is {value} in all rows: the output does not answer; is it the right column, and is the sensor connected?"
+                "`{name}` is {} in all rows: the output does not answer; is it the right column, and is the sensor connected?",
+                spread.least
             ));
         }
     }

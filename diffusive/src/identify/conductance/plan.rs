@@ -102,7 +102,7 @@ pub(super) fn followings(gas: GasBanks, passed: &Passed) -> Vec<bool> {
 /// Where the search for the gas temperature starts: a little below the coldest that was measured.
 pub(super) fn gas_guess(options: &IdentifyOptions, passed: &Passed) -> f64 {
     match options.gas {
-        GasGiven::Unknown => passed.facts.output_range.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min),
+        GasGiven::Unknown => passed.facts.outputs.iter().map(|of| of.least).fold(f64::INFINITY, f64::min),
         GasGiven::ConstantC(_) | GasGiven::Column => 0.0,
     }
 }

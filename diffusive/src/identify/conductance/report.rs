@@ -11,6 +11,7 @@ use super::super::outcome::{self, chosen_by};
 use super::super::pass::Passed;
 use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::residual_pass::{ResidualPass, observed};
+use super::super::spread::ValueSpread;
 use super::super::support;
 use super::search::{ConductanceTrial, WindSearch};
 use super::solver::{JointStep, Solver};
@@ -115,9 +116,10 @@ fn following(solver: &Solver<'_>, fitted: &[FittedOutput<'_>], passed: &Passed) 
             se_steady_gain_k_per_k: class.se_steady_gain_k_per_w,
         }
     });
+    let gas = passed.facts.gas.unwrap_or(ValueSpread::from(0.0));
     Following {
-        from_c: passed.facts.gas_first,
-        range_c: passed.facts.gas_range.unwrap_or([passed.facts.gas_first; 2]),
+        from_c: gas.from,
+        range_c: [gas.least, gas.greatest],
         mesh_rad_s: fitted[0].design.banks[bank].rates_rad_s.clone(),
         outputs: outputs.collect(),
     }
@@ -132,7 +134,7 @@ fn warnings(
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     for ((output, score), name) in best.scores.iter().enumerate().zip(outputs) {
-        let (error, spread) = (score.overall().sqrt(), passed.facts.output_sd(output));
+        let (error, spread) = (score.overall().sqrt(), passed.facts.outputs[output].sd());
         if spread > 0.0 && error >= spread {
             warnings.push(format!(
                 "`{}`: left-out stretches are predicted no better than by their mean (error {error:.3}, spread {spread:.3})",

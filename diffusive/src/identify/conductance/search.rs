@@ -10,6 +10,7 @@ use super::super::options::{GasGiven, IdentifyOptions, InitialState, Progress};
 use super::super::pass::{Passed, pass};
 use super::super::prior::{Prior, Scales};
 use super::super::record::{RecordError, RecordSource, Survey};
+use super::super::spread::ValueSpread;
 use super::super::support;
 use super::plan::{self, GasBanks};
 use super::solver::Solver;
@@ -98,8 +99,8 @@ impl WindSearch {
 
     /// How far the warmest output is above the gas, in the middle of its range.
     pub(super) fn greatest_rise_k(&self, gas_c: f64) -> f64 {
-        let over_k = |range: &[f64; 2]| (f64::midpoint(range[0], range[1]) - gas_c).abs();
-        self.passed.facts.output_range.iter().map(over_k).fold(0.0, f64::max)
+        let over_k = |of: &ValueSpread| (f64::midpoint(of.least, of.greatest) - gas_c).abs();
+        self.passed.facts.outputs.iter().map(over_k).fold(0.0, f64::max)
     }
 
     /// What solves a mesh with a prior, an initial state, and structures that follow the gas or do

@@ -225,7 +225,7 @@ fn a_loss_that_takes_more_than_a_kelvin_of_a_kelvin_by_the_next_row_is_never_cho
         // The truth explains all either way: only what it would do from row to row tells them
         // apart.
         let (terms, thetas, errors) = solver.linear(&total, &winds);
-        let swing = passed.facts.output_sd(0).powi(2) * ROWS as f64;
+        let swing = passed.facts.outputs[0].sd().powi(2) * ROWS as f64;
         assert!(errors[0] < 1e-6 * swing, "{} of {swing}", errors[0]);
         let found = solver.held_loop_gain(0, &terms, &thetas[0], &winds);
         assert!((found - loop_gain).abs() < 1e-3, "{found}, true {loop_gain}");
