@@ -79,8 +79,6 @@ pub struct Block {
     pub class: Vec<u32>,
     /// Gas temperature; empty without a gas column.
     pub gas: Vec<f64>,
-    /// How many rows stand before the block.
-    pub first_row: u64,
     /// As written in the first and the last row.
     pub time_s: (f64, f64),
 }
