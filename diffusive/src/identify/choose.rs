@@ -89,7 +89,7 @@ impl CandidateSet<'_> {
     fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
         let plan = &self.reading.plan;
         let all = terms(&plan.designs[mesh].roles(), initial_state, feed_through, &self.reading.first_drives);
-        let is_seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.sees[self.output][bank]);
+        let is_seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(self.output));
         all.into_iter().filter(is_seen).collect()
     }
 

@@ -81,6 +81,11 @@ impl Residuals {
         (self.squares / (self.count as f64).max(1.0)).sqrt()
     }
 
+    /// The output's value, if it is the same in all rows.
+    pub fn constant(&self) -> Option<f64> {
+        (self.y_squares == 0.0).then_some(self.first_y)
+    }
+
     /// A row, counted from 1, that alone makes more than half of all squares of at least a hundred
     /// rows, and its part of them.
     pub fn lonely_row(&self) -> Option<(u64, f64)> {

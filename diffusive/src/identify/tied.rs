@@ -147,7 +147,7 @@ fn parts_for(reading: &SymbolReading, trial: &ScoredCandidate, choices: &[Choice
     let mut parts = Vec::new();
     for (output, choice) in choices.iter().enumerate() {
         let all = terms(&roles, trial.initial_state, trial.feed_through, first_drives);
-        let seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.sees[output][bank]);
+        let seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(output));
         let terms: Vec<ModelTerm> = all.into_iter().filter(seen).collect();
         let shared = |bank: usize, k| {
             let BankPart { input, class, .. } = plan.parts[bank];

@@ -9,7 +9,7 @@ use super::super::normal_equations::{ModelTerm, NormalEquations};
 use super::super::options::{InitialState, Signs};
 use super::super::prior::{Prior, Scales};
 use super::terms::{ClassConductances, ConductanceColumns};
-use crate::optimise::{DampingRule, DescentProblem, descend};
+use crate::optimise::DampingRule;
 
 /// Steps at most, and the change of the logarithm of the error at which they end.
 const STEPS: usize = 60;
@@ -204,48 +204,31 @@ impl Solver<'_> {
         own.sum::<f64>().abs() * greatest
     }
 
+    /// The winds of the least cost next to a start: full steps, halved until one pays.
     pub(super) fn solve(&self, gram: &Gram, start: ClassConductances) -> ClassConductances {
-        let cost = self.cost(gram, &start);
-        descend(WindDescent { solver: self, gram }, (start, cost), HALVED, STEPS, |_, winds| {
-            let cost = self.cost(gram, &winds);
-            Some((winds, cost))
-        })
-        .0
+        let mut cost = self.cost(gram, &start);
+        let mut winds = start;
+        let mut damping = HALVED.start;
+        for _ in 0..STEPS {
+            let change = self.step(gram, &winds).change;
+            let moved = |damping: f64| {
+                let moved = self.moved(&winds, &change, 1.0 / damping);
+                let new = self.cost(gram, &moved);
+                (new.is_finite() && new <= cost).then_some((moved, new))
+            };
+            let Some((moved, new)) = HALVED.first_that_pays(&mut damping, moved) else { break };
+            let is_settled = cost - new < SETTLED;
+            (winds, cost) = (moved, new);
+            if is_settled {
+                break;
+            }
+        }
+        winds
     }
 }
 
-/// The descent from winds to better ones.
-struct WindDescent<'a> {
-    solver: &'a Solver<'a>,
-    gram: &'a Gram,
-}
-
-/// Full steps, halved until one pays.
+/// Damping by which steps are divided.
 const HALVED: DampingRule = DampingRule { start: 1.0, eased: |_| 1.0, raised: |damping| 2.0 * damping, most: 1e6 };
-
-impl DescentProblem for WindDescent<'_> {
-    type Parameters = ClassConductances;
-    /// ClassConductances and their cost.
-    type Evaluation = (ClassConductances, f64);
-    /// The Gauss–Newton change.
-    type Linearisation = DVector<f64>;
-
-    fn is_better(&self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        new.1.is_finite() && new.1 <= best.1
-    }
-
-    fn is_last(&mut self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        best.1 - new.1 < SETTLED
-    }
-
-    fn linearise(&mut self, best: &Self::Evaluation) -> Option<DVector<f64>> {
-        Some(self.solver.step(self.gram, &best.0).change)
-    }
-
-    fn step(&mut self, best: &Self::Evaluation, change: &DVector<f64>, damping: f64) -> Option<ClassConductances> {
-        Some(self.solver.moved(&best.0, change, 1.0 / damping))
-    }
-}
 
 /// (G + P)⁻¹ of the free parameters, and zero for the others.
 fn inverse_of(problem: &NormalEquations, penalty: &DMatrix<f64>, free: &[usize]) -> DMatrix<f64> {

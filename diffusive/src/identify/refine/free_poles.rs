@@ -52,7 +52,7 @@ pub fn settled(
 ) -> Result<FreePoles, RecordError> {
     let name = &outputs[search.setup.output].name;
     let pinned = search.pinned();
-    let Some(point) = search.take_best() else { return Err(survey.refuse("has no rows")) };
+    let Some(point) = search.best.take() else { return Err(survey.refuse("has no rows")) };
     let rates = &point.rates_rad_s;
     let close = match search.state {
         SearchState::Merged(close) => Some(close),

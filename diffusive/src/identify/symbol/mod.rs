@@ -6,7 +6,6 @@
 //! with.
 
 pub(super) mod plan;
-mod reasons;
 mod report;
 
 use super::choose::{CandidateSet, Choice};

@@ -37,7 +37,7 @@ pub enum PairKind {
 }
 
 impl BankPart {
-    fn is_seen_by(self, output: usize) -> bool {
+    pub fn is_seen_by(self, output: usize) -> bool {
         match self.kind {
             PairKind::Any => true,
             PairKind::Own => self.input == output,
@@ -81,8 +81,6 @@ pub struct SymbolPlan {
     pub designs: Vec<RegressionDesign>,
     /// By bank.
     pub parts: Vec<BankPart>,
-    /// By output and bank: whether the output sees it.
-    pub sees: Vec<Vec<bool>>,
 }
 
 /// What is tried, and the sums of one reading on which all of it is.
@@ -131,9 +129,7 @@ impl SymbolPlan {
             outputs,
         };
         let designs = meshes.iter().map(design).collect();
-        let sees = |output| parts.iter().map(|part| part.is_seen_by(output)).collect();
-        let sees = (0..outputs).map(sees).collect();
-        Ok(Self { survey, classes, path, meshes, designs, parts, sees })
+        Ok(Self { survey, classes, path, meshes, designs, parts })
     }
 
     /// One reading of the record for all designs.

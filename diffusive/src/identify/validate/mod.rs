@@ -33,21 +33,17 @@ pub fn validate(
     check_columns(model, source.survey())?;
     let (mut forward, offsets) = started(model, source, start)?;
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
-    let mut constant: Vec<Option<f64>> = vec![None; model.outputs.len()];
     run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
             residuals.push(*measured, *predicted);
-        }
-        for (constant, &measured) in constant.iter_mut().zip(seen.measured) {
-            *constant = if seen.row == 0 { Some(measured) } else { constant.filter(|first| *first == measured) };
         }
         observer(seen);
     })?;
     let validated = |output: usize| ValidatedOutput {
         name: model.outputs[output].name.clone(),
         rmse: residuals[output].rms(),
-        fit_percent: constant[output].is_none().then(|| residuals[output].fit_percent()),
-        constant: constant[output],
+        fit_percent: residuals[output].constant().is_none().then(|| residuals[output].fit_percent()),
+        constant: residuals[output].constant(),
         offset_c: offsets[output],
         whiteness: residuals[output].whiteness(),
     };
