@@ -106,8 +106,7 @@ fn try_delays(
     };
     let designs: Vec<RegressionDesign> = delays.iter().map(design).collect();
     let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
-    let drive = (0..inputs).map(|input| passed.facts.input_scale(input)).collect();
-    let scales = Scales { drive, thesis_rad_s: 2.0 * first };
+    let scales = Scales::of(&designs[0], &passed.facts, 2.0 * first);
     let initial_state = given.initial_state.unwrap_or(InitialState::Free);
     let mut tried = Vec::new();
     for ((&delay, design), folds) in delays.iter().zip(&designs).zip(&passed.folds) {

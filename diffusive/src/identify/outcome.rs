@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use super::candidates::CandidateMesh;
 use super::choose::GainSpread;
 use super::fitted::FittedOutput;
 use super::folds::Score;
@@ -52,21 +51,22 @@ pub fn model(
     }
 }
 
-/// What both structures choose.
+/// What all structures choose.
 pub fn chosen_by(
-    mesh: &CandidateMesh,
+    rates_rad_s: &[f64],
+    lower_edge_factor: f64,
     initial_state: InitialState,
     prior: Prior,
     score: &Score,
     reasons: Vec<String>,
 ) -> Chosen {
-    let rates = mesh.rates_rad_s.len();
+    let order = rates_rad_s.len();
     let (value, se) = score.rms_and_se();
     Chosen {
-        order: rates,
-        first_rate_rad_s: mesh.rates_rad_s[0],
-        last_rate_rad_s: mesh.rates_rad_s[rates - 1],
-        lower_edge_factor: mesh.factor,
+        order,
+        first_rate_rad_s: rates_rad_s[0],
+        last_rate_rad_s: rates_rad_s[order - 1],
+        lower_edge_factor,
         prior: prior.name().to_owned(),
         ridge: prior.weight(),
         initial_state: initial_state.name().to_owned(),

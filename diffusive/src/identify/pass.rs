@@ -1,7 +1,7 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
-use super::design::RegressionDesign;
+use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
 use super::gram::{Accumulator, Gram};
 use super::record::{Block, RecordError, RecordSource, Survey};
@@ -83,6 +83,25 @@ impl Facts {
     pub fn input_sd(&self, input: usize) -> f64 {
         let (sum, squares) = self.input_sums(input);
         deviation(sum, squares, self.rows)
+    }
+
+    /// How far what drives a bank moves. Losses and gates carry no parameters that a prior speaks of.
+    pub fn drive_scale(&self, drive: BankDrive) -> f64 {
+        match drive {
+            BankDrive::Input(input) | BankDrive::Gated { input, .. } => self.input_scale(input),
+            BankDrive::Gas => self.gas_sd(),
+            BankDrive::Loss { .. } | BankDrive::Gate { .. } => 1.0,
+        }
+    }
+
+    /// What drove each bank of a design in the first row, where that is an input.
+    pub fn first_drives(&self, design: &RegressionDesign) -> Vec<f64> {
+        let of = |bank: &RelaxationBank| match bank.drive {
+            BankDrive::Input(input) => self.first_inputs[input],
+            BankDrive::Gated { input, class } if class == self.first_class => self.first_inputs[input],
+            _ => 0.0,
+        };
+        design.banks.iter().map(of).collect()
     }
 
     /// How far an input moves: its standard deviation, or its size if it is constant.

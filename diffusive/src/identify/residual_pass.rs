@@ -121,18 +121,15 @@ fn in_lanes(theta: &[f64]) -> Vec<Lanes> {
 /// An observer that reports progress as well.
 pub fn observed<'a>(
     progress: &'a mut Progress<'_>,
+    what: &'static str,
     rows: u64,
     observer: &'a mut FitObserver<'_>,
 ) -> impl FnMut(&FitRow<'_>) + 'a {
     move |seen| {
-        progress_now_and_then(progress, "residuals", seen.row, rows);
+        // Every so many rows, so that it costs nothing.
+        if seen.row.is_multiple_of(65_536) {
+            progress(what, seen.row, rows);
+        }
         observer(seen);
-    }
-}
-
-/// Reports every so many rows, so that reporting costs nothing.
-pub fn progress_now_and_then(progress: &mut Progress<'_>, what: &'static str, row: u64, rows: u64) {
-    if row.is_multiple_of(65_536) {
-        progress(what, row, rows);
     }
 }

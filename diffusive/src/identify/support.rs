@@ -23,32 +23,28 @@ pub fn refuse(
     let inputs = survey.inputs.iter().enumerate().map(|(input, name)| (name, facts.input_range(input)));
     let outputs = survey.outputs.iter().zip(&facts.outputs).map(|(name, of)| (name, [of.least, of.greatest]));
     for (name, [least, most]) in inputs.chain(outputs) {
-        if most.abs().max(least.abs()) > GREATEST {
-            return Err(survey.refuse(format!(
-                "column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"
-            )));
-        }
+        survey.refuse_if(
+            most.abs().max(least.abs()) > GREATEST,
+            format_args!("column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"),
+        )?;
     }
     for (input, name) in survey.inputs.iter().enumerate() {
-        let [value, _] = facts.input_range(input);
+        let ([value, _], rows) = (facts.input_range(input), facts.rows);
         // From rest, a constant is a step at the first row.
-        if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
-            return Err(survey.refuse(format!(
-                "column `{name}` is {value} in all {} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input",
-                facts.rows
-            )));
-        }
+        survey.refuse_if(
+            facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0),
+            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input"),
+        )?;
     }
     if gated {
         for (class, label) in classes.iter().enumerate() {
             let spreads = facts.classes.get(class).map_or(&[][..], Vec::as_slice);
-            if !spreads.iter().any(|input| input.sd() > 0.0) {
-                return Err(survey.refuse(format!(
-                    "class `{label}` of column `{}` has no excitation: no input changes in its {} rows; excite it there, or give these rows another label",
-                    survey.event_column.as_deref().unwrap_or("event"),
-                    spreads.first().map_or(0, |input| input.count)
-                )));
-            }
+            let column = survey.event_column.as_deref().unwrap_or("event");
+            let rows = spreads.first().map_or(0, |input| input.count);
+            survey.refuse_if(
+                spreads.iter().all(|input| input.sd() == 0.0),
+                format_args!("class `{label}` of column `{column}` has no excitation: no input changes in its {rows} rows; excite it there, or give these rows another label"),
+            )?;
         }
     }
     Ok(())
@@ -107,11 +103,10 @@ pub fn silent(model: &Model) -> Vec<String> {
 /// Refuses as many unknowns as there are rows, or more.
 pub fn solvable(survey: &Survey, unknowns: usize) -> Result<(), RecordError> {
     let rows = survey.rows;
-    refuse_if!(
+    survey.refuse_if(
         unknowns as u64 >= rows,
-        survey.refuse(format!("has {rows} rows for {unknowns} unknowns: record longer, or ask for fewer with --order"))
-    );
-    Ok(())
+        format_args!("has {rows} rows for {unknowns} unknowns: record longer, or ask for fewer with --order"),
+    )
 }
 
 /// Most memory for the sums of all meshes together, bytes.
@@ -121,15 +116,12 @@ const MOST_BYTES: f64 = 4e9;
 /// be tried.
 pub fn affordable(survey: &Survey, unknowns: &[usize], classes: usize) -> Result<(), RecordError> {
     let bytes: f64 = unknowns.iter().map(|&count| 8.0 * FOLDS as f64 * (count as f64).powi(2)).sum();
-    if bytes <= MOST_BYTES {
-        return Ok(());
-    }
     let unknowns = unknowns.iter().copied().max().unwrap_or(0);
-    Err(survey.refuse(format!(
-        "has {} inputs and {classes} event classes, which make up to {unknowns} unknowns and {:.0} GB of sums: join classes, name fewer inputs, or ask for fewer rates with --order",
-        survey.inputs.len(),
-        bytes / 1e9
-    )))
+    let (inputs, gigabytes) = (survey.inputs.len(), bytes / 1e9);
+    survey.refuse_if(
+        bytes > MOST_BYTES,
+        format_args!("has {inputs} inputs and {classes} event classes, which make up to {unknowns} unknowns and {gigabytes:.0} GB of sums: join classes, name fewer inputs, or ask for fewer rates with --order"),
+    )
 }
 
 #[cfg(test)]

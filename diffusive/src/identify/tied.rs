@@ -41,22 +41,19 @@ pub struct Tied {
 /// Refuses a record in which there is nothing to tie, and what ties are not for.
 pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError> {
     let is_conductance = options.structure == Some(Structure::Conductance);
-    refuse_if!(is_conductance, survey.refuse("tied pairs are for structure `symbol`: leave out --tie"));
-    refuse_if!(
+    survey.refuse_if(is_conductance, "tied pairs are for structure `symbol`: leave out --tie")?;
+    survey.refuse_if(
         options.free_poles.is_some(),
-        survey.refuse(
-            "free poles differ from output to output, and tied pairs share theirs: choose one of --free-poles and --tie"
-        )
-    );
+        "free poles differ from output to output, and tied pairs share theirs: choose one of --free-poles and --tie",
+    )?;
     let (inputs, outputs) = (&survey.inputs, &survey.outputs);
-    refuse_if!(
+    survey.refuse_if(
         inputs.len() != outputs.len() || inputs.len() < 2,
-        survey.refuse(format!(
+        format_args!(
             "{} inputs ({}) and {} outputs ({}) cannot be tied: name as many outputs as inputs, two at least, in the same order with --input and --output",
             inputs.len(), inputs.join(", "), outputs.len(), outputs.join(", ")
-        ))
-    );
-    Ok(())
+        ),
+    )
 }
 
 /// One output's part of the joint problem.

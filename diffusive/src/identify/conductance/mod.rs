@@ -95,20 +95,18 @@ fn named_reference(
         )));
     }
     let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
-    refuse_if!(
+    survey.refuse_if(
         inputs != outputs,
-        survey.refuse(format!(
-            "has {inputs} inputs and {outputs} outputs: structure `conductance` needs the power and the temperature of each element, in the same order (--input, --output)"
-        ))
-    );
-    refuse_if!(
+        format_args!("has {inputs} inputs and {outputs} outputs: structure `conductance` needs the power and the temperature of each element, in the same order (--input, --output)"),
+    )?;
+    survey.refuse_if(
         options.constraints.delay.is_some_and(|delay| delay > 0) || options.constraints.feed_through == Some(true),
-        survey.refuse("structure `conductance` knows no dead time and no feed-through: the loss goes with the very temperature that is measured")
-    );
-    refuse_if!(
+        "structure `conductance` knows no dead time and no feed-through: the loss goes with the very temperature that is measured",
+    )?;
+    survey.refuse_if(
         options.gas == GasGiven::Column && survey.gas_column.is_none(),
-        survey.refuse("has no gas column, from which the temperature of the gas was to come: name one, or give the temperature as a number (--gas-temperature)")
-    );
+        "has no gas column, from which the temperature of the gas was to come: name one, or give the temperature as a number (--gas-temperature)",
+    )?;
     let Some(label) = &options.reference else { return Ok(None) };
     let class = classes.iter().position(|known| known == label);
     let known = || format!("has no class `{label}` for a reference; there are {}", classes.join(", "));

@@ -83,16 +83,6 @@ pub(super) fn design(
     RegressionDesign { banks, initial_rad_s: mesh.rates_rad_s.clone(), outputs: elements }
 }
 
-/// Priors speak of what a bank's resistances make of its drive: only the banks of inputs and gas
-/// carry parameters.
-pub(super) fn drive_scale(bank: &RelaxationBank, passed: &Passed) -> f64 {
-    match bank.drive {
-        BankDrive::Input(input) | BankDrive::Gated { input, .. } => passed.facts.input_scale(input),
-        BankDrive::Gas => passed.facts.gas_sd(),
-        BankDrive::Loss { .. } | BankDrive::Gate { .. } => 1.0,
-    }
-}
-
 /// Whether structures that follow the gas are tried, and those that do not: a gas that stands still
 /// tells nothing, and one that hardly moves may tell less than it costs.
 pub(super) fn followings(gas: GasBanks, passed: &Passed) -> Vec<bool> {

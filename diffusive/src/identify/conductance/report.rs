@@ -35,7 +35,7 @@ pub(super) fn model(
 
     let fitted = |((theta, covariance), &shift)| FittedOutput { design, terms: &terms, theta, covariance, shift };
     let fitted: Vec<FittedOutput> = step.thetas.iter().zip(&step.own).zip(&passed.output_shift).map(fitted).collect();
-    let mut row = observed(progress, survey.rows, observer);
+    let mut row = observed(progress, "residuals", survey.rows, observer);
     let residuals = ResidualPass::of(source, found.gas, &fitted, &mut row)?;
     let outputs = outcome::outputs(&survey.outputs, &fitted, &residuals);
     let mut pairs = Vec::new();
@@ -60,9 +60,10 @@ pub(super) fn model(
     if pairs.iter().any(|pair| pair.non_negative) {
         reasons.push("signs: none negative where asked for".to_owned());
     }
+    let mesh = &meshes[best.mesh];
     let chosen = Chosen {
         non_negative: pairs.iter().all(|pair| pair.non_negative),
-        ..chosen_by(&meshes[best.mesh], best.initial_state, best.prior, &best.scores[0], reasons)
+        ..chosen_by(&mesh.rates_rad_s, mesh.factor, best.initial_state, best.prior, &best.scores[0], reasons)
     };
     Ok(Model {
         pairs,

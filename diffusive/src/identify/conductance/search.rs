@@ -113,8 +113,7 @@ impl WindSearch {
         follows: bool,
         options: &'a IdentifyOptions,
     ) -> Solver<'a> {
-        let (survey, banks) = (&self.survey, &self.designs[mesh].banks);
-        let duration_s = survey.duration_s();
+        let survey = &self.survey;
         Solver {
             places: ConductanceColumns {
                 roles: &self.roles[mesh],
@@ -124,10 +123,7 @@ impl WindSearch {
                 gates: self.banks == GasBanks::Gates,
                 follows,
             },
-            scales: Scales {
-                drive: banks.iter().map(|bank| plan::drive_scale(bank, &self.passed)).collect(),
-                thesis_rad_s: std::f64::consts::TAU / duration_s,
-            },
+            scales: Scales::of(&self.designs[mesh], &self.passed.facts, std::f64::consts::TAU / survey.duration_s()),
             prior,
             initial_state,
             sample_period_s: survey.sample_period_s,

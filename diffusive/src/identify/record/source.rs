@@ -3,6 +3,7 @@
 //!
 //! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use super::error::RecordError;
@@ -65,6 +66,11 @@ impl Survey {
     /// Why the record cannot be used: a sentence that goes on behind its name.
     pub(in crate::identify) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
         RecordError::content(&self.path, sentence)
+    }
+
+    /// Refuses the record where something is as it must not be.
+    pub(in crate::identify) fn refuse_if(&self, wrong: bool, sentence: impl Display) -> Result<(), RecordError> {
+        if wrong { Err(self.refuse(sentence.to_string())) } else { Ok(()) }
     }
 }
 

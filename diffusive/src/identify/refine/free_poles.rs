@@ -6,6 +6,7 @@ use super::super::fitted::FittedOutput;
 use super::super::folds::{Score, score};
 use super::super::normal_equations::{ModelTerm, PenalisedSolution};
 use super::super::options::InitialState;
+use super::super::pass::Facts;
 use super::super::record::{RecordError, Survey};
 use super::columns::Point;
 use super::search::{LEAST_RATIO, MOST_READINGS, RateSearch, SearchState};
@@ -47,7 +48,7 @@ pub fn settled(
     mut search: RateSearch,
     outputs: &[ModelOutput],
     poles: usize,
-    first_drives: &[f64],
+    facts: &Facts,
     nyquist_rad_s: f64,
 ) -> Result<FreePoles, RecordError> {
     let name = &outputs[search.setup.output].name;
@@ -99,7 +100,7 @@ pub fn settled(
     // Terms of the plain design stand in the order of θ; the rates' own behind them weigh no
     // column.
     let design = search.setup.design(rates);
-    let mut terms = search.setup.terms(&design, initial_state, first_drives);
+    let mut terms = search.setup.terms(&design, initial_state, &facts.first_drives(&design));
     terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
     let solution = point.solution();
     Ok(FreePoles { search, point, score, initial_state, design, terms, solution, warnings })

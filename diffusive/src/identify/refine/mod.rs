@@ -39,7 +39,7 @@ use super::folds::{FOLDS, FoldedEquations, Score};
 use super::gas_source::GasSource;
 use super::gram::Gram;
 use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
-use super::pass::{Facts, pass};
+use super::pass::pass;
 use super::prior::{Prior, Scales};
 use super::record::{RecordError, RecordSource, Survey};
 use crate::model::{Model, Pair, Structure, reduce};
@@ -50,19 +50,18 @@ const MATTERS: f64 = 0.03;
 
 /// Refuses a number of poles, and what free poles are not for, before anything is read.
 pub fn refuse(survey: &Survey, poles: usize, options: &IdentifyOptions) -> Result<(), RecordError> {
-    refuse_if!(
+    survey.refuse_if(
         !(1..=ORDER).contains(&poles),
-        survey.refuse(format!("free poles are 1 to {ORDER}, as many as the board carries, not {poles}"))
-    );
-    refuse_if!(
+        format_args!("free poles are 1 to {ORDER}, as many as the board carries, not {poles}"),
+    )?;
+    survey.refuse_if(
         options.structure == Some(Structure::Conductance),
-        survey.refuse("free poles are for structure `symbol`; `anemo reduce` makes any model smaller")
-    );
-    refuse_if!(
+        "free poles are for structure `symbol`; `anemo reduce` makes any model smaller",
+    )?;
+    survey.refuse_if(
         options.cross.is_some(),
-        survey.refuse("with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh")
-    );
-    Ok(())
+        "with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh",
+    )
 }
 
 /// Fits `poles` rates an output, from a mesh model of the same record on.
@@ -94,8 +93,9 @@ pub fn refine(
         let designs: Vec<_> = going.iter().map(|search| search.setup.tripled(&search.trial_rad_s)).collect();
         let mut tell = |done| progress("moving poles", done, rows);
         let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
-        for (search, folds) in going.into_iter().zip(&passed.folds) {
-            let (scales, first_drives) = known(&search.setup, mesh, &passed.facts, thesis_rad_s);
+        for ((search, folds), design) in going.into_iter().zip(&passed.folds).zip(&designs) {
+            let scales = Scales::of(design, &passed.facts, thesis_rad_s);
+            let first_drives = passed.facts.first_drives(design);
             if search.setup.initial_state.is_none() {
                 search.setup.initial_state =
                     Some(begin(&search.setup, &search.trial_rad_s, folds, &scales, &first_drives));
@@ -107,9 +107,8 @@ pub fn refine(
     let Some((facts, shift)) = last else { return Err(survey.refuse("has no output")) };
     let mut found: Vec<Result<FreePoles, RecordError>> = Vec::new();
     for search in searches {
-        let (_, first_drives) = known(&search.setup, mesh, &facts, thesis_rad_s);
         let output = search.setup.output;
-        let new = settled(&survey, search, &mesh.outputs, poles, &first_drives, std::f64::consts::PI / period_s);
+        let new = settled(&survey, search, &mesh.outputs, poles, &facts, std::f64::consts::PI / period_s);
         match found.get_mut(output) {
             None => found.push(new),
             Some(old) if is_better(&new, old) => *old = new,
@@ -186,20 +185,6 @@ fn starts(survey: &Survey, mesh: &Model, setup: &Setup, poles: usize) -> Result<
         starts.push((0..poles).map(|k| dr_core::model::mesh::rate_rad_s(first, last, k, poles)).collect());
     }
     Ok(starts)
-}
-
-/// Scales of the prior, and what drove each bank in the first row.
-fn known(setup: &Setup, mesh: &Model, facts: &Facts, thesis_rad_s: f64) -> (Scales, Vec<f64>) {
-    let input = |part: &RefinedBank| match part.drive {
-        BankDrive::Input(input) | BankDrive::Gated { input, .. } => input,
-        BankDrive::Loss { .. } | BankDrive::Gate { .. } | BankDrive::Gas => 0,
-    };
-    let first = |part: &RefinedBank| match mesh.classes.len() > 1 && facts.first_class != part.class {
-        true => 0.0,
-        false => facts.first_inputs[input(part)],
-    };
-    let drive = setup.parts.iter().map(|part| facts.input_scale(input(part))).collect();
-    (Scales { drive, thesis_rad_s }, setup.parts.iter().map(first).collect())
 }
 
 /// The most cautious initial state that predicts held-out folds as well as the best, at the rates

@@ -10,7 +10,7 @@ use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::residual_pass::ResidualPass;
 use super::super::support;
 use super::free_poles::FreePoles;
-use crate::model::{Chosen, Estimate, Model};
+use crate::model::{Chosen, Model};
 
 /// What the last reading and the mesh model say.
 pub struct RefineContext<'a> {
@@ -68,7 +68,6 @@ pub fn model(
 fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
     let (first, setup) = (&found[0], &found[0].search.setup);
     let rates = &first.point.rates_rad_s;
-    let (value, se) = first.score.rms_and_se();
     let mut reasons: Vec<String> =
         mesh.chosen.reasons.iter().map(|reason| format!("mesh, before poles were free: {reason}")).collect();
     for (output, found) in mesh.outputs.iter().zip(found) {
@@ -87,16 +86,9 @@ fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
         ));
     }
     Chosen {
-        order: rates.len(),
-        first_rate_rad_s: rates[0],
-        last_rate_rad_s: rates[rates.len() - 1],
-        lower_edge_factor: rates[0] / (thesis_rad_s),
-        prior: setup.prior.name().to_owned(),
-        ridge: setup.prior.weight(),
         feed_through: setup.feed_through,
-        initial_state: first.initial_state.name().to_owned(),
-        cross_validation: Some(Estimate { value, se }),
-        reasons,
-        ..mesh.chosen.clone()
+        dead_time_samples: mesh.chosen.dead_time_samples,
+        non_negative: mesh.chosen.non_negative,
+        ..outcome::chosen_by(rates, rates[0] / thesis_rad_s, first.initial_state, setup.prior, &first.score, reasons)
     }
 }

@@ -14,7 +14,7 @@ use super::gas_source::GasSource;
 use super::labels::labels;
 use super::options::{FitObserver, IdentifyOptions, Progress};
 use super::record::{RecordError, RecordSource};
-use super::residual_pass::{ResidualPass, observed, progress_now_and_then};
+use super::residual_pass::{ResidualPass, observed};
 use super::tied::tie;
 use super::whiteness::prefer_white;
 use crate::model::Model;
@@ -44,7 +44,7 @@ pub fn identify(
     };
     let fitted: Vec<FittedOutput> =
         choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
-    let mut row = observed(progress, reading.plan.survey.rows, observer);
+    let mut row = observed(progress, "residuals", reading.plan.survey.rows, observer);
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
     let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
@@ -61,7 +61,6 @@ fn choose(
     let rows = reading.plan.survey.rows;
     let candidates = |output| CandidateSet { reading, options, output };
     let choices = (0..reading.plan.survey.outputs.len()).map(|output| candidates(output).choose()).collect();
-    prefer_white(source, reading, choices, &|output, choice| candidates(output).best_rival(choice), &mut |seen| {
-        progress_now_and_then(progress, "looking at residuals", seen.row, rows);
-    })
+    let rival = |output, choice: &Choice| candidates(output).best_rival(choice);
+    prefer_white(source, reading, choices, &rival, &mut observed(progress, "looking at residuals", rows, &mut |_| {}))
 }

@@ -146,14 +146,10 @@ impl SymbolPlan {
         let duration_s = self.survey.duration_s();
         let classes = self.classes.len() as u32;
         let (thesis_rad_s, _) = thesis_edges_rad_s(duration_s, self.survey.sample_period_s, classes);
-        let facts = &passed.facts;
-        let first_drive = |part: &BankPart| match self.is_gated() && facts.first_class != part.class {
-            true => 0.0,
-            false => facts.first_inputs[part.input],
-        };
-        let first_drives = self.parts.iter().map(first_drive).collect();
-        let drive = self.parts.iter().map(|part| facts.input_scale(part.input)).collect();
-        Ok(SymbolReading { scales: Scales { drive, thesis_rad_s }, first_drives, passed, plan: self })
+        // All meshes have the same banks.
+        let scales = Scales::of(&self.designs[0], &passed.facts, thesis_rad_s);
+        let first_drives = passed.facts.first_drives(&self.designs[0]);
+        Ok(SymbolReading { plan: self, passed, scales, first_drives })
     }
 
     /// Whether models with feed-through columns are tried, and models without.

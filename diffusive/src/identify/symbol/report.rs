@@ -148,6 +148,6 @@ fn chosen(choice: &Choice, is_white: bool, plan: &SymbolPlan, mut reasons: Vec<S
         non_negative: choice.positive.is_some(),
         feed_through: trial.feed_through,
         dead_time_samples: plan.path.delay,
-        ..outcome::chosen_by(mesh, trial.initial_state, trial.prior, &trial.score, reasons)
+        ..outcome::chosen_by(&mesh.rates_rad_s, mesh.factor, trial.initial_state, trial.prior, &trial.score, reasons)
     }
 }

@@ -62,11 +62,10 @@ pub fn validate(
 fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
     let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
     let (model_inputs, model_outputs) = (model.inputs.len(), model.outputs.len());
-    if (inputs, outputs) != (model_inputs, model_outputs) {
-        return Err(survey.refuse(format!(
-            "has {inputs} inputs and {outputs} outputs where the model has {model_inputs} and {model_outputs}: name them with --input and --output, in the model's order"
-        )));
-    }
+    survey.refuse_if(
+        (inputs, outputs) != (model_inputs, model_outputs),
+        format_args!("has {inputs} inputs and {outputs} outputs where the model has {model_inputs} and {model_outputs}: name them with --input and --output, in the model's order"),
+    )?;
     match model.wind.as_ref().map(|wind| &wind.gas) {
         Some(ModelGas::Column(column)) if survey.gas_column.is_none() => Err(survey.refuse(format!(
             "has no gas column: the model needs the temperature of the gas, which was column `{column}`"
@@ -93,12 +92,10 @@ fn started(
         ValidationStart::Estimate => {
             let unknowns = (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max();
             let unknowns = unknowns.unwrap_or(1);
-            refuse_if!(
+            source.survey().refuse_if(
                 rows <= unknowns as u64,
-                source.survey().refuse(format!(
-                    "has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"
-                ))
-            );
+                format_args!("has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"),
+            )?;
             let estimated = estimate(model, source, &mut forward)?;
             forward = Forward::at_rest(model, period_s);
             for (output, estimated) in estimated.iter().enumerate() {
