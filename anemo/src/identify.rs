@@ -7,10 +7,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::fit_recorder::FitRecorder;
 use crate::output::Failure;
 use diffusive::identify::Signs;
-use diffusive::identify::record::{RecordSource, RecordStream, Selection};
+use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, InitialState};
-use diffusive::identify::{GasGiven, IdentifyError, IdentifyOptions, identify};
+use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
 
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
@@ -154,8 +154,8 @@ fn yes_or_no(text: &str) -> Result<bool, Failure> {
     }
 }
 
-impl From<IdentifyError> for Failure {
-    fn from(error: IdentifyError) -> Self {
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
         Self::work(error)
     }
 }

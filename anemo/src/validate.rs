@@ -6,7 +6,7 @@ use crate::fit_recorder::FitRecorder;
 use crate::identify::Columns;
 use crate::output::Failure;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
-use diffusive::identify::validate::{ValidateError, ValidationStart, validate};
+use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::model::{Model, ModelError, ModelGas};
 
 /// Predict a record with a model, and report how well.
@@ -51,12 +51,6 @@ enum StartName {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Self::usage(error)
-    }
-}
-
-impl From<ValidateError> for Failure {
-    fn from(error: ValidateError) -> Self {
-        Self::work(error)
     }
 }
 

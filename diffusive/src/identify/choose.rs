@@ -9,12 +9,14 @@
 use nalgebra::DMatrix;
 
 use super::candidates::{CandidateMesh, priors, terms};
-use super::design::{RegressionDesign, Role};
-use super::folds::{Score, score};
+use super::design::Role;
+use super::fitted::{FittedOutput, steady_gain};
+use super::folds::{FoldedEquations, Score, change};
 use super::gram::Gram;
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
-use super::options::{Constraints, InitialState, Signs};
-use super::prior::{Prior, Scales};
+use super::options::{IdentifyOptions, InitialState, Signs};
+use super::prior::Prior;
+use super::symbol::plan::SymbolReading;
 
 /// Candidates whose cross-validated error is at most that many times the choice's may be the truth
 /// as well.
@@ -58,44 +60,51 @@ pub struct GainSpread {
     pub upper_decile: f64,
 }
 
-/// Everything that a choice is made from.
+/// Everything that a choice is made from, for one output.
+#[derive(Clone, Copy)]
 pub struct CandidateSet<'a> {
-    pub meshes: &'a [CandidateMesh],
-    pub designs: &'a [RegressionDesign],
-    /// By design: the folds of one reading.
-    pub folds: &'a [Vec<Gram>],
-    pub scales: &'a Scales,
-    /// What drove each bank in the first row, and which input it belongs to.
-    pub first_drives: &'a [f64],
-    pub bank_input: &'a [usize],
-    pub outputs: usize,
-    /// The output that is chosen for, and what was subtracted from it.
+    pub reading: &'a SymbolReading,
+    pub options: &'a IdentifyOptions,
     pub output: usize,
-    pub output_shift: f64,
-    /// By bank: whether this output sees it.
-    pub sees: &'a [bool],
-    /// Whether feed-through columns are in the designs, and may be left out.
-    pub feed_through: &'a [bool],
-    pub constraints: &'a Constraints,
-    pub signs: &'a Signs,
+}
+
+impl Choice {
+    /// The model of an output.
+    pub fn fitted<'a>(&'a self, reading: &'a SymbolReading, output: usize) -> FittedOutput<'a> {
+        FittedOutput {
+            design: &reading.plan.designs[self.trial.mesh],
+            terms: &self.terms,
+            theta: &self.solution.theta,
+            covariance: &self.solution.covariance,
+            shift: reading.passed.output_shift[output],
+        }
+    }
 }
 
 impl CandidateSet<'_> {
+    fn meshes(&self) -> &[CandidateMesh] {
+        &self.reading.plan.meshes
+    }
+
     fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
-        let all = terms(&self.designs[mesh].roles(), initial_state, feed_through, self.first_drives);
-        let seen = |term: &ModelTerm| match term.role {
-            Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => self.sees[bank],
-            Role::Initial { .. } | Role::Offset => true,
-        };
-        all.into_iter().filter(seen).collect()
+        let plan = &self.reading.plan;
+        let all = terms(&plan.designs[mesh].roles(), initial_state, feed_through, &self.reading.first_drives);
+        let is_seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(self.output));
+        all.into_iter().filter(is_seen).collect()
+    }
+
+    fn equations(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> FoldedEquations {
+        let outputs = self.reading.plan.survey.outputs.len();
+        let terms = self.terms(mesh, initial_state, feed_through);
+        FoldedEquations::of(&self.reading.passed.folds[mesh], terms, outputs, self.output)
     }
 
     fn initial_states(&self) -> Vec<InitialState> {
-        if let Some(initial_state) = self.constraints.initial_state {
+        if let Some(initial_state) = self.options.constraints.initial_state {
             return vec![initial_state];
         }
         let mut initial_states = vec![InitialState::Rest];
-        if self.first_drives.iter().any(|&drive| drive != 0.0) {
+        if self.reading.first_drives.iter().any(|&drive| drive != 0.0) {
             initial_states.push(InitialState::Settled);
         }
         initial_states.push(InitialState::Free);
@@ -104,12 +113,12 @@ impl CandidateSet<'_> {
 
     /// The choice for one output.
     pub fn choose(&self) -> Choice {
-        let is_free = |&index: &usize| self.meshes[index].free;
+        let is_free = |&index: &usize| self.meshes()[index].free;
         let mut trials: Vec<ScoredCandidate> =
-            (0..self.meshes.len()).filter(is_free).flat_map(|index| self.tried(index)).collect();
-        let mut taken = best(&trials, self.meshes).clone();
+            (0..self.meshes().len()).filter(is_free).flat_map(|index| self.tried(index)).collect();
+        let mut taken = best(&trials, self.meshes()).clone();
         let ordinary = taken.score.clone();
-        for index in (0..self.meshes.len()).filter(|index| !is_free(index)) {
+        for index in (0..self.meshes().len()).filter(|index| !is_free(index)) {
             let tried = self.tried(index);
             self.prefer_slow(&tried, &ordinary, &mut taken);
             trials.extend(tried);
@@ -121,7 +130,7 @@ impl CandidateSet<'_> {
     fn tried(&self, index: usize) -> Vec<ScoredCandidate> {
         let mut trials = Vec::new();
         for initial_state in self.initial_states() {
-            for &feed_through in self.feed_through {
+            for &feed_through in self.reading.plan.feed_throughs(&self.options.constraints) {
                 self.try_priors(&mut trials, index, initial_state, feed_through);
             }
         }
@@ -145,7 +154,7 @@ impl CandidateSet<'_> {
                 halves(&slow.score, ordinary) && !free.is_some_and(|free| halves(&free.score, &slow.score));
             let is_better =
                 slow.score.overall() < taken.score.overall() && !taken.score.is_as_good_as(&slow.score, 1.1);
-            if (is_evident || is_known && !self.meshes[slow.mesh].fine) && is_better {
+            if (is_evident || is_known && !self.meshes()[slow.mesh].fine) && is_better {
                 *taken = slow.clone();
             }
         }
@@ -154,7 +163,7 @@ impl CandidateSet<'_> {
     /// Slow rates and a initial state that may be anything explain the same drift: such candidates
     /// are for comparison only.
     fn is_fit(&self, trial: &ScoredCandidate) -> bool {
-        self.meshes[trial.mesh].free || trial.initial_state != InitialState::Free
+        self.meshes()[trial.mesh].free || trial.initial_state != InitialState::Free
     }
 
     /// The candidate that predicted held-out stretches best of all, but for chance, if it is not
@@ -174,12 +183,11 @@ impl CandidateSet<'_> {
         initial_state: InitialState,
         feed_through: bool,
     ) {
-        let mesh = &self.meshes[index];
-        let terms = self.terms(index, initial_state, feed_through);
-        let folds = self.problems(index, &terms);
-        let total = NormalEquations::total(&folds);
-        let of = |prior| self.scales.penalty(prior, &terms, &total);
-        let mut candidates = priors(mesh, self.constraints);
+        let mesh = &self.meshes()[index];
+        let equations = self.equations(index, initial_state, feed_through);
+        let total = &equations.total;
+        let of = |prior| equations.penalty(&self.reading.scales, prior);
+        let mut candidates = priors(mesh, &self.options.constraints);
         if mesh.smooth {
             // Strength by generalised cross-validation: where the initial state is known and the
             // mesh is guarded, the noise is what is left.
@@ -191,24 +199,15 @@ impl CandidateSet<'_> {
             candidates = strength.into_iter().collect();
         }
         for prior in candidates {
-            let score = score(&folds, &total, &of(prior), None);
+            let score = equations.score(&of(prior), None);
             trials.push(ScoredCandidate { mesh: index, initial_state, feed_through, prior, score });
         }
     }
 
     /// Steady gains by bank, and their variances.
     fn gains(&self, terms: &[ModelTerm], solution: &PenalisedSolution) -> Vec<(f64, f64)> {
-        let of = |bank: usize| {
-            let is_its = |&index: &usize| match terms[index].role {
-                Role::Relaxation { bank: own, .. } | Role::FeedThrough { bank: own } => own == bank,
-                Role::Initial { .. } | Role::Offset => false,
-            };
-            let its: Vec<usize> = (0..terms.len()).filter(is_its).collect();
-            let pairs = its.iter().flat_map(|&i| its.iter().map(move |&j| (i, j)));
-            let variance: f64 = pairs.map(|at| solution.covariance[at]).sum();
-            (its.iter().map(|&i| solution.theta[i]).sum(), variance.max(0.0))
-        };
-        (0..self.bank_input.len()).map(of).collect()
+        let of = |bank| steady_gain(terms, &solution.theta, &solution.covariance, bank);
+        (0..self.reading.plan.parts.len()).map(of).collect()
     }
 
     /// Those that are for comparison only count as well: what a record leaves open is open. But
@@ -219,8 +218,9 @@ impl CandidateSet<'_> {
         let mut squares = vec![Vec::new(); own.len()];
         for rival in rivals.iter().filter(plausible) {
             let terms = self.terms(rival.mesh, rival.initial_state, rival.feed_through);
-            let total = NormalEquations::of(&Gram::total(&self.folds[rival.mesh]), &terms, self.outputs, self.output);
-            let solution = total.solve(&self.scales.penalty(rival.prior, &terms, &total), None);
+            let gram = Gram::total(&self.reading.passed.folds[rival.mesh]);
+            let total = NormalEquations::of(&gram, &terms, self.reading.plan.survey.outputs.len(), self.output);
+            let solution = total.solve(&self.reading.scales.penalty(rival.prior, &terms, &total), None);
             for ((squares, (gain, variance)), own) in squares.iter_mut().zip(self.gains(&terms, &solution)).zip(own) {
                 squares.push(((gain - own.0).powi(2) - variance).max(0.0));
             }
@@ -228,41 +228,27 @@ impl CandidateSet<'_> {
         own.iter().zip(squares).map(|(own, squares)| GainSpread::of(own.0, squares)).collect()
     }
 
-    fn problems(&self, mesh: usize, terms: &[ModelTerm]) -> Vec<NormalEquations> {
-        self.folds[mesh].iter().map(|fold| NormalEquations::of(fold, terms, self.outputs, self.output)).collect()
-    }
-
     /// Makes a choice of a candidate: signs, solution, and how far others that may be the truth are
     /// from it.
     fn settle(&self, trial: ScoredCandidate, rivals: Vec<ScoredCandidate>) -> Choice {
-        let terms = self.terms(trial.mesh, trial.initial_state, trial.feed_through);
-        let folds = self.problems(trial.mesh, &terms);
-        let total = NormalEquations::total(&folds);
-        let penalty = self.scales.penalty(trial.prior, &terms, &total);
-        let (positive, sign_reason) = self.held_signs(&terms, &folds, &total, &penalty);
-        let solution = total.solve(&penalty, positive.as_deref());
-        let gain_spread = self.gain_spread(&trial, &self.gains(&terms, &solution), &rivals);
-        let begun_at_zero = self.begun_at_zero(&trial, &terms, &total, &penalty, positive.as_deref(), &solution);
+        let equations = self.equations(trial.mesh, trial.initial_state, trial.feed_through);
+        let penalty = equations.penalty(&self.reading.scales, trial.prior);
+        let (positive, sign_reason) = self.held_signs(&equations, &penalty);
+        let solution = equations.total.solve(&penalty, positive.as_deref());
+        let gain_spread = self.gain_spread(&trial, &self.gains(&equations.terms, &solution), &rivals);
+        let begun_at_zero = self.begun_at_zero(&trial, &equations, &penalty, positive.as_deref(), &solution);
         let solution = begun_at_zero.unwrap_or(solution);
+        let terms = equations.terms;
         Choice { trial, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None }
     }
 
     /// Which parameters are held at or above zero, and why.
-    fn held_signs(
-        &self,
-        terms: &[ModelTerm],
-        folds: &[NormalEquations],
-        total: &NormalEquations,
-        penalty: &DMatrix<f64>,
-    ) -> (Option<Vec<bool>>, String) {
+    fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> (Option<Vec<bool>>, String) {
         let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
-            let of = |term: &ModelTerm| match term.role {
-                Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => held(self.bank_input[bank]),
-                Role::Initial { .. } | Role::Offset => false,
-            };
-            terms.iter().map(of).collect()
+            let is_held = |bank: usize| held(self.reading.plan.parts[bank].input);
+            equations.terms.iter().map(|term| term.role.bank().is_some_and(is_held)).collect()
         };
-        match self.signs {
+        match &self.options.signs {
             Signs::Any => return (None, "signs: any, as asked for".to_owned()),
             Signs::AllPositive => return (Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
             Signs::Positive(pairs) => {
@@ -271,11 +257,11 @@ impl CandidateSet<'_> {
             }
             Signs::Choose => {}
         }
-        let free = score(folds, total, penalty, None);
+        let free = equations.score(penalty, None);
         // The dearer of all questions together and of interpolation, which knows best what noise
         // there is.
         let price = |held: &Vec<bool>| {
-            let own = score(folds, total, penalty, Some(held));
+            let own = equations.score(penalty, Some(held));
             let all = own.overall() / free.overall().max(1e-300);
             all.max(own.mean_single() / free.mean_single().max(1e-300))
         };
@@ -296,22 +282,22 @@ impl CandidateSet<'_> {
     fn begun_at_zero(
         &self,
         trial: &ScoredCandidate,
-        terms: &[ModelTerm],
-        total: &NormalEquations,
+        equations: &FoldedEquations,
         penalty: &DMatrix<f64>,
         positive: Option<&[bool]>,
         solution: &PenalisedSolution,
     ) -> Option<PenalisedSolution> {
-        if trial.initial_state != InitialState::Rest || self.constraints.mesh_is_fixed() {
+        if trial.initial_state != InitialState::Rest || self.options.constraints.mesh_is_fixed() {
             return None;
         }
-        let offset = terms.iter().position(|term| term.role == Role::Offset)?;
-        let value = solution.theta[offset] + self.output_shift;
+        let offset = equations.terms.iter().position(|term| term.role == Role::Offset)?;
+        let shift = self.reading.passed.output_shift[self.output];
+        let value = solution.theta[offset] + shift;
         let is_zero = value.abs() < 2.0 * solution.covariance[(offset, offset)].sqrt();
         if !is_zero {
             return None;
         }
-        let less = total.with_known(offset, -self.output_shift);
+        let less = equations.total.with_known(offset, -shift);
         let penalty = penalty.clone().remove_row(offset).remove_column(offset);
         let held = positive.map(|positive| {
             let mut held = positive.to_vec();
@@ -321,7 +307,7 @@ impl CandidateSet<'_> {
         let known = less.solve(&penalty, held.as_deref());
         let with_known = |of: DMatrix<f64>| of.insert_row(offset, 0.0).insert_column(offset, 0.0);
         Some(PenalisedSolution {
-            theta: known.theta.insert_row(offset, -self.output_shift),
+            theta: known.theta.insert_row(offset, -shift),
             covariance: with_known(known.covariance),
             inverse: with_known(known.inverse),
             pulled: with_known(known.pulled),
@@ -357,9 +343,4 @@ impl GainSpread {
         let at = |part: f64| squares.get((part * squares.len() as f64) as usize).copied().unwrap_or(0.0).sqrt();
         Self { gain, median: at(0.5), upper_decile: at(0.9) }
     }
-}
-
-/// A ratio of mean squared errors as a change of the root in percent.
-pub fn change(ratio: f64) -> String {
-    format!("{:+.1} %", 100.0 * (ratio.sqrt() - 1.0))
 }

@@ -6,11 +6,12 @@
 //! another better by more than chance: by more than 5 % of the mean squared error, and by more than
 //! the standard error of the folds' paired differences.
 
+use dr_core::model::mesh;
+
 use super::candidates::terms;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::folds::{FOLDS, Score, score};
+use super::folds::{FOLDS, FoldedEquations, Score, change};
 use super::gas_source::GasSource;
-use super::normal_equations::NormalEquations;
 use super::options::{Constraints, InitialState};
 use super::pass::pass;
 use super::prior::{Prior, Scales};
@@ -22,15 +23,6 @@ const WINDOW: u64 = 40_000;
 const DELAYS: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48];
 const LONGER: [usize; 10] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
 
-#[derive(Debug, Clone, PartialEq)]
-struct DirectPath {
-    delay: usize,
-    feed_through: bool,
-    reason: String,
-    /// Held-out error against neither, in percent.
-    change: String,
-}
-
 /// What a model's dead time and feed-through will be: as given, or searched for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathDecision {
@@ -40,27 +32,12 @@ pub struct PathDecision {
     pub reason: Option<String>,
 }
 
-/// Who gives the mesh wants its columns and no others; but hears of what they lack.
-pub fn decide(
-    source: &mut dyn RecordSource,
-    drives: &[BankDrive],
-    given: &Constraints,
-) -> Result<PathDecision, RecordError> {
-    let plain = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
-    if given.delay.is_some() && given.feed_through.is_some() {
-        return Ok(PathDecision { delay: plain.0, feed_through: plain.1, reason: None });
+/// Decides on a delay and feed-through that are common to all inputs.
+pub fn decide(source: &mut dyn RecordSource, given: &Constraints) -> Result<PathDecision, RecordError> {
+    if let (Some(delay), Some(feed_through)) = (given.delay, given.feed_through) {
+        return Ok(PathDecision { delay, feed_through, reason: None });
     }
-    let path = find(source, drives, given)?;
-    if !given.mesh_is_fixed() || (path.delay, path.feed_through) == plain {
-        return Ok(PathDecision { delay: path.delay, feed_through: path.feed_through, reason: Some(path.reason) });
-    }
-    let reason = format!(
-        "as the mesh is given, nothing is added to it; --dead-time {} --feed-through {} would change the cross-validated error of the first rows by {}",
-        path.delay,
-        if path.feed_through { "yes" } else { "no" },
-        path.change
-    );
-    Ok(PathDecision { delay: plain.0, feed_through: plain.1, reason: Some(reason) })
+    Ok(decided(&try_paths(source, given)?, given))
 }
 
 /// A delay with or without feed-through, and how well it predicts each output.
@@ -70,8 +47,8 @@ struct TriedPath {
     scores: Vec<Score>,
 }
 
-/// Finds delay and feed-through common to all inputs, judged by the outputs together.
-fn find(source: &mut dyn RecordSource, drives: &[BankDrive], given: &Constraints) -> Result<DirectPath, RecordError> {
+/// Tries delays, closer and closer around the best, judged by the outputs together.
+fn try_paths(source: &mut dyn RecordSource, given: &Constraints) -> Result<Vec<TriedPath>, RecordError> {
     let rows = source.survey().rows.min(WINDOW);
     let longest = (rows / 20) as usize;
     let wanted = |delay: &usize| *delay <= longest && given.delay.is_none_or(|given| given == *delay);
@@ -96,41 +73,40 @@ fn find(source: &mut dyn RecordSource, drives: &[BankDrive], given: &Constraints
         let is_new = |delay: &usize| wanted(delay) && !found.iter().any(|tried| tried.delay == *delay);
         delays = candidates.into_iter().filter(is_new).collect();
         if !delays.is_empty() {
-            found.extend(try_delays(source, drives, given, &delays, rows)?);
+            found.extend(try_delays(source, given, &delays, rows)?);
         }
     }
     source.restart()?;
-    Ok(decided(&found))
+    Ok(found)
 }
 
 /// Scores delays on one reading of the first rows, each with and without feed-through.
 fn try_delays(
     source: &mut dyn RecordSource,
-    drives: &[BankDrive],
     given: &Constraints,
     delays: &[usize],
     rows: u64,
 ) -> Result<Vec<TriedPath>, RecordError> {
-    let (outputs, period_s) = (source.survey().outputs.len(), source.survey().sample_period_s);
-    let (first, last) = dr_core::model::mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
+    let survey = source.survey();
+    let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
+    let (first, last) = mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
     let first = first / 2.0;
     let order = (((last / first).log10() * 2.0).ceil() as usize + 1).clamp(2, 20);
-    let rates: Vec<f64> = (0..order).map(|k| dr_core::model::mesh::rate_rad_s(first, last, k, order)).collect();
-    let bank =
-        |drive: BankDrive, delay| RelaxationBank { drive, rates_rad_s: rates.clone(), delay, feed_through: true };
+    let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect();
+    let bank = |input, delay| RelaxationBank {
+        drive: BankDrive::Input(input),
+        rates_rad_s: rates.clone(),
+        delay,
+        feed_through: true,
+    };
     let design = |&delay: &usize| RegressionDesign {
-        banks: drives.iter().map(|&drive| bank(drive, delay)).collect(),
+        banks: (0..inputs).map(|input| bank(input, delay)).collect(),
         initial_rad_s: rates.clone(),
         outputs,
     };
     let designs: Vec<RegressionDesign> = delays.iter().map(design).collect();
     let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
-    let input_of = |drive: &BankDrive| match drive {
-        BankDrive::Input(input) | BankDrive::Gated { input, .. } => *input,
-        BankDrive::Loss { .. } | BankDrive::Gate { .. } | BankDrive::Gas => 0,
-    };
-    let drive = drives.iter().map(|drive| passed.facts.input_scale(input_of(drive))).collect();
-    let scales = Scales { drive, thesis_rad_s: 2.0 * first };
+    let scales = Scales::of(&designs[0], &passed.facts, 2.0 * first);
     let initial_state = given.initial_state.unwrap_or(InitialState::Free);
     let mut tried = Vec::new();
     for ((&delay, design), folds) in delays.iter().zip(&designs).zip(&passed.folds) {
@@ -140,10 +116,8 @@ fn try_delays(
             }
             let terms = terms(&design.roles(), initial_state, feed_through, &passed.facts.first_inputs);
             let score = |output| {
-                let of = |fold| NormalEquations::of(fold, &terms, outputs, output);
-                let folds: Vec<NormalEquations> = folds.iter().map(of).collect();
-                let total = NormalEquations::total(&folds);
-                score(&folds, &total, &scales.penalty(Prior::Tapered(1e-6), &terms, &total), None)
+                let equations = FoldedEquations::of(folds, terms.clone(), outputs, output);
+                equations.score(&equations.penalty(&scales, Prior::Tapered(1e-6)), None)
             };
             tried.push(TriedPath { delay, feed_through, scores: (0..outputs).map(score).collect() });
         }
@@ -151,8 +125,9 @@ fn try_delays(
     Ok(tried)
 }
 
-/// The best path, if it is better than neither by more than chance.
-fn decided(found: &[TriedPath]) -> DirectPath {
+/// The best path, if it is better than neither by more than chance. Who gives the mesh wants its
+/// columns and no others; but hears of what they lack.
+fn decided(found: &[TriedPath], given: &Constraints) -> PathDecision {
     let plain = &found[0];
     let best = found.iter().min_by(|a, b| apart(&a.scores).total_cmp(&apart(&b.scores))).unwrap_or(plain);
     // A sample more of dead time and the answer at once are the same to the rows behind: the
@@ -164,17 +139,26 @@ fn decided(found: &[TriedPath]) -> DirectPath {
     // there is.
     let begins_as_well = begin(&best.scores) <= 1.05 * begin(&plain.scores);
     let taken = if gain < 0.95 && begins_as_well && beats(&plain.scores, &best.scores) { best } else { plain };
+    let &TriedPath { delay, feed_through, .. } = taken;
+    let asked = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
+    if given.mesh_is_fixed() && (delay, feed_through) != asked {
+        let reason = format!(
+            "as the mesh is given, nothing is added to it; --dead-time {delay} --feed-through {} would change the cross-validated error of the first rows by {}",
+            if feed_through { "yes" } else { "no" },
+            change(gain)
+        );
+        return PathDecision { delay: asked.0, feed_through: asked.1, reason: Some(reason) };
+    }
     let reason = format!(
-        "dead time {} samples, {} feed-through{}",
-        taken.delay,
-        if taken.feed_through { "with" } else { "no" },
-        if taken.delay == plain.delay && taken.feed_through == plain.feed_through {
+        "dead time {delay} samples, {} feed-through{}",
+        if feed_through { "with" } else { "no" },
+        if delay == plain.delay && feed_through == plain.feed_through {
             String::from(": nothing else is better by more than chance")
         } else {
-            format!(": cross-validated error {} against neither", super::choose::change(gain))
+            format!(": cross-validated error {} against neither", change(gain))
         }
     );
-    DirectPath { delay: taken.delay, feed_through: taken.feed_through, reason, change: super::choose::change(gain) }
+    PathDecision { delay, feed_through, reason: Some(reason) }
 }
 
 /// How well single folds are bridged: a few samples do not show in how a model carries on. Outputs

@@ -55,6 +55,16 @@ pub enum Role {
     Offset,
 }
 
+impl Role {
+    /// The bank whose resistance it weighs.
+    pub fn bank(self) -> Option<usize> {
+        match self {
+            Self::Relaxation { bank, .. } | Self::FeedThrough { bank } => Some(bank),
+            Self::Initial { .. } | Self::Offset => None,
+        }
+    }
+}
+
 impl RegressionDesign {
     /// The roles of the columns that explain, in order. The outputs stand behind them.
     pub fn roles(&self) -> Vec<Role> {

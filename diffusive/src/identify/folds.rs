@@ -18,9 +18,39 @@
 
 use nalgebra::DMatrix;
 
-use super::normal_equations::NormalEquations;
+use super::gram::Gram;
+use super::normal_equations::{ModelTerm, NormalEquations};
+use super::prior::{Prior, Scales};
 
 pub const FOLDS: usize = 10;
+
+/// One output's problem in some terms.
+pub struct FoldedEquations {
+    pub terms: Vec<ModelTerm>,
+    pub folds: Vec<NormalEquations>,
+    /// Their sum.
+    pub total: NormalEquations,
+}
+
+impl FoldedEquations {
+    /// `output` counts the outputs, which stand last in the sums.
+    pub fn of(folds: &[Gram], terms: Vec<ModelTerm>, outputs: usize, output: usize) -> Self {
+        let of = |fold| NormalEquations::of(fold, &terms, outputs, output);
+        let folds: Vec<NormalEquations> = folds.iter().map(of).collect();
+        let total = NormalEquations::total(&folds);
+        Self { terms, folds, total }
+    }
+
+    /// What a prior adds to the sum.
+    pub fn penalty(&self, scales: &Scales, prior: Prior) -> DMatrix<f64> {
+        scales.penalty(prior, &self.terms, &self.total)
+    }
+
+    /// Cross-validates a penalty.
+    pub fn score(&self, penalty: &DMatrix<f64>, positive: Option<&[bool]>) -> Score {
+        score(&self.folds, &self.total, penalty, positive)
+    }
+}
 
 /// Mean squared errors, K², of one candidate.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,4 +135,9 @@ pub fn score(
     let logs: Vec<f64> = ahead.iter().map(|error| error.max(1e-300).ln()).collect();
     let begin = folds[0].squared_error(&total.estimate(penalty, positive)) / folds[0].rows.max(1.0);
     Score { double: mean(&pairs), ahead: mean(&logs).exp(), begin, single }
+}
+
+/// A ratio of mean squared errors as a change of the root in percent.
+pub fn change(ratio: f64) -> String {
+    format!("{:+.1} %", 100.0 * (ratio.sqrt() - 1.0))
 }

@@ -146,7 +146,6 @@ mod tests {
             outputs: vec![(from..to).map(|n| 20.0 + value(n, 53)).collect()],
             class: (from..to).map(|n| u32::from(n % 90 > 40)).collect(),
             gas: (from..to).map(|n| 18.0 + value(n, 17)).collect(),
-            first_row: from as u64,
             time_s: (from as f64, to as f64 - 1.0),
         };
         vec![block(0, 300), block(300, 377)]

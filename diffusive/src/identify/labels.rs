@@ -1,11 +1,10 @@
 //! The labels of a record's conditions, which decide how many columns the regression has.
 
-use super::error::IdentifyError;
 use super::options::Progress;
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource};
 
 /// The labels of all classes: a record with an event column is read once for them.
-pub(super) fn labels(source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<Vec<String>, IdentifyError> {
+pub(super) fn labels(source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<Vec<String>, RecordError> {
     if source.survey().event_column.is_some() {
         source.restart()?;
         let (mut done, rows) = (0, source.survey().rows);

@@ -30,7 +30,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`record`] | any uniformly sampled record, block by block |
-//! | [`options`], [`error`] | options, and every sentence that refuses them |
+//! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
 //! | `panels`, `gram`, `pass` | one reading of the record: normal equations, fold by fold |
@@ -39,13 +39,12 @@
 //! | `folds`, `choose` | block cross-validation, and the choice |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `residuals`, `residual_pass`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | [`report`] | the result for people |
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose response is known exactly |
 
 pub mod cole_cole;
-pub mod error;
 pub mod nonnegative;
 pub mod options;
 pub mod record;
@@ -73,6 +72,7 @@ pub mod pass;
 mod choose;
 mod conductance;
 mod delay;
+mod fitted;
 mod labels;
 mod outcome;
 mod panels;
@@ -86,12 +86,11 @@ mod tied;
 mod validate_options;
 mod whiteness;
 
-pub use error::{IdentifyError, Unidentifiable};
 pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
-use record::RecordSource;
+use record::{RecordError, RecordSource};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
 /// row with the model's prediction.
@@ -103,8 +102,8 @@ pub fn identify(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
-    validate_options::refuse(source.survey(), options).map_err(|reason| IdentifyError::unfit(source, reason))?;
+) -> Result<Model, RecordError> {
+    validate_options::refuse(source.survey(), options)?;
     let mut model = match (options.free_poles, options.structure) {
         (Some(poles), _) => {
             let mesh = symbol::identify(source, options, progress, &mut |_| {})?;

@@ -28,11 +28,6 @@ pub struct ModelTerm {
     pub role: Role,
 }
 
-/// Every column a parameter of its own.
-pub fn plain_terms(roles: &[Role]) -> Vec<ModelTerm> {
-    roles.iter().enumerate().map(|(column, &role)| ModelTerm { of: vec![(column, 1.0)], role }).collect()
-}
-
 /// Parameters as weights of the design's columns, `width` of them.
 pub fn in_columns(terms: &[ModelTerm], theta: &DVector<f64>, width: usize) -> Vec<f64> {
     let mut weights = vec![0.0; width];
@@ -197,6 +192,11 @@ impl ScaledEquations {
 mod tests {
     use super::*;
 
+    /// Every column a parameter of its own.
+    fn plain_terms() -> [ModelTerm; 2] {
+        [0, 1].map(|column| ModelTerm { of: vec![(column, 1.0)], role: Role::Offset })
+    }
+
     fn two_columns() -> (NormalEquations, Gram) {
         // y = 2a − b on rows (1,0), (1,1), (0,3): residual zero.
         let rows = [[1.0, 0.0, 2.0], [1.0, 1.0, 1.0], [0.0, 3.0, -3.0]];
@@ -206,7 +206,7 @@ mod tests {
             gram.sums += &row * row.transpose();
             gram.rows += 1;
         }
-        (NormalEquations::of(&gram, &plain_terms(&[Role::Offset, Role::Offset]), 1, 0), gram)
+        (NormalEquations::of(&gram, &plain_terms(), 1, 0), gram)
     }
 
     #[test]
@@ -233,7 +233,7 @@ mod tests {
         gram.sums[(2, 0)] = 8.0;
         gram.sums[(2, 2)] = 16.0;
         gram.rows = 4;
-        let problem = NormalEquations::of(&gram, &plain_terms(&[Role::Offset, Role::Offset]), 1, 0);
+        let problem = NormalEquations::of(&gram, &plain_terms(), 1, 0);
         let theta = problem.estimate(&DMatrix::zeros(2, 2), None);
         assert!((theta[0] - 2.0).abs() < 1e-12 && theta[1] == 0.0);
     }

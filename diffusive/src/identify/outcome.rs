@@ -1,68 +1,72 @@
-//! What every structure says of its result: resistances with standard errors, decays behind the
-//! last row, figures of the choice, and what speaks against it.
+//! What every structure says of its result: the frame of its model, figures of the choice, and what
+//! speaks against it.
 
-use super::candidates::CandidateMesh;
-use super::choose::Choice;
-use super::design::{RegressionDesign, Role};
+use std::collections::BTreeMap;
+
+use super::choose::GainSpread;
+use super::fitted::FittedOutput;
 use super::folds::Score;
 use super::options::InitialState;
 use super::pass::Facts;
 use super::prior::Prior;
-use crate::model::{Chosen, Class, Estimate, Pair};
+use super::record::Survey;
+use super::residual_pass::ResidualPass;
+use crate::model::{Chosen, Class, Estimate, FORMAT, Model, ModelOutput, Pair, Structure, VERSION};
 
-/// Resistances of one bank with their standard errors.
-pub fn class_of(choice: &Choice, bank: usize) -> Class {
-    let solution = &choice.solution;
-    let of = |wanted: &dyn Fn(&Role) -> bool| -> Vec<usize> {
-        (0..choice.terms.len()).filter(|&term| wanted(&choice.terms[term].role)).collect()
-    };
-    let relaxations = of(&|role| matches!(role, Role::Relaxation { bank: own, .. } if *own == bank));
-    let feed = of(&|role| matches!(role, Role::FeedThrough { bank: own } if *own == bank));
-    let se = |term: usize| solution.covariance[(term, term)].max(0.0).sqrt();
-    let all: Vec<usize> = relaxations.iter().chain(&feed).copied().collect();
-    let variance: f64 =
-        all.iter().flat_map(|&i| all.iter().map(move |&j| (i, j))).map(|at| solution.covariance[at]).sum();
-    Class {
-        r_k_per_w: relaxations.iter().map(|&term| solution.theta[term]).collect(),
-        se_k_per_w: relaxations.iter().map(|&term| se(term)).collect(),
-        steady_gain_k_per_w: all.iter().map(|&term| solution.theta[term]).sum(),
-        se_steady_gain_k_per_w: variance
-            .max(0.0)
-            .sqrt()
-            .hypot(choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median)),
-        feed_through_k_per_w: feed.first().map_or(0.0, |&term| solution.theta[term]),
-        se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| se(term)),
+/// Figures of every output, from what its model leaves.
+pub fn outputs(names: &[String], fitted: &[FittedOutput<'_>], residuals: &ResidualPass) -> Vec<ModelOutput> {
+    let of = |((name, fitted), residuals): ((&String, &FittedOutput), _)| fitted.output(name, residuals);
+    names.iter().zip(fitted).zip(&residuals.residuals).map(of).collect()
+}
+
+/// A model of a record that has no pairs yet.
+pub fn model(
+    structure: Structure,
+    survey: &Survey,
+    facts: &Facts,
+    classes: &[String],
+    outputs: Vec<ModelOutput>,
+    residuals: ResidualPass,
+) -> Model {
+    Model {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        structure,
+        sample_period_s: survey.sample_period_s,
+        inputs: survey.inputs.clone(),
+        offset_c: outputs[0].offset_c,
+        residual_rms: outputs[0].residual_rms,
+        fit_percent: outputs[0].fit_percent,
+        outputs,
+        pairs: Vec::new(),
+        event_column: survey.event_column.clone(),
+        classes: classes.to_vec(),
+        conductance_w_per_k: BTreeMap::new(),
+        wind: None,
+        supported: true,
+        warnings: Vec::new(),
+        chosen: Chosen::default(),
+        provenance: facts.provenance(survey),
+        end: Some(residuals.end),
     }
 }
 
-/// Amplitudes behind the last row, one decay a rate.
-pub fn decays(design: &RegressionDesign, amplitudes: &[f64]) -> Vec<(f64, f64)> {
-    let mut decays: Vec<(f64, f64)> = Vec::new();
-    for (role, &amplitude) in design.roles().iter().zip(amplitudes) {
-        let (Role::Relaxation { rate_rad_s, .. } | Role::Initial { rate_rad_s }) = *role else { continue };
-        match decays.iter_mut().find(|(rate, _)| *rate == rate_rad_s) {
-            Some((_, sum)) => *sum += amplitude,
-            None => decays.push((rate_rad_s, amplitude)),
-        }
-    }
-    decays
-}
-
-/// What both structures choose.
+/// What all structures choose.
 pub fn chosen_by(
-    mesh: &CandidateMesh,
+    rates_rad_s: &[f64],
+    lower_edge_factor: f64,
     initial_state: InitialState,
     prior: Prior,
     score: &Score,
     reasons: Vec<String>,
 ) -> Chosen {
-    let rates = mesh.rates_rad_s.len();
+    let order = rates_rad_s.len();
     let (value, se) = score.rms_and_se();
     Chosen {
-        order: rates,
-        first_rate_rad_s: mesh.rates_rad_s[0],
-        last_rate_rad_s: mesh.rates_rad_s[rates - 1],
-        lower_edge_factor: mesh.factor,
+        order,
+        first_rate_rad_s: rates_rad_s[0],
+        last_rate_rad_s: rates_rad_s[order - 1],
+        lower_edge_factor,
         prior: prior.name().to_owned(),
         ridge: prior.weight(),
         initial_state: initial_state.name().to_owned(),
@@ -75,15 +79,16 @@ pub fn chosen_by(
 /// What cross-validation and standard errors say against an output's model.
 pub fn warnings(
     name: &str,
-    choice: &Choice,
+    score: &Score,
+    gain_spread: &[GainSpread],
     facts: &Facts,
     output: usize,
     duration_s: f64,
     pairs: &[Pair],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
-    let spread = facts.output_sd(output);
-    let error = choice.trial.score.overall().sqrt();
+    let spread = facts.outputs[output].sd();
+    let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
         warnings.push(format!(
             "`{name}`: left-out stretches are predicted no better than by their mean (error {error:.3}, spread {spread:.3}): the inputs do not explain this output, or the record is too short or too disturbed"
@@ -107,8 +112,8 @@ pub fn warnings(
             }
         }
     }
-    let greatest = choice.gain_spread.iter().map(|spread| spread.gain.abs()).fold(0.0, f64::max);
-    let apart = choice.gain_spread.iter().map(|spread| spread.upper_decile).fold(0.0, f64::max);
+    let greatest = gain_spread.iter().map(|spread| spread.gain.abs()).fold(0.0, f64::max);
+    let apart = gain_spread.iter().map(|spread| spread.upper_decile).fold(0.0, f64::max);
     if warnings.is_empty() && apart > 0.25 * greatest && greatest > 0.0 {
         warnings.push(format!(
             "`{name}`: models that predict left-out stretches as well differ by up to {:.0} % in the steady gain: the record is too short, or too little excited at low frequencies, to tell; record for several of the slowest time constants",

@@ -1,61 +1,30 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
-use super::design::RegressionDesign;
+use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
 use super::gram::{Accumulator, Gram};
 use super::record::{Block, RecordError, RecordSource, Survey};
-use super::spread::ValueSpread;
+use super::spread::{ValueSpread, deviation};
 use crate::model::Provenance;
 
-/// Sums over inputs and outputs, in one class and in all.
-#[derive(Debug, Clone, PartialEq)]
+/// Spreads of inputs, in one class and in all, of outputs and of the gas, each counted from the
+/// first row.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Facts {
     pub rows: u64,
     pub first_inputs: Vec<f64>,
     pub first_class: usize,
-    /// Least and greatest value of every input.
-    pub input_range: Vec<[f64; 2]>,
-    pub output_range: Vec<[f64; 2]>,
-    /// The value from which `output_sum` and `output_squares` are counted: the first row's.
-    pub output_first: Vec<f64>,
-    output_sum: Vec<f64>,
-    output_squares: Vec<f64>,
-    /// Least and greatest temperature of the gas, °C; `None` without a gas column.
-    pub gas_range: Option<[f64; 2]>,
-    pub gas_first: f64,
-    gas_sum: f64,
-    gas_squares: f64,
-    /// By class: rows, and by input Σ(u − u_0) and Σ(u − u_0)².
-    pub class_rows: Vec<u64>,
-    class_sum: Vec<Vec<f64>>,
-    class_squares: Vec<Vec<f64>>,
+    pub outputs: Vec<ValueSpread>,
+    /// `None` without a gas column.
+    pub gas: Option<ValueSpread>,
+    /// By class and input.
+    pub classes: Vec<Vec<ValueSpread>>,
     /// Σ(u_i − u_i0)(u_j − u_j0)
     products: Vec<Vec<f64>>,
 }
 
 impl Facts {
-    fn new(inputs: usize, outputs: usize) -> Self {
-        Self {
-            rows: 0,
-            first_inputs: Vec::new(),
-            first_class: 0,
-            input_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; inputs],
-            output_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; outputs],
-            output_first: Vec::new(),
-            output_sum: vec![0.0; outputs],
-            output_squares: vec![0.0; outputs],
-            gas_range: None,
-            gas_first: 0.0,
-            gas_sum: 0.0,
-            gas_squares: 0.0,
-            class_rows: Vec::new(),
-            class_sum: Vec::new(),
-            class_squares: Vec::new(),
-            products: vec![vec![0.0; inputs]; inputs],
-        }
-    }
-
     /// Where a model of this record comes from.
     pub fn provenance(&self, survey: &Survey) -> Provenance {
         Provenance {
@@ -63,48 +32,35 @@ impl Facts {
             records: vec![survey.path.display().to_string()],
             rows: self.rows,
             duration_s: self.rows as f64 * survey.sample_period_s,
-            input_range: self.input_range.clone(),
+            input_range: (0..self.first_inputs.len()).map(|input| self.input_range(input)).collect(),
             conditions: survey.conditions.clone(),
         }
     }
 
     fn add(&mut self, block: &Block) {
+        let inputs = block.inputs.len();
         if self.rows == 0 {
             self.first_inputs = block.inputs.iter().map(|values| values[0]).collect();
-            self.output_first = block.outputs.iter().map(|values| values[0]).collect();
             self.first_class = block.class[0] as usize;
+            self.outputs = block.outputs.iter().map(|values| ValueSpread::from(values[0])).collect();
+            self.gas = block.gas.first().map(|&gas_c| ValueSpread::from(gas_c));
+            self.products = vec![vec![0.0; inputs]; inputs];
         }
         self.rows += block.len() as u64;
-        for (output, values) in block.outputs.iter().enumerate() {
-            let spread = ValueSpread::of(values, self.output_first[output]);
-            widen(&mut self.output_range[output], &spread);
-            self.output_sum[output] += spread.sum;
-            self.output_squares[output] += spread.squares;
+        for (spread, values) in self.outputs.iter_mut().zip(&block.outputs) {
+            spread.add(values);
         }
-        if let Some(&first) = block.gas.first() {
-            if self.gas_range.is_none() {
-                self.gas_first = first;
-            }
-            let spread = ValueSpread::of(&block.gas, self.gas_first);
-            widen(self.gas_range.get_or_insert([f64::INFINITY, f64::NEG_INFINITY]), &spread);
-            self.gas_sum += spread.sum;
-            self.gas_squares += spread.squares;
+        if let Some(gas) = &mut self.gas {
+            gas.add(&block.gas);
         }
-        let inputs = block.inputs.len();
         let mut from = 0;
-        for stretch in stretches(&block.class) {
+        for stretch in block.class.chunk_by(|one, next| one == next) {
             let (class, to) = (stretch[0] as usize, from + stretch.len());
-            while self.class_rows.len() <= class {
-                self.class_rows.push(0);
-                self.class_sum.push(vec![0.0; inputs]);
-                self.class_squares.push(vec![0.0; inputs]);
+            while self.classes.len() <= class {
+                self.classes.push(self.first_inputs.iter().map(|&first| ValueSpread::from(first)).collect());
             }
-            self.class_rows[class] += stretch.len() as u64;
-            for input in 0..inputs {
-                let spread = ValueSpread::of(&block.inputs[input][from..to], self.first_inputs[input]);
-                widen(&mut self.input_range[input], &spread);
-                self.class_sum[class][input] += spread.sum;
-                self.class_squares[class][input] += spread.squares;
+            for (spread, values) in self.classes[class].iter_mut().zip(&block.inputs) {
+                spread.add(&values[from..to]);
             }
             from = to;
         }
@@ -117,10 +73,35 @@ impl Facts {
         }
     }
 
+    /// Least and greatest value of an input.
+    pub fn input_range(&self, input: usize) -> [f64; 2] {
+        let own = self.classes.iter().map(|of| &of[input]);
+        own.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], of| [least.min(of.least), most.max(of.greatest)])
+    }
+
     /// Standard deviation of an input over the whole record.
     pub fn input_sd(&self, input: usize) -> f64 {
         let (sum, squares) = self.input_sums(input);
         deviation(sum, squares, self.rows)
+    }
+
+    /// How far what drives a bank moves. Losses and gates carry no parameters that a prior speaks of.
+    pub fn drive_scale(&self, drive: BankDrive) -> f64 {
+        match drive {
+            BankDrive::Input(input) | BankDrive::Gated { input, .. } => self.input_scale(input),
+            BankDrive::Gas => self.gas_sd(),
+            BankDrive::Loss { .. } | BankDrive::Gate { .. } => 1.0,
+        }
+    }
+
+    /// What drove each bank of a design in the first row, where that is an input.
+    pub fn first_drives(&self, design: &RegressionDesign) -> Vec<f64> {
+        let of = |bank: &RelaxationBank| match bank.drive {
+            BankDrive::Input(input) => self.first_inputs[input],
+            BankDrive::Gated { input, class } if class == self.first_class => self.first_inputs[input],
+            _ => 0.0,
+        };
+        design.banks.iter().map(of).collect()
     }
 
     /// How far an input moves: its standard deviation, or its size if it is constant.
@@ -132,23 +113,14 @@ impl Facts {
     /// For how many rows an input would have to stand at its greatest departure from its first
     /// value for the same sum of squares.
     pub fn full_rows(&self, input: usize) -> f64 {
-        let ([least, most], first) = (self.input_range[input], self.first_inputs[input]);
+        let ([least, most], first) = (self.input_range(input), self.first_inputs[input]);
         let greatest = (most - first).abs().max((least - first).abs());
         if greatest > 0.0 { self.input_sums(input).1 / (greatest * greatest) } else { 0.0 }
     }
 
-    /// Standard deviation of an input in the rows of a class.
-    pub fn class_input_sd(&self, class: usize, input: usize) -> f64 {
-        deviation(self.class_sum[class][input], self.class_squares[class][input], self.class_rows[class])
-    }
-
-    pub fn output_sd(&self, output: usize) -> f64 {
-        deviation(self.output_sum[output], self.output_squares[output], self.rows)
-    }
-
     /// Standard deviation of the gas temperature, K; 0 without a gas column.
     pub fn gas_sd(&self) -> f64 {
-        deviation(self.gas_sum, self.gas_squares, self.rows)
+        self.gas.as_ref().map_or(0.0, ValueSpread::sd)
     }
 
     /// Correlation of two inputs.
@@ -160,32 +132,9 @@ impl Facts {
     }
 
     fn input_sums(&self, input: usize) -> (f64, f64) {
-        let sum = self.class_sum.iter().map(|of| of[input]).sum();
-        (sum, self.class_squares.iter().map(|of| of[input]).sum())
+        let own = self.classes.iter().map(|of| &of[input]);
+        (own.clone().map(|of| of.sum).sum(), own.map(|of| of.squares).sum())
     }
-}
-
-/// Stretches of rows of one class. As a rule that is the whole block, which is told faster than
-/// where a stretch ends.
-fn stretches(class: &[u32]) -> impl Iterator<Item = &[u32]> {
-    let alike = class.iter().fold(true, |alike, of| alike & (*of == class[0]));
-    let mut rest = class;
-    std::iter::from_fn(move || {
-        let first = rest.first()?;
-        let other = if alike { None } else { rest.iter().position(|of| of != first) };
-        let (stretch, behind) = rest.split_at(other.unwrap_or(rest.len()));
-        rest = behind;
-        Some(stretch)
-    })
-}
-
-fn widen(range: &mut [f64; 2], spread: &ValueSpread) {
-    *range = [range[0].min(spread.least), range[1].max(spread.greatest)];
-}
-
-fn deviation(sum: f64, squares: f64, rows: u64) -> f64 {
-    let n = (rows as f64).max(1.0);
-    (squares / n - (sum / n).powi(2)).max(0.0).sqrt()
 }
 
 /// What a reading gives.
@@ -208,9 +157,8 @@ pub fn pass(
 ) -> Result<Passed, RecordError> {
     source.restart()?;
     let survey = source.survey();
-    let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
     let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));
-    let mut facts = Facts::new(inputs, outputs);
+    let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
     while let Some(block) = source.next_block()? {

@@ -18,8 +18,9 @@
 
 use nalgebra::DMatrix;
 
-use super::design::Role;
+use super::design::{RegressionDesign, Role};
 use super::normal_equations::{ModelTerm, NormalEquations};
+use super::pass::Facts;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prior {
@@ -54,6 +55,11 @@ pub struct Scales {
 }
 
 impl Scales {
+    /// Of the banks of a design in a record.
+    pub fn of(design: &RegressionDesign, facts: &Facts, thesis_rad_s: f64) -> Self {
+        Self { drive: design.banks.iter().map(|bank| facts.drive_scale(bank.drive)).collect(), thesis_rad_s }
+    }
+
     /// Penalty for the terms of a problem over the whole record.
     pub fn penalty(&self, prior: Prior, terms: &[ModelTerm], problem: &NormalEquations) -> DMatrix<f64> {
         let count = terms.len();

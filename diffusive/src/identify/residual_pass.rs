@@ -1,69 +1,135 @@
-//! Residuals of every output's choice: outputs that chose the same design share a reading.
+//! A second reading of a record, for what fitted models leave of it: row by row, in bounded memory.
+//!
+//! Outputs that share a design share a reading.
 
-use std::rc::Rc;
+use std::collections::VecDeque;
 
-use super::choose::Choice;
-use super::design::RegressionDesign;
-use super::error::IdentifyError;
+use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
-use super::normal_equations::in_columns;
 use super::options::{FitObserver, Progress};
-use super::record::RecordSource;
-use super::residuals::{FitRow, FittedOutput, ResidualPass, read_residuals};
+use super::panels::{BATCH, LANES, Lanes, panels};
+use super::record::{RecordError, RecordSource, copy_row};
+use super::residuals::{FitRow, Residuals};
+use super::rows::RegressionRows;
+use crate::model::RecordEnd;
 
-/// A reading, and which of those that share it an output was.
-#[derive(Clone)]
-pub struct OutputResiduals {
-    pub place: usize,
-    pub pass: Rc<ResidualPass>,
+/// Residuals of every output, and where the record ended.
+pub struct ResidualPass {
+    pub residuals: Vec<Residuals>,
+    pub end: RecordEnd,
 }
 
-/// By output. `seen` hears of every row of every reading.
-pub fn residuals_of_all(
-    source: &mut dyn RecordSource,
-    designs: &[RegressionDesign],
-    output_shift: &[f64],
-    choices: &[Choice],
-    seen: &mut dyn FnMut(&FitRow<'_>),
-) -> Result<Vec<OutputResiduals>, IdentifyError> {
-    let mut residuals: Vec<Option<OutputResiduals>> = vec![None; choices.len()];
-    for first in 0..choices.len() {
-        if residuals[first].is_some() {
-            continue;
+impl ResidualPass {
+    /// Reads the record for the models of all its outputs. `seen` hears of every row of every
+    /// reading.
+    pub fn of(
+        source: &mut dyn RecordSource,
+        gas: GasSource,
+        fitted: &[FittedOutput<'_>],
+        seen: &mut dyn FnMut(&FitRow<'_>),
+    ) -> Result<Self, RecordError> {
+        let end = RecordEnd { decays: vec![Vec::new(); fitted.len()], ..RecordEnd::default() };
+        let mut pass = Self { residuals: vec![Residuals::default(); fitted.len()], end };
+        for first in 0..fitted.len() {
+            let is_alike = |output: &usize| std::ptr::eq(fitted[*output].design, fitted[first].design);
+            if !(0..first).any(|before| is_alike(&before)) {
+                let alike: Vec<usize> = (first..fitted.len()).filter(is_alike).collect();
+                pass.read(source, gas, fitted, &alike, seen)?;
+            }
         }
-        let mesh = choices[first].trial.mesh;
-        let alike: Vec<usize> = (first..choices.len()).filter(|&other| choices[other].trial.mesh == mesh).collect();
-        let fitted: Vec<FittedOutput> = alike
-            .iter()
-            .map(|&output| FittedOutput {
-                output,
-                theta: in_columns(&choices[output].terms, &choices[output].solution.theta, designs[mesh].width()),
-                shift: output_shift[output],
-            })
-            .collect();
-        let pass = Rc::new(read_residuals(source, &designs[mesh], GasSource::Constant(0.0), &fitted, seen)?);
-        for (place, &output) in alike.iter().enumerate() {
-            residuals[output] = Some(OutputResiduals { place, pass: Rc::clone(&pass) });
-        }
+        Ok(pass)
     }
-    Ok(residuals.into_iter().flatten().collect())
+
+    /// One reading for the outputs `alike`, which have the same design.
+    fn read(
+        &mut self,
+        source: &mut dyn RecordSource,
+        gas: GasSource,
+        fitted: &[FittedOutput<'_>],
+        alike: &[usize],
+        seen: &mut dyn FnMut(&FitRow<'_>),
+    ) -> Result<(), RecordError> {
+        source.restart()?;
+        let survey = source.survey();
+        let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
+        let design = fitted[alike[0]].design;
+        let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
+        let weights: Vec<Vec<Lanes>> = alike.iter().map(|&output| in_lanes(&fitted[output].weights())).collect();
+        let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
+        let (mut input_row, mut output_row, mut predicted) =
+            (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
+        let mut count = 0;
+        let longest = design.longest_delay();
+        // The last inputs and their classes, oldest first.
+        let mut pending = VecDeque::with_capacity(longest + 1);
+        while let Some(block) = source.next_block()? {
+            for at in 0..block.len() {
+                let n = at % BATCH;
+                if n == 0 {
+                    rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
+                }
+                copy_row(&block.inputs, at, &mut input_row);
+                copy_row(&block.outputs, at, &mut output_row);
+                let class = block.class[at] as usize;
+                for (&output, weights) in alike.iter().zip(&weights) {
+                    let mut explained = [0.0; LANES];
+                    for (panel, weights) in batch.iter().zip(weights) {
+                        for lane in 0..LANES {
+                            explained[lane] += panel[n][lane] * weights[lane];
+                        }
+                    }
+                    predicted[output] = explained.iter().sum::<f64>() + fitted[output].shift;
+                    // What drove the first rows of a model with dead time stood before the record.
+                    if count < longest as u64 {
+                        predicted[output] = f64::NAN;
+                    } else {
+                        self.residuals[output].push(output_row[output], predicted[output]);
+                    }
+                }
+                if longest > 0 {
+                    pending.push_back((input_row.clone(), class));
+                    if pending.len() > longest {
+                        pending.pop_front();
+                    }
+                }
+                seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted });
+                count += 1;
+            }
+            self.end.next_time_s = block.time_s.1 + period_s;
+        }
+        source.restart()?;
+        let states = rows.states();
+        for &output in alike {
+            self.end.decays[output] = fitted[output].decays(&states);
+        }
+        if pending.len() >= self.end.pending_class.len() {
+            let of = |input: usize| pending.iter().map(|(inputs, _)| inputs[input]).collect();
+            self.end.pending = (0..inputs).map(of).collect();
+            self.end.pending_class = pending.iter().map(|(_, class)| *class).collect();
+        }
+        Ok(())
+    }
+}
+
+/// Weights of columns, as the panels have them.
+fn in_lanes(theta: &[f64]) -> Vec<Lanes> {
+    let mut lanes = vec![[0.0; LANES]; panels(theta.len())];
+    lanes.as_flattened_mut()[..theta.len()].copy_from_slice(theta);
+    lanes
 }
 
 /// An observer that reports progress as well.
 pub fn observed<'a>(
     progress: &'a mut Progress<'_>,
+    what: &'static str,
     rows: u64,
     observer: &'a mut FitObserver<'_>,
 ) -> impl FnMut(&FitRow<'_>) + 'a {
     move |seen| {
-        progress_now_and_then(progress, "residuals", seen.row, rows);
+        // Every so many rows, so that it costs nothing.
+        if seen.row.is_multiple_of(65_536) {
+            progress(what, seen.row, rows);
+        }
         observer(seen);
-    }
-}
-
-/// Reports every so many rows, so that reporting costs nothing.
-pub fn progress_now_and_then(progress: &mut Progress<'_>, what: &'static str, row: u64, rows: u64) {
-    if row.is_multiple_of(65_536) {
-        progress(what, row, rows);
     }
 }

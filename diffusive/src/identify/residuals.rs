@@ -1,4 +1,4 @@
-//! What a model leaves of a record, row by row: a second reading, in bounded memory.
+//! What a model leaves of an output, and whether it is white.
 //!
 //! ```text
 //! ρ_l = Σ e_n e_{n+l} / Σ e_n²,    Q = N (N + 2) Σ_l ρ_l² / (N − l)
@@ -9,16 +9,9 @@
 //! White residuals have ρ within ±1.96/√N at nineteen lags of twenty, and Q follows χ² with as many
 //! degrees of freedom as lags.
 
-use std::collections::VecDeque;
-
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
-use super::design::RegressionDesign;
-use super::gas_source::GasSource;
-use super::panels::{BATCH, LANES, Lanes, panels};
-use super::record::{RecordError, RecordSource};
-use super::rows::RegressionRows;
-use crate::model::{ModelOutput, Whiteness};
+use crate::model::Whiteness;
 
 /// Lags of the autocorrelation.
 pub const LAGS: usize = 40;
@@ -88,6 +81,11 @@ impl Residuals {
         (self.squares / (self.count as f64).max(1.0)).sqrt()
     }
 
+    /// The output's value, if it is the same in all rows.
+    pub fn constant(&self) -> Option<f64> {
+        (self.y_squares == 0.0).then_some(self.first_y)
+    }
+
     /// A row, counted from 1, that alone makes more than half of all squares of at least a hundred
     /// rows, and its part of them.
     pub fn lonely_row(&self) -> Option<(u64, f64)> {
@@ -101,18 +99,6 @@ impl Residuals {
         let n = (self.count as f64).max(1.0);
         let spread = self.y_squares - self.y_sum * self.y_sum / n;
         if spread > 0.0 { 100.0 * (1.0 - (self.squares / spread).sqrt()) } else { 0.0 }
-    }
-
-    /// What a model file says of the output.
-    pub fn output(&self, name: &str, offset_c: f64, offset_variance: f64) -> ModelOutput {
-        ModelOutput {
-            name: name.to_owned(),
-            offset_c,
-            se_offset_c: offset_variance.max(0.0).sqrt(),
-            residual_rms: self.rms(),
-            fit_percent: self.fit_percent(),
-            whiteness: self.whiteness(),
-        }
     }
 
     /// `None` for fewer rows than lags would need, or residuals that are all zero.
@@ -130,98 +116,6 @@ impl Residuals {
         let sum: f64 = autocorrelation.iter().take_while(|rho| **rho > chance).sum();
         Some(Whiteness { autocorrelation, q, p_value, inflation: (1.0 + 2.0 * sum).sqrt() })
     }
-}
-
-/// An output's model in the columns of a design.
-pub struct FittedOutput {
-    pub output: usize,
-    pub theta: Vec<f64>,
-    pub shift: f64,
-}
-
-/// Residuals of every output, and the state behind the last row.
-pub struct ResidualPass {
-    pub residuals: Vec<Residuals>,
-    /// By output: what each column's state amounts to after the last row, K.
-    pub end: Vec<Vec<f64>>,
-    pub next_time_s: f64,
-    /// The last inputs and their classes, oldest first, as many as the longest delay.
-    pub pending: Vec<(Vec<f64>, usize)>,
-}
-
-/// Reads the record again. All outputs share one design. `seen` hears of every row.
-pub fn read_residuals(
-    source: &mut dyn RecordSource,
-    design: &RegressionDesign,
-    gas: GasSource,
-    fitted: &[FittedOutput],
-    seen: &mut dyn FnMut(&FitRow<'_>),
-) -> Result<ResidualPass, RecordError> {
-    source.restart()?;
-    let survey = source.survey();
-    let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
-    let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
-    let weights: Vec<Vec<Lanes>> = fitted.iter().map(|fitted| in_lanes(&fitted.theta)).collect();
-    let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
-    let mut residuals = vec![Residuals::default(); outputs];
-    let (mut input_row, mut output_row, mut predicted) =
-        (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
-    let (mut count, mut next_time_s) = (0, 0.0);
-    let longest = design.longest_delay();
-    let mut pending = VecDeque::with_capacity(longest + 1);
-    while let Some(block) = source.next_block()? {
-        for at in 0..block.len() {
-            let n = at % BATCH;
-            if n == 0 {
-                rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
-            }
-            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
-                *value = column[at];
-            }
-            for (value, column) in output_row.iter_mut().zip(&block.outputs) {
-                *value = column[at];
-            }
-            let class = block.class[at] as usize;
-            for (fitted, weights) in fitted.iter().zip(&weights) {
-                let mut explained = [0.0; LANES];
-                for (panel, weights) in batch.iter().zip(weights) {
-                    for lane in 0..LANES {
-                        explained[lane] += panel[n][lane] * weights[lane];
-                    }
-                }
-                predicted[fitted.output] = explained.iter().sum::<f64>() + fitted.shift;
-                // What drove the first rows of a model with dead time stood before the record.
-                if count < longest as u64 {
-                    predicted[fitted.output] = f64::NAN;
-                } else {
-                    residuals[fitted.output].push(output_row[fitted.output], predicted[fitted.output]);
-                }
-            }
-            if longest > 0 {
-                pending.push_back((input_row.clone(), class));
-                if pending.len() > longest {
-                    pending.pop_front();
-                }
-            }
-            seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted });
-            count += 1;
-        }
-        next_time_s = block.time_s.1 + period_s;
-    }
-    source.restart()?;
-    let states = rows.states();
-    let end = fitted
-        .iter()
-        .map(|fitted| states.iter().zip(&fitted.theta).map(|(state, theta)| state * theta).collect())
-        .collect();
-    Ok(ResidualPass { residuals, end, next_time_s, pending: pending.into() })
-}
-
-/// Weights of columns, as the panels have them.
-fn in_lanes(theta: &[f64]) -> Vec<Lanes> {
-    let mut lanes = vec![[0.0; LANES]; panels(theta.len())];
-    lanes.as_flattened_mut()[..theta.len()].copy_from_slice(theta);
-    lanes
 }
 
 #[cfg(test)]

@@ -11,6 +11,9 @@ const PART: usize = 1024;
 /// Of some values v, which are finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueSpread {
+    pub count: u64,
+    /// From where moments are counted.
+    pub from: f64,
     pub least: f64,
     pub greatest: f64,
     /// Σ(v − from) and Σ(v − from)²
@@ -19,10 +22,31 @@ pub struct ValueSpread {
 }
 
 impl ValueSpread {
-    /// The bits do not depend on the machine's vectors: each of the sums abreast runs by itself.
-    pub fn of(values: &[f64], from: f64) -> Self {
-        pulp::Arch::new().dispatch(Spreading { values, from })
+    /// Of no values yet.
+    pub fn from(from: f64) -> Self {
+        Self { count: 0, from, least: f64::INFINITY, greatest: f64::NEG_INFINITY, sum: 0.0, squares: 0.0 }
     }
+
+    /// The bits do not depend on the machine's vectors: each of the sums abreast runs by itself.
+    pub fn add(&mut self, values: &[f64]) {
+        let more = pulp::Arch::new().dispatch(Spreading { values, from: self.from });
+        self.count += more.count;
+        self.least = self.least.min(more.least);
+        self.greatest = self.greatest.max(more.greatest);
+        self.sum += more.sum;
+        self.squares += more.squares;
+    }
+
+    /// Standard deviation.
+    pub fn sd(&self) -> f64 {
+        deviation(self.sum, self.squares, self.count)
+    }
+}
+
+/// Standard deviation of values with these moments.
+pub fn deviation(sum: f64, squares: f64, count: u64) -> f64 {
+    let n = (count as f64).max(1.0);
+    (squares / n - (sum / n).powi(2)).max(0.0).sqrt()
 }
 
 struct Spreading<'a> {
@@ -66,6 +90,8 @@ impl WithSimd for Spreading<'_> {
             }
         }
         ValueSpread {
+            count: values.len() as u64,
+            from,
             least: least.into_iter().fold(f64::INFINITY, f64::min),
             greatest: greatest.into_iter().fold(f64::NEG_INFINITY, f64::max),
             sum: sum.iter().sum(),
@@ -85,12 +111,16 @@ mod tests {
             let values: Vec<f64> = (0..count).map(|n| f64::from(n + 3)).collect();
             let n = f64::from(count) - 1.0;
             let expected = ValueSpread {
+                count: u64::from(count),
+                from: 3.0,
                 least: 3.0,
                 greatest: n + 3.0,
                 sum: n * (n + 1.0) / 2.0,
                 squares: n * (n + 1.0) * (2.0 * n + 1.0) / 6.0,
             };
-            assert_eq!(ValueSpread::of(&values, 3.0), expected, "{count} values");
+            let mut spread = ValueSpread::from(3.0);
+            spread.add(&values);
+            assert_eq!(spread, expected, "{count} values");
         }
     }
 }

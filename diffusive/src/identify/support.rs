@@ -1,10 +1,12 @@
 //! Whether a record supports its model, and what it lacks if not.
 
-use super::error::{GREATEST, Unidentifiable};
 use super::folds::FOLDS;
 use super::pass::Facts;
-use super::record::Survey;
+use super::record::{RecordError, Survey};
 use crate::model::{Model, ModelOutput};
+
+/// Column values beyond it have squares, and sums of squares, that are no longer numbers.
+const GREATEST: f64 = 1e100;
 
 /// An input that is not at its first value in fewer rows than this, counted as rows of its greatest
 /// departure, excites too little.
@@ -17,30 +19,32 @@ pub fn refuse(
     classes: &[String],
     gated: bool,
     from_rest: bool,
-) -> Result<(), Unidentifiable> {
-    let columns = survey.inputs.iter().zip(&facts.input_range).chain(survey.outputs.iter().zip(&facts.output_range));
-    for (name, &[least, most]) in columns {
-        if most.abs().max(least.abs()) > GREATEST {
-            return Err(Unidentifiable::HugeValues { column: name.clone(), least, most });
-        }
+) -> Result<(), RecordError> {
+    let inputs = survey.inputs.iter().enumerate().map(|(input, name)| (name, facts.input_range(input)));
+    let outputs = survey.outputs.iter().zip(&facts.outputs).map(|(name, of)| (name, [of.least, of.greatest]));
+    for (name, [least, most]) in inputs.chain(outputs) {
+        survey.refuse_if(
+            most.abs().max(least.abs()) > GREATEST,
+            format_args!("column `{name}` reaches from {least:e} to {most:e}: values beyond ±{GREATEST:e} cannot be worked with; correct them, or choose another unit"),
+        )?;
     }
     for (input, name) in survey.inputs.iter().enumerate() {
-        let [value, _] = facts.input_range[input];
+        let ([value, _], rows) = (facts.input_range(input), facts.rows);
         // From rest, a constant is a step at the first row.
-        if facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0) {
-            return Err(Unidentifiable::ConstantInput { column: name.clone(), value, rows: facts.rows });
-        }
+        survey.refuse_if(
+            facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0),
+            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input"),
+        )?;
     }
     if gated {
         for (class, label) in classes.iter().enumerate() {
-            let excited = (0..survey.inputs.len()).any(|input| facts.class_input_sd(class, input) > 0.0);
-            if !excited {
-                return Err(Unidentifiable::SilentClass {
-                    label: label.clone(),
-                    column: survey.event_column.clone().unwrap_or_else(|| "event".to_owned()),
-                    rows: facts.class_rows.get(class).copied().unwrap_or(0),
-                });
-            }
+            let spreads = facts.classes.get(class).map_or(&[][..], Vec::as_slice);
+            let column = survey.event_column.as_deref().unwrap_or("event");
+            let rows = spreads.first().map_or(0, |input| input.count);
+            survey.refuse_if(
+                spreads.iter().all(|input| input.sd() == 0.0),
+                format_args!("class `{label}` of column `{column}` has no excitation: no input changes in its {rows} rows; excite it there, or give these rows another label"),
+            )?;
         }
     }
     Ok(())
@@ -49,11 +53,11 @@ pub fn refuse(
 /// What makes the record a poor one.
 pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
     let mut warnings = Vec::new();
-    for (output, name) in survey.outputs.iter().enumerate() {
-        if facts.output_sd(output) == 0.0 {
-            let [value, _] = facts.output_range[output];
+    for (spread, name) in facts.outputs.iter().zip(&survey.outputs) {
+        if spread.sd() == 0.0 {
             warnings.push(format!(
-                "`{name}` is {value} in all rows: the output does not answer; is it the right column, and is the sensor connected?"
+                "`{name}` is {} in all rows: the output does not answer; is it the right column, and is the sensor connected?",
+                spread.least
             ));
         }
     }
@@ -96,29 +100,42 @@ pub fn silent(model: &Model) -> Vec<String> {
     outputs.map(sentence).collect()
 }
 
+/// Refuses as many unknowns as there are rows, or more.
+pub fn solvable(survey: &Survey, unknowns: usize) -> Result<(), RecordError> {
+    let rows = survey.rows;
+    survey.refuse_if(
+        unknowns as u64 >= rows,
+        format_args!("has {rows} rows for {unknowns} unknowns: record longer, or ask for fewer with --order"),
+    )
+}
+
 /// Most memory for the sums of all meshes together, bytes.
 const MOST_BYTES: f64 = 4e9;
 
 /// Refuses more unknowns than any machine should be asked for. `unknowns`: of every mesh that would
 /// be tried.
-pub fn affordable(unknowns: &[usize], inputs: usize, classes: usize) -> Result<(), Unidentifiable> {
+pub fn affordable(survey: &Survey, unknowns: &[usize], classes: usize) -> Result<(), RecordError> {
     let bytes: f64 = unknowns.iter().map(|&count| 8.0 * FOLDS as f64 * (count as f64).powi(2)).sum();
-    if bytes <= MOST_BYTES {
-        return Ok(());
-    }
     let unknowns = unknowns.iter().copied().max().unwrap_or(0);
-    Err(Unidentifiable::Unaffordable { inputs, classes, unknowns, gigabytes: bytes / 1e9 })
+    let (inputs, gigabytes) = (survey.inputs.len(), bytes / 1e9);
+    survey.refuse_if(
+        bytes > MOST_BYTES,
+        format_args!("has {inputs} inputs and {classes} event classes, which make up to {unknowns} unknowns and {gigabytes:.0} GB of sums: join classes, name fewer inputs, or ask for fewer rates with --order"),
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::record::{RecordSource as _, RecordTable};
 
     #[test]
     fn unknowns_beyond_the_memory_of_machines_are_refused() {
-        assert_eq!(affordable(&[500, 800], 1, 60), Ok(()));
+        let inputs = (0..10).map(|input| (format!("u{input}"), vec![0.0, 1.0])).collect();
+        let table = RecordTable::new(1.0, inputs, vec![("y".to_owned(), vec![0.0, 1.0])]).unwrap();
+        assert!(affordable(table.survey(), &[500, 800], 60).is_ok());
         // 8 bytes, ten folds, 20 000²: 32 GB.
-        let sentence = affordable(&[500, 20_000], 10, 64).unwrap_err().to_string();
-        assert!(sentence.starts_with("has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
+        let sentence = affordable(table.survey(), &[500, 20_000], 64).unwrap_err().to_string();
+        assert!(sentence.contains(": has 10 inputs and 64 event classes, which make up to 20000 unknowns and 32 GB"));
     }
 }

@@ -19,32 +19,17 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::candidates::terms;
-use super::choose::{Choice, ScoredCandidate, change};
-use super::design::{RegressionDesign, Role};
-use super::error::Unidentifiable;
-use super::folds::{Score, score};
-use super::gram::Gram;
+use super::choose::{Choice, ScoredCandidate};
+use super::design::Role;
+use super::folds::{FoldedEquations, Score, change};
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
 use super::options::IdentifyOptions;
-use super::prior::Scales;
-use super::record::Survey;
+use super::record::{RecordError, Survey};
+use super::symbol::plan::{BankPart, SymbolReading};
 use crate::model::Structure;
 
 /// From what ratio of mean squared cross-validated errors on the record speaks against the ties.
 const WORSE: f64 = 1.1;
-
-/// What ties need to know of the designs.
-pub struct Ties<'a> {
-    pub designs: &'a [RegressionDesign],
-    /// By design.
-    pub folds: &'a [Vec<Gram>],
-    pub scales: &'a Scales,
-    pub first_drives: &'a [f64],
-    /// By bank: input and class.
-    pub parts: Vec<(usize, usize)>,
-    /// By output and bank: whether the output sees it.
-    pub sees: &'a [Vec<bool>],
-}
 
 /// The choices with shared resistances, why, and what speaks against it.
 pub struct Tied {
@@ -54,20 +39,26 @@ pub struct Tied {
 }
 
 /// Refuses a record in which there is nothing to tie, and what ties are not for.
-pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), Unidentifiable> {
-    refuse_if!(options.structure == Some(Structure::Conductance), Unidentifiable::TiesOfConductance);
-    refuse_if!(options.free_poles.is_some(), Unidentifiable::TiesOfFreePoles);
-    if survey.inputs.len() == survey.outputs.len() && survey.inputs.len() > 1 {
-        return Ok(());
-    }
-    Err(Unidentifiable::NothingToTie { inputs: survey.inputs.clone(), outputs: survey.outputs.clone() })
+pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError> {
+    let is_conductance = options.structure == Some(Structure::Conductance);
+    survey.refuse_if(is_conductance, "tied pairs are for structure `symbol`: leave out --tie")?;
+    survey.refuse_if(
+        options.free_poles.is_some(),
+        "free poles differ from output to output, and tied pairs share theirs: choose one of --free-poles and --tie",
+    )?;
+    let (inputs, outputs) = (&survey.inputs, &survey.outputs);
+    survey.refuse_if(
+        inputs.len() != outputs.len() || inputs.len() < 2,
+        format_args!(
+            "{} inputs ({}) and {} outputs ({}) cannot be tied: name as many outputs as inputs, two at least, in the same order with --input and --output",
+            inputs.len(), inputs.join(", "), outputs.len(), outputs.join(", ")
+        ),
+    )
 }
 
 /// One output's part of the joint problem.
 struct TiedOutput {
-    terms: Vec<ModelTerm>,
-    folds: Vec<NormalEquations>,
-    total: NormalEquations,
+    equations: FoldedEquations,
     penalty: DMatrix<f64>,
     positive: Vec<bool>,
     /// For every parameter of its own, which one of all it is.
@@ -82,106 +73,99 @@ enum TiedParameter {
     Own(usize, usize),
 }
 
-impl Ties<'_> {
-    /// Solves all outputs together; `choices` are what each would be alone.
-    pub fn tie(&self, choices: &[Choice]) -> Tied {
-        let mean_log = |scores: &[Score]| scores.iter().map(|score| score.overall().max(1e-300).ln()).sum::<f64>();
-        let candidates = choices.iter().map(|choice| {
-            let parts = self.parts_for(&choice.trial, choices);
-            let scores: Vec<Score> =
-                parts.iter().map(|part| score(&part.folds, &part.total, &part.penalty, None)).collect();
-            (&choice.trial, parts, scores)
-        });
-        let best = candidates.min_by(|a, b| mean_log(&a.2).total_cmp(&mean_log(&b.2)));
-        let (trial, parts, scores) = best.expect("a record has an output");
+/// Solves all outputs together; `choices` are what each would be alone.
+pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
+    let mean_log = |scores: &[Score]| scores.iter().map(|score| score.overall().max(1e-300).ln()).sum::<f64>();
+    let candidates = choices.iter().map(|choice| {
+        let parts = parts_for(reading, &choice.trial, choices);
+        let scores: Vec<Score> = parts.iter().map(|part| part.equations.score(&part.penalty, None)).collect();
+        (&choice.trial, parts, scores)
+    });
+    let best = candidates.min_by(|a, b| mean_log(&a.2).total_cmp(&mean_log(&b.2)));
+    let (trial, parts, scores) = best.expect("a record has an output");
 
-        let positive = joined_signs(&parts);
-        let held = positive.contains(&true).then_some(&positive[..]);
-        let alone = |part: &TiedOutput| {
-            let held = part.positive.contains(&true).then_some(&part.positive[..]);
-            part.total.solve(&part.penalty, held).noise_variance
-        };
-        let mut variances: Vec<f64> = parts.iter().map(alone).collect();
-        let floor = |variances: &mut Vec<f64>| {
-            // Outputs without noise would weigh infinitely.
-            let greatest = variances.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            variances.iter_mut().for_each(|variance| *variance = variance.max(1e-12 * greatest));
-        };
-        let mut solved = Vec::new();
-        for _ in 0..2 {
-            floor(&mut variances);
-            let (total, penalty) = joint(&parts, &variances, |part| &part.total);
-            solved = split(&parts, &variances, &total.solve(&penalty, held));
-            variances = solved.iter().map(|solution| solution.noise_variance).collect();
-        }
+    let positive = joined_signs(&parts);
+    let held = positive.contains(&true).then_some(&positive[..]);
+    let alone = |part: &TiedOutput| {
+        let held = part.positive.contains(&true).then_some(&part.positive[..]);
+        part.equations.total.solve(&part.penalty, held).noise_variance
+    };
+    let mut variances: Vec<f64> = parts.iter().map(alone).collect();
+    let floor = |variances: &mut Vec<f64>| {
+        // Outputs without noise would weigh infinitely.
+        let greatest = variances.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        variances.iter_mut().for_each(|variance| *variance = variance.max(1e-12 * greatest));
+    };
+    let mut solved = Vec::new();
+    for _ in 0..2 {
         floor(&mut variances);
-        let singles = held_out(&parts, &variances, held);
-        let log_ratio = |(tied, alone): (&Vec<f64>, &Score)| {
-            let mean = tied.iter().sum::<f64>() / tied.len().max(1) as f64;
-            (mean.max(1e-300) / alone.mean_single().max(1e-300)).ln()
-        };
-        let ratio = (singles.iter().zip(&scores).map(log_ratio).sum::<f64>() / parts.len() as f64).exp();
-        let reason = format!("pairs tied, R(i → j) = R(j → i): cross-validated error {} against untied", change(ratio));
-        let warning = (ratio > WORSE).then(|| {
-            format!(
-                "the record speaks against tied pairs (cross-validated error {}): are inputs and outputs in the same order and unit, and do the conditions hold for all elements? Else leave out --tie",
-                change(ratio)
-            )
+        let (total, penalty) = joint(&parts, &variances, |part| &part.equations.total);
+        solved = split(&parts, &variances, &total.solve(&penalty, held));
+        variances = solved.iter().map(|solution| solution.noise_variance).collect();
+    }
+    floor(&mut variances);
+    let singles = held_out(&parts, &variances, held);
+    let log_ratio = |(tied, alone): (&Vec<f64>, &Score)| {
+        let mean = tied.iter().sum::<f64>() / tied.len().max(1) as f64;
+        (mean.max(1e-300) / alone.mean_single().max(1e-300)).ln()
+    };
+    let ratio = (singles.iter().zip(&scores).map(log_ratio).sum::<f64>() / parts.len() as f64).exp();
+    let reason = format!("pairs tied, R(i → j) = R(j → i): cross-validated error {} against untied", change(ratio));
+    let warning = (ratio > WORSE).then(|| {
+        format!(
+            "the record speaks against tied pairs (cross-validated error {}): are inputs and outputs in the same order and unit, and do the conditions hold for all elements? Else leave out --tie",
+            change(ratio)
+        )
+    });
+    let trial = trial.clone();
+    let mut tied = Vec::with_capacity(parts.len());
+    for ((((part, solution), single), score), choice) in
+        parts.into_iter().zip(solved).zip(singles).zip(scores).zip(choices)
+    {
+        tied.push(Choice {
+            trial: ScoredCandidate { score: Score { single, ..score }, ..trial.clone() },
+            terms: part.equations.terms,
+            positive: part.positive.contains(&true).then_some(part.positive),
+            solution,
+            rivals: choice.rivals.clone(),
+            sign_reason: choice.sign_reason.clone(),
+            gain_spread: Vec::new(),
+            reason: None,
         });
-        let trial = trial.clone();
-        let mut tied = Vec::with_capacity(parts.len());
-        for ((((part, solution), single), score), choice) in
-            parts.into_iter().zip(solved).zip(singles).zip(scores).zip(choices)
-        {
-            tied.push(Choice {
-                trial: ScoredCandidate { score: Score { single, ..score }, ..trial.clone() },
-                terms: part.terms,
-                positive: part.positive.contains(&true).then_some(part.positive),
-                solution,
-                rivals: choice.rivals.clone(),
-                sign_reason: choice.sign_reason.clone(),
-                gain_spread: Vec::new(),
-                reason: None,
-            });
-        }
-        Tied { choices: tied, reason, warning }
     }
+    Tied { choices: tied, reason, warning }
+}
 
-    /// Every output's part for one trial.
-    fn parts_for(&self, trial: &ScoredCandidate, choices: &[Choice]) -> Vec<TiedOutput> {
-        let roles = self.designs[trial.mesh].roles();
-        let mut known: HashMap<TiedParameter, usize> = HashMap::new();
-        let mut parts = Vec::new();
-        for (output, choice) in choices.iter().enumerate() {
-            let all = terms(&roles, trial.initial_state, trial.feed_through, self.first_drives);
-            let bank_of = |term: &ModelTerm| match term.role {
-                Role::Relaxation { bank, k, .. } => Some((bank, Some(k))),
-                Role::FeedThrough { bank } => Some((bank, None)),
-                Role::Initial { .. } | Role::Offset => None,
-            };
-            let seen = |term: &ModelTerm| bank_of(term).is_none_or(|(bank, _)| self.sees[output][bank]);
-            let terms: Vec<ModelTerm> = all.into_iter().filter(seen).collect();
-            let key = |(at, term): (usize, &ModelTerm)| match bank_of(term) {
-                Some((bank, k)) => {
-                    let (input, class) = self.parts[bank];
-                    TiedParameter::Shared(input.min(output), input.max(output), class, k)
-                }
-                None => TiedParameter::Own(output, at),
-            };
-            let mut index = Vec::with_capacity(terms.len());
-            for key in terms.iter().enumerate().map(key) {
-                let next = known.len();
-                index.push(*known.entry(key).or_insert(next));
-            }
-            let problem = |gram: &Gram| NormalEquations::of(gram, &terms, choices.len(), output);
-            let folds: Vec<NormalEquations> = self.folds[trial.mesh].iter().map(problem).collect();
-            let total = NormalEquations::total(&folds);
-            let penalty = self.scales.penalty(trial.prior, &terms, &total);
-            let positive = terms.iter().map(|term| bank_of(term).is_some_and(|(bank, _)| holds(choice, bank)));
-            parts.push(TiedOutput { positive: positive.collect(), penalty, total, folds, index, terms });
+/// Every output's part for one trial.
+fn parts_for(reading: &SymbolReading, trial: &ScoredCandidate, choices: &[Choice]) -> Vec<TiedOutput> {
+    let SymbolReading { plan, passed, scales, first_drives } = reading;
+    let roles = plan.designs[trial.mesh].roles();
+    let mut known: HashMap<TiedParameter, usize> = HashMap::new();
+    let mut parts = Vec::new();
+    for (output, choice) in choices.iter().enumerate() {
+        let all = terms(&roles, trial.initial_state, trial.feed_through, first_drives);
+        let seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(output));
+        let terms: Vec<ModelTerm> = all.into_iter().filter(seen).collect();
+        let shared = |bank: usize, k| {
+            let BankPart { input, class, .. } = plan.parts[bank];
+            TiedParameter::Shared(input.min(output), input.max(output), class, k)
+        };
+        let key = |(at, term): (usize, &ModelTerm)| match term.role {
+            Role::Relaxation { bank, k, .. } => shared(bank, Some(k)),
+            Role::FeedThrough { bank } => shared(bank, None),
+            Role::Initial { .. } | Role::Offset => TiedParameter::Own(output, at),
+        };
+        let mut index = Vec::with_capacity(terms.len());
+        for key in terms.iter().enumerate().map(key) {
+            let next = known.len();
+            index.push(*known.entry(key).or_insert(next));
         }
-        parts
+        let positive = terms.iter().map(|term| term.role.bank().is_some_and(|bank| holds(choice, bank))).collect();
+        let equations = FoldedEquations::of(&passed.folds[trial.mesh], terms, choices.len(), output);
+        let penalty = equations.penalty(scales, trial.prior);
+        parts.push(TiedOutput { equations, penalty, positive, index });
     }
+    parts
 }
 
 /// Whether an output's own choice holds a bank's resistances at or above zero.
@@ -235,10 +219,11 @@ fn split(parts: &[TiedOutput], variances: &[f64], joint: &PenalisedSolution) -> 
         let size = part.index.len();
         let block = |of: &DMatrix<f64>| DMatrix::from_fn(size, size, |i, j| of[(part.index[i], part.index[j])]);
         let (covariance, inverse, pulled) = (block(&joint.covariance), block(&joint.inverse), block(&joint.pulled));
-        let rss = part.total.squared_error(&theta);
+        let total = &part.equations.total;
+        let rss = total.squared_error(&theta);
         // Of the parameters that outputs share, each counts those that its own rows decide.
-        let degrees = part.total.g.component_mul(&inverse).sum() / variance;
-        let noise_variance = rss / (part.total.rows - degrees).max(1.0);
+        let degrees = total.g.component_mul(&inverse).sum() / variance;
+        let noise_variance = rss / (total.rows - degrees).max(1.0);
         PenalisedSolution { theta, covariance, inverse, pulled, rss, degrees, noise_variance }
     };
     parts.iter().zip(variances).map(of).collect()
@@ -246,14 +231,15 @@ fn split(parts: &[TiedOutput], variances: &[f64], joint: &PenalisedSolution) -> 
 
 /// Mean squared errors on single held-out folds, by output.
 fn held_out(parts: &[TiedOutput], variances: &[f64], held: Option<&[bool]>) -> Vec<Vec<f64>> {
-    let (total, penalty) = joint(parts, variances, |part| &part.total);
+    let (total, penalty) = joint(parts, variances, |part| &part.equations.total);
     let mut errors = vec![Vec::new(); parts.len()];
-    for fold in 1..parts[0].folds.len() {
-        let (left_out, _) = joint(parts, variances, |part| &part.folds[fold]);
+    for fold in 1..parts[0].equations.folds.len() {
+        let (left_out, _) = joint(parts, variances, |part| &part.equations.folds[fold]);
         let theta = total.minus(&left_out).estimate(&penalty, held);
         for (part, errors) in parts.iter().zip(&mut errors) {
             let own = DVector::from_iterator(part.index.len(), part.index.iter().map(|&at| theta[at]));
-            errors.push(part.folds[fold].squared_error(&own) / part.folds[fold].rows.max(1.0));
+            let problem = &part.equations.folds[fold];
+            errors.push(problem.squared_error(&own) / problem.rows.max(1.0));
         }
     }
     errors

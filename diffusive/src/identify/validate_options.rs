@@ -3,9 +3,8 @@
 
 use std::f64::consts::PI;
 
-use super::error::{LEAST_ROWS, Unidentifiable};
 use super::options::IdentifyOptions;
-use super::record::Survey;
+use super::record::{RecordError, Survey};
 use super::{refine, tied};
 use recording::text::tidy;
 
@@ -14,31 +13,42 @@ use recording::text::tidy;
 const MARKED: f64 = 10.0;
 const REFUSED: f64 = 1e3 / PI;
 
+/// The least number of rows that anything is made of.
+pub const LEAST_ROWS: u64 = 20;
+
 /// Refuses options that this record cannot meet.
-pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), Unidentifiable> {
+pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError> {
     let (rows, period_s) = (survey.rows, survey.sample_period_s);
-    refuse_if!(rows < LEAST_ROWS, Unidentifiable::FewRows { rows });
+    survey.refuse_if(rows < LEAST_ROWS, format_args!("has {rows} rows: a model takes at least {LEAST_ROWS}"))?;
     if options.tie {
         tied::refuse(survey, options)?;
     }
     if let Some(poles) = options.free_poles {
-        refine::refuse(poles, options)?;
+        refine::refuse(survey, poles, options)?;
     }
-    if options.cross.is_some() && survey.inputs.len() == 1 && survey.outputs.len() == 1 {
-        let (input, output) = (survey.inputs[0].clone(), survey.outputs[0].clone());
-        return Err(Unidentifiable::NoCrossHeating { input, output });
-    }
-    if let Some(delay) = options.constraints.delay.filter(|&delay| delay as u64 > rows / 4) {
-        return Err(Unidentifiable::LongDeadTime { rows, delay });
-    }
+    survey.refuse_if(
+        options.cross.is_some() && survey.inputs.len() == 1 && survey.outputs.len() == 1,
+        format_args!(
+            "has one input, `{}`, and one output, `{}`, so no heat crosses from one element to another: leave out --cross-order and --cross-mesh, or name more columns with --input and --output",
+            survey.inputs[0], survey.outputs[0]
+        ),
+    )?;
+    let delay = options.constraints.delay.unwrap_or(0);
+    survey.refuse_if(
+        delay as u64 > rows / 4,
+        format_args!(
+            "has {rows} rows: a dead time of {delay} samples leaves too few to learn from (at most a quarter)"
+        ),
+    )?;
     for (first, last) in edges(options) {
         // Far beyond what the record shows, rates cannot be told from feed-through or from an
         // offset.
         let (least, most) = (1e-4 / (rows as f64 * period_s), REFUSED * PI / period_s);
-        if first < least || last > most {
-            let duration_s = rows as f64 * period_s;
-            return Err(Unidentifiable::MeshBeyondRecord { duration_s, period_s, first, last, least, most });
-        }
+        let duration_s = rows as f64 * period_s;
+        survey.refuse_if(
+            first < least || last > most,
+            format_args!("lasts {duration_s:.4} s in steps of {period_s:.4} s: a mesh from {first:e} to {last:e} rad/s reaches far beyond what it shows; stay within {least:.1e} to {most:.1e}"),
+        )?;
     }
     Ok(())
 }

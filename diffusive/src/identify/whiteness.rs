@@ -8,11 +8,13 @@
 //! cross-validated error is taken for proof as well.
 
 use super::choose::Choice;
-use super::design::RegressionDesign;
-use super::error::IdentifyError;
-use super::options::InitialState;
-use super::record::RecordSource;
-use super::residual_pass::{OutputResiduals, residuals_of_all};
+use super::fitted::FittedOutput;
+use super::gas_source::GasSource;
+use super::options::{FitObserver, InitialState};
+use super::record::{RecordError, RecordSource};
+use super::residual_pass::ResidualPass;
+use super::residuals::Residuals;
+use super::symbol::plan::SymbolReading;
 
 /// Correlated residuals make standard errors larger by this or more: coloured.
 const COLOURED: f64 = 1.1;
@@ -21,51 +23,47 @@ const COLOURED: f64 = 1.1;
 /// a choice of an output's best rival.
 pub fn prefer_white(
     source: &mut dyn RecordSource,
-    designs: &[RegressionDesign],
-    output_shift: &[f64],
+    reading: &SymbolReading,
     choices: Vec<Choice>,
     settle: &dyn Fn(usize, &Choice) -> Option<Choice>,
-    tell: &mut dyn FnMut(u64),
-) -> Result<Vec<Choice>, IdentifyError> {
-    // A record of one output and one mesh has no rivals: no reading is spent on it.
-    let rivals: Vec<Option<Choice>> =
+    seen: &mut FitObserver<'_>,
+) -> Result<Vec<Choice>, RecordError> {
+    let mut residuals_of = |choices: &mut dyn Iterator<Item = &Choice>| {
+        let fitted: Vec<FittedOutput> =
+            choices.enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
+        ResidualPass::of(source, GasSource::Constant(0.0), &fitted, seen).map(|pass| pass.residuals)
+    };
+    let mut rivals: Vec<Option<Choice>> =
         choices.iter().enumerate().map(|(output, choice)| settle(output, choice)).collect();
+    // A record of one output and one mesh has no rivals: no reading is spent on it.
     if rivals.iter().all(Option::is_none) {
         return Ok(choices);
     }
-    let residuals = residuals_of_all(source, designs, output_shift, &choices, &mut |seen| tell(seen.row))?;
-    let coloured: Vec<bool> =
-        residuals.iter().enumerate().map(|(output, residuals)| !is_white(residuals, output)).collect();
-    let second: Vec<Choice> = choices
-        .iter()
-        .zip(&rivals)
-        .zip(&coloured)
-        .map(|((choice, rival), coloured)| rival.clone().filter(|_| *coloured).unwrap_or_else(|| choice.clone()))
-        .collect();
-    if !rivals.iter().zip(&coloured).any(|(rival, coloured)| rival.is_some() && *coloured) {
+    for (rival, residuals) in rivals.iter_mut().zip(residuals_of(&mut choices.iter())?) {
+        rival.take_if(|_| is_white(&residuals));
+    }
+    if rivals.iter().all(Option::is_none) {
         return Ok(choices);
     }
-    let residuals = residuals_of_all(source, designs, output_shift, &second, &mut |seen| tell(seen.row))?;
-    let pick = |(output, (choice, mut second)): (usize, (Choice, Choice))| {
-        let wins = coloured[output] && rivals[output].is_some();
-        if wins && is_white(&residuals[output], output) {
-            let reason = "residuals: white; those of fewer rates, or of a higher lower edge, were coloured";
-            second.reason = Some(reason.to_owned());
-            second
-        } else if wins && is_evident(&choice, &second) {
-            let reason = "residuals: coloured, but cross-validated errors are half those of fewer rates, or of a higher lower edge";
-            second.reason = Some(reason.to_owned());
-            second
+    let mut second = choices.iter().zip(&rivals).map(|(choice, rival)| rival.as_ref().unwrap_or(choice));
+    let residuals = residuals_of(&mut second)?;
+    let pick = |((choice, rival), residuals): ((Choice, Option<Choice>), Residuals)| {
+        let Some(rival) = rival else { return choice };
+        let reason = if is_white(&residuals) {
+            "residuals: white; those of fewer rates, or of a higher lower edge, were coloured"
+        } else if is_evident(&choice, &rival) {
+            "residuals: coloured, but cross-validated errors are half those of fewer rates, or of a higher lower edge"
         } else {
-            choice
-        }
+            return choice;
+        };
+        Choice { reason: Some(reason.to_owned()), ..rival }
     };
-    Ok(choices.into_iter().zip(second).enumerate().map(pick).collect())
+    Ok(choices.into_iter().zip(rivals).zip(residuals).map(pick).collect())
 }
 
 /// Whether an output's residuals show no memory that would make standard errors larger by a tenth.
-pub fn is_white(residuals: &OutputResiduals, output: usize) -> bool {
-    residuals.pass.residuals[output].whiteness().is_none_or(|whiteness| whiteness.inflation < COLOURED)
+pub fn is_white(residuals: &Residuals) -> bool {
+    residuals.whiteness().is_none_or(|whiteness| whiteness.inflation < COLOURED)
 }
 
 /// Half the cross-validated error or less. Not where the initial state was known: there the choice

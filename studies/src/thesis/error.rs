@@ -1,8 +1,6 @@
 //! Why a study came to no end.
 
-use diffusive::identify::IdentifyError;
 use diffusive::identify::record::RecordError;
-use diffusive::identify::validate::ValidateError;
 use diffusive::model::merge::MergeError;
 use diffusive::predict::PredictError;
 use host_sim::run::RunError;
@@ -20,15 +18,9 @@ pub enum StudyError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A record cannot be identified from.
+    /// A record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The identification failed.
-    #[error(transparent)]
-    Identify(#[from] IdentifyError),
-    /// A model does not go with a record.
-    #[error(transparent)]
-    Validate(#[from] ValidateError),
     /// Models do not go together.
     #[error(transparent)]
     Merge(#[from] MergeError),

@@ -35,10 +35,9 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use super::error::{IdentifyError, Unidentifiable};
 use super::labels::labels;
 use super::options::{FitObserver, GasGiven, IdentifyOptions, Progress};
-use super::record::{RecordSource, Survey};
+use super::record::{RecordError, RecordSource, Survey};
 use crate::model::Model;
 use search::WindSearch;
 
@@ -51,10 +50,9 @@ pub fn identify(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
+) -> Result<Model, RecordError> {
     let classes = labels(source, progress)?;
-    let named =
-        named_reference(options, source.survey(), &classes).map_err(|reason| IdentifyError::unfit(source, reason))?;
+    let named = named_reference(options, source.survey(), &classes)?;
     let found = search(source, options, &classes, named, progress)?;
     let mut model = report::model(source, &found, options, progress, observer)?;
     if let GasGiven::ConstantC(given_c) = options.gas {
@@ -77,7 +75,7 @@ fn search(
     classes: &[String],
     named: Option<usize>,
     progress: &mut Progress<'_>,
-) -> Result<WindSearch, IdentifyError> {
+) -> Result<WindSearch, RecordError> {
     let found = WindSearch::of(source, options, classes, named.unwrap_or(0), progress)?;
     match (named, found.weakest_class()) {
         (None, weakest) if weakest != 0 => WindSearch::of(source, options, classes, weakest, progress),
@@ -90,17 +88,27 @@ fn named_reference(
     options: &IdentifyOptions,
     survey: &Survey,
     classes: &[String],
-) -> Result<Option<usize>, Unidentifiable> {
-    refuse_if!(classes.len() < 2, Unidentifiable::OneClass { label: classes[0].clone() });
+) -> Result<Option<usize>, RecordError> {
+    if let [label] = classes {
+        return Err(survey.refuse(format!(
+            "has one event class (`{label}`): conductances are told from one another by at least two; name their column with --event"
+        )));
+    }
     let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
-    refuse_if!(inputs != outputs, Unidentifiable::NoElements { inputs, outputs });
-    if options.constraints.delay.is_some_and(|delay| delay > 0) || options.constraints.feed_through == Some(true) {
-        return Err(Unidentifiable::DeadTimeOfConductance);
-    }
-    refuse_if!(options.gas == GasGiven::Column && survey.gas_column.is_none(), Unidentifiable::NoGasColumn);
+    survey.refuse_if(
+        inputs != outputs,
+        format_args!("has {inputs} inputs and {outputs} outputs: structure `conductance` needs the power and the temperature of each element, in the same order (--input, --output)"),
+    )?;
+    survey.refuse_if(
+        options.constraints.delay.is_some_and(|delay| delay > 0) || options.constraints.feed_through == Some(true),
+        "structure `conductance` knows no dead time and no feed-through: the loss goes with the very temperature that is measured",
+    )?;
+    survey.refuse_if(
+        options.gas == GasGiven::Column && survey.gas_column.is_none(),
+        "has no gas column, from which the temperature of the gas was to come: name one, or give the temperature as a number (--gas-temperature)",
+    )?;
     let Some(label) = &options.reference else { return Ok(None) };
-    match classes.iter().position(|known| known == label) {
-        Some(class) => Ok(Some(class)),
-        None => Err(Unidentifiable::NoReference { label: label.clone(), classes: classes.to_vec() }),
-    }
+    let class = classes.iter().position(|known| known == label);
+    let known = || format!("has no class `{label}` for a reference; there are {}", classes.join(", "));
+    class.map(Some).ok_or_else(|| survey.refuse(known()))
 }

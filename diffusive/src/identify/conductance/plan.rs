@@ -2,8 +2,7 @@
 
 use super::super::candidates::{self, CandidateMesh};
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::super::options::InitialState;
-use super::super::options::{GasGiven, IdentifyOptions};
+use super::super::options::{GasGiven, IdentifyOptions, InitialState};
 use super::super::pass::Passed;
 use super::super::prior::Prior;
 use super::super::record::Survey;
@@ -84,16 +83,6 @@ pub(super) fn design(
     RegressionDesign { banks, initial_rad_s: mesh.rates_rad_s.clone(), outputs: elements }
 }
 
-/// Priors speak of what a bank's resistances make of its drive: only the banks of inputs and gas
-/// carry parameters.
-pub(super) fn drive_scale(bank: &RelaxationBank, passed: &Passed) -> f64 {
-    match bank.drive {
-        BankDrive::Input(input) | BankDrive::Gated { input, .. } => passed.facts.input_scale(input),
-        BankDrive::Gas => passed.facts.gas_sd(),
-        BankDrive::Loss { .. } | BankDrive::Gate { .. } => 1.0,
-    }
-}
-
 /// Whether structures that follow the gas are tried, and those that do not: a gas that stands still
 /// tells nothing, and one that hardly moves may tell less than it costs.
 pub(super) fn followings(gas: GasBanks, passed: &Passed) -> Vec<bool> {
@@ -103,7 +92,7 @@ pub(super) fn followings(gas: GasBanks, passed: &Passed) -> Vec<bool> {
 /// Where the search for the gas temperature starts: a little below the coldest that was measured.
 pub(super) fn gas_guess(options: &IdentifyOptions, passed: &Passed) -> f64 {
     match options.gas {
-        GasGiven::Unknown => passed.facts.output_range.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min),
+        GasGiven::Unknown => passed.facts.outputs.iter().map(|of| of.least).fold(f64::INFINITY, f64::min),
         GasGiven::ConstantC(_) | GasGiven::Column => 0.0,
     }
 }

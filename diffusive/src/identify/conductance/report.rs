@@ -2,28 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
-
 use super::super::candidates::CandidateMesh;
-use super::super::choose::change;
-use super::super::design::Role;
-use super::super::error::IdentifyError;
+use super::super::fitted::FittedOutput;
+use super::super::folds::change;
 use super::super::gram::Gram;
-use super::super::normal_equations::{ModelTerm, in_columns};
-use super::super::options::InitialState;
-use super::super::options::{FitObserver, GasGiven, IdentifyOptions, Progress};
-use super::super::outcome::{chosen_by, decays};
+use super::super::options::{FitObserver, GasGiven, IdentifyOptions, InitialState, Progress};
+use super::super::outcome::{self, chosen_by};
 use super::super::pass::Passed;
-use super::super::record::{RecordSource, Survey};
-use super::super::residual_pass::observed;
-use super::super::residuals::{FittedOutput, read_residuals};
+use super::super::record::{RecordError, RecordSource, Survey};
+use super::super::residual_pass::{ResidualPass, observed};
+use super::super::spread::ValueSpread;
 use super::super::support;
 use super::search::{ConductanceTrial, WindSearch};
 use super::solver::{JointStep, Solver};
 use super::terms::ClassConductances;
-use crate::model::{
-    Chosen, Class, Estimate, Followed, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, RecordEnd, Structure,
-};
+use crate::model::{Chosen, Estimate, Followed, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, Structure};
 
 /// Reads the record once more for the residuals of the best candidate, and puts its model together.
 pub(super) fn model(
@@ -32,7 +25,7 @@ pub(super) fn model(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
+) -> Result<Model, RecordError> {
     let WindSearch { survey, classes, passed, meshes, .. } = found;
     let (best, reference) = (found.best(), &classes[found.reference]);
     let design = &found.designs[best.mesh];
@@ -40,24 +33,14 @@ pub(super) fn model(
     let step = solver.step(&Gram::total(&passed.folds[best.mesh]), &best.winds);
     let terms = solver.places.terms(best.initial_state, &best.winds);
 
-    let fitted = |(output, theta): (usize, &DVector<f64>)| FittedOutput {
-        output,
-        theta: in_columns(&terms, theta, design.width()),
-        shift: passed.output_shift[output],
-    };
-    let fitted: Vec<FittedOutput> = step.thetas.iter().enumerate().map(fitted).collect();
-    let mut row = observed(progress, survey.rows, observer);
-    let residual_pass = read_residuals(source, design, found.gas, &fitted, &mut row)?;
-    let offset = terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
-    let output = |(output, name): (usize, &String)| {
-        let offset_c = step.thetas[output][offset] + passed.output_shift[output];
-        residual_pass.residuals[output].output(name, offset_c, step.own[output][(offset, offset)])
-    };
-    let outputs: Vec<ModelOutput> = survey.outputs.iter().enumerate().map(output).collect();
+    let fitted = |((theta, covariance), &shift)| FittedOutput { design, terms: &terms, theta, covariance, shift };
+    let fitted: Vec<FittedOutput> = step.thetas.iter().zip(&step.own).zip(&passed.output_shift).map(fitted).collect();
+    let mut row = observed(progress, "residuals", survey.rows, observer);
+    let residuals = ResidualPass::of(source, found.gas, &fitted, &mut row)?;
+    let outputs = outcome::outputs(&survey.outputs, &fitted, &residuals);
     let mut pairs = Vec::new();
     for (output, name) in survey.outputs.iter().enumerate() {
         for (input, input_name) in survey.inputs.iter().enumerate() {
-            let class = resistances(&terms, &step.thetas[output], &step.own[output], input);
             pairs.push(Pair {
                 input: input_name.clone(),
                 output: name.clone(),
@@ -65,66 +48,32 @@ pub(super) fn model(
                 se_rate_rad_s: None,
                 dead_time_samples: 0,
                 non_negative: options.signs.asks(input, output),
-                classes: BTreeMap::from([(reference.clone(), class)]),
+                classes: BTreeMap::from([(reference.clone(), fitted[output].class(input))]),
             });
         }
     }
     let mut wind = wind(&solver, &step, &best.winds, options, survey, classes);
-    wind.following = best.follows.then(|| following(&solver, &terms, &step, passed));
+    wind.following = best.follows.then(|| following(&solver, &fitted, passed));
     let mut warnings = support::warnings(survey, &passed.facts);
     warnings.extend(self::warnings(&wind, &outputs, best, passed, options));
     let mut reasons = reasons(&found.trials, best, meshes);
     if pairs.iter().any(|pair| pair.non_negative) {
         reasons.push("signs: none negative where asked for".to_owned());
     }
+    let mesh = &meshes[best.mesh];
     let chosen = Chosen {
         non_negative: pairs.iter().all(|pair| pair.non_negative),
-        ..chosen_by(&meshes[best.mesh], best.initial_state, best.prior, &best.scores[0], reasons)
-    };
-    let end = RecordEnd {
-        next_time_s: residual_pass.next_time_s,
-        decays: residual_pass.end.iter().map(|amplitudes| decays(design, amplitudes)).collect(),
-        pending: vec![Vec::new(); survey.inputs.len()],
-        pending_class: Vec::new(),
+        ..chosen_by(&mesh.rates_rad_s, mesh.factor, best.initial_state, best.prior, &best.scores[0], reasons)
     };
     Ok(Model {
-        format: crate::model::FORMAT.to_owned(),
-        version: crate::model::VERSION,
-        structure: Structure::Conductance,
-        sample_period_s: survey.sample_period_s,
-        inputs: survey.inputs.clone(),
-        offset_c: outputs[0].offset_c,
-        residual_rms: outputs[0].residual_rms,
-        fit_percent: outputs[0].fit_percent,
-        outputs,
         pairs,
-        event_column: survey.event_column.clone(),
-        classes: classes.clone(),
         conductance_w_per_k: wind.elements[0].clone(),
         wind: Some(wind),
         supported: warnings.is_empty(),
         warnings,
         chosen,
-        provenance: passed.facts.provenance(survey),
-        end: Some(end),
+        ..outcome::model(Structure::Conductance, survey, &passed.facts, classes, outputs, residuals)
     })
-}
-
-/// Of one bank, to one output.
-fn resistances(terms: &[ModelTerm], theta: &DVector<f64>, covariance: &DMatrix<f64>, wanted: usize) -> Class {
-    let of = |(at, term): (usize, &ModelTerm)| {
-        matches!(term.role, Role::Relaxation { bank, .. } if bank == wanted).then_some(at)
-    };
-    let own: Vec<usize> = terms.iter().enumerate().filter_map(of).collect();
-    let variance: f64 = own.iter().flat_map(|&i| own.iter().map(move |&j| (i, j))).map(|at| covariance[at]).sum();
-    Class {
-        r_k_per_w: own.iter().map(|&at| theta[at]).collect(),
-        se_k_per_w: own.iter().map(|&at| covariance[(at, at)].max(0.0).sqrt()).collect(),
-        steady_gain_k_per_w: own.iter().map(|&at| theta[at]).sum(),
-        se_steady_gain_k_per_w: variance.max(0.0).sqrt(),
-        feed_through_k_per_w: 0.0,
-        se_feed_through_k_per_w: 0.0,
-    }
 }
 
 fn wind(
@@ -156,15 +105,11 @@ fn wind(
     ModelWind { reference: classes[places.reference].clone(), gas, elements, following: None }
 }
 
-fn following(solver: &Solver<'_>, terms: &[ModelTerm], step: &JointStep, passed: &Passed) -> Following {
+fn following(solver: &Solver<'_>, fitted: &[FittedOutput<'_>], passed: &Passed) -> Following {
     let bank = solver.places.gas_bank();
-    let rate = |term: &ModelTerm| match term.role {
-        Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank => Some(rate_rad_s),
-        _ => None,
-    };
-    let outputs = step.thetas.iter().zip(&step.own).map(|(theta, covariance)| {
+    let outputs = fitted.iter().map(|fitted| {
         // The same sums as those of resistances, of a bank whose drive is in kelvins.
-        let class = resistances(terms, theta, covariance, bank);
+        let class = fitted.class(bank);
         Followed {
             f_k_per_k: class.r_k_per_w,
             se_k_per_k: class.se_k_per_w,
@@ -172,10 +117,11 @@ fn following(solver: &Solver<'_>, terms: &[ModelTerm], step: &JointStep, passed:
             se_steady_gain_k_per_k: class.se_steady_gain_k_per_w,
         }
     });
+    let gas = passed.facts.gas.unwrap_or(ValueSpread::from(0.0));
     Following {
-        from_c: passed.facts.gas_first,
-        range_c: passed.facts.gas_range.unwrap_or([passed.facts.gas_first; 2]),
-        mesh_rad_s: terms.iter().filter_map(rate).collect(),
+        from_c: gas.from,
+        range_c: [gas.least, gas.greatest],
+        mesh_rad_s: fitted[0].design.banks[bank].rates_rad_s.clone(),
         outputs: outputs.collect(),
     }
 }
@@ -189,7 +135,7 @@ fn warnings(
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     for ((output, score), name) in best.scores.iter().enumerate().zip(outputs) {
-        let (error, spread) = (score.overall().sqrt(), passed.facts.output_sd(output));
+        let (error, spread) = (score.overall().sqrt(), passed.facts.outputs[output].sd());
         if spread > 0.0 && error >= spread {
             warnings.push(format!(
                 "`{}`: left-out stretches are predicted no better than by their mean (error {error:.3}, spread {spread:.3})",

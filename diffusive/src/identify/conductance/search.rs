@@ -2,16 +2,15 @@
 
 use super::super::candidates::CandidateMesh;
 use super::super::design::{RegressionDesign, Role};
-use super::super::error::{IdentifyError, Unidentifiable};
 use super::super::folds::{FOLDS, Score, score};
 use super::super::gas_source::GasSource;
 use super::super::gram::Gram;
 use super::super::normal_equations::NormalEquations;
-use super::super::options::InitialState;
-use super::super::options::{GasGiven, IdentifyOptions, Progress};
+use super::super::options::{GasGiven, IdentifyOptions, InitialState, Progress};
 use super::super::pass::{Passed, pass};
 use super::super::prior::{Prior, Scales};
-use super::super::record::{RecordSource, Survey};
+use super::super::record::{RecordError, RecordSource, Survey};
+use super::super::spread::ValueSpread;
 use super::super::support;
 use super::plan::{self, GasBanks};
 use super::solver::Solver;
@@ -58,7 +57,7 @@ impl WindSearch {
         classes: &[String],
         reference: usize,
         progress: &mut Progress<'_>,
-    ) -> Result<Self, IdentifyError> {
+    ) -> Result<Self, RecordError> {
         let survey = source.survey().clone();
         let (banks, rows) = (GasBanks::of(options, &survey), survey.rows);
         let gas = match options.gas {
@@ -66,18 +65,15 @@ impl WindSearch {
             GasGiven::ConstantC(gas_c) => GasSource::Constant(gas_c),
             GasGiven::Column => GasSource::Column,
         };
-        let meshes = plan::meshes(rows as f64 * survey.sample_period_s, survey.sample_period_s, options);
+        let meshes = plan::meshes(survey.duration_s(), survey.sample_period_s, options);
         let design = |mesh| plan::design(mesh, survey.inputs.len(), classes.len(), reference, banks);
         let designs: Vec<RegressionDesign> = meshes.iter().map(design).collect();
         let roles: Vec<Vec<Role>> = designs.iter().map(RegressionDesign::roles).collect();
         let unknowns = roles.iter().map(Vec::len).min().unwrap_or(0);
-        if unknowns as u64 >= rows {
-            return Err(IdentifyError::unfit(source, Unidentifiable::ManyUnknowns { rows, unknowns }));
-        }
+        support::solvable(&survey, unknowns)?;
         let mut tell = |done| progress("reading", done, rows);
         let passed = pass(source, &designs, FOLDS, gas, u64::MAX, &mut tell)?;
-        support::refuse(&survey, &passed.facts, classes, false, false)
-            .map_err(|reason| IdentifyError::unfit(source, reason))?;
+        support::refuse(&survey, &passed.facts, classes, false, false)?;
 
         progress("choosing", 0, 1);
         let classes = classes.to_vec();
@@ -86,7 +82,7 @@ impl WindSearch {
         search.trials = search.try_all(options);
         let trials = search.trials.iter().enumerate();
         let best = trials.min_by(|a, b| a.1.overall().total_cmp(&b.1.overall())).map(|(best, _)| best);
-        search.best = best.ok_or_else(|| IdentifyError::unfit(source, Unidentifiable::NoCandidate))?;
+        search.best = best.ok_or_else(|| search.survey.refuse("gives no candidate"))?;
         Ok(search)
     }
 
@@ -103,8 +99,8 @@ impl WindSearch {
 
     /// How far the warmest output is above the gas, in the middle of its range.
     pub(super) fn greatest_rise_k(&self, gas_c: f64) -> f64 {
-        let over_k = |range: &[f64; 2]| (f64::midpoint(range[0], range[1]) - gas_c).abs();
-        self.passed.facts.output_range.iter().map(over_k).fold(0.0, f64::max)
+        let over_k = |of: &ValueSpread| (f64::midpoint(of.least, of.greatest) - gas_c).abs();
+        self.passed.facts.outputs.iter().map(over_k).fold(0.0, f64::max)
     }
 
     /// What solves a mesh with a prior, an initial state, and structures that follow the gas or do
@@ -117,8 +113,7 @@ impl WindSearch {
         follows: bool,
         options: &'a IdentifyOptions,
     ) -> Solver<'a> {
-        let (survey, banks) = (&self.survey, &self.designs[mesh].banks);
-        let duration_s = survey.rows as f64 * survey.sample_period_s;
+        let survey = &self.survey;
         Solver {
             places: ConductanceColumns {
                 roles: &self.roles[mesh],
@@ -128,13 +123,9 @@ impl WindSearch {
                 gates: self.banks == GasBanks::Gates,
                 follows,
             },
-            scales: Scales {
-                drive: banks.iter().map(|bank| plan::drive_scale(bank, &self.passed)).collect(),
-                thesis_rad_s: std::f64::consts::TAU / duration_s,
-            },
+            scales: Scales::of(&self.designs[mesh], &self.passed.facts, std::f64::consts::TAU / survey.duration_s()),
             prior,
             initial_state,
-            outputs: survey.outputs.len(),
             sample_period_s: survey.sample_period_s,
             signs: &options.signs,
         }
@@ -167,12 +158,12 @@ impl WindSearch {
     fn scores(&self, mesh: usize, total: &Gram, solver: &Solver<'_>, winds: &ClassConductances) -> Vec<Score> {
         let terms = solver.places.terms(solver.initial_state, winds);
         let of = |output: usize| {
-            let of = |fold: &Gram| NormalEquations::of(fold, &terms, solver.outputs, output);
+            let of = |fold: &Gram| NormalEquations::of(fold, &terms, solver.places.elements, output);
             let folds: Vec<NormalEquations> = self.passed.folds[mesh].iter().map(of).collect();
             let whole = of(total);
             let positive = solver.positive(&terms, output);
             score(&folds, &whole, &solver.penalty(&terms, &whole), positive.as_deref())
         };
-        (0..solver.outputs).map(of).collect()
+        (0..solver.places.elements).map(of).collect()
     }
 }

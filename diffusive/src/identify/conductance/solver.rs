@@ -6,11 +6,10 @@ use nalgebra::{DMatrix, DVector};
 use super::super::design::Role;
 use super::super::gram::Gram;
 use super::super::normal_equations::{ModelTerm, NormalEquations};
-use super::super::options::InitialState;
-use super::super::options::Signs;
+use super::super::options::{InitialState, Signs};
 use super::super::prior::{Prior, Scales};
 use super::terms::{ClassConductances, ConductanceColumns};
-use crate::optimise::{DampingRule, DescentProblem, descend};
+use crate::optimise::DampingRule;
 
 /// Steps at most, and the change of the logarithm of the error at which they end.
 const STEPS: usize = 60;
@@ -33,7 +32,6 @@ pub(super) struct Solver<'a> {
     pub(super) scales: Scales,
     pub(super) prior: Prior,
     pub(super) initial_state: InitialState,
-    pub(super) outputs: usize,
     pub(super) sample_period_s: f64,
     pub(super) signs: &'a Signs,
 }
@@ -45,10 +43,8 @@ impl Solver<'_> {
 
     /// Which parameters of an output may not be negative; `None` where all may.
     pub(super) fn positive(&self, terms: &[ModelTerm], output: usize) -> Option<Vec<bool>> {
-        let of = |term: &ModelTerm| match term.role {
-            Role::Relaxation { bank, .. } => bank < self.places.elements && self.signs.asks(bank, output),
-            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset => false,
-        };
+        let is_held = |bank: usize| bank < self.places.elements && self.signs.asks(bank, output);
+        let of = |term: &ModelTerm| term.role.bank().is_some_and(is_held);
         let positive: Vec<bool> = terms.iter().map(of).collect();
         positive.contains(&true).then_some(positive)
     }
@@ -61,8 +57,8 @@ impl Solver<'_> {
     ) -> (Vec<ModelTerm>, Vec<DVector<f64>>, Vec<f64>) {
         let terms = self.places.terms(self.initial_state, winds);
         let (mut thetas, mut errors) = (Vec::new(), Vec::new());
-        for output in 0..self.outputs {
-            let problem = NormalEquations::of(gram, &terms, self.outputs, output);
+        for output in 0..self.places.elements {
+            let problem = NormalEquations::of(gram, &terms, self.places.elements, output);
             let penalty = self.penalty(&terms, &problem);
             let theta = problem.estimate(&penalty, self.positive(&terms, output).as_deref());
             errors.push(problem.squared_error(&theta) + theta.dot(&(&penalty * &theta)));
@@ -121,8 +117,8 @@ impl Solver<'_> {
         let mut parts = Vec::new();
         for (output, theta) in thetas.iter().enumerate() {
             let all: Vec<ModelTerm> = terms.iter().cloned().chain(self.slopes(&terms, theta, winds)).collect();
-            let problem = NormalEquations::of(gram, &all, self.outputs, output);
-            let plain = NormalEquations::of(gram, &terms, self.outputs, output);
+            let problem = NormalEquations::of(gram, &all, self.places.elements, output);
+            let plain = NormalEquations::of(gram, &terms, self.places.elements, output);
             let penalty = self.penalty(&terms, &plain);
             let positive = self.positive(&terms, output);
             let solution = plain.solve(&penalty, positive.as_deref());
@@ -208,48 +204,31 @@ impl Solver<'_> {
         own.sum::<f64>().abs() * greatest
     }
 
+    /// The winds of the least cost next to a start: full steps, halved until one pays.
     pub(super) fn solve(&self, gram: &Gram, start: ClassConductances) -> ClassConductances {
-        let cost = self.cost(gram, &start);
-        descend(WindDescent { solver: self, gram }, (start, cost), HALVED, STEPS, |_, winds| {
-            let cost = self.cost(gram, &winds);
-            Some((winds, cost))
-        })
-        .0
+        let mut cost = self.cost(gram, &start);
+        let mut winds = start;
+        let mut damping = HALVED.start;
+        for _ in 0..STEPS {
+            let change = self.step(gram, &winds).change;
+            let moved = |damping: f64| {
+                let moved = self.moved(&winds, &change, 1.0 / damping);
+                let new = self.cost(gram, &moved);
+                (new.is_finite() && new <= cost).then_some((moved, new))
+            };
+            let Some((moved, new)) = HALVED.first_that_pays(&mut damping, moved) else { break };
+            let is_settled = cost - new < SETTLED;
+            (winds, cost) = (moved, new);
+            if is_settled {
+                break;
+            }
+        }
+        winds
     }
 }
 
-/// The descent from winds to better ones.
-struct WindDescent<'a> {
-    solver: &'a Solver<'a>,
-    gram: &'a Gram,
-}
-
-/// Full steps, halved until one pays.
+/// Damping by which steps are divided.
 const HALVED: DampingRule = DampingRule { start: 1.0, eased: |_| 1.0, raised: |damping| 2.0 * damping, most: 1e6 };
-
-impl DescentProblem for WindDescent<'_> {
-    type Parameters = ClassConductances;
-    /// ClassConductances and their cost.
-    type Evaluation = (ClassConductances, f64);
-    /// The Gauss–Newton change.
-    type Linearisation = DVector<f64>;
-
-    fn is_better(&self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        new.1.is_finite() && new.1 <= best.1
-    }
-
-    fn is_last(&mut self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        best.1 - new.1 < SETTLED
-    }
-
-    fn linearise(&mut self, best: &Self::Evaluation) -> Option<DVector<f64>> {
-        Some(self.solver.step(self.gram, &best.0).change)
-    }
-
-    fn step(&mut self, best: &Self::Evaluation, change: &DVector<f64>, damping: f64) -> Option<ClassConductances> {
-        Some(self.solver.moved(&best.0, change, 1.0 / damping))
-    }
-}
 
 /// (G + P)⁻¹ of the free parameters, and zero for the others.
 fn inverse_of(problem: &NormalEquations, penalty: &DMatrix<f64>, free: &[usize]) -> DMatrix<f64> {

@@ -27,11 +27,7 @@ pub(super) struct ConductanceColumns<'a> {
 }
 
 impl ConductanceColumns<'_> {
-    pub(super) fn input_bank(&self, element: usize) -> usize {
-        element
-    }
-
-    /// Banks of losses stand behind the inputs', the reference's left out.
+    /// Banks of losses stand behind the inputs', one an element; the reference's are left out.
     pub(super) fn loss_bank(&self, element: usize, class: usize) -> usize {
         self.elements + element * (self.classes - 1) + self.slot(class)
     }
@@ -74,7 +70,7 @@ impl ConductanceColumns<'_> {
         for (column, &role) in self.roles.iter().enumerate() {
             match role {
                 Role::Relaxation { bank, k, .. } if bank < self.elements => {
-                    let mut of = vec![(self.column(self.input_bank(bank), k), 1.0)];
+                    let mut of = vec![(column, 1.0)];
                     for class in self.winds() {
                         let taken = winds.conductance[bank][class];
                         of.extend(

@@ -71,7 +71,6 @@ fn solver<'a>(roles: &'a [Role], design: &RegressionDesign, gates: bool) -> Solv
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-9),
         initial_state: InitialState::Rest,
-        outputs: 2,
         sample_period_s: PERIOD_S,
         signs: &Signs::Any,
     }
@@ -208,7 +207,6 @@ fn one_element<'a>(roles: &'a [Role], design: &RegressionDesign) -> Solver<'a> {
         scales: Scales { drive: vec![1.0; design.banks.len()], thesis_rad_s: 0.1 },
         prior: Prior::Tapered(1e-13),
         initial_state: InitialState::Rest,
-        outputs: 1,
         sample_period_s: PERIOD_S,
         signs: &Signs::Any,
     }
@@ -227,7 +225,7 @@ fn a_loss_that_takes_more_than_a_kelvin_of_a_kelvin_by_the_next_row_is_never_cho
         // The truth explains all either way: only what it would do from row to row tells them
         // apart.
         let (terms, thetas, errors) = solver.linear(&total, &winds);
-        let swing = passed.facts.output_sd(0).powi(2) * ROWS as f64;
+        let swing = passed.facts.outputs[0].sd().powi(2) * ROWS as f64;
         assert!(errors[0] < 1e-6 * swing, "{} of {swing}", errors[0]);
         let found = solver.held_loop_gain(0, &terms, &thetas[0], &winds);
         assert!((found - loop_gain).abs() < 1e-3, "{found}, true {loop_gain}");

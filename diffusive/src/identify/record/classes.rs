@@ -1,26 +1,17 @@
 //! Event classes: the labels of an event column, numbered in the order of their first appearance.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use recording::ColumnValues;
+
+use super::error::RecordError;
 
 /// More labels than this are measured values, not conditions.
 const MOST: usize = 64;
 
 const ALL: &str = "all";
 const UNLABELLED: &str = "unlabelled";
-
-/// Why a label makes no class.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum LabelError {
-    #[error(
-        "`{label}` is label number {}: a column of event classes has {MOST} labels at most, so name another column or none",
-        MOST + 1
-    )]
-    Many { label: String },
-    #[error("a label is missing; fill the gap or cut the record there")]
-    Missing,
-}
 
 pub(super) struct Classes {
     names: Vec<String>,
@@ -42,16 +33,23 @@ impl Classes {
         &self.names
     }
 
-    /// The classes of the next rows, in place of what `rows` held; on failure the row (counted
-    /// from 0) and the reason.
-    pub(super) fn fill(&mut self, labels: &ColumnValues, rows: &mut Vec<u32>) -> Result<(), (usize, LabelError)> {
+    /// The classes of the next rows, in place of what `rows` held.
+    pub(super) fn fill(
+        &mut self,
+        record: &Path,
+        column: &str,
+        first_row: u64,
+        labels: &ColumnValues,
+        rows: &mut Vec<u32>,
+    ) -> Result<(), RecordError> {
+        let refuse = |row: usize, what: &str| RecordError::value(record, column, first_row + row as u64, what);
         rows.clear();
         match labels {
             ColumnValues::Words(words) => {
                 let mut classes = Vec::with_capacity(words.dictionary().len());
                 for (code, label) in words.dictionary().iter().enumerate() {
                     let row = || words.codes().iter().position(|&at| at as usize == code).unwrap_or_default();
-                    classes.push(self.class(label).map_err(|error| (row(), error))?);
+                    classes.push(self.class(label, |what| refuse(row(), what))?);
                 }
                 rows.extend(words.codes().iter().map(|&code| classes[code as usize]));
             }
@@ -60,8 +58,8 @@ impl Classes {
                 for (row, &number) in numbers.iter().enumerate() {
                     let class = match last {
                         Some((same, class)) if same == number => class,
-                        _ if number.is_finite() => self.class(&number.to_string()).map_err(|error| (row, error))?,
-                        _ => return Err((row, LabelError::Missing)),
+                        _ if number.is_finite() => self.class(&number.to_string(), |what| refuse(row, what))?,
+                        _ => return Err(refuse(row, "a label is missing; fill the gap or cut the record there")),
                     };
                     last = Some((number, class));
                     rows.push(class);
@@ -71,7 +69,7 @@ impl Classes {
         Ok(())
     }
 
-    fn class(&mut self, label: &str) -> Result<u32, LabelError> {
+    fn class(&mut self, label: &str, refuse: impl Fn(&str) -> RecordError) -> Result<u32, RecordError> {
         // As in a Parquet file, where 1 and 1.0 are the same number.
         let number = label.parse().ok().filter(|number: &f64| number.is_finite());
         let label = match number {
@@ -82,7 +80,13 @@ impl Classes {
         if let Some(&class) = self.known.get(&label) {
             return Ok(class);
         }
-        refuse_if!(self.names.len() == MOST, LabelError::Many { label });
+        refuse_if!(
+            self.names.len() == MOST,
+            refuse(&format!(
+                "`{label}` is label number {}: a column of event classes has {MOST} labels at most, so name another column or none",
+                MOST + 1
+            ))
+        );
         // Rows without a label are special only beside others that have one.
         match self.names.as_mut_slice() {
             [] if label == UNLABELLED => self.names.push(ALL.to_owned()),

@@ -1,12 +1,14 @@
 //! Why a record cannot be used: one sentence with the file, and the row and the column where there
 //! are such.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use recording::RecordingError;
 use recording::text::one_line;
 
-/// A record that cannot be read, or whose content identification cannot use.
+/// A record that cannot be read, or that cannot be identified, or held against a model, with the
+/// options given.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file cannot be read.
@@ -27,6 +29,11 @@ impl RecordError {
     pub(super) fn content(record: &Path, sentence: impl Into<String>) -> Self {
         Self::Content { record: record.to_owned(), sentence: one_line(sentence.into()) }
     }
+
+    /// What is wrong with a value; its row is counted from 0.
+    pub(super) fn value(record: &Path, column: &str, row: u64, what: impl Display) -> Self {
+        Self::content(record, format!("row {}, column `{column}`: {what}", row + 1))
+    }
 }
 
 /// Refuses a value that is none, in the row counted from 1.
@@ -37,7 +44,6 @@ pub(super) fn finite(record: &Path, column: &str, values: &[f64], first_row: u64
     }
     let at = values.iter().position(|value| !value.is_finite()).unwrap_or_default();
     let what = if values[at].is_nan() { "a value is missing" } else { "an infinite value" };
-    let row = first_row + at as u64 + 1;
-    let sentence = format!("row {row}, column `{column}`: {what}; cut the record there or fill the gap");
-    Err(RecordError::content(record, sentence))
+    let what = format!("{what}; cut the record there or fill the gap");
+    Err(RecordError::value(record, column, first_row + at as u64, what))
 }

@@ -29,6 +29,7 @@ mod table;
 use std::path::Path;
 
 pub use error::RecordError;
+pub(super) use source::copy_row;
 pub use source::{BLOCK, Block, RecordSource, Selection, Survey};
 pub use stream::RecordStream;
 pub use table::RecordTable;

@@ -3,6 +3,7 @@
 //!
 //! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use super::error::RecordError;
@@ -56,6 +57,23 @@ pub struct Survey {
     pub notes: Vec<String>,
 }
 
+impl Survey {
+    /// How long the record is.
+    pub fn duration_s(&self) -> f64 {
+        self.rows as f64 * self.sample_period_s
+    }
+
+    /// Why the record cannot be used: a sentence that goes on behind its name.
+    pub(in crate::identify) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
+        RecordError::content(&self.path, sentence)
+    }
+
+    /// Refuses the record where something is as it must not be.
+    pub(in crate::identify) fn refuse_if(&self, wrong: bool, sentence: impl Display) -> Result<(), RecordError> {
+        if wrong { Err(self.refuse(sentence.to_string())) } else { Ok(()) }
+    }
+}
+
 /// Consecutive rows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Block {
@@ -67,8 +85,6 @@ pub struct Block {
     pub class: Vec<u32>,
     /// Gas temperature; empty without a gas column.
     pub gas: Vec<f64>,
-    /// How many rows stand before the block.
-    pub first_row: u64,
     /// As written in the first and the last row.
     pub time_s: (f64, f64),
 }
@@ -97,6 +113,13 @@ impl Block {
         self.class.extend(&more.class);
         self.gas.extend(&more.gas);
         self.time_s.1 = more.time_s.1;
+    }
+}
+
+/// The values of one row.
+pub(in crate::identify) fn copy_row(columns: &[Vec<f64>], at: usize, row: &mut [f64]) {
+    for (value, column) in row.iter_mut().zip(columns) {
+        *value = column[at];
     }
 }
 

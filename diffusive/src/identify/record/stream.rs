@@ -83,66 +83,48 @@ impl RecordStream {
 
     /// Makes a block of a chunk, whose columns are taken rather than copied.
     fn take(&mut self, mut chunk: Vec<RecordingColumn>) -> Result<(), RecordError> {
-        let path = &self.survey.path;
+        let Self { survey, roles, columns, block, .. } = self;
+        let path = &survey.path;
         let first_row = self.clock.rows();
-        let slot = |column: usize| self.columns.iter().position(|&read| read == column).unwrap_or_default();
-        let rows = chunk.first().map_or(0, |time| time.values.len());
+        let slot = |column: usize| columns.iter().position(|&read| read == column).unwrap_or_default();
 
-        match &chunk[slot(self.roles.time)].values {
-            ColumnValues::Numbers(time_s) => {
-                let name = &self.survey.time_column;
-                if let Err(ClockFault { sentence, is_drift }) = self.clock.pass(name, time_s) {
-                    // A gap further on stretches the mean period, by which the rows before it seem
-                    // to drift.
-                    let gap = if is_drift { gap(path, self.roles.time, name, &self.clock)? } else { None };
-                    return Err(RecordError::content(path, gap.unwrap_or(sentence)));
-                }
-                self.block.time_s = (time_s[0], time_s[rows - 1]);
-            }
-            ColumnValues::Words(words) => return Err(text(path, &self.survey.time_column, words, first_row)),
+        let time_s = numbers(path, &survey.time_column, &mut chunk[slot(roles.time)], first_row)?;
+        let rows = time_s.len();
+        if let Err(ClockFault { sentence, is_drift }) = self.clock.pass(&survey.time_column, time_s) {
+            // A gap further on stretches the mean period, by which the rows before it seem to
+            // drift.
+            let gap = if is_drift { gap(path, roles.time, &survey.time_column, &self.clock)? } else { None };
+            return Err(RecordError::content(path, gap.unwrap_or(sentence)));
         }
-        match self.roles.event {
+        block.time_s = (time_s[0], time_s[rows - 1]);
+        match roles.event {
             Some(event) => {
-                self.classes.fill(&chunk[slot(event)].values, &mut self.block.class).map_err(|(at, sentence)| {
-                    let row = first_row + at as u64 + 1;
-                    let name = &chunk[slot(event)].name;
-                    RecordError::content(path, format!("row {row}, column `{name}`: {sentence}"))
-                })?
+                let RecordingColumn { name, values, .. } = &chunk[slot(event)];
+                self.classes.fill(path, name, first_row, values, &mut block.class)?;
             }
-            None => self.block.class.resize(rows, 0),
+            None => block.class.resize(rows, 0),
         }
-        if let (Some(state), false) = (self.roles.state, self.read_once)
+        if let (Some(state), false) = (roles.state, self.read_once)
             && let ColumnValues::Words(states) = &chunk[slot(state)].values
         {
             count_stops(&mut self.stops, states, first_row);
         }
         // A gas column may be an output as well, so it is copied before that is taken.
-        self.block.gas.clear();
-        if let Some(gas) = self.roles.gas {
-            let column = &chunk[slot(gas)];
-            match &column.values {
-                ColumnValues::Numbers(numbers) => self.block.gas.extend(numbers),
-                ColumnValues::Words(words) => return Err(text(path, &column.name, words, first_row)),
-            }
-            finite(path, &column.name, &self.block.gas, first_row)?;
+        block.gas.clear();
+        if let (Some(gas), Some(name)) = (roles.gas, &survey.gas_column) {
+            block.gas.extend_from_slice(numbers(path, name, &mut chunk[slot(gas)], first_row)?);
+            finite(path, name, &block.gas, first_row)?;
         }
-        let mut numbers = |columns: &[usize], into: &mut Vec<Vec<f64>>| {
+        for (columns, names, into) in
+            [(&roles.inputs, &survey.inputs, &mut block.inputs), (&roles.outputs, &survey.outputs, &mut block.outputs)]
+        {
             into.clear();
-            for &column in columns {
-                let column = &mut chunk[slot(column)];
-                match &mut column.values {
-                    ColumnValues::Numbers(numbers) => {
-                        finite(path, &column.name, numbers, first_row)?;
-                        into.push(std::mem::take(numbers));
-                    }
-                    ColumnValues::Words(words) => return Err(text(path, &column.name, words, first_row)),
-                }
+            for (&column, name) in columns.iter().zip(names) {
+                let values = numbers(path, name, &mut chunk[slot(column)], first_row)?;
+                finite(path, name, values, first_row)?;
+                into.push(std::mem::take(values));
             }
-            Ok(())
-        };
-        numbers(&self.roles.inputs, &mut self.block.inputs)?;
-        numbers(&self.roles.outputs, &mut self.block.outputs)?;
-        self.block.first_row = first_row;
+        }
         Ok(())
     }
 
@@ -218,9 +200,18 @@ fn count_stops(stops: &mut Vec<(String, u64, u64)>, states: &ColumnWords, first_
     }
 }
 
-fn text(path: &Path, column: &str, words: &ColumnWords, first_row: u64) -> RecordError {
-    let text = words.iter().next().unwrap_or_default();
-    let row = first_row + 1;
-    let sentence = format!("row {row}, column `{column}`: `{}` stands where a number belongs", shown(text));
-    RecordError::content(path, sentence)
+/// The values of a column that must be numbers.
+fn numbers<'c>(
+    path: &Path,
+    name: &str,
+    column: &'c mut RecordingColumn,
+    first_row: u64,
+) -> Result<&'c mut Vec<f64>, RecordError> {
+    match &mut column.values {
+        ColumnValues::Numbers(numbers) => Ok(numbers),
+        ColumnValues::Words(words) => {
+            let text = shown(words.iter().next().unwrap_or_default());
+            Err(RecordError::value(path, name, first_row, format!("`{text}` stands where a number belongs")))
+        }
+    }
 }

@@ -53,7 +53,6 @@ impl RecordTable {
                 outputs: cut(&outputs, from, to),
                 class: vec![0; to - from],
                 gas: Vec::new(),
-                first_row: from as u64,
                 time_s: (time_s(from), time_s(to - 1)),
             }
         });
@@ -78,13 +77,11 @@ impl RecordTable {
     pub fn with_events<L: AsRef<str>>(mut self, labels: &[L]) -> Result<Self, RecordError> {
         self.check_rows("event", labels.len())?;
         let mut classes = Classes::growing();
-        for (block, labels) in self.blocks.iter_mut().zip(labels.chunks(BLOCK)) {
+        for (at, (block, labels)) in self.blocks.iter_mut().zip(labels.chunks(BLOCK)).enumerate() {
             let mut words = ColumnWords::default();
             labels.iter().for_each(|label| words.push(label.as_ref()));
-            classes.fill(&ColumnValues::Words(words), &mut block.class).map_err(|(at, sentence)| {
-                let row = block.first_row + at as u64 + 1;
-                RecordError::content(&self.survey.path, format!("row {row}, column `event`: {sentence}"))
-            })?;
+            let first_row = (at * BLOCK) as u64;
+            classes.fill(&self.survey.path, "event", first_row, &ColumnValues::Words(words), &mut block.class)?;
         }
         self.survey.event_column = Some(recording::EVENT.to_owned());
         self.classes = classes.names().to_vec();
@@ -100,18 +97,6 @@ impl RecordTable {
         }
         self.survey.gas_column = Some("gas".to_owned());
         Ok(self)
-    }
-
-    /// Takes all rows of another source into memory, for a method that goes through them many
-    /// times.
-    pub fn gather(source: &mut dyn RecordSource) -> Result<Self, RecordError> {
-        source.restart()?;
-        let mut blocks = Vec::new();
-        while let Some(block) = source.next_block()? {
-            blocks.push(block.clone());
-        }
-        source.restart()?;
-        Ok(Self { survey: source.survey().clone(), blocks, next: 0, classes: source.classes().to_vec() })
     }
 
     /// What errors and provenance call the table.

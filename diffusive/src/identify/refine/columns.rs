@@ -77,10 +77,7 @@ impl Setup {
 
     /// Which of the parameters may not be negative, if any.
     fn held(&self, terms: &[ModelTerm]) -> Option<Vec<bool>> {
-        let of = |term: &ModelTerm| match term.role {
-            Role::Relaxation { bank, .. } | Role::FeedThrough { bank } => self.parts[bank].non_negative,
-            Role::Initial { .. } | Role::Offset => false,
-        };
+        let of = |term: &ModelTerm| term.role.bank().is_some_and(|bank| self.parts[bank].non_negative);
         let held: Vec<bool> = terms.iter().map(of).collect();
         held.contains(&true).then_some(held)
     }

@@ -1,12 +1,13 @@
 //! What a search for free poles ended with: the choice, and what is to be said of poles at the edge
 //! of what the record shows.
 
-use super::super::choose::{Choice, ScoredCandidate};
-use super::super::design::Role;
-use super::super::error::Unidentifiable;
-use super::super::folds::score;
-use super::super::normal_equations::ModelTerm;
+use super::super::design::{RegressionDesign, Role};
+use super::super::fitted::FittedOutput;
+use super::super::folds::{Score, score};
+use super::super::normal_equations::{ModelTerm, PenalisedSolution};
 use super::super::options::InitialState;
+use super::super::pass::Facts;
+use super::super::record::{RecordError, Survey};
 use super::columns::Point;
 use super::search::{LEAST_RATIO, MOST_READINGS, RateSearch, SearchState};
 use crate::model::ModelOutput;
@@ -14,13 +15,25 @@ use crate::model::ModelOutput;
 /// One output's poles.
 pub struct FreePoles {
     pub search: RateSearch,
-    pub choice: Choice,
     pub point: Point,
+    pub score: Score,
+    pub initial_state: InitialState,
+    pub design: RegressionDesign,
+    pub terms: Vec<ModelTerm>,
+    pub solution: PenalisedSolution,
     pub warnings: Vec<String>,
 }
 
+impl FreePoles {
+    /// The model of the output; `shift` was subtracted from it.
+    pub fn fitted(&self, shift: f64) -> FittedOutput<'_> {
+        let PenalisedSolution { theta, covariance, .. } = &self.solution;
+        FittedOutput { design: &self.design, terms: &self.terms, theta, covariance, shift }
+    }
+}
+
 /// Whether what another start led to leaves less of the record, or leads anywhere at all.
-pub fn is_better(new: &Result<FreePoles, Unidentifiable>, old: &Result<FreePoles, Unidentifiable>) -> bool {
+pub fn is_better(new: &Result<FreePoles, RecordError>, old: &Result<FreePoles, RecordError>) -> bool {
     match (new, old) {
         (Ok(new), Ok(old)) => new.point.cost < old.point.cost,
         (Ok(_), Err(_)) => true,
@@ -31,15 +44,16 @@ pub fn is_better(new: &Result<FreePoles, Unidentifiable>, old: &Result<FreePoles
 /// Refuses poles that came together; else the choice that the search ended with, and what is to be
 /// said of it.
 pub fn settled(
+    survey: &Survey,
     mut search: RateSearch,
     outputs: &[ModelOutput],
     poles: usize,
-    first_drives: &[f64],
+    facts: &Facts,
     nyquist_rad_s: f64,
-) -> Result<FreePoles, Unidentifiable> {
+) -> Result<FreePoles, RecordError> {
     let name = &outputs[search.setup.output].name;
     let pinned = search.pinned();
-    let Some(point) = search.take_best() else { return Err(Unidentifiable::NoRows) };
+    let Some(point) = search.best.take() else { return Err(survey.refuse("has no rows")) };
     let rates = &point.rates_rad_s;
     let close = match search.state {
         SearchState::Merged(close) => Some(close),
@@ -47,7 +61,9 @@ pub fn settled(
     };
     if let Some(close) = close {
         let (slow, fast) = (rates[close], rates[close + 1]);
-        return Err(Unidentifiable::PolesTogether { poles, output: name.clone(), slow, fast });
+        return Err(survey.refuse(format!(
+            "{poles} poles are more than this record can tell apart: for `{name}` those at {slow:.4e} and {fast:.4e} rad/s come together; ask for fewer with --free-poles"
+        )));
     }
     let mut warnings = Vec::new();
     for (k, _) in pinned.iter().enumerate().filter(|(_, pinned)| **pinned) {
@@ -81,27 +97,11 @@ pub fn settled(
     }
     let score = score(&point.folds, &point.total, &point.penalty, point.positive.as_deref());
     let initial_state = search.setup.initial_state.unwrap_or(InitialState::Free);
-    let trial = ScoredCandidate {
-        mesh: 0,
-        initial_state,
-        feed_through: search.setup.feed_through,
-        prior: search.setup.prior,
-        score,
-    };
     // Terms of the plain design stand in the order of θ; the rates' own behind them weigh no
     // column.
     let design = search.setup.design(rates);
-    let mut terms = search.setup.terms(&design, initial_state, first_drives);
+    let mut terms = search.setup.terms(&design, initial_state, &facts.first_drives(&design));
     terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
-    let choice = Choice {
-        trial,
-        terms,
-        positive: point.positive.clone(),
-        solution: point.solution(),
-        rivals: Vec::new(),
-        sign_reason: String::new(),
-        gain_spread: Vec::new(),
-        reason: None,
-    };
-    Ok(FreePoles { search, choice, point, warnings })
+    let solution = point.solution();
+    Ok(FreePoles { search, point, score, initial_state, design, terms, solution, warnings })
 }

@@ -28,36 +28,40 @@ mod free_poles;
 mod report;
 mod search;
 
+use dr_core::model::ORDER;
+
 use self::columns::{Point, RefinedBank, Setup};
 use self::free_poles::{FreePoles, is_better, settled};
 use self::report::RefineContext;
 use self::search::{RateSearch, SearchState};
 use super::design::BankDrive;
-use super::error::{IdentifyError, Unidentifiable};
-use super::folds::{FOLDS, Score, score};
+use super::folds::{FOLDS, FoldedEquations, Score};
 use super::gas_source::GasSource;
 use super::gram::Gram;
-use super::normal_equations::NormalEquations;
-use super::options::InitialState;
-use super::options::{FitObserver, IdentifyOptions, Progress};
-use super::pass::{Facts, pass};
+use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
+use super::pass::pass;
 use super::prior::{Prior, Scales};
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource, Survey};
 use crate::model::{Model, Pair, Structure, reduce};
-
-/// As many as the board carries.
-pub const MOST_POLES: usize = dr_core::model::ORDER;
 
 const WEAK: f64 = 1e-12;
 /// Resistances below this share of the greatest do not say where poles are.
 const MATTERS: f64 = 0.03;
 
 /// Refuses a number of poles, and what free poles are not for, before anything is read.
-pub fn refuse(poles: usize, options: &IdentifyOptions) -> Result<(), Unidentifiable> {
-    refuse_if!(!(1..=MOST_POLES).contains(&poles), Unidentifiable::PolesOfNumber { poles });
-    refuse_if!(options.structure == Some(Structure::Conductance), Unidentifiable::PolesOfConductance);
-    refuse_if!(options.cross.is_some(), Unidentifiable::PolesOfCrossHeating);
-    Ok(())
+pub fn refuse(survey: &Survey, poles: usize, options: &IdentifyOptions) -> Result<(), RecordError> {
+    survey.refuse_if(
+        !(1..=ORDER).contains(&poles),
+        format_args!("free poles are 1 to {ORDER}, as many as the board carries, not {poles}"),
+    )?;
+    survey.refuse_if(
+        options.structure == Some(Structure::Conductance),
+        "free poles are for structure `symbol`; `anemo reduce` makes any model smaller",
+    )?;
+    survey.refuse_if(
+        options.cross.is_some(),
+        "with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh",
+    )
 }
 
 /// Fits `poles` rates an output, from a mesh model of the same record on.
@@ -68,16 +72,16 @@ pub fn refine(
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
     sight: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
-    refuse(poles, options).map_err(|reason| IdentifyError::unfit(source, reason))?;
+) -> Result<Model, RecordError> {
     let survey = source.survey().clone();
+    refuse(&survey, poles, options)?;
     let (rows, period_s) = (survey.rows, survey.sample_period_s);
     let (thesis_rad_s, nyquist) =
         dr_core::model::mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, mesh.classes.len() as u32);
     let mut searches = Vec::new();
     for (output, of) in mesh.outputs.iter().enumerate() {
         let setup = setup(mesh, &of.name, output, options);
-        for start in starts(mesh, &setup, poles).map_err(|reason| IdentifyError::unfit(source, reason))? {
+        for start in starts(&survey, mesh, &setup, poles)? {
             searches.push(RateSearch::new(setup.clone(), &start, (thesis_rad_s / 100.0, 3.0 * nyquist)));
         }
     }
@@ -89,8 +93,9 @@ pub fn refine(
         let designs: Vec<_> = going.iter().map(|search| search.setup.tripled(&search.trial_rad_s)).collect();
         let mut tell = |done| progress("moving poles", done, rows);
         let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
-        for (search, folds) in going.into_iter().zip(&passed.folds) {
-            let (scales, first_drives) = known(&search.setup, mesh, &passed.facts, thesis_rad_s);
+        for ((search, folds), design) in going.into_iter().zip(&passed.folds).zip(&designs) {
+            let scales = Scales::of(design, &passed.facts, thesis_rad_s);
+            let first_drives = passed.facts.first_drives(design);
             if search.setup.initial_state.is_none() {
                 search.setup.initial_state =
                     Some(begin(&search.setup, &search.trial_rad_s, folds, &scales, &first_drives));
@@ -99,20 +104,18 @@ pub fn refine(
         }
         last = Some((passed.facts, passed.output_shift));
     }
-    let Some((facts, shift)) = last else { return Err(IdentifyError::unfit(source, Unidentifiable::NoOutput)) };
-    let mut found: Vec<Result<FreePoles, Unidentifiable>> = Vec::new();
+    let Some((facts, shift)) = last else { return Err(survey.refuse("has no output")) };
+    let mut found: Vec<Result<FreePoles, RecordError>> = Vec::new();
     for search in searches {
-        let (_, first_drives) = known(&search.setup, mesh, &facts, thesis_rad_s);
         let output = search.setup.output;
-        let new = settled(search, &mesh.outputs, poles, &first_drives, std::f64::consts::PI / period_s);
+        let new = settled(&survey, search, &mesh.outputs, poles, &facts, std::f64::consts::PI / period_s);
         match found.get_mut(output) {
             None => found.push(new),
             Some(old) if is_better(&new, old) => *old = new,
             Some(_) => {}
         }
     }
-    let found = found.into_iter().collect::<Result<Vec<_>, _>>();
-    let found = found.map_err(|reason| IdentifyError::unfit(source, reason))?;
+    let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
     let known = RefineContext { mesh, survey: &survey, facts: &facts, output_shift: &shift, thesis_rad_s };
     report::model(source, &known, &found, sight)
 }
@@ -148,7 +151,7 @@ fn setup(mesh: &Model, name: &str, output: usize, options: &IdentifyOptions) -> 
 /// Where the search begins, as it finds the minimum next to its start: at the mesh model's symbols
 /// of one output, reduced to as many poles, and at poles that are spread evenly over the rates that
 /// matter to it.
-fn starts(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, Unidentifiable> {
+fn starts(survey: &Survey, mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, RecordError> {
     let pairs: Vec<&Pair> = setup.parts.iter().map(|part| &mesh.pairs[part.pair]).collect();
     let rates = &pairs[0].mesh_rad_s;
     let symbols: Vec<&[f64]> = pairs
@@ -158,7 +161,7 @@ fn starts(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, Un
         .collect();
     let non_negative = pairs.iter().all(|pair| pair.non_negative);
     let mut start = reduce::free_rates(rates, &symbols, non_negative, poles, mesh.sample_period_s)
-        .map_err(|error| Unidentifiable::NoStart(error.to_string()))?;
+        .map_err(|error| survey.refuse(error.to_string()))?;
     start.sort_by(f64::total_cmp);
     if start.is_empty() {
         start.push((rates[0] * rates[rates.len() - 1]).sqrt());
@@ -184,29 +187,13 @@ fn starts(mesh: &Model, setup: &Setup, poles: usize) -> Result<Vec<Vec<f64>>, Un
     Ok(starts)
 }
 
-/// Scales of the prior, and what drove each bank in the first row.
-fn known(setup: &Setup, mesh: &Model, facts: &Facts, thesis_rad_s: f64) -> (Scales, Vec<f64>) {
-    let input = |part: &RefinedBank| match part.drive {
-        BankDrive::Input(input) | BankDrive::Gated { input, .. } => input,
-        BankDrive::Loss { .. } | BankDrive::Gate { .. } | BankDrive::Gas => 0,
-    };
-    let first = |part: &RefinedBank| match mesh.classes.len() > 1 && facts.first_class != part.class {
-        true => 0.0,
-        false => facts.first_inputs[input(part)],
-    };
-    let drive = setup.parts.iter().map(|part| facts.input_scale(input(part))).collect();
-    (Scales { drive, thesis_rad_s }, setup.parts.iter().map(first).collect())
-}
-
 /// The most cautious initial state that predicts held-out folds as well as the best, at the rates
 /// of the start.
 fn begin(setup: &Setup, rates_rad_s: &[f64], folds: &[Gram], scales: &Scales, first_drives: &[f64]) -> InitialState {
     let scored = |initial_state: InitialState| -> (InitialState, Score) {
         let terms = setup.centre(rates_rad_s, initial_state, first_drives);
-        let folds: Vec<NormalEquations> =
-            folds.iter().map(|fold| NormalEquations::of(fold, &terms, setup.outputs, setup.output)).collect();
-        let total = NormalEquations::total(&folds);
-        (initial_state, score(&folds, &total, &scales.penalty(setup.prior, &terms, &total), None))
+        let equations = FoldedEquations::of(folds, terms, setup.outputs, setup.output);
+        (initial_state, equations.score(&equations.penalty(scales, setup.prior), None))
     };
     let moves = first_drives.iter().any(|&drive| drive != 0.0);
     let tried: Vec<(InitialState, Score)> = [InitialState::Rest, InitialState::Settled, InitialState::Free]

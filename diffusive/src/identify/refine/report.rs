@@ -1,20 +1,16 @@
 //! The model that free poles make, from a last reading for its residuals.
 
-use std::collections::BTreeMap;
-
-use super::super::choose::change;
-use super::super::design::Role;
-use super::super::error::IdentifyError;
+use super::super::fitted::FittedOutput;
+use super::super::folds::change;
 use super::super::gas_source::GasSource;
-use super::super::normal_equations::in_columns;
 use super::super::options::FitObserver;
-use super::super::outcome::{self, class_of, decays};
+use super::super::outcome;
 use super::super::pass::Facts;
-use super::super::record::{RecordSource, Survey};
-use super::super::residuals::{FittedOutput, read_residuals};
+use super::super::record::{RecordError, RecordSource, Survey};
+use super::super::residual_pass::ResidualPass;
 use super::super::support;
 use super::free_poles::FreePoles;
-use crate::model::{Chosen, Class, Estimate, Model, RecordEnd};
+use crate::model::{Chosen, Model};
 
 /// What the last reading and the mesh model say.
 pub struct RefineContext<'a> {
@@ -32,49 +28,27 @@ pub fn model(
     known: &RefineContext<'_>,
     found: &[FreePoles],
     sight: &mut FitObserver<'_>,
-) -> Result<Model, IdentifyError> {
-    let &RefineContext { mesh, survey, facts, output_shift: shift, thesis_rad_s } = known;
-    let mut outputs = mesh.outputs.clone();
+) -> Result<Model, RecordError> {
+    let &RefineContext { mesh, survey, facts, output_shift, thesis_rad_s } = known;
+    let fitted: Vec<FittedOutput> = found.iter().zip(output_shift).map(|(found, &shift)| found.fitted(shift)).collect();
+    let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, sight)?;
+    let names: Vec<String> = mesh.outputs.iter().map(|output| output.name.clone()).collect();
+    let outputs = outcome::outputs(&names, &fitted, &residuals);
     let mut pairs = mesh.pairs.clone();
-    let mut warnings = support::warnings(survey, facts);
-    let mut end = RecordEnd::default();
-    for (output, found) in found.iter().enumerate() {
-        let (setup, rates) = (&found.search.setup, &found.point.rates_rad_s);
-        let design = setup.design(rates);
-        let choice = &found.choice;
-        let fitted = FittedOutput {
-            output,
-            theta: in_columns(&choice.terms, &choice.solution.theta, design.width()),
-            shift: shift[output],
-        };
-        let residual_pass = read_residuals(source, &design, GasSource::Constant(0.0), &[fitted], sight)?;
-        let residuals = &residual_pass.residuals[output];
-        let offset = choice.terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
-        let offset_c = choice.solution.theta[offset] + shift[output];
-        outputs[output] =
-            residuals.output(&mesh.outputs[output].name, offset_c, choice.solution.covariance[(offset, offset)]);
-        let mut by_pair: BTreeMap<usize, BTreeMap<String, Class>> = BTreeMap::new();
-        for (bank, part) in setup.parts.iter().enumerate() {
-            let label = mesh.classes[part.class].clone();
-            by_pair.entry(part.pair).or_default().insert(label, class_of(choice, bank));
-        }
+    for (found, fitted) in found.iter().zip(&fitted) {
+        let rates = &found.point.rates_rad_s;
         let se: Vec<f64> = (0..rates.len()).map(|k| rates[k] * found.point.log_se(k)).collect();
-        for (pair, classes) in by_pair {
-            let of = &mut pairs[pair];
-            (of.mesh_rad_s, of.se_rate_rad_s, of.classes) = (rates.clone(), Some(se.clone()), classes);
-        }
-        end.next_time_s = residual_pass.next_time_s;
-        end.decays.push(decays(&design, &residual_pass.end[0]));
-        if residual_pass.pending.len() >= end.pending_class.len() {
-            end.pending = (0..mesh.inputs.len())
-                .map(|input| residual_pass.pending.iter().map(|(inputs, _)| inputs[input]).collect())
-                .collect();
-            end.pending_class = residual_pass.pending.iter().map(|(_, class)| *class).collect();
+        for (bank, part) in found.search.setup.parts.iter().enumerate() {
+            let of = &mut pairs[part.pair];
+            (of.mesh_rad_s, of.se_rate_rad_s) = (rates.clone(), Some(se.clone()));
+            of.classes.insert(mesh.classes[part.class].clone(), fitted.class(bank));
         }
     }
+    let mut warnings = support::warnings(survey, facts);
     let duration_s = facts.rows as f64 * survey.sample_period_s;
     for (output, found) in found.iter().enumerate() {
-        warnings.extend(outcome::warnings(&outputs[output].name, &found.choice, facts, output, duration_s, &pairs));
+        let name = &outputs[output].name;
+        warnings.extend(outcome::warnings(name, &found.score, &[], facts, output, duration_s, &pairs));
         warnings.extend(found.warnings.clone());
     }
     Ok(Model {
@@ -84,7 +58,7 @@ pub fn model(
         supported: warnings.is_empty(),
         warnings,
         chosen: chosen(mesh, found, thesis_rad_s),
-        end: Some(end),
+        end: Some(residuals.end),
         outputs,
         pairs,
         ..mesh.clone()
@@ -92,13 +66,12 @@ pub fn model(
 }
 
 fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
-    let (first, trial) = (&found[0], &found[0].choice.trial);
+    let (first, setup) = (&found[0], &found[0].search.setup);
     let rates = &first.point.rates_rad_s;
-    let (value, se) = trial.score.rms_and_se();
     let mut reasons: Vec<String> =
         mesh.chosen.reasons.iter().map(|reason| format!("mesh, before poles were free: {reason}")).collect();
     for (output, found) in mesh.outputs.iter().zip(found) {
-        let (own, _) = found.choice.trial.score.rms_and_se();
+        let (own, _) = found.score.rms_and_se();
         let against = mesh.chosen.cross_validation.filter(|_| output.name == mesh.outputs[0].name);
         let against = against.map_or(String::new(), |of_mesh| {
             let ratio = (own / of_mesh.value.max(f64::MIN_POSITIVE)).powi(2);
@@ -109,20 +82,13 @@ fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
             rates.len(),
             output.name,
             found.search.readings,
-            found.choice.trial.initial_state.name()
+            found.initial_state.name()
         ));
     }
     Chosen {
-        order: rates.len(),
-        first_rate_rad_s: rates[0],
-        last_rate_rad_s: rates[rates.len() - 1],
-        lower_edge_factor: rates[0] / (thesis_rad_s),
-        prior: trial.prior.name().to_owned(),
-        ridge: trial.prior.weight(),
-        feed_through: trial.feed_through,
-        initial_state: trial.initial_state.name().to_owned(),
-        cross_validation: Some(Estimate { value, se }),
-        reasons,
-        ..mesh.chosen.clone()
+        feed_through: setup.feed_through,
+        dead_time_samples: mesh.chosen.dead_time_samples,
+        non_negative: mesh.chosen.non_negative,
+        ..outcome::chosen_by(rates, rates[0] / thesis_rad_s, first.initial_state, setup.prior, &first.score, reasons)
     }
 }

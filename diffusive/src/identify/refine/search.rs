@@ -4,7 +4,7 @@
 //! this length and period shows anything stays at its edge, and is reported.
 
 use super::columns::{Point, Setup};
-use crate::optimise::{DampedDescent, DampingRule, DescentProblem};
+use crate::optimise::DampingRule;
 
 /// Neighbours closer than this are one pole to every record.
 pub const LEAST_RATIO: f64 = 1.05;
@@ -37,21 +37,10 @@ pub struct RateSearch {
     pub readings: usize,
     /// Whether it goes on, or how it ended.
     pub state: SearchState,
-    rates: MovingRates,
-    descent: Option<DampedDescent<MovingRates>>,
-}
-
-/// Rates within their range, as the descent moves them.
-#[derive(Clone, Copy)]
-struct MovingRates {
+    /// The best point that was read.
+    pub best: Option<Point>,
     bounds_rad_s: (f64, f64),
-}
-
-/// Which poles stand at the edge of their range and would leave it, and the undamped step of the
-/// others.
-struct Outlook {
-    pinned: Vec<bool>,
-    full: Vec<f64>,
+    damping: f64,
 }
 
 const RULE: DampingRule = DampingRule {
@@ -61,54 +50,6 @@ const RULE: DampingRule = DampingRule {
     // A step that no damping makes better than standing still is one of rounding.
     most: 1e6,
 };
-
-impl MovingRates {
-    fn pinned(self, best: &Point) -> Vec<bool> {
-        let free = vec![false; best.rates_rad_s.len()];
-        let outward = best.step(0.0, &free);
-        let (least, most) = self.bounds_rad_s;
-        let at = |rate: f64, step: f64| {
-            (rate <= least * (1.0 + 1e-9) && step <= 0.0) || (rate >= most * (1.0 - 1e-9) && step >= 0.0)
-        };
-        best.rates_rad_s.iter().zip(&outward).map(|(&rate, &step)| at(rate, step)).collect()
-    }
-}
-
-impl DescentProblem for MovingRates {
-    /// Rates, or the index of the slower of two neighbours that come together.
-    type Parameters = Result<Vec<f64>, usize>;
-    type Evaluation = Point;
-    type Linearisation = Outlook;
-
-    fn is_better(&self, new: &Point, best: &Point) -> bool {
-        // Sums of squares are differences of sums as large as yᵀy.
-        new.cost <= best.cost + 1e-13 * new.total.yy
-    }
-
-    fn linearise(&mut self, best: &Point) -> Option<Outlook> {
-        let pinned = self.pinned(best);
-        let full = best.step(0.0, &pinned);
-        let small = |(pole, step): (usize, &f64)| step.abs() <= SETTLED.max(SETTLED_SE * best.log_se(pole));
-        let settled = full.iter().enumerate().all(small);
-        (!settled).then_some(Outlook { pinned, full })
-    }
-
-    fn step(&mut self, best: &Point, outlook: &Outlook, damping: f64) -> Option<Self::Parameters> {
-        let mut step = best.step(damping, &outlook.pinned);
-        let longest = largest(&step);
-        if longest > 1.0 {
-            step.iter_mut().for_each(|step| *step /= longest);
-        }
-        let (least, most) = self.bounds_rad_s;
-        let moved = best.rates_rad_s.iter().zip(&step).map(|(rate, step)| (rate * step.exp()).clamp(least, most));
-        let moved: Vec<f64> = moved.collect();
-        match moved.windows(2).position(|two| two[1] < LEAST_RATIO * two[0]) {
-            None => Some(Ok(moved)),
-            Some(close) if longest < 0.01 => Some(Err(close)),
-            Some(_) => None,
-        }
-    }
-}
 
 fn largest(step: &[f64]) -> f64 {
     step.iter().fold(0.0_f64, |most, step| most.max(step.abs()))
@@ -122,50 +63,80 @@ impl RateSearch {
             trial_rad_s: spread(start_rad_s, bounds_rad_s),
             readings: 0,
             state: SearchState::Going,
-            rates: MovingRates { bounds_rad_s },
-            descent: None,
+            best: None,
+            bounds_rad_s,
+            damping: RULE.start,
         }
     }
 
     /// Takes what the reading of the trial gave, and decides on the next.
     pub fn take(&mut self, point: Point) {
         self.readings += 1;
-        let descent = match self.descent.take() {
-            None => DampedDescent::new(self.rates, point, RULE),
-            Some(mut descent) => {
-                descent.tell(Some(point));
-                descent
+        // Sums of squares are differences of sums as large as yᵀy.
+        let pays = |best: &Point| point.cost <= best.cost + 1e-13 * point.total.yy;
+        match self.best.as_ref().map(pays) {
+            Some(false) => self.damping = (RULE.raised)(self.damping),
+            Some(true) => {
+                self.damping = (RULE.eased)(self.damping);
+                self.best = Some(point);
             }
-        };
-        let descent = self.descent.insert(descent);
-        self.state = match descent.linear() {
-            Some(outlook) if self.readings == MOST_READINGS => SearchState::Unsettled(largest(&outlook.full)),
-            _ => match descent.ask() {
-                None => SearchState::Settled,
-                Some(Err(close)) => SearchState::Merged(close),
-                Some(Ok(rates_rad_s)) => {
-                    self.trial_rad_s = rates_rad_s;
-                    SearchState::Going
+            None => self.best = Some(point),
+        }
+        self.state = self.next();
+    }
+
+    /// Looks for rates to read next, from the best point.
+    fn next(&mut self) -> SearchState {
+        let Some(best) = &self.best else { return SearchState::Going };
+        let pinned = pinned(best, self.bounds_rad_s);
+        let full = best.step(0.0, &pinned);
+        let small = |(pole, step): (usize, &f64)| step.abs() <= SETTLED.max(SETTLED_SE * best.log_se(pole));
+        if full.iter().enumerate().all(small) || self.damping > RULE.most {
+            return SearchState::Settled;
+        }
+        if self.readings == MOST_READINGS {
+            return SearchState::Unsettled(largest(&full));
+        }
+        while self.damping <= RULE.most {
+            let mut step = best.step(self.damping, &pinned);
+            let longest = largest(&step);
+            if longest > 1.0 {
+                step.iter_mut().for_each(|step| *step /= longest);
+            }
+            let (least, most) = self.bounds_rad_s;
+            let moved = best.rates_rad_s.iter().zip(&step).map(|(rate, step)| (rate * step.exp()).clamp(least, most));
+            let moved: Vec<f64> = moved.collect();
+            match moved.windows(2).position(|two| two[1] < LEAST_RATIO * two[0]) {
+                None => {
+                    self.trial_rad_s = moved;
+                    return SearchState::Going;
                 }
-            },
-        };
+                Some(close) if longest < 0.01 => return SearchState::Merged(close),
+                Some(_) => self.damping = (RULE.raised)(self.damping),
+            }
+        }
+        SearchState::Settled
     }
 
-    /// Whether a pole stands at the edge of its range and would leave it.
+    /// Whether a pole of the best point stands at the edge of its range and would leave it.
     pub fn pinned(&self) -> Vec<bool> {
-        self.descent.as_ref().map_or(Vec::new(), |descent| self.rates.pinned(descent.best()))
-    }
-
-    /// The best point that was read, once the search is over.
-    pub fn take_best(&mut self) -> Option<Point> {
-        self.descent.take().map(DampedDescent::into_best)
+        self.best.as_ref().map_or(Vec::new(), |best| pinned(best, self.bounds_rad_s))
     }
 
     /// Of the two edges of the range, whether it is the slow one that a rate is nearer to.
     pub fn is_at_slow_edge(&self, rate_rad_s: f64) -> bool {
-        let (least, most) = self.rates.bounds_rad_s;
+        let (least, most) = self.bounds_rad_s;
         rate_rad_s * rate_rad_s < least * most
     }
+}
+
+fn pinned(best: &Point, (least, most): (f64, f64)) -> Vec<bool> {
+    let free = vec![false; best.rates_rad_s.len()];
+    let outward = best.step(0.0, &free);
+    let at = |rate: f64, step: f64| {
+        (rate <= least * (1.0 + 1e-9) && step <= 0.0) || (rate >= most * (1.0 - 1e-9) && step >= 0.0)
+    };
+    best.rates_rad_s.iter().zip(&outward).map(|(&rate, &step)| at(rate, step)).collect()
 }
 
 /// A start within its range, whose neighbours are far enough apart to move.

@@ -56,7 +56,7 @@ fn made(rows: usize, poles: &[(f64, f64)], initial: f64, noise_k: f64, seed: u64
     SimulatedRecord { u, y }
 }
 
-fn fitted(made: &SimulatedRecord, poles: usize, options: IdentifyOptions) -> Result<Model, IdentifyError> {
+fn fitted(made: &SimulatedRecord, poles: usize, options: IdentifyOptions) -> Result<Model, RecordError> {
     let mut table =
         RecordTable::new(PERIOD_S, vec![("u".into(), made.u.clone())], vec![("y".into(), made.y.clone())]).unwrap();
     identify(&mut table, &IdentifyOptions { free_poles: Some(poles), ..options }, &mut |_, _, _| {}, &mut |_| {})

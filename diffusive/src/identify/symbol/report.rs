@@ -1,82 +1,68 @@
-//! What was found, in a model's terms.
+//! What was found, in a model's terms, and why.
 
 use std::collections::BTreeMap;
 
-use super::super::choose::Choice;
+use super::super::choose::{Choice, ScoredCandidate};
 use super::super::design::Role;
-use super::super::options::Constraints;
-use super::super::outcome::{self, class_of, decays};
-use super::super::pass::Passed;
-use super::super::residual_pass::OutputResiduals;
+use super::super::fitted::FittedOutput;
+use super::super::folds::change;
+use super::super::options::{Constraints, InitialState};
+use super::super::outcome;
+use super::super::residual_pass::ResidualPass;
 use super::super::support;
 use super::super::whiteness::is_white;
-use super::plan::SymbolPlan;
-use super::reasons::chosen;
-use crate::model::{Model, ModelOutput, Pair, RecordEnd, Structure};
+use super::plan::{BankPart, SymbolPlan, SymbolReading};
+use crate::model::{Chosen, Model, Pair, Structure};
 
 /// All that a model is written from.
 pub struct SymbolResult<'a> {
-    pub plan: &'a SymbolPlan,
-    pub passed: &'a Passed,
+    pub reading: &'a SymbolReading,
     /// By output.
     pub choices: &'a [Choice],
-    pub residuals: &'a [OutputResiduals],
+    pub fitted: &'a [FittedOutput<'a>],
+    pub residuals: ResidualPass,
 }
 
 impl SymbolResult<'_> {
-    pub fn model(&self, given: &Constraints, tie_reason: Option<String>, tie_warning: Option<String>) -> Model {
-        let SymbolPlan { survey, classes, path, meshes, .. } = self.plan;
-        let facts = &self.passed.facts;
-        let outputs: Vec<ModelOutput> = (0..survey.outputs.len()).map(|output| self.output(output)).collect();
+    pub fn model(self, given: &Constraints, tie_reason: Option<String>, tie_warning: Option<String>) -> Model {
+        let SymbolReading { plan, passed, .. } = self.reading;
+        let SymbolPlan { survey, classes, path, .. } = plan;
+        let outputs = outcome::outputs(&survey.outputs, self.fitted, &self.residuals);
         let pairs = self.pairs();
         let warnings = self.warnings(tie_warning, &pairs);
         let reasons = path.reason.clone().into_iter().chain(tie_reason).collect();
-        let is_white = is_white(&self.residuals[0], 0);
+        let is_white = is_white(&self.residuals.residuals[0]);
         Model {
-            format: crate::model::FORMAT.to_owned(),
-            version: crate::model::VERSION,
-            structure: Structure::Symbol,
-            sample_period_s: survey.sample_period_s,
-            inputs: survey.inputs.clone(),
-            offset_c: outputs[0].offset_c,
-            residual_rms: outputs[0].residual_rms,
-            fit_percent: outputs[0].fit_percent,
-            outputs,
             pairs,
-            event_column: survey.event_column.clone().filter(|_| self.plan.is_gated()),
-            classes: classes.clone(),
-            conductance_w_per_k: BTreeMap::new(),
-            wind: None,
+            event_column: survey.event_column.clone().filter(|_| plan.is_gated()),
             supported: warnings.is_empty(),
             warnings,
-            chosen: chosen(&self.choices[0], is_white, meshes, path.delay, reasons, given),
-            provenance: facts.provenance(survey),
-            end: Some(self.end()),
+            chosen: chosen(&self.choices[0], is_white, plan, reasons, given),
+            ..outcome::model(Structure::Symbol, survey, &passed.facts, classes, outputs, self.residuals)
         }
-    }
-
-    fn output(&self, output: usize) -> ModelOutput {
-        let solution = &self.choices[output].solution;
-        let offset = self.choices[output].terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
-        self.residuals[output].pass.residuals[output].output(
-            &self.plan.survey.outputs[output],
-            solution.theta[offset] + self.passed.output_shift[output],
-            solution.covariance[(offset, offset)],
-        )
     }
 
     fn warnings(&self, tie_warning: Option<String>, pairs: &[Pair]) -> Vec<String> {
-        let (survey, facts) = (&self.plan.survey, &self.passed.facts);
+        let (plan, facts) = (&self.reading.plan, &self.reading.passed.facts);
+        let survey = &plan.survey;
         let mut warnings = support::warnings(survey, facts);
         warnings.extend(tie_warning);
         for ((output, name), choice) in survey.outputs.iter().enumerate().zip(self.choices) {
-            warnings.extend(outcome::warnings(name, choice, facts, output, self.plan.duration_s(), pairs));
+            warnings.extend(outcome::warnings(
+                name,
+                &choice.trial.score,
+                &choice.gain_spread,
+                facts,
+                output,
+                survey.duration_s(),
+                pairs,
+            ));
         }
-        for (output, name) in survey.outputs.iter().enumerate() {
-            if let Some((row, part)) = self.residuals[output].pass.residuals[output].lonely_row() {
+        for (name, residuals) in survey.outputs.iter().zip(&self.residuals.residuals) {
+            if let Some((row, part)) = residuals.lonely_row() {
                 warnings.push(format!(
                     "`{name}`: row {} alone makes {:.0} % of all squared residuals: a reading that went wrong? correct it, or cut the record there",
-                    row + self.plan.path.delay as u64,
+                    row + plan.path.delay as u64,
                     100.0 * part
                 ));
             }
@@ -85,16 +71,19 @@ impl SymbolResult<'_> {
     }
 
     fn pairs(&self) -> Vec<Pair> {
-        let SymbolPlan { survey, classes: labels, path, parts, designs, sees, .. } = self.plan;
+        let SymbolPlan { survey, classes: labels, path, parts, designs, .. } = &self.reading.plan;
         let mut pairs = Vec::new();
         for (output, choice) in self.choices.iter().enumerate() {
             for (input, name) in survey.inputs.iter().enumerate() {
                 let mut classes = BTreeMap::new();
                 let mut mesh_rad_s = Vec::new();
-                let its = parts.iter().enumerate().filter(|&(bank, part)| part.input == input && sees[output][bank]);
-                for (bank, part) in its {
+                let is_its = |part: &BankPart| part.input == input && part.is_seen_by(output);
+                for (bank, part) in parts.iter().enumerate().filter(|(_, part)| is_its(part)) {
                     mesh_rad_s.clone_from(&designs[choice.trial.mesh].banks[bank].rates_rad_s);
-                    classes.insert(labels[part.class].clone(), class_of(choice, bank));
+                    let mut class = self.fitted[output].class(bank);
+                    let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
+                    class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(spread);
+                    classes.insert(labels[part.class].clone(), class);
                 }
                 pairs.push(Pair {
                     input: name.clone(),
@@ -112,23 +101,53 @@ impl SymbolResult<'_> {
 
     /// Whether the resistances of an input may not be negative.
     fn is_held(&self, choice: &Choice, input: usize) -> bool {
-        let is_its = |role: Role| matches!(role, Role::Relaxation { bank, .. } if self.plan.parts[bank].input == input);
+        let is_its =
+            |role: Role| matches!(role, Role::Relaxation { bank, .. } if self.reading.plan.parts[bank].input == input);
         let positive = choice.positive.iter().flatten();
         choice.terms.iter().zip(positive).any(|(term, positive)| *positive && is_its(term.role))
     }
+}
 
-    /// Where the record ended, to go on from there.
-    fn end(&self) -> RecordEnd {
-        let of = |(residuals, choice): (&OutputResiduals, &Choice)| {
-            decays(&self.plan.designs[choice.trial.mesh], &residuals.pass.end[residuals.place])
+/// Why the model is as it is. `is_white`: whether the choice leaves white residuals.
+fn chosen(choice: &Choice, is_white: bool, plan: &SymbolPlan, mut reasons: Vec<String>, given: &Constraints) -> Chosen {
+    let (trial, meshes) = (&choice.trial, &plan.meshes);
+    let mesh = &meshes[trial.mesh];
+    // What is for comparison only could not have been taken.
+    let is_fit = |rival: &&ScoredCandidate| meshes[rival.mesh].free || rival.initial_state != InitialState::Free;
+    let best_of = |wanted: &dyn Fn(&ScoredCandidate) -> bool| {
+        let others = choice.rivals.iter().filter(is_fit).filter(|rival| wanted(rival));
+        others.map(|rival| rival.score.overall()).min_by(f64::total_cmp)
+    };
+    let own = trial.score.overall();
+    let against = |what: &str, rival: Option<f64>| {
+        let ratio = rival? / own.max(1e-300);
+        // Less by a percent or two is chance; more needs a word.
+        let but = match (ratio.sqrt() < 0.98, is_white) {
+            (false, _) => "",
+            (true, true) => "; not taken: less cautious, and what is left is white as it is",
+            (true, false) => "; not taken: less cautious, and its residuals are not white either",
         };
-        let residual_pass = &self.residuals[0].pass;
-        let pending_of = |input: usize| residual_pass.pending.iter().map(|(inputs, _)| inputs[input]).collect();
-        RecordEnd {
-            next_time_s: residual_pass.next_time_s,
-            decays: self.residuals.iter().zip(self.choices).map(of).collect(),
-            pending: (0..self.plan.survey.inputs.len()).map(pending_of).collect(),
-            pending_class: residual_pass.pending.iter().map(|(_, class)| *class).collect(),
-        }
+        Some(format!("{what}: cross-validated error {} for the best other{but}", change(ratio)))
+    };
+    let rates = mesh.rates_rad_s.len();
+    if given.mesh_is_fixed() {
+        reasons.push(format!("{rates} rates on the mesh that was given"));
+    } else {
+        let what = format!("lower edge {:.2} of the thesis' 2πJ/T", mesh.factor);
+        reasons.extend(against(&what, best_of(&|rival| (meshes[rival.mesh].factor - mesh.factor).abs() > 1e-9)));
+        let what = format!("{rates} rates");
+        reasons.extend(against(&what, best_of(&|rival| meshes[rival.mesh].rates_rad_s.len() != rates)));
+    }
+    let what = format!("initial state: {}", trial.initial_state.name());
+    reasons.extend(against(&what, best_of(&|rival| rival.initial_state != trial.initial_state)));
+    let what = format!("prior: {} of weight {:.1e}", trial.prior.name(), trial.prior.weight());
+    reasons.extend(against(&what, best_of(&|rival| rival.mesh == trial.mesh && rival.prior != trial.prior)));
+    reasons.extend(choice.reason.clone());
+    reasons.push(choice.sign_reason.clone());
+    Chosen {
+        non_negative: choice.positive.is_some(),
+        feed_through: trial.feed_through,
+        dead_time_samples: plan.path.delay,
+        ..outcome::chosen_by(&mesh.rates_rad_s, mesh.factor, trial.initial_state, trial.prior, &trial.score, reasons)
     }
 }

@@ -5,18 +5,16 @@
 //! Or, if the record goes on where the identified one ended, the model goes on as well, and nothing
 //! is taken from the outputs.
 
-mod error;
 mod report;
 mod run;
 mod start;
 
-pub use error::{Mismatch, ValidateError};
 pub use report::{ValidatedOutput, ValidationReport, ValidationStart};
 
-use super::error::LEAST_ROWS;
 use super::options::FitObserver;
-use super::record::RecordSource;
+use super::record::{RecordError, RecordSource, Survey};
 use super::residuals::Residuals;
+use super::validate_options::LEAST_ROWS;
 use crate::model::{Forward, Model, ModelGas, RecordEnd};
 use run::{Losses, run};
 use start::{estimate, prior_widths};
@@ -30,49 +28,48 @@ pub fn validate(
     source: &mut dyn RecordSource,
     start: ValidationStart,
     observer: &mut FitObserver<'_>,
-) -> Result<ValidationReport, ValidateError> {
+) -> Result<ValidationReport, RecordError> {
     let rows = source.survey().rows;
-    check_columns(model, source).map_err(|reason| ValidateError::unfit(source, reason))?;
+    check_columns(model, source.survey())?;
     let (mut forward, offsets) = started(model, source, start)?;
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
-    let mut constant: Vec<Option<f64>> = vec![None; model.outputs.len()];
     run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
             residuals.push(*measured, *predicted);
-        }
-        for (constant, &measured) in constant.iter_mut().zip(seen.measured) {
-            *constant = if seen.row == 0 { Some(measured) } else { constant.filter(|first| *first == measured) };
         }
         observer(seen);
     })?;
     let validated = |output: usize| ValidatedOutput {
         name: model.outputs[output].name.clone(),
         rmse: residuals[output].rms(),
-        fit_percent: constant[output].is_none().then(|| residuals[output].fit_percent()),
-        constant: constant[output],
+        fit_percent: residuals[output].constant().is_none().then(|| residuals[output].fit_percent()),
+        constant: residuals[output].constant(),
         offset_c: offsets[output],
         whiteness: residuals[output].whiteness(),
     };
     let outputs: Vec<ValidatedOutput> = (0..model.outputs.len()).map(validated).collect();
     let is_finite = |output: &ValidatedOutput| output.rmse.is_finite() && output.fit_percent.is_none_or(f64::is_finite);
     if let Some(output) = outputs.iter().find(|output| !is_finite(output)) {
-        return Err(ValidateError::unfit(source, Mismatch::TooLarge { output: output.name.clone() }));
+        return Err(source.survey().refuse(format!(
+            "what the model predicts for `{}` is too large to compute with: are the inputs in the units of the model's record?",
+            output.name
+        )));
     }
     let warnings = warnings(&outputs, rows);
     Ok(ValidationReport { outputs, rows, start, warnings })
 }
 
-fn check_columns(model: &Model, source: &dyn RecordSource) -> Result<(), Mismatch> {
-    let survey = source.survey();
+fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
     let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
     let (model_inputs, model_outputs) = (model.inputs.len(), model.outputs.len());
-    if (inputs, outputs) != (model_inputs, model_outputs) {
-        return Err(Mismatch::Columns { inputs, outputs, model_inputs, model_outputs });
-    }
+    survey.refuse_if(
+        (inputs, outputs) != (model_inputs, model_outputs),
+        format_args!("has {inputs} inputs and {outputs} outputs where the model has {model_inputs} and {model_outputs}: name them with --input and --output, in the model's order"),
+    )?;
     match model.wind.as_ref().map(|wind| &wind.gas) {
-        Some(ModelGas::Column(column)) if survey.gas_column.is_none() => {
-            Err(Mismatch::NoGasColumn { column: column.clone() })
-        }
+        Some(ModelGas::Column(column)) if survey.gas_column.is_none() => Err(survey.refuse(format!(
+            "has no gas column: the model needs the temperature of the gas, which was column `{column}`"
+        ))),
         _ => Ok(()),
     }
 }
@@ -82,20 +79,23 @@ fn started(
     model: &Model,
     source: &mut dyn RecordSource,
     start: ValidationStart,
-) -> Result<(Forward, Vec<f64>), ValidateError> {
+) -> Result<(Forward, Vec<f64>), RecordError> {
     let (period_s, rows) = (source.survey().sample_period_s, source.survey().rows);
     let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
     let mut forward = Forward::at_rest(model, period_s);
     match start {
         ValidationStart::Rest => {}
         ValidationStart::Continue => {
-            let end = continued(model, source).map_err(|reason| ValidateError::unfit(source, reason))?;
+            let end = continued(model, source.survey())?;
             forward = Forward::going_on(model, end);
         }
         ValidationStart::Estimate => {
             let unknowns = (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max();
             let unknowns = unknowns.unwrap_or(1);
-            refuse_if!(rows <= unknowns as u64, ValidateError::unfit(source, Mismatch::FewRows { rows, unknowns }));
+            source.survey().refuse_if(
+                rows <= unknowns as u64,
+                format_args!("has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"),
+            )?;
             let estimated = estimate(model, source, &mut forward)?;
             forward = Forward::at_rest(model, period_s);
             for (output, estimated) in estimated.iter().enumerate() {
@@ -109,14 +109,18 @@ fn started(
 }
 
 /// Where the identified record ended, if this one goes on with the next row.
-fn continued<'m>(model: &'m Model, source: &dyn RecordSource) -> Result<&'m RecordEnd, Mismatch> {
-    let survey = source.survey();
-    let end = model.end.as_ref().ok_or(Mismatch::NoEnd)?;
+fn continued<'m>(model: &'m Model, survey: &Survey) -> Result<&'m RecordEnd, RecordError> {
+    let no_end = "cannot be continued: the model does not hold where its record ended, as none does that was merged; say --start estimate or --start rest";
+    let end = model.end.as_ref().ok_or_else(|| survey.refuse(no_end))?;
     let gap_s = survey.first_time_s - end.next_time_s;
     if gap_s.abs() < 0.5 * survey.sample_period_s {
         return Ok(end);
     }
-    Err(Mismatch::NotTheNextRow { first_time_s: shown_s(survey.first_time_s), next_time_s: shown_s(end.next_time_s) })
+    Err(survey.refuse(format!(
+        "begins at {} s, but the identified record goes on at {} s: only the row that follows it can be continued",
+        shown_s(survey.first_time_s),
+        shown_s(end.next_time_s)
+    )))
 }
 
 /// Why figures say less than they seem to.

@@ -1,8 +1,7 @@
 //! A model that runs over a record, row by row.
 
-use super::super::record::RecordSource;
+use super::super::record::{RecordError, RecordSource, copy_row};
 use super::super::residuals::FitRow;
-use super::error::{Mismatch, ValidateError};
 use crate::model::{Forward, Model, ModelGas};
 
 /// By whose temperatures the wind takes heat.
@@ -19,7 +18,7 @@ pub(super) fn run(
     forward: &mut Forward,
     losses: Losses,
     seen: &mut dyn FnMut(&FitRow<'_>),
-) -> Result<(), ValidateError> {
+) -> Result<(), RecordError> {
     source.restart()?;
     let event_column = source.survey().event_column.clone().unwrap_or_default();
     let (inputs, outputs) = (model.inputs.len(), model.outputs.len());
@@ -36,22 +35,16 @@ pub(super) fn run(
         for label in source.classes().iter().skip(classes.len()) {
             let known = model.classes.iter().position(|known| known == label);
             if known.is_none() && model.classes.len() > 1 {
-                let reason = Mismatch::UnknownClass {
-                    column: event_column,
-                    label: label.clone(),
-                    classes: model.classes.clone(),
-                };
-                return Err(ValidateError::unfit(source, reason));
+                return Err(source.survey().refuse(format!(
+                    "column `{event_column}`: the model knows no class `{label}`; it was identified for {}",
+                    model.classes.join(", ")
+                )));
             }
             classes.push(known.unwrap_or(0));
         }
         for at in 0..block.len() {
-            for (value, column) in input_row.iter_mut().zip(&block.inputs) {
-                *value = column[at];
-            }
-            for (value, column) in measured.iter_mut().zip(&block.outputs) {
-                *value = column[at];
-            }
+            copy_row(&block.inputs, at, &mut input_row);
+            copy_row(&block.outputs, at, &mut measured);
             let class = classes[block.class[at] as usize];
             let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
             match losses {

@@ -4,8 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::normal_equations::NormalEquations;
-use super::super::record::RecordSource;
-use super::error::ValidateError;
+use super::super::record::{RecordError, RecordSource};
 use super::run::{Losses, run};
 use crate::model::{Forward, Model};
 
@@ -26,7 +25,7 @@ pub(super) fn estimate(
     model: &Model,
     source: &mut dyn RecordSource,
     forward: &mut Forward,
-) -> Result<Vec<EstimatedStart>, ValidateError> {
+) -> Result<Vec<EstimatedStart>, RecordError> {
     let period_s = source.survey().sample_period_s;
     let widths: Vec<Vec<(f64, f64)>> = (0..model.outputs.len()).map(|output| prior_widths(model, output)).collect();
     let mut columns: Vec<Vec<f64>> = widths.iter().map(|rates| vec![1.0; rates.len() + 1]).collect();

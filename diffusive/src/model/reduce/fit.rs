@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::least_squares;
 use super::target::ReductionTarget;
-use crate::optimise::{DampingRule, DescentProblem, damped_step, descend};
+use crate::optimise::{DampingRule, damped_step};
 
 /// Neighbours closer than this are one pole to every record, and their resistances would grow
 /// against each other without bound.
@@ -81,13 +81,31 @@ impl ReductionProblem<'_> {
         if apart && inside { self.solve(rates_rad_s).map(|(_, residual)| residual) } else { None }
     }
 
+    /// Damped descent on logarithms, from which `rates` makes rates.
     fn refine(&self, start: Vec<f64>, rates: impl Fn(&[f64]) -> Vec<f64>) -> Option<Fit> {
-        let residual = self.residual(&rates(&start))?;
-        let descent = LogarithmDescent { problem: self, rates: &rates, slow: 0 };
-        let (at, _) = descend(descent, (start, residual), RULE, MOST_STEPS, |of, to| {
-            let residual = of.problem.residual(&(of.rates)(&to))?;
-            Some((to, residual))
-        });
+        let residual_at = |at: &[f64]| self.residual(&rates(at));
+        let mut residual = residual_at(&start)?;
+        let (mut at, mut damping) = (start, RULE.start);
+        // Steps in a row that hardly paid.
+        let mut slow = 0;
+        for _ in 0..MOST_STEPS {
+            let Some((normal, slope)) = linearised(&at, &residual, &residual_at) else { break };
+            let moved = |damping| {
+                let step = damped_step(&normal, &slope, damping)?;
+                // No further than a factor of e at once: beyond it the linear picture says nothing.
+                let shrink = 1.0 / step.amax().max(1.0);
+                let moved: Vec<f64> = at.iter().zip(step.iter()).map(|(at, step)| at - shrink * step).collect();
+                let left = residual_at(&moved)?;
+                (left.norm_squared() < residual.norm_squared()).then_some((moved, left))
+            };
+            let Some((moved, left)) = RULE.first_that_pays(&mut damping, moved) else { break };
+            let is_slow = left.norm_squared() > residual.norm_squared() * (1.0 - 1e-4);
+            slow = if is_slow { slow + 1 } else { 0 };
+            (at, residual) = (moved, left);
+            if slow > 3 {
+                break;
+            }
+        }
         let mut found = rates(&at);
         found.sort_by(f64::total_cmp);
         self.project(&found)
@@ -102,60 +120,27 @@ const RULE: DampingRule = DampingRule {
 };
 const MOST_STEPS: usize = 300;
 
-/// The descent on logarithms, from which `rates` makes rates.
-struct LogarithmDescent<'a, R: Fn(&[f64]) -> Vec<f64>> {
-    problem: &'a ReductionProblem<'a>,
-    rates: &'a R,
-    /// Steps in a row that hardly paid.
-    slow: usize,
-}
-
-impl<R: Fn(&[f64]) -> Vec<f64>> DescentProblem for LogarithmDescent<'_, R> {
-    type Parameters = Vec<f64>;
-    /// Logarithms and residuals.
-    type Evaluation = (Vec<f64>, DVector<f64>);
-    /// H and −b.
-    type Linearisation = (DMatrix<f64>, DVector<f64>);
-
-    fn is_better(&self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        new.1.norm_squared() < best.1.norm_squared()
+/// H and −b at a place; `None` where nothing is left to gain.
+fn linearised(
+    at: &[f64],
+    residual: &DVector<f64>,
+    residual_at: &dyn Fn(&[f64]) -> Option<DVector<f64>>,
+) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    if residual.norm_squared() < 1e-28 {
+        return None;
     }
-
-    fn is_last(&mut self, new: &Self::Evaluation, best: &Self::Evaluation) -> bool {
-        let is_slow = new.1.norm_squared() > best.1.norm_squared() * (1.0 - 1e-4);
-        self.slow = if is_slow { self.slow + 1 } else { 0 };
-        self.slow > 3
-    }
-
-    fn linearise(&mut self, (at, residual): &Self::Evaluation) -> Option<Self::Linearisation> {
-        if residual.norm_squared() < 1e-28 {
-            return None;
-        }
-        // By differences: a few columns of a few hundred rows.
-        let column = |i: usize| {
-            let moved = |by: f64| {
-                let mut at = at.clone();
-                at[i] += by;
-                Some((self.problem.residual(&(self.rates)(&at))? - residual) / by)
-            };
-            moved(1e-6).or_else(|| moved(-1e-6))
+    // By differences: a few columns of a few hundred rows.
+    let column = |i: usize| {
+        let moved = |by: f64| {
+            let mut at = at.to_vec();
+            at[i] += by;
+            Some((residual_at(&at)? - residual) / by)
         };
-        let columns: Vec<DVector<f64>> = (0..at.len()).map(column).collect::<Option<_>>()?;
-        let jacobian = DMatrix::from_columns(&columns);
-        Some((jacobian.tr_mul(&jacobian), jacobian.tr_mul(residual)))
-    }
-
-    fn step(
-        &mut self,
-        (at, _): &Self::Evaluation,
-        (normal, slope): &Self::Linearisation,
-        damping: f64,
-    ) -> Option<Vec<f64>> {
-        let step = damped_step(normal, slope, damping)?;
-        // No further than a factor of e at once: beyond it the linear picture says nothing.
-        let shrink = 1.0 / step.amax().max(1.0);
-        Some(at.iter().zip(step.iter()).map(|(at, step)| at - shrink * step).collect())
-    }
+        moved(1e-6).or_else(|| moved(-1e-6))
+    };
+    let columns: Vec<DVector<f64>> = (0..at.len()).map(column).collect::<Option<_>>()?;
+    let jacobian = DMatrix::from_columns(&columns);
+    Some((jacobian.tr_mul(&jacobian), jacobian.tr_mul(residual)))
 }
 
 /// Merges neighbouring poles until `order` are left: always the two that differ least, for what

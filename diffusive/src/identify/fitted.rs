@@ -1,0 +1,80 @@
+//! One output's model as parameters of a design's columns, whatever its structure, and what a model
+//! file says of it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::design::{RegressionDesign, Role};
+use super::normal_equations::{ModelTerm, in_columns};
+use super::residuals::Residuals;
+use crate::model::{Class, ModelOutput};
+
+/// Parameters with their covariance.
+pub struct FittedOutput<'a> {
+    pub design: &'a RegressionDesign,
+    pub terms: &'a [ModelTerm],
+    pub theta: &'a DVector<f64>,
+    pub covariance: &'a DMatrix<f64>,
+    /// Subtracted from the output before it entered the sums.
+    pub shift: f64,
+}
+
+impl FittedOutput<'_> {
+    /// What each column of the design weighs.
+    pub fn weights(&self) -> Vec<f64> {
+        in_columns(self.terms, self.theta, self.design.width())
+    }
+
+    /// Offset and figures of its residuals.
+    pub fn output(&self, name: &str, residuals: &Residuals) -> ModelOutput {
+        let offset = self.terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
+        ModelOutput {
+            name: name.to_owned(),
+            offset_c: self.theta[offset] + self.shift,
+            se_offset_c: self.se(offset),
+            residual_rms: residuals.rms(),
+            fit_percent: residuals.fit_percent(),
+            whiteness: residuals.whiteness(),
+        }
+    }
+
+    /// Resistances of one bank with their standard errors.
+    pub fn class(&self, bank: usize) -> Class {
+        let its = (0..self.terms.len()).filter(|&term| self.terms[term].role.bank() == Some(bank));
+        let (feed, relaxations): (Vec<usize>, Vec<usize>) =
+            its.partition(|&term| matches!(self.terms[term].role, Role::FeedThrough { .. }));
+        let (gain, variance) = steady_gain(self.terms, self.theta, self.covariance, bank);
+        Class {
+            r_k_per_w: relaxations.iter().map(|&term| self.theta[term]).collect(),
+            se_k_per_w: relaxations.iter().map(|&term| self.se(term)).collect(),
+            steady_gain_k_per_w: gain,
+            se_steady_gain_k_per_w: variance.sqrt(),
+            feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.theta[term]),
+            se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.se(term)),
+        }
+    }
+
+    /// What states of the columns amount to, one decay a rate: rate in rad/s and K.
+    pub fn decays(&self, states: &[f64]) -> Vec<(f64, f64)> {
+        let mut decays: Vec<(f64, f64)> = Vec::new();
+        for ((role, state), weight) in self.design.roles().iter().zip(states).zip(self.weights()) {
+            let (Role::Relaxation { rate_rad_s, .. } | Role::Initial { rate_rad_s }) = *role else { continue };
+            match decays.iter_mut().find(|(rate, _)| *rate == rate_rad_s) {
+                Some((_, sum)) => *sum += state * weight,
+                None => decays.push((rate_rad_s, state * weight)),
+            }
+        }
+        decays
+    }
+
+    fn se(&self, term: usize) -> f64 {
+        self.covariance[(term, term)].max(0.0).sqrt()
+    }
+}
+
+/// Sum of what a bank's parameters weigh, feed-through included, and its variance.
+pub fn steady_gain(terms: &[ModelTerm], theta: &DVector<f64>, covariance: &DMatrix<f64>, bank: usize) -> (f64, f64) {
+    let its: Vec<usize> = (0..terms.len()).filter(|&term| terms[term].role.bank() == Some(bank)).collect();
+    let pairs = its.iter().flat_map(|&i| its.iter().map(move |&j| (i, j)));
+    let variance: f64 = pairs.map(|at| covariance[at]).sum();
+    (its.iter().map(|&term| theta[term]).sum(), variance.max(0.0))
+}
