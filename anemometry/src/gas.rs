@@ -17,6 +17,8 @@
 //! and the gas is ideal within 2 % (CO2 must also be a gas: below its vapour pressure). Air agrees
 //! with tables within 2 %.
 
+use serde::{Deserialize, Serialize};
+
 /// Why a gas cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{name}` is {value}; it must be {expected}")]
@@ -51,11 +53,13 @@ const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
 const VESOVIC_LOWEST_K: f64 = 200.0;
 
 /// A gas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Species {
     /// Carbon dioxide.
+    #[serde(rename = "co2")]
     CarbonDioxide,
     /// Dry air.
+    #[serde(rename = "air")]
     Air,
 }
 
@@ -66,6 +70,11 @@ impl Species {
             Species::CarbonDioxide => "co2",
             Species::Air => "air",
         }
+    }
+
+    /// By the name that experiments and recordings have for it.
+    pub fn named(name: &str) -> Option<Self> {
+        [Species::CarbonDioxide, Species::Air].into_iter().find(|species| species.name() == name)
     }
 }
 

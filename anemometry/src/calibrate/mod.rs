@@ -33,4 +33,4 @@ pub use sphere::calibration::{CalibratedSurface, SphereCalibration};
 pub use sphere::cross_validation::{compare, cross_validate};
 pub use sphere::readings::{DrawnSphere, DrawnSurface};
 pub use sphere::solve::{calibrate, solve};
-pub use steady_wind::{GasProperties, SteadyWind, SurfaceReading};
+pub use steady_wind::{SteadyWind, SurfaceReading};

@@ -80,7 +80,7 @@ impl Serialize for CalibrationReport {
 fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Result<(), M::Error> {
     map.serialize_entry("winds", &calibration.winds)?;
     map.serialize_entry("quiescent", &calibration.quiescent)?;
-    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
     map.serialize_entry("residual_rms", &calibration.residual_rms)?;
     map.serialize_entry("chi_square", &calibration.chi_square)?;
     map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;
@@ -91,10 +91,10 @@ fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Resu
 
 fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(), M::Error> {
     map.serialize_entry("winds", &calibration.winds)?;
-    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
     map.serialize_entry("exponent", &calibration.exponent)?;
-    map.serialize_entry("mean_share", &calibration.mean_share)?;
-    map.serialize_entry("difference_share", &calibration.difference_share)?;
+    map.serialize_entry("mean_share", &calibration.curves.mean_share)?;
+    map.serialize_entry("difference_share", &calibration.curves.difference_share)?;
     map.serialize_entry("seen_across", &calibration.seen_at(std::f64::consts::FRAC_PI_2))?;
     map.serialize_entry("seen_in_reverse", &calibration.seen_at(0.0))?;
     map.serialize_entry("gains", &calibration.gains)?;

@@ -119,13 +119,17 @@ impl Head {
         let known = self.names();
         let Some(place) = known.iter().position(|own| *own == name) else {
             let hint = suggest(name, known.iter().copied());
-            return Err(CurrentsError::NoElement { head: self.name.clone(), hint });
+            return Err(CurrentsError(format!("is no element of head `{}`; {hint}", self.name)));
         };
         let element = &mut self.elements[place];
         let platinum = *element.config.channel.platinum();
         element.config.channel = Channel::new(platinum, self.volt_per_code as f32, low_a as f32, high_a as f32)
             // Resistor and converter are the head's, and were found right when it was read.
-            .map_err(|_| CurrentsError::Refused { low_a, high_a })?;
+            .map_err(|_| {
+                CurrentsError(format!(
+                    "is {{ low_a = {low_a}, high_a = {high_a} }}: high_a must be above low_a, and both above 0 and at most 1 A"
+                ))
+            })?;
         (element.nominal.current_low_a, element.nominal.current_high_a) = (low_a, high_a);
         Ok(place)
     }

@@ -184,7 +184,7 @@ impl<'a> WindEstimation<'a> {
         WindReport {
             recording: self.recording,
             head: self.head.name.clone(),
-            made_from: self.calibration.made_from().to_owned(),
+            made_from: self.calibration.table.made_from.clone(),
             is_card: self.calibration.card_normal().is_some(),
             estimates: self.estimates,
             output: self.output,
@@ -213,7 +213,10 @@ fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError>
             true => format!("{} s or {} s", tidy(below), tidy(above)),
             false => format!("{} s", tidy(period_s)),
         };
-        return Err(WindError::Interval { interval_s, sample_period_s: period_s, nearest });
+        return Err(WindError::Interval(format!(
+            "{interval_s} is not a whole number of sample periods of {} s: {nearest} would be",
+            tidy(period_s)
+        )));
     }
     // Twelve digits of a product, so that 3 × 0.01 is 0.03.
     let interval_s = ticks.round().max(1.0) * period_s;

@@ -12,15 +12,15 @@ use std::path::{Path, PathBuf};
 
 use wire::MOST_ELEMENTS;
 
-use super::error::ReplayError;
+use super::error::RecordedHeadError;
 use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
 use crate::head::file::Head;
 use diffusive::model::Conditions;
 use recording::text::{suggest, tidy};
 use recording::toml_file::TomlSource;
 use recording::{
-    ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingReader, STATE, TEMPERATURE, TIME,
-    TRUE_WIND,
+    ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingError, RecordingReader, STATE,
+    TEMPERATURE, TIME, TRUE_WIND,
 };
 
 /// Moments are `AfterGap` for so many times as long as the gap lasted.
@@ -86,7 +86,7 @@ impl Replay {
     ///
     /// # Errors
     /// If it cannot be read, or lacks a column of one of the head's elements.
-    pub fn open(path: &Path, head: &Head, gas: Option<&str>) -> Result<Self, ReplayError> {
+    pub fn open(path: &Path, head: &Head, gas: Option<&str>) -> Result<Self, RecordingError> {
         let mut reader = RecordingReader::open(path)?;
         let names: Vec<String> = reader.names().to_vec();
         let mut selected = Vec::new();
@@ -98,7 +98,7 @@ impl Replay {
         };
         let lacking = |name: &str| {
             let hint = suggest(name, names.iter().map(String::as_str));
-            ReplayError::content(path, format!("has no column `{name}`; {hint}"))
+            content(path, format!("has no column `{name}`; {hint}"))
         };
         let mut needed = |name: String| place(&name).ok_or_else(|| lacking(&name));
         let time = needed(TIME.to_owned())?;
@@ -184,7 +184,7 @@ impl Replay {
     ///
     /// # Errors
     /// If the file is damaged, or its time does not ascend by whole sample periods.
-    pub fn next_moment(&mut self) -> Result<Option<Moment>, ReplayError> {
+    pub fn next_moment(&mut self) -> Result<Option<Moment>, RecordingError> {
         if self.next.is_none()
             && let Some(row) = self.next_row()?
         {
@@ -220,8 +220,8 @@ impl Replay {
     }
 
     /// How many ticks are missing between the last row and one of this time.
-    fn missing_before(&mut self, time_s: f64) -> Result<u64, ReplayError> {
-        let refuse = |problem: String| Err(ReplayError::content(&self.path, format!("row {}: {problem}", self.count)));
+    fn missing_before(&mut self, time_s: f64) -> Result<u64, RecordingError> {
+        let refuse = |problem: String| Err(content(&self.path, format!("row {}: {problem}", self.count)));
         if !time_s.is_finite() {
             return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
         }
@@ -246,7 +246,7 @@ impl Replay {
         Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
     }
 
-    fn next_row(&mut self) -> Result<Option<ReplayedRow>, ReplayError> {
+    fn next_row(&mut self) -> Result<Option<ReplayedRow>, RecordingError> {
         while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
             match self.reader.next_chunk()? {
                 None => return Ok(None),
@@ -286,45 +286,50 @@ impl Replay {
 
 /// The sample period that the recording carries, or else the median time between its first rows;
 /// both have to agree.
-fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, ReplayError> {
-    let refuse = |sentence: String| ReplayError::content(path, sentence);
+fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
+    let refuse = |sentence: &str| content(path, sentence.to_owned());
     let mut reader = RecordingReader::open(path)?;
     let time = reader.names().iter().position(|name| name == TIME);
-    reader.select(&[time.ok_or_else(|| refuse(format!("has no column `{TIME}`")))?]);
-    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows".to_owned()))?;
+    reader.select(&[time.ok_or_else(|| refuse(&format!("has no column `{TIME}`")))?]);
+    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows"))?;
     let ColumnValues::Numbers(time_s) = &chunk[0].values else {
-        return Err(refuse(format!("column `{TIME}` holds text where numbers belong")));
+        return Err(refuse(&format!("column `{TIME}` holds text where numbers belong")));
     };
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let Some(&usual_s) = steps.get(steps.len() / 2) else {
-        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by".to_owned()));
+        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by"));
     };
     match said_s {
         // A wrong step is for the row that has it.
         _ if !(usual_s > 0.0 && usual_s.is_finite()) => {
-            said_s.ok_or_else(|| refuse(format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
+            said_s.ok_or_else(|| refuse(&format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
         }
         None => Ok(usual_s),
         Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
-        Some(said_s) => Err(refuse(format!(
+        Some(said_s) => Err(refuse(&format!(
             "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
             tidy(usual_s)
         ))),
     }
 }
 
+/// The error for a recording that is whole, but cannot be replayed.
+fn content(path: &Path, sentence: String) -> RecordingError {
+    RecordingError::Content { path: path.to_owned(), sentence }
+}
+
 /// The requested head, or the one that the recording carries.
 ///
 /// # Errors
 /// If there is none, or it cannot be read.
-pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, ReplayError> {
+pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, RecordedHeadError> {
     if let Some(path) = head {
         return Ok(Head::read(path)?);
     }
     let metadata = RecordingReader::open(recording)?.metadata();
     let text = metadata.iter().find(|(key, _)| key == "head").map(|(_, text)| text.clone());
-    let text = text.ok_or_else(|| ReplayError::content(recording, "carries no head; name one with --head"))?;
+    let text = text.ok_or_else(|| content(recording, "carries no head; name one with --head".to_owned()))?;
     let path = format!("the head in {}", recording.display()).into();
     Ok(Head::from_source(TomlSource { path, text })?)
 }

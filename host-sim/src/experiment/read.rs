@@ -49,7 +49,7 @@ impl Experiment {
             currents.push(place);
         }
         currents.sort_unstable();
-        of_one_gas(&source, &head, table.gas.species.into())?;
+        of_one_gas(&source, &head, table.gas.species)?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;
 
@@ -82,7 +82,7 @@ impl Experiment {
             sample_period_s,
             ticks,
             seed: table.seed,
-            species: table.gas.species.into(),
+            species: table.gas.species,
             pressure_pa: table.gas.pressure_pa,
             gas_temperature_c,
             gas_swing,
@@ -109,13 +109,13 @@ impl Experiment {
 /// Refuses a gas in which the head was not calibrated.
 fn of_one_gas(source: &TomlSource, head: &Head, species: Species) -> Result<(), FileError> {
     match &head.calibration {
-        Some(calibration) if calibration.species != species => Err(source.refuse(
+        Some(calibration) if calibration.table.species != species => Err(source.refuse(
             "gas.species",
             format!(
                 "is `{}`, but head `{}` is calibrated for {}: another gas is another calibration",
                 species.name(),
                 head.name,
-                calibration.species.name()
+                calibration.table.species.name()
             ),
         )),
         _ => Ok(()),

@@ -73,7 +73,7 @@ impl From<AnswerTable> for WindOutputTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GasTable {
-    pub species: SpeciesName,
+    pub species: Species,
     pub pressure_pa: f64,
     pub temperature_c: f64,
     pub swing: Option<GasSwingTable>,
@@ -91,22 +91,6 @@ pub(super) struct GasSwingTable {
 impl From<GasSwingTable> for GasSwing {
     fn from(GasSwingTable { amplitude_k, period_s, start_s }: GasSwingTable) -> Self {
         Self { amplitude_k, period_s, start_s }
-    }
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SpeciesName {
-    Co2,
-    Air,
-}
-
-impl From<SpeciesName> for Species {
-    fn from(name: SpeciesName) -> Self {
-        match name {
-            SpeciesName::Co2 => Self::CarbonDioxide,
-            SpeciesName::Air => Self::Air,
-        }
     }
 }
 

@@ -4,8 +4,8 @@
 //! than their variances say, they are larger by √(χ² / degrees of freedom): what the model leaves
 //! over counts as noise.
 
-use dr_core::wind::nusselt::{ORDERS, POINTS};
-use dr_core::wind::{MeasuredConductance, NusseltConfig, SurfaceConfig, WindVector};
+use dr_core::wind::nusselt::POINTS;
+use dr_core::wind::{MeasuredConductance, SurfaceConfig, WindVector};
 use nalgebra::{DMatrix, Vector3};
 use serde::Serialize;
 
@@ -14,18 +14,15 @@ use super::super::steady_wind::SurfaceReading;
 use super::equations::SphereProblem;
 use super::fit::SphereFit;
 use super::readings::DrawnSphere;
+use crate::head::calibration::table::NusseltTable;
 
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereCalibration {
     /// Diameter of the sphere, m.
     pub diameter_m: f64,
-    /// Least and most Reynolds number of the winds.
-    pub least_reynolds: f64,
-    /// Greatest of them.
-    pub most_reynolds: f64,
-    /// a_0 … a_5 at Reynolds numbers in geometric progression from the least to the most.
-    pub amplitudes: [[f64; ORDERS]; POINTS],
+    /// The amplitudes, as a head file has them.
+    pub curves: NusseltTable,
     /// One a surface, in the order of the head.
     pub surfaces: Vec<CalibratedSurface>,
     /// R from the tunnel's frame into the head's: axis times angle, rad.
@@ -108,9 +105,11 @@ impl SphereCalibration {
         };
         Self {
             diameter_m: head.diameter_m,
-            least_reynolds: family.least_reynolds,
-            most_reynolds: family.most_reynolds,
-            amplitudes,
+            curves: NusseltTable {
+                least_reynolds: family.least_reynolds,
+                most_reynolds: family.most_reynolds,
+                amplitudes,
+            },
             surfaces: (0..n).map(surface).collect(),
             rotation_rad: place.mounting.vector(),
             rotation_error_rad: [turn_errors[0], turn_errors[1], turn_errors[2]],
@@ -121,15 +120,6 @@ impl SphereCalibration {
             winds: problem.winds.len(),
             quiescent: problem.winds.iter().filter(|wind| wind.is_quiescent()).count(),
             coefficients: family.spline.count(),
-        }
-    }
-
-    /// The amplitudes as the board takes them.
-    pub fn nusselt(&self) -> NusseltConfig {
-        NusseltConfig {
-            least_reynolds: self.least_reynolds as f32,
-            most_reynolds: self.most_reynolds as f32,
-            amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
         }
     }
 
@@ -155,7 +145,7 @@ impl SphereCalibration {
         let surfaces: [SurfaceConfig; N] = self.part_configs().try_into().map_err(|surfaces: Vec<SurfaceConfig>| {
             CalibrateError::Head(format!("{} surfaces are calibrated; {N} are asked for", surfaces.len()))
         })?;
-        Ok(WindVector::new(&self.nusselt(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
+        Ok(WindVector::new(&self.curves.config(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
     }
 
     /// c (q + G0 a) / θ of a reading of surface `i`, as [`WindVector::step`] takes it.

@@ -10,7 +10,7 @@ impl fmt::Display for SphereCalibration {
         writeln!(
             f,
             "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, {} coefficients an amplitude",
-            self.winds, self.quiescent, self.least_reynolds, self.most_reynolds, self.coefficients
+            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds, self.coefficients
         )?;
         writeln!(
             f,

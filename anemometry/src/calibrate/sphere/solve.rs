@@ -63,6 +63,6 @@ pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibrat
         let SphereCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
-    dr_core::wind::Nusselt::new(&calibration.nusselt())?;
+    dr_core::wind::Nusselt::new(&calibration.curves.config())?;
     Ok(calibration)
 }

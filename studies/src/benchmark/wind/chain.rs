@@ -84,7 +84,7 @@ pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), Study
 /// What could not be run, or is not known of the gas.
 pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Result<Vec<SteadyWind>, StudyError> {
     let search = calibrator.search(settle_s, None);
-    let name = tunnel.title.clone();
+    let name = std::path::Path::new(&tunnel.title);
     let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s).map_err(other)?;
     let mut live = LiveRows::new(tunnel.sample_period_s);
     let mut failed = None;
