@@ -31,12 +31,6 @@ pub struct GasError {
     pub expected: &'static str,
 }
 
-impl GasError {
-    pub(crate) fn out_of_range(name: &'static str, value: f64, expected: &'static str) -> Self {
-        Self { name, value, expected }
-    }
-}
-
 /// Molar gas constant, J/(mol·K), exact by definition of the SI.
 const MOLAR_GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 /// Second radiation constant h c / k_B in K·cm: turns a wave number in cm⁻¹ into a temperature in
@@ -104,19 +98,19 @@ impl IdealGas {
         // −123.15 °C is 150 K but for its last digits.
         let (coldest_k, hottest_k) = (TEMPERATURE_RANGE_K.start() - 1e-3, TEMPERATURE_RANGE_K.end() + 1e-3);
         if !(coldest_k..=hottest_k).contains(&temperature_k) {
-            return Err(GasError::out_of_range(
-                "gas.temperature_c",
+            return Err(GasError {
+                name: "gas.temperature_c",
                 // Without the tail of digits that the difference has.
-                ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
-                "-123.15 to 126.85 °C, where the gas properties are known",
-            ));
+                value: ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
+                expected: "-123.15 to 126.85 °C, where the gas properties are known",
+            });
         }
         if !PRESSURE_RANGE_PA.contains(&pressure_pa) {
-            return Err(GasError::out_of_range(
-                "gas.pressure_pa",
-                pressure_pa,
-                "1 to 200000 Pa, where the gas properties are known",
-            ));
+            return Err(GasError {
+                name: "gas.pressure_pa",
+                value: pressure_pa,
+                expected: "1 to 200000 Pa, where the gas properties are known",
+            });
         }
         Ok(IdealGas::of(species, pressure_pa, temperature_k))
     }

@@ -16,15 +16,12 @@ use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use crate::gas::Species;
 use crate::head::calibration::table::{CalibrationTable, SurfaceTable};
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
 use diffusive::model::Model;
 
 /// Greatest number of folds of the cross-validation.
 const FOLDS: usize = 10;
-/// Overheat at which noise of conductances is given, K.
-const NOISE_OVERHEAT_K: f64 = 30.0;
 /// The boom of a card lies along x, with its tip at +x.
 const TIP: [f64; 3] = [1.0, 0.0, 0.0];
 
@@ -107,7 +104,9 @@ impl<'a> Calibrator<'a> {
         }
         let quiescent = model.provenance.conditions.clone();
         let quiescent = quiescent.ok_or_else(|| CalibratorError::Head("does not tell its gas".to_owned()))?;
-        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, quiescent }, drawn })
+        let species = Species::named(&quiescent.species)
+            .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
+        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn })
     }
 
     /// Search for steady winds in recordings; `settle_s` is left out at the beginning of every
@@ -123,7 +122,6 @@ impl<'a> Calibrator<'a> {
     pub fn calibrated(
         &self,
         steady: &[SteadyWind],
-        species: Species,
         recordings: usize,
         direction_error_max_deg: f64,
     ) -> Result<CalibratedHead, CalibratorError> {
@@ -138,14 +136,14 @@ impl<'a> Calibrator<'a> {
             }
         };
         let overall = result.cross_validation().overall();
-        let ObservedHead { head, network, reference, quiescent, .. } = &self.observed;
+        let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
             made_from: format!(
                 "{winds} of {recordings} recordings; cross-validated: direction {:.2}° rms, speed {:.2} % rms",
                 overall.direction_rms_deg,
                 100.0 * overall.speed_rms
             ),
-            species,
+            species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             diameter_m,
             direction_error_max_deg,
@@ -178,8 +176,7 @@ impl<'a> Calibrator<'a> {
         // Geometry, gain and conductance in quiescent gas.
         let found: Vec<(SurfaceConfig, f64, f64)> = match result {
             CalibrationResult::Sphere { calibration, .. } => {
-                let surfaces = calibration.part_configs().into_iter().zip(&calibration.surfaces);
-                surfaces.map(|(config, of)| (config, of.gain, of.quiescent_w_k)).collect()
+                calibration.surfaces.iter().map(|of| (of.config, of.gain, of.quiescent_w_k)).collect()
             }
             CalibrationResult::Card { calibration, .. } => {
                 let dice = calibration.drawn.dice().into_iter().zip(calibration.gains);
@@ -202,15 +199,6 @@ impl CalibrationResult {
             Self::Card { winds, .. } => winds,
         }
     }
-}
-
-/// Standard deviation of a surface's conductance at 30 K and 1 kHz, W/K, at a bandwidth, if it can
-/// be had.
-pub fn conductance_noise_w_k(head: &Head, bandwidth_hz: f64) -> Option<f64> {
-    let calibration = head.calibration.as_ref()?;
-    let output = WindOutput { bandwidth_hz, interval_s: 0.01, fixed: true };
-    let (_, observer) = calibration.commands(&output, 1e-3).ok()?;
-    Some(observer.noise_w(*calibration.surfaces.first()?)? / NOISE_OVERHEAT_K)
 }
 
 /// Places in the head and geometry of the surfaces: four sectors of a tetrahedron, or two

@@ -1,7 +1,6 @@
 //! Why a head cannot be calibrated: a sentence each.
 
 use dr_core::ConfigError;
-use recording::RecordingError;
 use recording::toml_file::FileError;
 
 use crate::network::error::NetworkError;
@@ -52,18 +51,6 @@ pub struct WorstReading {
     pub surface: String,
     /// Measured less computed, in standard errors.
     pub errors: f64,
-}
-
-/// Recordings without steady winds for a calibration.
-#[derive(Debug, thiserror::Error)]
-pub enum SteadyWindError {
-    /// A recording cannot be read, does not tell its gas or its wind, or is of other conditions than
-    /// the network; or the table of winds lacks a label.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// No recordings.
-    #[error("there is no recording")]
-    NoRecording,
 }
 
 /// A head, a network or steady winds that make no calibrated head.

@@ -6,13 +6,17 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::calibrator::{CalibratedHead, CalibrationResult, conductance_noise_w_k};
+use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
 use super::sphere::calibration::{CalibratedSurface, SphereCalibration};
 use crate::head::file::Head;
+use crate::head::output::WindOutput;
 
 /// Bandwidths whose noise is given, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+/// Overheat and sample period at which it is given.
+const OVERHEAT_K: f64 = 30.0;
+const SAMPLE_PERIOD_S: f64 = 1e-3;
 
 /// Summary of `anemo calibrate`.
 pub struct CalibrationReport {
@@ -41,7 +45,10 @@ pub struct ConductanceNoise {
 /// Noise of a surface's conductance at usual bandwidths, as far as these can be had.
 pub fn conductance_noise(head: &Head) -> Vec<ConductanceNoise> {
     let noise = |bandwidth_hz| {
-        let sd_w_k = conductance_noise_w_k(head, bandwidth_hz)?;
+        let calibration = head.calibration.as_ref()?;
+        let output = WindOutput { bandwidth_hz, interval_s: 0.01, fixed: true };
+        let (_, observer) = calibration.commands(&output, SAMPLE_PERIOD_S).ok()?;
+        let sd_w_k = observer.noise_w(*calibration.surfaces.first()?)? / OVERHEAT_K;
         Some(ConductanceNoise { bandwidth_hz, sd_w_k })
     };
     BANDWIDTHS_HZ.into_iter().filter_map(noise).collect()

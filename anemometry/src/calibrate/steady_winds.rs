@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
 use wire::MOST_ELEMENTS;
 
-use super::error::SteadyWindError;
 use super::steady_wind::{SteadyWind, SurfaceReading};
 use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
 use crate::head::file::Head;
@@ -36,6 +35,8 @@ pub struct ObservedHead<'a> {
     pub surfaces: Vec<usize>,
     /// The element that measures the gas.
     pub reference: Option<usize>,
+    /// The gas.
+    pub species: Species,
     /// Conditions in which the network was identified.
     pub quiescent: Conditions,
 }
@@ -50,12 +51,11 @@ pub struct SteadyWindSearch<'a> {
     pub winds: Option<&'a GivenWinds>,
 }
 
-/// Steady winds of one gas.
+/// Steady winds of a head.
+#[derive(Default)]
 pub struct SteadyWinds {
     /// In the order of time.
     pub steady: Vec<SteadyWind>,
-    /// The gas.
-    pub species: Species,
     /// Winds that were left out because they were too short.
     pub short: usize,
 }
@@ -92,25 +92,16 @@ impl SteadyWindSearch<'_> {
     /// done.
     ///
     /// # Errors
-    /// As those of a single recording; if they are of several gases.
-    pub fn of_all(&self, paths: &[PathBuf], each: &mut dyn FnMut(usize)) -> Result<SteadyWinds, SteadyWindError> {
-        let mut all: Option<SteadyWinds> = None;
+    /// As those of a single recording.
+    pub fn of_all(&self, paths: &[PathBuf], each: &mut dyn FnMut(usize)) -> Result<SteadyWinds, RecordingError> {
+        let mut all = SteadyWinds::default();
         for (n, path) in paths.iter().enumerate() {
             let found = self.of(path, &mut |_| each(n))?;
-            match &mut all {
-                None => all = Some(found),
-                Some(all) if all.species != found.species => {
-                    let sentence = "is of another gas than the first recording".to_owned();
-                    return Err(RecordingError::Content { path: path.clone(), sentence }.into());
-                }
-                Some(all) => {
-                    all.steady.extend(found.steady);
-                    all.short += found.short;
-                }
-            }
+            all.steady.extend(found.steady);
+            all.short += found.short;
             each(n + 1);
         }
-        all.ok_or(SteadyWindError::NoRecording)
+        Ok(all)
     }
 
     /// The steady winds of a recording.
@@ -119,11 +110,11 @@ impl SteadyWindSearch<'_> {
     /// If it cannot be read, does not name its gas or its winds, or the network cannot be observed.
     pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<SteadyWinds, RecordingError> {
         let mut replay = Replay::open(path, self.observed.head, None)?;
-        let conditions = replay.conditions().cloned().ok_or_else(|| RecordingError::Content {
+        let conditions = replay.conditions.clone().ok_or_else(|| RecordingError::Content {
             path: path.to_owned(),
             sentence: "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)".to_owned(),
         })?;
-        let mut looking = self.begin(path, conditions, replay.sample_period_s())?;
+        let mut looking = self.begin(path, conditions, replay.sample_period_s)?;
         let mut rows = 0;
         while let Some(moment) = replay.next_moment()? {
             looking.take(&moment)?;
@@ -138,8 +129,7 @@ impl SteadyWindSearch<'_> {
     /// Begins with moments that come one by one.
     ///
     /// # Errors
-    /// If its gas is not known, its conditions are others than the network's, or the network cannot
-    /// be observed.
+    /// If its conditions are others than the network's, or the network cannot be observed.
     pub fn begin(
         &self,
         recording: &Path,
@@ -147,8 +137,6 @@ impl SteadyWindSearch<'_> {
         period_s: f64,
     ) -> Result<SteadyWindCollector<'_>, RecordingError> {
         let refuse = |sentence: String| RecordingError::Content { path: recording.to_owned(), sentence };
-        let species = Species::named(&conditions.species)
-            .ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
         let differences = self.observed.quiescent.of_another_network(&conditions);
         if !differences.is_empty() {
             return Err(refuse(format!(
@@ -168,7 +156,7 @@ impl SteadyWindSearch<'_> {
             state: ConvectionObserverState::default(),
             levels: 0,
             period_s,
-            found: SteadyWinds { steady: Vec::new(), species, short: 0 },
+            found: SteadyWinds::default(),
             current: None,
         })
     }
@@ -215,7 +203,16 @@ impl SteadyWindCollector<'_> {
         };
         if !self.current.as_ref().is_some_and(same) {
             self.close()?;
-            self.current = Some(WindSums::new(moment, wind_m_s, observed.surfaces.len()));
+            let none = vec![0.0; observed.surfaces.len()];
+            self.current = Some(WindSums {
+                label: moment.event.clone(),
+                wind_m_s,
+                from_s: moment.time_s,
+                rows: 0,
+                gas_c: 0.0,
+                convection_w: none.clone(),
+                surface_c: none,
+            });
         }
         let Some(sums) = &mut self.current else { return Ok(()) };
         if let Some(convection) = convection
@@ -254,12 +251,11 @@ impl SteadyWindCollector<'_> {
         }
         let rows = sums.rows as f64;
         let gas_c = sums.gas_c / rows;
-        let gas = IdealGas::new(self.found.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K).map_err(
-            |error| RecordingError::Content {
+        let gas = IdealGas::new(self.search.observed.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K)
+            .map_err(|error| RecordingError::Content {
                 path: self.recording.clone(),
                 sentence: format!("`{}`: {error}", sums.label),
-            },
-        )?;
+            })?;
         let observed = self.search.observed;
         let surfaces: Vec<SurfaceReading> = (observed.surfaces.iter().enumerate())
             .map(|(p, &i)| {
@@ -279,20 +275,6 @@ impl SteadyWindCollector<'_> {
             .collect();
         self.found.steady.push(SteadyWind { label: sums.label, wind_m_s: sums.wind_m_s, gas, surfaces });
         Ok(())
-    }
-}
-
-impl WindSums {
-    fn new(moment: &Moment, wind_m_s: [f64; 3], surfaces: usize) -> Self {
-        Self {
-            label: moment.event.clone(),
-            wind_m_s,
-            from_s: moment.time_s,
-            rows: 0,
-            gas_c: 0.0,
-            convection_w: vec![0.0; surfaces],
-            surface_c: vec![0.0; surfaces],
-        }
     }
 }
 
@@ -320,6 +302,7 @@ mod tests {
             network: calibration.network.clone(),
             surfaces: calibration.surfaces.clone(),
             reference: calibration.reference,
+            species: calibration.table.species,
             quiescent: mars(),
         };
         let search = SteadyWindSearch { observed: &observed, settle_s: 0.0, winds: None };

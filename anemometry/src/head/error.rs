@@ -30,14 +30,3 @@ pub enum WindSetupError {
         sample_period_s: f64,
     },
 }
-
-/// A platinum characteristic that contradicts itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum PlatinumError {
-    /// Linear without a coefficient.
-    #[error("is linear and so takes a `coefficient_per_c`")]
-    NoCoefficient,
-    /// IEC 60751 with a coefficient.
-    #[error("has a `coefficient_per_c`, but IEC 60751 fixes the coefficients")]
-    Coefficient,
-}

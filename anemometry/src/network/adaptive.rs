@@ -3,6 +3,7 @@
 
 use super::error::NetworkError;
 use super::gain_schedule::gain_schedule;
+use super::kalman::Plant;
 use super::observer::NetworkObserver;
 use super::parameters::QuiescentNetwork;
 use super::stability::drop_unstable_gains;
@@ -18,7 +19,7 @@ impl QuiescentNetwork {
         let mut observer = self.observer(bandwidth_hz, sample_period_s)?;
         let mut too_noisy = Vec::new();
         for (i, own) in self.own.iter().enumerate().filter(|(_, own)| own.surface.is_some()) {
-            match gain_schedule(own.element, &own.plant(sample_period_s), &observer.filters[i]) {
+            match gain_schedule(&Plant { own, sample_period_s }, &observer.filters[i]) {
                 Some(schedule) => {
                     observer.own[i].1.alarm = Some(schedule.alarm);
                     observer.faster.extend(schedule.sets);

@@ -59,7 +59,7 @@ pub struct GainSchedule {
 
 /// The schedule for the steady filter of an element of the head; none where nothing quicker can be
 /// had.
-pub fn gain_schedule(element: usize, plant: &Plant<'_>, steady: &KalmanFilter) -> Option<GainSchedule> {
+pub fn gain_schedule(plant: &Plant<'_>, steady: &KalmanFilter) -> Option<GainSchedule> {
     let mut ratio = GREATEST_RATIO;
     let quickest_hz = loop {
         if ratio < LEAST_RATIO {
@@ -71,18 +71,18 @@ pub fn gain_schedule(element: usize, plant: &Plant<'_>, steady: &KalmanFilter) -
         ratio /= 1.25;
     };
     let smoothing_s = SMOOTHED / quickest_hz;
-    Some(GainSchedule { sets: sets(element, plant, steady, smoothing_s)?, alarm: alarm(plant, steady, smoothing_s) })
+    Some(GainSchedule { sets: sets(plant, steady, smoothing_s)?, alarm: alarm(plant, steady, smoothing_s) })
 }
 
-fn sets(element: usize, plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<FasterGainsConfig>> {
-    let surface = plant.surface?;
+fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<FasterGainsConfig>> {
+    let surface = plant.own.surface.as_ref()?;
     let gains = plant.gains();
     let states = gains.len();
     let (transition, noise, h) = plant.equations(steady.step_w);
     let r = plant.variance_k2();
     let mut p = riccati(&transition, &h, &noise, r)?;
     for since_s in [0.0, delay_s] {
-        let moved = |k: usize| -surface[k] * mesh::gain(plant.mesh_rad_s[k], since_s);
+        let moved = |k: usize| -surface[k] * mesh::gain(plant.own.mesh_rad_s[k], since_s);
         let v = DVector::from_fn(states + 1, |k, _| if k < states { moved(k) } else { 1.0 });
         p += 0.5 * JUMP_W * JUMP_W * &v * v.transpose();
     }
@@ -117,7 +117,7 @@ fn sets(element: usize, plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) 
             weights: steady.weights.map(|weight| weight as f32),
             variance_w2: (variance_w2 / f64::from(count)) as f32,
         };
-        let (element, set, until_s) = (element as u8, sets.len() as u8, until_s as f32);
+        let (element, set, until_s) = (plant.own.element as u8, sets.len() as u8, until_s as f32);
         sets.push(FasterGainsConfig { element, set, until_s, gains });
         (variance_w2, count) = (0.0, 0);
     }
@@ -129,7 +129,8 @@ fn alarm(plant: &Plant<'_>, steady: &KalmanFilter, smoothing_s: f64) -> AlarmCon
     let share = mesh::gain(1.0 / smoothing_s, plant.sample_period_s);
     let of = |weight: f64, sd_k: f64| (weight * sd_k).powi(2);
     let [low, high] = steady.weights;
-    let variance_k2 = (1.0 - NOMINAL_DUTY) * of(low, plant.noise.low_k) + NOMINAL_DUTY * of(high, plant.noise.high_k);
+    let variance_k2 =
+        (1.0 - NOMINAL_DUTY) * of(low, plant.own.noise.low_k) + NOMINAL_DUTY * of(high, plant.own.noise.high_k);
     let threshold_k = ALARM * (variance_k2 * share / (2.0 - share)).sqrt();
     AlarmConfig { smoothing_s: smoothing_s as f32, threshold_k: threshold_k as f32 }
 }

@@ -26,7 +26,5 @@ pub mod report;
 pub mod riccati;
 pub mod stability;
 
-pub use error::{NetworkError, NetworkIdentifyError};
-pub use observer::NetworkObserver;
-pub use parameters::{QuiescentNetwork, ReadingNoise};
+pub use parameters::QuiescentNetwork;
 pub use report::NetworkReport;

@@ -73,7 +73,7 @@ impl QuiescentNetwork {
             filters: Vec::new(),
         };
         for own in &self.own {
-            let filter = design(&own.plant(sample_period_s), bandwidth_hz).map_err(|error| error.of(&own.name))?;
+            let filter = design(&Plant { own, sample_period_s }, bandwidth_hz).map_err(|error| error.of(&own.name))?;
             observer.own.push((own.element, own.config(&filter)));
             observer.filters.push(filter);
         }
@@ -82,17 +82,6 @@ impl QuiescentNetwork {
 }
 
 impl SelfHeatingParameters {
-    /// The element as a filter is designed for it.
-    pub(super) fn plant(&self, sample_period_s: f64) -> Plant<'_> {
-        Plant {
-            mesh_rad_s: &self.mesh_rad_s,
-            r_k_per_w: &self.r_k_per_w,
-            surface: self.surface.as_deref(),
-            sample_period_s,
-            noise: self.noise,
-        }
-    }
-
     fn config(&self, filter: &KalmanFilter) -> NetworkSelfHeatingConfig {
         let surface = self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()]);
         NetworkSelfHeatingConfig {

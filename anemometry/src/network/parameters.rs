@@ -14,7 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::ladder::{LadderSection, contact_time_s};
+use super::ladder::LadderSection;
 
 /// Self-heating of an element, written as `[[calibration.self_heating]]` of a head file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -96,12 +96,5 @@ impl From<[f64; 2]> for ReadingNoise {
 impl From<ReadingNoise> for [f64; 2] {
     fn from(ReadingNoise { low_k, high_k }: ReadingNoise) -> Self {
         [low_k, high_k]
-    }
-}
-
-impl SelfHeatingParameters {
-    /// By how much the surface lags behind the element, s.
-    pub fn contact_time_s(&self) -> f64 {
-        contact_time_s(&self.layers)
     }
 }

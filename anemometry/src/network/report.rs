@@ -8,7 +8,7 @@ use diffusive::model::{Model, Pair};
 use recording::{POWER, TEMPERATURE};
 use serde::Serialize;
 
-use super::ladder::LadderSection;
+use super::ladder::{LadderSection, contact_time_s};
 use super::parameters::{QuiescentNetwork, SelfHeatingParameters};
 
 /// Explains the lines of the elements.
@@ -105,7 +105,7 @@ impl NetworkReport {
             r_k_per_w: own.r_k_per_w.clone(),
             surface: own.surface.clone(),
             layers: own.layers.clone(),
-            contact_time_s: own.contact_time_s(),
+            contact_time_s: contact_time_s(&own.layers),
             noise_low_k: own.noise.low_k,
             noise_high_k: own.noise.high_k,
         };

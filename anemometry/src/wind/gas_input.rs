@@ -57,7 +57,7 @@ impl GasInput {
         replay: &Replay,
     ) -> Result<Self, GasInputError> {
         let refuse = |sentence: &str| Err(GasInputError(sentence.to_owned()));
-        let conditions = replay.conditions();
+        let conditions = replay.conditions.as_ref();
         let species = calibration.table.species.name();
         if let Some(of) = conditions.filter(|of| of.species != species) {
             return refuse(&format!(

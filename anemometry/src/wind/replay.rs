@@ -10,8 +10,6 @@
 
 use std::path::{Path, PathBuf};
 
-use wire::MOST_ELEMENTS;
-
 use super::error::RecordedHeadError;
 use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
 use crate::head::file::Head;
@@ -37,35 +35,26 @@ pub struct Replay {
     path: PathBuf,
     reader: RecordingReader,
     places: ColumnPlaces,
-    sample_period_s: f64,
-    conditions: Option<Conditions>,
+    /// Time between two ticks, s.
+    pub sample_period_s: f64,
+    /// Gas and support, if the recording has them.
+    pub conditions: Option<Conditions>,
     chunk: Vec<RecordingColumn>,
+    /// The next row in the chunk.
     row: usize,
-    rows: Option<u64>,
     ticks: Ticks,
-    /// Rows so far.
+    /// Rows so far, with the next one as soon as it is looked at.
     count: u64,
     /// Time, label and gas of the last row.
     last_s: Option<f64>,
     last_event: String,
     last_gas_c: Option<f64>,
-    /// The next row, and how many ticks are missing before it.
-    next: Option<ReplayedRow>,
-    missing: u64,
-    /// Gaps so far, and how long they were, s.
-    gaps: (u64, f64),
+    /// How many ticks are missing before the next row; none before it is looked at.
+    missing: Option<u64>,
+    /// Gaps so far, and how long they were in all, s.
+    pub gaps: (u64, f64),
     /// Until when moments are soon after a gap, s.
     after_gap_s: f64,
-}
-
-/// A row as it stands in the file.
-struct ReplayedRow {
-    time_s: f64,
-    readings: [ElementReading; MOST_ELEMENTS],
-    event: String,
-    state: String,
-    true_wind_m_s: Option<[f64; 3]>,
-    gas_c: Option<f64>,
 }
 
 /// Where the columns stand among those that were selected.
@@ -130,7 +119,6 @@ impl Replay {
         let sample_period_s = period_of(path, said_s)?;
         reader.select(&selected);
         Ok(Self {
-            rows: reader.rows(),
             conditions: Conditions::of_metadata(&metadata),
             path: path.to_owned(),
             reader,
@@ -143,26 +131,10 @@ impl Replay {
             last_s: None,
             last_event: String::new(),
             last_gas_c: None,
-            next: None,
-            missing: 0,
+            missing: None,
             gaps: (0, 0.0),
             after_gap_s: f64::NEG_INFINITY,
         })
-    }
-
-    /// Time between two ticks, s.
-    pub fn sample_period_s(&self) -> f64 {
-        self.sample_period_s
-    }
-
-    /// Gas and support, if the recording has them.
-    pub fn conditions(&self) -> Option<&Conditions> {
-        self.conditions.as_ref()
-    }
-
-    /// Number of rows, if the file has it.
-    pub fn rows(&self) -> Option<u64> {
-        self.rows
     }
 
     /// Whether it has columns of the true wind.
@@ -175,24 +147,23 @@ impl Replay {
         self.places.gas.is_some()
     }
 
-    /// Gaps so far, and how long they were in all, s.
-    pub fn gaps(&self) -> (u64, f64) {
-        self.gaps
-    }
-
     /// The next tick, recorded or not; none after the last row.
     ///
     /// # Errors
     /// If the file is damaged, or its time does not ascend by whole sample periods.
     pub fn next_moment(&mut self) -> Result<Option<Moment>, RecordingError> {
-        if self.next.is_none()
-            && let Some(row) = self.next_row()?
-        {
-            self.missing = self.missing_before(row.time_s)?;
-            self.next = Some(row);
+        while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
+            match self.reader.next_chunk()? {
+                None => return Ok(None),
+                Some(chunk) => (self.chunk, self.row) = (chunk, 0),
+            }
         }
-        if self.missing > 0 {
-            self.missing -= 1;
+        let missing = match self.missing {
+            Some(missing) => missing,
+            None => self.missing_before_next()?,
+        };
+        self.missing = missing.checked_sub(1);
+        if missing > 0 {
             return Ok(Some(Moment {
                 time_s: self.last_s.unwrap_or_default(),
                 tick: self.ticks.missing(),
@@ -203,24 +174,39 @@ impl Replay {
                 known: TickOrigin::Missing,
             }));
         }
-        let Some(row) = self.next.take() else { return Ok(None) };
-        self.last_s = Some(row.time_s);
-        self.last_event.clone_from(&row.event);
-        self.last_gas_c = row.gas_c;
-        let readings = row.readings.into_iter().take(self.places.power.len());
-        Ok(Some(Moment {
-            time_s: row.time_s,
-            tick: self.ticks.tick(row.time_s, run_state(&row.state), readings),
-            event: row.event,
-            state: row.state,
-            wind_m_s: row.true_wind_m_s,
-            gas_c: row.gas_c,
-            known: if row.time_s < self.after_gap_s { TickOrigin::AfterGap } else { TickOrigin::Recorded },
-        }))
+        let (chunk, places, row) = (&self.chunk, &self.places, self.row);
+        let number = |place: usize| number(&chunk[place], row);
+        let word = |place: usize| match &chunk[place].values {
+            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
+            ColumnValues::Numbers(numbers) => numbers[row].to_string(),
+        };
+        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
+        let readings = columns.map(|((&temperature, &heater), &power)| ElementReading {
+            temperature_c: number(temperature) as f32,
+            power_w: number(power) as f32,
+            is_high: number(heater) != 0.0,
+        });
+        let (time_s, state) = (number(places.time), places.state.map(word).unwrap_or_default());
+        let moment = Moment {
+            time_s,
+            tick: self.ticks.tick(time_s, run_state(&state), readings),
+            event: places.event.map(word).unwrap_or_default(),
+            state,
+            wind_m_s: places.wind.map(|places| places.map(number)),
+            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
+            known: if time_s < self.after_gap_s { TickOrigin::AfterGap } else { TickOrigin::Recorded },
+        };
+        self.row += 1;
+        self.last_s = Some(time_s);
+        self.last_event.clone_from(&moment.event);
+        self.last_gas_c = moment.gas_c;
+        Ok(Some(moment))
     }
 
-    /// How many ticks are missing between the last row and one of this time.
-    fn missing_before(&mut self, time_s: f64) -> Result<u64, RecordingError> {
+    /// Looks at the next row: how many ticks are missing between the last one and it.
+    fn missing_before_next(&mut self) -> Result<u64, RecordingError> {
+        self.count += 1;
+        let time_s = number(&self.chunk[self.places.time], self.row);
         let refuse = |problem: String| Err(content(&self.path, format!("row {}: {problem}", self.count)));
         if !time_s.is_finite() {
             return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
@@ -245,42 +231,13 @@ impl Replay {
         self.after_gap_s = self.after_gap_s.max(time_s + (AFTER_GAP * gap_s).min(LONGEST_GAP_S));
         Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
     }
+}
 
-    fn next_row(&mut self) -> Result<Option<ReplayedRow>, RecordingError> {
-        while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
-            match self.reader.next_chunk()? {
-                None => return Ok(None),
-                Some(chunk) => (self.chunk, self.row) = (chunk, 0),
-            }
-        }
-        let row = self.row;
-        (self.row, self.count) = (row + 1, self.count + 1);
-        let (chunk, places) = (&self.chunk, &self.places);
-        let number = |place: usize| match &chunk[place].values {
-            ColumnValues::Numbers(numbers) => numbers[row],
-            ColumnValues::Words(_) => f64::NAN,
-        };
-        let word = |place: usize| match &chunk[place].values {
-            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
-            ColumnValues::Numbers(numbers) => numbers[row].to_string(),
-        };
-        let mut readings = [ElementReading { temperature_c: f32::NAN, power_w: 0.0, is_high: false }; MOST_ELEMENTS];
-        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
-        for (reading, ((&temperature, &heater), &power)) in readings.iter_mut().zip(columns) {
-            *reading = ElementReading {
-                temperature_c: number(temperature) as f32,
-                power_w: number(power) as f32,
-                is_high: number(heater) != 0.0,
-            };
-        }
-        Ok(Some(ReplayedRow {
-            time_s: number(places.time),
-            readings,
-            state: places.state.map(word).unwrap_or_default(),
-            event: places.event.map(word).unwrap_or_default(),
-            true_wind_m_s: places.wind.map(|places| places.map(number)),
-            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
-        }))
+/// A value of a column of numbers.
+fn number(column: &RecordingColumn, row: usize) -> f64 {
+    match &column.values {
+        ColumnValues::Numbers(numbers) => numbers[row],
+        ColumnValues::Words(_) => f64::NAN,
     }
 }
 

@@ -6,14 +6,13 @@
 
 use dr_core::wind::nusselt::POINTS;
 use dr_core::wind::{MeasuredConductance, SurfaceConfig, WindVector};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::super::error::{CalibrateError, WorstReading};
 use super::super::steady_wind::SurfaceReading;
 use super::equations::SphereProblem;
 use super::fit::SphereFit;
-use super::readings::DrawnSphere;
 use crate::head::calibration::table::NusseltTable;
 
 /// A calibrated head.
@@ -53,15 +52,12 @@ pub struct CalibratedSurface {
     /// Name of its element.
     #[serde(skip)]
     pub name: String,
-    /// Outward and towards a corner, in the tunnel's frame.
+    /// Outward, in the tunnel's frame.
     #[serde(skip)]
     pub axis: [f64; 3],
-    /// Unit vector towards a corner.
+    /// As the board takes it, in the tunnel's frame.
     #[serde(skip)]
-    pub corner: [f64; 3],
-    /// As drawn.
-    #[serde(skip)]
-    pub drawn: SurfaceConfig,
+    pub config: SurfaceConfig,
     /// c, of mean one.
     pub gain: f64,
     /// Standard uncertainty of c.
@@ -75,7 +71,8 @@ pub struct CalibratedSurface {
 }
 
 impl SphereCalibration {
-    pub(super) fn of(problem: &SphereProblem<'_>, head: &DrawnSphere, fitted: &SphereFit) -> Self {
+    pub(super) fn of(problem: &SphereProblem<'_>, fitted: &SphereFit) -> Self {
+        let head = problem.head.drawn;
         let SphereFit { place, equations, covariance, degrees_of_freedom } = fitted;
         let family = &problem.family;
         let ratio = (family.most_reynolds / family.least_reynolds).ln() / (POINTS - 1) as f64;
@@ -93,15 +90,20 @@ impl SphereCalibration {
         let n = place.gains.len();
         let quiescent_errors = errors(problem.first_quiescent(), &DMatrix::identity(n, n));
         let turn_errors = errors(problem.first_turn(), &place.mounting.turns);
-        let surface = |i: usize| CalibratedSurface {
-            name: head.surfaces[i].name.clone(),
-            axis: place.mounting.outward(head.surfaces[i].config.axis),
-            corner: place.mounting.outward(head.surfaces[i].config.corner),
-            drawn: head.surfaces[i].config,
-            gain: place.gains[i],
-            gain_error: gain_errors[i],
-            quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
-            quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+        let narrow = |v: [f64; 3]| v.map(|x| x as f32);
+        let surface = |i: usize| {
+            let drawn = head.surfaces[i].config;
+            let axis = place.mounting.outward(drawn.axis);
+            let corner = narrow(place.mounting.outward(drawn.corner));
+            CalibratedSurface {
+                name: head.surfaces[i].name.clone(),
+                axis,
+                config: SurfaceConfig { axis: narrow(axis), corner, ..drawn },
+                gain: place.gains[i],
+                gain_error: gain_errors[i],
+                quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
+                quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+            }
         };
         Self {
             diameter_m: head.diameter_m,
@@ -123,26 +125,14 @@ impl SphereCalibration {
         }
     }
 
-    /// The surfaces as the board takes them, in the tunnel's frame.
-    pub fn part_configs(&self) -> Vec<SurfaceConfig> {
-        let narrow = |a: [f64; 3]| a.map(|x| x as f32);
-        self.surfaces
-            .iter()
-            .map(|surface| SurfaceConfig {
-                axis: narrow(surface.axis),
-                corner: narrow(surface.corner),
-                ..surface.drawn
-            })
-            .collect()
-    }
-
     /// The inverse that the board runs.
     ///
     /// # Errors
     /// If the head has not N surfaces, or the amplitudes are none that tell a wind; then the winds
     /// did not determine them.
     pub fn head<const N: usize>(&self, direction_error_max_rad: f32) -> Result<WindVector<N>, CalibrateError> {
-        let surfaces: [SurfaceConfig; N] = self.part_configs().try_into().map_err(|surfaces: Vec<SurfaceConfig>| {
+        let surfaces: Vec<SurfaceConfig> = self.surfaces.iter().map(|surface| surface.config).collect();
+        let surfaces: [SurfaceConfig; N] = surfaces.try_into().map_err(|surfaces: Vec<_>| {
             CalibrateError::Head(format!("{} surfaces are calibrated; {N} are asked for", surfaces.len()))
         })?;
         Ok(WindVector::new(&self.curves.config(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
@@ -158,11 +148,6 @@ impl SphereCalibration {
             variance_w2_k2: (per_watt * per_watt * reading.variance_w2) as f32,
         }
     }
-
-    /// Angle of the mounting, degrees.
-    pub fn rotation_deg(&self) -> f64 {
-        Vector3::from(self.rotation_rad).norm().to_degrees()
-    }
 }
 
 fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
@@ -172,5 +157,9 @@ fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
         .enumerate()
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
         .map_or((0, 0.0), |(at, errors)| (at, *errors));
-    WorstReading { label: problem.winds[at / n].label.clone(), surface: problem.head.names[at % n].clone(), errors }
+    WorstReading {
+        label: problem.winds[at / n].label.clone(),
+        surface: problem.head.drawn.surfaces[at % n].name.clone(),
+        errors,
+    }
 }

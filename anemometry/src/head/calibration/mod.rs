@@ -34,6 +34,3 @@ pub mod commands;
 pub(super) mod keys;
 mod new;
 pub mod table;
-
-pub use checked::Calibration;
-pub use table::CalibrationTable;

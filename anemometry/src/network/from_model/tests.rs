@@ -2,6 +2,7 @@ use std::path::Path;
 
 use dr_core::model::{ConvectionObserverState, TickInput};
 
+use super::super::ladder::contact_time_s;
 use super::*;
 use diffusive::model::testing;
 
@@ -47,11 +48,12 @@ fn a_model_becomes_a_network_with_its_layers_and_its_shares() {
     assert_eq!(noise.low_k, model().outputs[0].residual_rms);
     assert!((noise.high_k / noise.low_k - 4.0 / 30.0).abs() < 1e-12, "{noise:?}");
     assert!(parameters.own[1].surface.is_none());
-    assert!((parameters.own[0].contact_time_s() - 0.61).abs() < 0.05, "{}", parameters.own[0].contact_time_s());
+    let contact_s = contact_time_s(&parameters.own[0].layers);
+    assert!((contact_s - 0.61).abs() < 0.05, "{contact_s}");
     let [there, back] = &parameters.cross[..] else { panic!("{:?}", parameters.cross) };
     assert_eq!((there.from, there.to, back.from, back.to), (0, 2, 2, 0));
     // Slow: all but a part of contact time times rate; 5 rad/s is beyond the contact.
-    assert!((there.surface[0] - 1.0 + 0.00296 * parameters.own[0].contact_time_s()).abs() < 1e-5);
+    assert!((there.surface[0] - 1.0 + 0.00296 * contact_s).abs() < 1e-5);
     assert_eq!(there.surface[2], 0.0);
     assert_eq!(back.surface, [1.0; 3]);
 }
