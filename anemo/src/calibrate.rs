@@ -104,8 +104,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let winds = winds.map_err(Failure::usage)?;
     bar.finish_and_clear();
     let (recordings, most_deg) = (arguments.recordings.len(), arguments.direction_error_max_deg);
-    let calibrated =
-        calibrator.calibrated(&winds.steady, winds.species, recordings, most_deg).map_err(Failure::work)?;
+    let calibrated = calibrator.calibrated(&winds.steady, recordings, most_deg).map_err(Failure::work)?;
     if let Some(path) = &arguments.output {
         crate::output::write_text(path, &calibrated.text)?;
     }

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use crate::identify::progress_bar;
 use crate::output::Failure;
 use anemometry::head::Head;
-use anemometry::network::error::NetworkIdentifyError;
+use anemometry::network::NetworkReport;
 use anemometry::network::from_model::checked;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
-use anemometry::network::{NetworkReport, reading_noise};
 use recording::toml_file::TomlSource;
 
 /// Identify a head: the thermal network of its elements in quiescent gas.
@@ -83,11 +82,7 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let poles = PolesPerPair { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
     let open = |n: usize| {
         let record = QuiescentRecord::read(&arguments.records[n])?;
-        if arguments.elements.is_empty() {
-            Ok::<_, NetworkIdentifyError>(record)
-        } else {
-            record.only(&arguments.elements)
-        }
+        if arguments.elements.is_empty() { Ok(record) } else { record.only(&arguments.elements) }
     };
     let head = head(arguments)?;
     let mut model = identify(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;
@@ -95,8 +90,7 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.output {
         model.write(path).map_err(Failure::work)?;
     }
-    let noise = head.map(|head| reading_noise(&model, &head)).unwrap_or_default();
-    let mut report = NetworkReport::new(&model, network.as_ref(), &noise);
+    let mut report = NetworkReport::new(&model, network.as_ref());
     report.written.clone_from(&arguments.output);
     crate::output::print_report(&report, arguments.json)
 }

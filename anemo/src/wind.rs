@@ -81,7 +81,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let head = head_of(&arguments.recording, arguments.head.as_deref()).map_err(Failure::usage)?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
     let options = WindOptions {
-        bandwidth_hz: arguments.bandwidth,
+        bandwidth_hz: Some(arguments.bandwidth),
         fixed: arguments.fixed,
         interval_s: arguments.every,
         gas_temperature: arguments.gas_temperature.clone(),

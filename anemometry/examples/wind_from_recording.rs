@@ -12,7 +12,7 @@ use anemometry::wind::{WindEstimation, WindOptions};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures");
     let head = Head::read(&fixtures.join("sphere-b-calibrated.toml"))?;
-    let options = WindOptions { bandwidth_hz: 1.0, interval_s: Some(1.0), ..WindOptions::default() };
+    let options = WindOptions { bandwidth_hz: Some(1.0), interval_s: Some(1.0), ..WindOptions::default() };
     let recording = fixtures.join("sphere-b-wind.parquet");
     let mut estimation = WindEstimation::new(&recording, &head, &options, None)?;
     println!("time   speed     standard uncertainty");

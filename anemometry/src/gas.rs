@@ -17,6 +17,8 @@
 //! and the gas is ideal within 2 % (CO2 must also be a gas: below its vapour pressure). Air agrees
 //! with tables within 2 %.
 
+use serde::{Deserialize, Serialize};
+
 /// Why a gas cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{name}` is {value}; it must be {expected}")]
@@ -27,12 +29,6 @@ pub struct GasError {
     pub value: f64,
     /// What it may be.
     pub expected: &'static str,
-}
-
-impl GasError {
-    pub(crate) fn out_of_range(name: &'static str, value: f64, expected: &'static str) -> Self {
-        Self { name, value, expected }
-    }
 }
 
 /// Molar gas constant, J/(mol·K), exact by definition of the SI.
@@ -51,13 +47,13 @@ const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
 const VESOVIC_LOWEST_K: f64 = 200.0;
 
 /// A gas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Species {
     /// Carbon dioxide.
     #[serde(rename = "co2")]
     CarbonDioxide,
     /// Dry air.
+    #[serde(rename = "air")]
     Air,
 }
 
@@ -68,6 +64,11 @@ impl Species {
             Species::CarbonDioxide => "co2",
             Species::Air => "air",
         }
+    }
+
+    /// By the name that experiments and recordings have for it.
+    pub fn named(name: &str) -> Option<Self> {
+        [Species::CarbonDioxide, Species::Air].into_iter().find(|species| species.name() == name)
     }
 }
 
@@ -97,19 +98,19 @@ impl IdealGas {
         // −123.15 °C is 150 K but for its last digits.
         let (coldest_k, hottest_k) = (TEMPERATURE_RANGE_K.start() - 1e-3, TEMPERATURE_RANGE_K.end() + 1e-3);
         if !(coldest_k..=hottest_k).contains(&temperature_k) {
-            return Err(GasError::out_of_range(
-                "gas.temperature_c",
+            return Err(GasError {
+                name: "gas.temperature_c",
                 // Without the tail of digits that the difference has.
-                ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
-                "-123.15 to 126.85 °C, where the gas properties are known",
-            ));
+                value: ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
+                expected: "-123.15 to 126.85 °C, where the gas properties are known",
+            });
         }
         if !PRESSURE_RANGE_PA.contains(&pressure_pa) {
-            return Err(GasError::out_of_range(
-                "gas.pressure_pa",
-                pressure_pa,
-                "1 to 200000 Pa, where the gas properties are known",
-            ));
+            return Err(GasError {
+                name: "gas.pressure_pa",
+                value: pressure_pa,
+                expected: "1 to 200000 Pa, where the gas properties are known",
+            });
         }
         Ok(IdealGas::of(species, pressure_pa, temperature_k))
     }

@@ -26,7 +26,8 @@ const PRESSURE_PA: f64 = 1000.0;
 /// If they leave the 150 to 400 K in which the gas is known, or do not ascend.
 pub fn gas_law(species: Species, least_c: f64, most_c: f64) -> Result<GasLawConfig, GasError> {
     if least_c.partial_cmp(&most_c) != Some(std::cmp::Ordering::Less) {
-        return Err(GasError::out_of_range("gas.temperature_c", most_c, "more than the least temperature"));
+        let expected = "more than the least temperature";
+        return Err(GasError { name: "gas.temperature_c", value: most_c, expected });
     }
     let node = |j: usize| ((2 * j + 1) as f64 * std::f64::consts::PI / (2 * TERMS) as f64).cos();
     let at = |s: f64| 0.5 * (least_c + most_c + s * (most_c - least_c)) + ZERO_CELSIUS_K;

@@ -1,6 +1,6 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
-use dr_core::wind::sphere;
+use dr_core::wind::{SurfaceConfig, sphere};
 use recording::text::suggest;
 
 use super::card::drawn::DrawnCard;
@@ -12,35 +12,22 @@ use super::sphere::cross_validation::cross_validate;
 use super::sphere::readings::{DrawnSphere, DrawnSurface};
 use super::sphere::solve::calibrate;
 use super::steady_wind::SteadyWind;
-use super::steady_winds::SteadyWindSearch;
+use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use crate::gas::Species;
-use crate::head::calibration::new::{Curves, NewCalibration, NewSurface};
+use crate::head::calibration::table::{CalibrationTable, SurfaceTable};
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
-use crate::network::kalman::ReadingNoise;
-use crate::network::noise::reading_noise;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
-use diffusive::model::{Conditions, Model};
+use diffusive::model::Model;
 
 /// Greatest number of folds of the cross-validation.
 const FOLDS: usize = 10;
-/// Overheat at which noise of conductances is given, K.
-const NOISE_OVERHEAT_K: f64 = 30.0;
 /// The boom of a card lies along x, with its tip at +x.
 const TIP: [f64; 3] = [1.0, 0.0, 0.0];
 
 /// A head that is going to be calibrated.
 pub struct Calibrator<'a> {
-    head: &'a Head,
-    network: QuiescentNetwork,
-    noise: Vec<ReadingNoise>,
-    /// Places in the head of the surfaces' elements.
-    places: Vec<usize>,
-    /// The element that measures the gas.
-    reference: Option<usize>,
-    /// Conditions in which the network was identified.
-    quiescent: Conditions,
+    observed: ObservedHead<'a>,
     drawn: DrawnHead,
 }
 
@@ -104,32 +91,28 @@ impl<'a> Calibrator<'a> {
     fn of(
         head: &'a Head,
         model: &Model,
-        places: Vec<usize>,
+        surfaces: Vec<usize>,
         reference: Option<usize>,
         drawn: DrawnHead,
     ) -> Result<Self, CalibratorError> {
         let network = QuiescentNetwork::of(model, head)?;
-        if let Some(&missing) = places.iter().find(|&&place| network.own.iter().all(|own| own.element != place)) {
-            let element = head.elements[missing].name.clone();
-            return Err(CalibratorError::NoSurface { element, head: head.name.clone() });
+        if let Some(&missing) = surfaces.iter().find(|&&place| network.own.iter().all(|own| own.element != place)) {
+            let (element, head) = (&head.elements[missing].name, &head.name);
+            return Err(CalibratorError::Head(format!(
+                "network has no `{element}`, which is a surface of head `{head}`: is it of another head?"
+            )));
         }
-        let quiescent = model.provenance.conditions.clone().ok_or(CalibratorError::NoGas)?;
-        Ok(Self { head, network, noise: reading_noise(model, head), places, reference, quiescent, drawn })
+        let quiescent = model.provenance.conditions.clone();
+        let quiescent = quiescent.ok_or_else(|| CalibratorError::Head("does not tell its gas".to_owned()))?;
+        let species = Species::named(&quiescent.species)
+            .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
+        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn })
     }
 
     /// Search for steady winds in recordings; `settle_s` is left out at the beginning of every
     /// wind.
     pub fn search<'b>(&'b self, settle_s: f64, winds: Option<&'b GivenWinds>) -> SteadyWindSearch<'b> {
-        SteadyWindSearch {
-            head: self.head,
-            network: &self.network,
-            noise: &self.noise,
-            surfaces: &self.places,
-            reference: self.reference,
-            quiescent: &self.quiescent,
-            settle_s,
-            winds,
-        }
+        SteadyWindSearch { observed: &self.observed, settle_s, winds }
     }
 
     /// The calibrated head, with its errors in winds that were left out.
@@ -139,43 +122,39 @@ impl<'a> Calibrator<'a> {
     pub fn calibrated(
         &self,
         steady: &[SteadyWind],
-        species: Species,
         recordings: usize,
         direction_error_max_deg: f64,
     ) -> Result<CalibratedHead, CalibratorError> {
         let result = self.result(steady)?;
-        let (winds, diameter_m, curves, surfaces) = match &result {
-            CalibrationResult::Sphere { calibration, .. } => {
-                let (least, most) = (calibration.least_reynolds, calibration.most_reynolds);
-                let curves = Curves::Nusselt(least, most, calibration.amplitudes.to_vec());
-                (format!("{} winds", calibration.winds), calibration.diameter_m, curves, sectors(calibration))
+        let (winds, diameter_m, nusselt, card) = match &result {
+            CalibrationResult::Sphere { calibration: of, .. } => {
+                (format!("{} winds", of.winds), of.diameter_m, Some(of.curves.clone()), None)
             }
-            CalibrationResult::Card { calibration, .. } => {
-                let winds = format!("{} winds in the plane of a card,", calibration.winds);
-                let curves = Curves::Card(Box::new(calibration.table()));
-                (winds, calibration.drawn.side_m, curves, self.dice(calibration))
+            CalibrationResult::Card { calibration: of, .. } => {
+                let winds = format!("{} winds in the plane of a card,", of.winds);
+                (winds, of.drawn.side_m, None, Some(of.curves.clone()))
             }
         };
         let overall = result.cross_validation().overall();
-        let names = self.head.names();
-        let new = NewCalibration {
+        let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
+        let new = CalibrationTable {
             made_from: format!(
                 "{winds} of {recordings} recordings; cross-validated: direction {:.2}° rms, speed {:.2} % rms",
                 overall.direction_rms_deg,
                 100.0 * overall.speed_rms
             ),
-            species,
-            reference_gas_c: self.quiescent.gas_temperature_c,
+            species: *species,
+            reference_gas_c: quiescent.gas_temperature_c,
             diameter_m,
             direction_error_max_deg,
-            reference: self.reference.map(|element| names[element].to_owned()),
-            curves,
-            surfaces,
-            network: &self.network,
-            noise: &self.noise,
-            names: &names,
+            reference: reference.map(|element| head.elements[element].name.clone()),
+            nusselt,
+            card,
+            surfaces: self.surfaces(&result),
+            self_heating: network.own.clone(),
+            cross_heating: network.cross.clone(),
         };
-        let (text, head) = new.with_head(self.head)?;
+        let (text, head) = new.with_head(head)?;
         Ok(CalibratedHead { text, head, result })
     }
 
@@ -193,15 +172,22 @@ impl<'a> Calibrator<'a> {
         })
     }
 
-    fn dice(&self, calibration: &CardCalibration) -> Vec<NewSurface> {
-        let dice = self.places.iter().zip(calibration.drawn.dice()).zip(calibration.gains);
-        dice.map(|((&place, surface), gain)| NewSurface {
-            element: self.head.elements[place].name.clone(),
-            surface,
-            gain,
-            quiescent_w_k: calibration.quiescent_w_k,
-        })
-        .collect()
+    fn surfaces(&self, result: &CalibrationResult) -> Vec<SurfaceTable> {
+        // Geometry, gain and conductance in quiescent gas.
+        let found: Vec<(SurfaceConfig, f64, f64)> = match result {
+            CalibrationResult::Sphere { calibration, .. } => {
+                calibration.surfaces.iter().map(|of| (of.config, of.gain, of.quiescent_w_k)).collect()
+            }
+            CalibrationResult::Card { calibration, .. } => {
+                let dice = calibration.drawn.dice().into_iter().zip(calibration.gains);
+                dice.map(|(config, gain)| (config, gain, calibration.quiescent_w_k)).collect()
+            }
+        };
+        let names = self.observed.surfaces.iter().map(|&place| self.observed.head.elements[place].name.clone());
+        names
+            .zip(found)
+            .map(|(name, (config, gain, quiescent_w_k))| SurfaceTable::new(name, config, gain, quiescent_w_k))
+            .collect()
     }
 }
 
@@ -213,17 +199,6 @@ impl CalibrationResult {
             Self::Card { winds, .. } => winds,
         }
     }
-}
-
-/// Standard deviation of a surface's conductance at 30 K and 1 kHz, W/K, at a bandwidth, if it can
-/// be had.
-pub fn conductance_noise_w_k(head: &Head, bandwidth_hz: f64) -> Option<f64> {
-    let calibration = head.calibration.as_ref()?;
-    let output = WindOutput { bandwidth_hz, interval_s: 0.01, fixed: true };
-    let (_, observer) = calibration.commands(&output, 1e-3).ok()?;
-    let place = calibration.surfaces.first()?;
-    let at = observer.own.iter().position(|(own, _)| own == place)?;
-    Some(observer.sd_w[at] / NOISE_OVERHEAT_K)
 }
 
 /// Places in the head and geometry of the surfaces: four sectors of a tetrahedron, or two
@@ -239,7 +214,12 @@ fn sphere(head: &Head, diameter_m: f64) -> Result<(Vec<usize>, DrawnSphere), Cal
     let shapes: Vec<_> = match outward.len() {
         4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
         2 => sphere::hemispheres(diameter_m as f32).to_vec(),
-        count => return Err(CalibratorError::Shape { head: head.name.clone(), count }),
+        count => {
+            return Err(CalibratorError::Head(format!(
+                "head `{}` has {count} elements with an outward `normal`: four sectors of a sphere, or two hemispheres can be calibrated",
+                head.name
+            )));
+        }
     };
     let surfaces = outward.iter().zip(shapes).enumerate().map(|(i, ((place, normal), mut config))| {
         config.axis = narrow(*normal);
@@ -278,18 +258,6 @@ fn dice(head: &Head, elements: &[String], side_m: f64) -> Result<(Vec<usize>, Dr
         }
         _ => Err(refuse(": dice of one card have the same outward `normal` in the head".to_owned())),
     }
-}
-
-fn sectors(calibration: &SphereCalibration) -> Vec<NewSurface> {
-    let surfaces = calibration.surfaces.iter().zip(calibration.part_configs());
-    surfaces
-        .map(|(of, surface)| NewSurface {
-            element: of.name.clone(),
-            surface,
-            gain: of.gain,
-            quiescent_w_k: of.quiescent_w_k,
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -1,20 +1,14 @@
 //! Winds estimated with a calibration and compared with the known ones.
 
 /// One wind, known and estimated.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedWind {
-    /// Label of the wind.
-    pub label: String,
-    /// Known speed, m/s.
-    pub speed_m_s: f64,
     /// Reynolds number.
     pub reynolds: f64,
     /// Error of direction, °.
     pub direction_deg: f64,
     /// Relative error of speed.
     pub speed: f64,
-    /// χ² of the readings at the estimate, over its degrees of freedom; zero where there are none.
-    pub chi_square: f64,
 }
 
 /// Errors of several winds.

@@ -1,13 +1,9 @@
 //! Why a head cannot be calibrated: a sentence each.
 
-use std::path::PathBuf;
-
 use dr_core::ConfigError;
+use recording::toml_file::FileError;
 
-use crate::gas::GasError;
-use crate::head::error::NewCalibrationError;
 use crate::network::error::NetworkError;
-use crate::wind::error::ReplayError;
 
 /// Readings from which no calibration can be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -16,13 +12,8 @@ pub enum CalibrateError {
     #[error("head: {0}")]
     Head(String),
     /// A reading cannot be meant.
-    #[error("wind `{label}`: {problem}")]
-    Reading {
-        /// Label of the wind.
-        label: String,
-        /// What is wrong.
-        problem: String,
-    },
+    #[error("wind {0}")]
+    Reading(String),
     /// Winds are missing: a sentence each.
     #[error("the winds do not determine a calibration:\n  {}", .0.join("\n  "))]
     Spread(Vec<String>),
@@ -62,73 +53,15 @@ pub struct WorstReading {
     pub errors: f64,
 }
 
-/// Recordings without steady winds for a calibration.
-#[derive(Debug, thiserror::Error)]
-pub enum SteadyWindError {
-    /// The recording cannot be replayed.
-    #[error(transparent)]
-    Replay(#[from] ReplayError),
-    /// The recording does not tell its gas or its wind, or is of other conditions than the network.
-    #[error("{recording}: {sentence}")]
-    Content {
-        /// Name of the recording.
-        recording: String,
-        /// What is wrong, and what would be right.
-        sentence: String,
-    },
-    /// The table of winds lacks a label.
-    #[error("{} has no row `{label}`, which is a wind of {recording}", table.display())]
-    NotInTable {
-        /// The table.
-        table: PathBuf,
-        /// The label.
-        label: String,
-        /// Name of the recording.
-        recording: String,
-    },
-    /// The gas is not known at a temperature of the recording.
-    #[error("`{label}`: {error}")]
-    Gas {
-        /// Label of the wind.
-        label: String,
-        /// What is wrong.
-        error: GasError,
-    },
-    /// Recordings of several gases.
-    #[error("{}: is of another gas than the first recording", .0.display())]
-    OtherGas(PathBuf),
-    /// No recordings.
-    #[error("there is no recording")]
-    NoRecording,
-}
-
 /// A head, a network or steady winds that make no calibrated head.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibratorError {
-    /// The network is not one of the head.
+    /// The network cannot be one of the head.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// The network lacks a surface of the head.
-    #[error("network has no `{element}`, which is a surface of head `{head}`: is it of another head?")]
-    NoSurface {
-        /// Element of the surface.
-        element: String,
-        /// Name of the head.
-        head: String,
-    },
-    /// The network does not name its gas.
-    #[error("does not tell its gas")]
-    NoGas,
-    /// The head is no sphere that can be calibrated.
-    #[error(
-        "head `{head}` has {count} elements with an outward `normal`: four sectors of a sphere, or two hemispheres can be calibrated"
-    )]
-    Shape {
-        /// Name of the head.
-        head: String,
-        /// Its elements with a normal.
-        count: usize,
-    },
+    /// The head is no sphere that can be calibrated, or the network lacks its surfaces or its gas.
+    #[error("{0}")]
+    Head(String),
     /// The elements of a card are not four dice of it.
     #[error("--elements{0}")]
     Elements(String),
@@ -137,5 +70,5 @@ pub enum CalibratorError {
     Calibrate(#[from] CalibrateError),
     /// The calibration makes no head.
     #[error(transparent)]
-    New(#[from] NewCalibrationError),
+    File(#[from] FileError),
 }

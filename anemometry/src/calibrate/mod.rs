@@ -23,14 +23,13 @@ pub mod steady_wind;
 pub mod steady_winds;
 
 pub use calibrator::Calibrator;
-pub use card::calibration::CardCalibration;
 pub use card::drawn::DrawnCard;
-pub use compared::{ComparedWind, ComparisonSummary};
-pub use cross_validation::{CrossValidation, Scheme};
+pub use compared::ComparisonSummary;
+pub use cross_validation::Scheme;
 pub use error::CalibrateError;
 pub use report::CalibrationReport;
-pub use sphere::calibration::{CalibratedSurface, SphereCalibration};
+pub use sphere::calibration::SphereCalibration;
 pub use sphere::cross_validation::{compare, cross_validate};
 pub use sphere::readings::{DrawnSphere, DrawnSurface};
 pub use sphere::solve::{calibrate, solve};
-pub use steady_wind::{GasProperties, SteadyWind, SurfaceReading};
+pub use steady_wind::{SteadyWind, SurfaceReading};

@@ -6,13 +6,17 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::calibrator::{CalibratedHead, CalibrationResult, conductance_noise_w_k};
+use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
 use super::sphere::calibration::{CalibratedSurface, SphereCalibration};
 use crate::head::file::Head;
+use crate::head::output::WindOutput;
 
 /// Bandwidths whose noise is given, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+/// Overheat and sample period at which it is given.
+const OVERHEAT_K: f64 = 30.0;
+const SAMPLE_PERIOD_S: f64 = 1e-3;
 
 /// Summary of `anemo calibrate`.
 pub struct CalibrationReport {
@@ -41,7 +45,10 @@ pub struct ConductanceNoise {
 /// Noise of a surface's conductance at usual bandwidths, as far as these can be had.
 pub fn conductance_noise(head: &Head) -> Vec<ConductanceNoise> {
     let noise = |bandwidth_hz| {
-        let sd_w_k = conductance_noise_w_k(head, bandwidth_hz)?;
+        let calibration = head.calibration.as_ref()?;
+        let output = WindOutput { bandwidth_hz, interval_s: 0.01, fixed: true };
+        let (_, observer) = calibration.commands(&output, SAMPLE_PERIOD_S).ok()?;
+        let sd_w_k = observer.noise_w(*calibration.surfaces.first()?)? / OVERHEAT_K;
         Some(ConductanceNoise { bandwidth_hz, sd_w_k })
     };
     BANDWIDTHS_HZ.into_iter().filter_map(noise).collect()
@@ -80,7 +87,7 @@ impl Serialize for CalibrationReport {
 fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Result<(), M::Error> {
     map.serialize_entry("winds", &calibration.winds)?;
     map.serialize_entry("quiescent", &calibration.quiescent)?;
-    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
     map.serialize_entry("residual_rms", &calibration.residual_rms)?;
     map.serialize_entry("chi_square", &calibration.chi_square)?;
     map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;
@@ -91,10 +98,10 @@ fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Resu
 
 fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(), M::Error> {
     map.serialize_entry("winds", &calibration.winds)?;
-    map.serialize_entry("reynolds", &[calibration.least_reynolds, calibration.most_reynolds])?;
+    map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
     map.serialize_entry("exponent", &calibration.exponent)?;
-    map.serialize_entry("mean_share", &calibration.mean_share)?;
-    map.serialize_entry("difference_share", &calibration.difference_share)?;
+    map.serialize_entry("mean_share", &calibration.curves.mean_share)?;
+    map.serialize_entry("difference_share", &calibration.curves.difference_share)?;
     map.serialize_entry("seen_across", &calibration.seen_at(std::f64::consts::FRAC_PI_2))?;
     map.serialize_entry("seen_in_reverse", &calibration.seen_at(0.0))?;
     map.serialize_entry("gains", &calibration.gains)?;

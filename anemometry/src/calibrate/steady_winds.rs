@@ -1,18 +1,14 @@
-//! SteadyWind winds of calibration recordings: means of what the windless observer reads off, once
+//! Steady winds of calibration recordings: means of what the windless observer reads off, once
 //! each wind has settled.
 
 use std::path::{Path, PathBuf};
 
-use dr_core::ConfigError;
-use dr_core::control::Tick;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
 use wire::MOST_ELEMENTS;
 
-use super::error::SteadyWindError;
-use super::steady_wind::{GasProperties, SteadyWind, SurfaceReading};
+use super::steady_wind::{SteadyWind, SurfaceReading};
 use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
 use crate::head::file::Head;
-use crate::network::kalman::ReadingNoise;
 use crate::network::observer::NetworkObserver;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
@@ -20,6 +16,7 @@ use crate::wind::moment::{Moment, TickOrigin};
 use crate::wind::off_line::standing_w;
 use crate::wind::replay::Replay;
 use diffusive::model::Conditions;
+use recording::RecordingError;
 
 /// Bandwidth of the convective powers, Hz: a calibration has time.
 pub const BANDWIDTH_HZ: f64 = 0.5;
@@ -28,42 +25,46 @@ const LEAST_ERROR: f64 = 3e-4;
 /// Two winds nearer than this in every component are one, m/s.
 const SAME_M_S: f64 = 1e-6;
 
-/// Search for steady winds in the recordings of a head.
-pub struct SteadyWindSearch<'a> {
+/// A head whose convective powers can be read off.
+pub struct ObservedHead<'a> {
     /// The head.
     pub head: &'a Head,
     /// Its quiescent-gas network.
-    pub network: &'a QuiescentNetwork,
-    /// Noise of readings, by element of the head.
-    pub noise: &'a [ReadingNoise],
+    pub network: QuiescentNetwork,
     /// Places in the head of the surfaces' elements, in their order.
-    pub surfaces: &'a [usize],
+    pub surfaces: Vec<usize>,
     /// The element that measures the gas.
     pub reference: Option<usize>,
+    /// The gas.
+    pub species: Species,
     /// Conditions in which the network was identified.
-    pub quiescent: &'a Conditions,
+    pub quiescent: Conditions,
+}
+
+/// Search for steady winds in the recordings of a head.
+pub struct SteadyWindSearch<'a> {
+    /// The head.
+    pub observed: &'a ObservedHead<'a>,
     /// Left out at the beginning of every wind, s.
     pub settle_s: f64,
     /// Given winds; by default those of the recordings.
     pub winds: Option<&'a GivenWinds>,
 }
 
-/// Steady winds of one gas.
+/// Steady winds of a head.
+#[derive(Default)]
 pub struct SteadyWinds {
     /// In the order of time.
     pub steady: Vec<SteadyWind>,
-    /// The gas.
-    pub species: Species,
-    /// GivenWinds that were left out because they were too short.
+    /// Winds that were left out because they were too short.
     pub short: usize,
 }
 
-/// WindSums over a steady wind.
+/// Sums over a steady wind.
 struct WindSums {
     label: String,
     wind_m_s: [f64; 3],
     from_s: f64,
-    period_s: f64,
     rows: u64,
     gas_c: f64,
     convection_w: Vec<f64>,
@@ -73,8 +74,8 @@ struct WindSums {
 /// Collects the steady winds of one recording, or of a run while it goes on.
 pub struct SteadyWindCollector<'a> {
     search: &'a SteadyWindSearch<'a>,
-    /// Name of the recording in errors.
-    name: String,
+    /// The recording, for errors.
+    recording: PathBuf,
     conditions: Conditions,
     observer: NetworkObserver,
     network: ConvectionObserver<MOST_ELEMENTS>,
@@ -91,36 +92,29 @@ impl SteadyWindSearch<'_> {
     /// done.
     ///
     /// # Errors
-    /// As those of a single recording; if they are of several gases.
-    pub fn of_all(&self, paths: &[PathBuf], each: &mut dyn FnMut(usize)) -> Result<SteadyWinds, SteadyWindError> {
-        let mut all: Option<SteadyWinds> = None;
+    /// As those of a single recording.
+    pub fn of_all(&self, paths: &[PathBuf], each: &mut dyn FnMut(usize)) -> Result<SteadyWinds, RecordingError> {
+        let mut all = SteadyWinds::default();
         for (n, path) in paths.iter().enumerate() {
             let found = self.of(path, &mut |_| each(n))?;
-            match &mut all {
-                None => all = Some(found),
-                Some(all) if all.species != found.species => return Err(SteadyWindError::OtherGas(path.clone())),
-                Some(all) => {
-                    all.steady.extend(found.steady);
-                    all.short += found.short;
-                }
-            }
+            all.steady.extend(found.steady);
+            all.short += found.short;
             each(n + 1);
         }
-        all.ok_or(SteadyWindError::NoRecording)
+        Ok(all)
     }
 
     /// The steady winds of a recording.
     ///
     /// # Errors
     /// If it cannot be read, does not name its gas or its winds, or the network cannot be observed.
-    pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<SteadyWinds, SteadyWindError> {
-        let name = path.display().to_string();
-        let mut replay = Replay::open(path, self.head, None)?;
-        let conditions = replay.conditions().cloned().ok_or_else(|| SteadyWindError::Content {
-            recording: name.clone(),
+    pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<SteadyWinds, RecordingError> {
+        let mut replay = Replay::open(path, self.observed.head, None)?;
+        let conditions = replay.conditions.clone().ok_or_else(|| RecordingError::Content {
+            path: path.to_owned(),
             sentence: "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)".to_owned(),
         })?;
-        let mut looking = self.begin(name, conditions, replay.sample_period_s())?;
+        let mut looking = self.begin(path, conditions, replay.sample_period_s)?;
         let mut rows = 0;
         while let Some(moment) = replay.next_moment()? {
             looking.take(&moment)?;
@@ -135,37 +129,34 @@ impl SteadyWindSearch<'_> {
     /// Begins with moments that come one by one.
     ///
     /// # Errors
-    /// If its gas is not known, its conditions are others than the network's, or the network cannot
-    /// be observed.
+    /// If its conditions are others than the network's, or the network cannot be observed.
     pub fn begin(
         &self,
-        name: String,
+        recording: &Path,
         conditions: Conditions,
         period_s: f64,
-    ) -> Result<SteadyWindCollector<'_>, SteadyWindError> {
-        let refuse = |sentence: String| SteadyWindError::Content { recording: name.clone(), sentence };
-        let species =
-            species(&conditions.species).ok_or_else(|| refuse(format!("is of the gas {}", conditions.species)))?;
-        let differences = self.quiescent.of_another_network(&conditions);
+    ) -> Result<SteadyWindCollector<'_>, RecordingError> {
+        let refuse = |sentence: String| RecordingError::Content { path: recording.to_owned(), sentence };
+        let differences = self.observed.quiescent.of_another_network(&conditions);
         if !differences.is_empty() {
             return Err(refuse(format!(
                 "was taken {}, for which the network was identified: it holds for one gas and one support",
                 differences.join(" and ")
             )));
         }
-        let observer =
-            self.network.observer(BANDWIDTH_HZ, period_s, self.noise).map_err(|error| refuse(error.to_string()))?;
-        let network = network(&observer, period_s as f32).map_err(|error| refuse(error.to_string()))?;
+        let observer = self.observed.network.observer(BANDWIDTH_HZ, period_s);
+        let observer = observer.map_err(|error| refuse(error.to_string()))?;
+        let network = observer.board(period_s as f32).map_err(|error| refuse(error.to_string()))?;
         Ok(SteadyWindCollector {
             search: self,
-            name,
+            recording: recording.to_owned(),
             conditions,
             observer,
             network,
             state: ConvectionObserverState::default(),
             levels: 0,
             period_s,
-            found: SteadyWinds { steady: Vec::new(), species, short: 0 },
+            found: SteadyWinds::default(),
             current: None,
         })
     }
@@ -183,43 +174,58 @@ impl SteadyWindCollector<'_> {
     ///
     /// # Errors
     /// If its wind is not known.
-    pub fn take(&mut self, moment: &Moment) -> Result<(), SteadyWindError> {
-        let search = self.search;
-        let standing_w = std::array::from_fn(|i| standing_w(search.head, i, moment.tick.temperature_c[i]));
-        let convection = self.network.step(&mut self.state, &look(&moment.tick, self.levels, &standing_w));
-        self.levels = moment.tick.heaters.0;
+    pub fn take(&mut self, moment: &Moment) -> Result<(), RecordingError> {
+        let (search, observed, tick) = (self.search, self.search.observed, &moment.tick);
+        let input = TickInput {
+            temperature_c: &tick.temperature_c,
+            valid: tick.valid,
+            read_high: self.levels,
+            power_w: &tick.power_w,
+            standing_w: &std::array::from_fn(|i| standing_w(observed.head, i, tick.temperature_c[i])),
+        };
+        let convection = self.network.step(&mut self.state, &input);
+        self.levels = tick.heaters.0;
         if moment.known == TickOrigin::Missing {
             return Ok(());
         }
         let wind_m_s = search.wind(moment).ok_or_else(|| {
-            let (label, recording) = (moment.event.clone(), self.name.clone());
-            match search.winds {
-                Some(winds) => SteadyWindError::NotInTable { table: winds.path.clone(), label, recording },
-                None => SteadyWindError::Content {
-                    recording,
-                    sentence: format!("does not tell the wind of `{label}`: give a table of winds with --winds"),
-                },
-            }
+            let (label, recording) = (&moment.event, &self.recording);
+            let (path, sentence) = match search.winds {
+                Some(winds) => {
+                    (&winds.path, format!("has no row `{label}`, which is a wind of {}", recording.display()))
+                }
+                None => (recording, format!("does not tell the wind of `{label}`: give a table of winds with --winds")),
+            };
+            RecordingError::Content { path: path.clone(), sentence }
         })?;
         let same = |sums: &WindSums| {
             sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
         };
         if !self.current.as_ref().is_some_and(same) {
             self.close()?;
-            self.current = Some(WindSums::new(moment, wind_m_s, self.period_s, search.surfaces.len()));
+            let none = vec![0.0; observed.surfaces.len()];
+            self.current = Some(WindSums {
+                label: moment.event.clone(),
+                wind_m_s,
+                from_s: moment.time_s,
+                rows: 0,
+                gas_c: 0.0,
+                convection_w: none.clone(),
+                surface_c: none,
+            });
         }
         let Some(sums) = &mut self.current else { return Ok(()) };
         if let Some(convection) = convection
             && moment.known == TickOrigin::Recorded
             && moment.time_s - sums.from_s >= search.settle_s
         {
-            let gas_c = match search.reference {
-                Some(reference) => f64::from(moment.tick.temperature_c[reference]),
+            let gas_c = match observed.reference {
+                Some(reference) => f64::from(tick.temperature_c[reference]),
                 None => moment.gas_c.unwrap_or(self.conditions.gas_temperature_c),
             };
             sums.rows += 1;
             sums.gas_c += gas_c;
-            for (p, &i) in search.surfaces.iter().enumerate() {
+            for (p, &i) in observed.surfaces.iter().enumerate() {
                 sums.convection_w[p] += f64::from(convection.power_w[i]);
                 sums.surface_c[p] += f64::from(convection.surface_c[i]);
             }
@@ -231,13 +237,13 @@ impl SteadyWindCollector<'_> {
     ///
     /// # Errors
     /// If the last wind was of a gas that cannot be.
-    pub fn finish(mut self) -> Result<SteadyWinds, SteadyWindError> {
+    pub fn finish(mut self) -> Result<SteadyWinds, RecordingError> {
         self.close()?;
         Ok(self.found)
     }
 
     /// Means of a wind that is over, if it lasted.
-    fn close(&mut self) -> Result<(), SteadyWindError> {
+    fn close(&mut self) -> Result<(), RecordingError> {
         let Some(sums) = self.current.take() else { return Ok(()) };
         if sums.rows < 2 {
             self.found.short += 1;
@@ -245,78 +251,31 @@ impl SteadyWindCollector<'_> {
         }
         let rows = sums.rows as f64;
         let gas_c = sums.gas_c / rows;
-        let gas = IdealGas::new(self.found.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K)
-            .map_err(|error| SteadyWindError::Gas { label: sums.label.clone(), error })?;
-        let surfaces: Vec<SurfaceReading> = (self.search.surfaces.iter().enumerate())
+        let gas = IdealGas::new(self.search.observed.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K)
+            .map_err(|error| RecordingError::Content {
+                path: self.recording.clone(),
+                sentence: format!("`{}`: {error}", sums.label),
+            })?;
+        let observed = self.search.observed;
+        let surfaces: Vec<SurfaceReading> = (observed.surfaces.iter().enumerate())
             .map(|(p, &i)| {
                 let power_w = sums.convection_w[p] / rows;
                 let surface_c = sums.surface_c[p] / rows;
-                let own = &self.observer.own;
-                let sd_w = own.iter().position(|(own, _)| *own == i).map_or(0.0, |at| self.observer.sd_w[at]);
+                let sd_w = self.observer.noise_w(i).unwrap_or(0.0);
                 // So many independent looks as the bandwidth lets through, π/2 a hertz and second.
-                let looks = (rows * sums.period_s * std::f64::consts::PI * BANDWIDTH_HZ).max(1.0);
+                let looks = (rows * self.period_s * std::f64::consts::PI * BANDWIDTH_HZ).max(1.0);
                 let least_w = LEAST_ERROR * power_w.abs().max(1e-3);
                 SurfaceReading {
                     power_w,
                     overheat_k: surface_c - gas_c,
-                    above_reference_k: surface_c - self.search.quiescent.gas_temperature_c,
+                    above_reference_k: surface_c - observed.quiescent.gas_temperature_c,
                     variance_w2: sd_w * sd_w / looks + least_w * least_w,
                 }
             })
             .collect();
-        self.found.steady.push(SteadyWind {
-            label: sums.label,
-            wind_m_s: sums.wind_m_s,
-            gas: GasProperties {
-                density_kg_m3: gas.density_kg_m3,
-                viscosity_pa_s: gas.viscosity_pa_s,
-                conductivity_w_m_k: gas.conductivity_w_m_k,
-            },
-            surfaces,
-        });
+        self.found.steady.push(SteadyWind { label: sums.label, wind_m_s: sums.wind_m_s, gas, surfaces });
         Ok(())
     }
-}
-
-impl WindSums {
-    fn new(moment: &Moment, wind_m_s: [f64; 3], period_s: f64, surfaces: usize) -> Self {
-        Self {
-            label: moment.event.clone(),
-            wind_m_s,
-            from_s: moment.time_s,
-            period_s,
-            rows: 0,
-            gas_c: 0.0,
-            convection_w: vec![0.0; surfaces],
-            surface_c: vec![0.0; surfaces],
-        }
-    }
-}
-
-/// The network of an observer, as the board has it.
-fn network(observer: &NetworkObserver, sample_period_s: f32) -> Result<ConvectionObserver<MOST_ELEMENTS>, ConfigError> {
-    let mut network = ConvectionObserver::default();
-    for (element, config) in &observer.own {
-        network.set_self_heating(*element, config, sample_period_s)?;
-    }
-    for cross in &observer.cross {
-        network.set_cross_heating(cross, sample_period_s)?;
-    }
-    Ok(network)
-}
-
-/// A tick as the network takes it.
-fn look<'a>(
-    tick: &'a Tick<MOST_ELEMENTS>,
-    read_high: u16,
-    standing_w: &'a [f32; MOST_ELEMENTS],
-) -> TickInput<'a, MOST_ELEMENTS> {
-    TickInput { temperature_c: &tick.temperature_c, valid: tick.valid, read_high, power_w: &tick.power_w, standing_w }
-}
-
-/// A gas by the name that recordings have for it.
-pub fn species(name: &str) -> Option<Species> {
-    [Species::CarbonDioxide, Species::Air].into_iter().find(|species| species.name() == name)
 }
 
 #[cfg(test)]
@@ -338,18 +297,16 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
         let head = Head::read(&path).unwrap();
         let calibration = head.calibration.as_ref().unwrap();
-        let quiescent = mars();
-        let search = SteadyWindSearch {
+        let observed = ObservedHead {
             head: &head,
-            network: &calibration.network,
-            noise: &calibration.noise,
-            surfaces: &calibration.surfaces,
+            network: calibration.network.clone(),
+            surfaces: calibration.surfaces.clone(),
             reference: calibration.reference,
-            quiescent: &quiescent,
-            settle_s: 0.0,
-            winds: None,
+            species: calibration.table.species,
+            quiescent: mars(),
         };
-        let begun = |conditions: Conditions| search.begin("t.parquet".to_owned(), conditions, 1e-3).map(|_| ());
+        let search = SteadyWindSearch { observed: &observed, settle_s: 0.0, winds: None };
+        let begun = |conditions: Conditions| search.begin(Path::new("t.parquet"), conditions, 1e-3).map(|_| ());
         // Pressure and temperature may differ.
         begun(Conditions { pressure_pa: 700.0, gas_temperature_c: -40.0, ..mars() }).unwrap();
         let refused = begun(Conditions { support_temperature_c: -18.15, ..mars() }).unwrap_err().to_string();

@@ -54,8 +54,8 @@ struct ElementKeys<'a> {
     shared: Option<(String, &'a ElementTable)>,
 }
 
-impl<'a> ElementKeys<'a> {
-    fn get<T>(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<T>) -> Result<(&'a T, String), FileError> {
+impl ElementKeys<'_> {
+    fn get<T>(&self, name: &str, of: impl Fn(&ElementTable) -> Option<T>) -> Result<(T, String), FileError> {
         if let Some(value) = of(self.own) {
             return Ok((value, format!("{}.{name}", self.key)));
         }
@@ -68,8 +68,8 @@ impl<'a> ElementKeys<'a> {
         }
     }
 
-    fn number(&self, name: &str, of: impl Fn(&'a ElementTable) -> &'a Option<f64>) -> Result<f64, FileError> {
-        let (&number, key) = self.get(name, of)?;
+    fn number(&self, name: &str, of: impl Fn(&ElementTable) -> Option<f64>) -> Result<f64, FileError> {
+        let (number, key) = self.get(name, of)?;
         if number.is_finite() {
             Ok(number)
         } else {
@@ -78,11 +78,8 @@ impl<'a> ElementKeys<'a> {
     }
 
     fn layers(&self) -> Result<usize, FileError> {
-        let kind = self.shared.as_ref().and_then(|(_, shared)| shared.layers);
-        if self.own.layers.or(kind).is_none() {
-            return Ok(0);
-        }
-        let (&layers, key) = self.get("layers", |table| &table.layers)?;
+        // Neither the element nor its kind has to give any.
+        let Ok((layers, key)) = self.get("layers", |table| table.layers) else { return Ok(0) };
         if layers > MOST_LAYERS {
             return Err(self
                 .source
@@ -138,14 +135,13 @@ pub(super) fn element(
     let normal = normal(source, &key, own.normal)?;
     let keys = ElementKeys { source, key, own, shared };
 
-    let (platinum, platinum_key) = keys.get("platinum", |table| &table.platinum)?;
-    let platinum_kind = platinum.kind().map_err(|error| source.refuse(&platinum_key, error.to_string()))?;
-    let current_low_a = keys.number("current_low_a", |table| &table.current_low_a)?;
-    let current_high_a = keys.number("current_high_a", |table| &table.current_high_a)?;
+    let (platinum_kind, platinum_key) = keys.get("platinum", |table| table.platinum)?;
+    let current_low_a = keys.number("current_low_a", |table| table.current_low_a)?;
+    let current_high_a = keys.number("current_high_a", |table| table.current_high_a)?;
     let limits = Limits {
-        resistance_min_ohm: keys.number("resistance_min_ohm", |table| &table.resistance_min_ohm)? as f32,
-        resistance_max_ohm: keys.number("resistance_max_ohm", |table| &table.resistance_max_ohm)? as f32,
-        temperature_max_c: keys.number("temperature_max_c", |table| &table.temperature_max_c)? as f32,
+        resistance_min_ohm: keys.number("resistance_min_ohm", |table| table.resistance_min_ohm)? as f32,
+        resistance_max_ohm: keys.number("resistance_max_ohm", |table| table.resistance_max_ohm)? as f32,
+        temperature_max_c: keys.number("temperature_max_c", |table| table.temperature_max_c)? as f32,
         code_max: adc.code_max,
     };
     let layers = keys.layers()?;

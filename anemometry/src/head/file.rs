@@ -8,7 +8,7 @@ use dr_core::sensor::Channel;
 use super::calibration::checked::Calibration;
 use super::element::{HeadAdc, HeadElement, element};
 use super::error::CurrentsError;
-use super::table::HeadTable;
+use super::table::{GuardTable, HeadTable};
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
@@ -26,12 +26,8 @@ pub struct Head {
     pub sensor: Option<String>,
     /// Voltage of one code, V.
     pub volt_per_code: f64,
-    /// Fresh readings that may be missing in a row.
-    pub missing_limit_ticks: u32,
-    /// How long a regulated element may request one level only, s.
-    pub unreachable_limit_s: f64,
-    /// Equal readings in a row that trip; 0: never.
-    pub stuck_limit_ticks: u32,
+    /// When readings trip.
+    pub guard: GuardTable,
     /// Its elements.
     pub elements: Vec<HeadElement>,
     /// Without it the head outputs no wind.
@@ -57,7 +53,7 @@ impl Head {
         source.within("adc.bits", f64::from(table.adc.bits), 8.0..=24.0, "bit")?;
         let half_range = f64::from(1_u32 << (table.adc.bits - 1));
         let adc = HeadAdc { volt_per_code: full_scale_v / half_range, code_max: half_range as i32 - 1 };
-        let unreachable_limit_s = source.positive("guard.unreachable_limit_s", table.guard.unreachable_limit_s, "s")?;
+        source.positive("guard.unreachable_limit_s", table.guard.unreachable_limit_s, "s")?;
 
         if table.elements.is_empty() || table.elements.len() > MOST_ELEMENTS {
             let count = table.elements.len();
@@ -89,9 +85,7 @@ impl Head {
             name: table.name,
             sensor: table.sensor,
             volt_per_code: adc.volt_per_code,
-            missing_limit_ticks: table.guard.missing_limit_ticks,
-            unreachable_limit_s,
-            stuck_limit_ticks: table.guard.stuck_limit_ticks.unwrap_or(0),
+            guard: table.guard,
             calibration,
             elements,
             source,
@@ -119,26 +113,27 @@ impl Head {
         let known = self.names();
         let Some(place) = known.iter().position(|own| *own == name) else {
             let hint = suggest(name, known.iter().copied());
-            return Err(CurrentsError::NoElement { head: self.name.clone(), hint });
+            return Err(CurrentsError(format!("is no element of head `{}`; {hint}", self.name)));
         };
         let element = &mut self.elements[place];
         let platinum = *element.config.channel.platinum();
         element.config.channel = Channel::new(platinum, self.volt_per_code as f32, low_a as f32, high_a as f32)
             // Resistor and converter are the head's, and were found right when it was read.
-            .map_err(|_| CurrentsError::Refused { low_a, high_a })?;
+            .map_err(|_| {
+                CurrentsError(format!(
+                    "is {{ low_a = {low_a}, high_a = {high_a} }}: high_a must be above low_a, and both above 0 and at most 1 A"
+                ))
+            })?;
         (element.nominal.current_low_a, element.nominal.current_high_a) = (low_a, high_a);
         Ok(place)
     }
 
     /// The guard's timeouts in ticks of a sample period.
     pub fn guard_config(&self, sample_period_s: f64) -> GuardConfig {
+        let GuardTable { missing_limit_ticks, unreachable_limit_s, stuck_limit_ticks } = self.guard;
         let unreachable_limit_ticks =
-            (self.unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
-        GuardConfig {
-            missing_limit_ticks: self.missing_limit_ticks,
-            unreachable_limit_ticks,
-            stuck_limit_ticks: self.stuck_limit_ticks,
-        }
+            (unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+        GuardConfig { missing_limit_ticks, unreachable_limit_ticks, stuck_limit_ticks }
     }
 }
 
@@ -208,7 +203,7 @@ mod tests {
     fn the_guards_timeouts_are_in_ticks_of_the_sample_period() {
         let head = Head::from_source(sphere_b()).unwrap();
         let ticks = |sample_period_s| head.guard_config(sample_period_s).unreachable_limit_ticks;
-        assert_eq!(f64::from(ticks(0.01)), (head.unreachable_limit_s * 100.0).round());
+        assert_eq!(f64::from(ticks(0.01)), (head.guard.unreachable_limit_s * 100.0).round());
         assert_eq!(ticks(0.001), ticks(0.01) * 10);
     }
 

@@ -23,6 +23,7 @@
 //! | [`calibration`] | the table `[calibration]`, read and written |
 //! | [`output`] | bandwidth and interval of wind estimates |
 //! | [`setup`] | a calibration as commands of the board's anemometer |
+//! | [`table`] | the file as it is written |
 //! | [`error`] | what is refused beside the file |
 
 pub mod calibration;
@@ -32,9 +33,8 @@ pub mod file;
 pub mod nominal;
 pub mod output;
 pub mod setup;
-mod table;
+pub mod table;
 
-pub use calibration::Calibration;
 pub use element::HeadElement;
 pub use file::Head;
 pub use nominal::{NominalElement, PlatinumKind};

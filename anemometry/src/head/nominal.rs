@@ -1,7 +1,10 @@
 //! Data sheet of an element in f64: its resistor and its two currents.
 
-/// Nominal characteristic of a platinum resistor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+use serde::Deserialize;
+
+/// Nominal characteristic of a platinum resistor, as a head file has it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "characteristic", rename_all = "lowercase", deny_unknown_fields)]
 pub enum PlatinumKind {
     /// R = R0 (1 + αT).
     Linear {

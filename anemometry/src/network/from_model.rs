@@ -5,6 +5,7 @@
 //! | pair `power_w_a` → `temperature_c_a` | self-heating of `a`: at most 8 rates, none negative if the head has layers there |
 //! | pair `power_w_a` → `temperature_c_b` | cross-heating: at most 4 rates of any sign |
 //! | offset of `temperature_c_a` | its temperature with no heating at all, °C |
+//! | residuals of `temperature_c_a`, at its low level | noise of its readings |
 //!
 //! Elements with an outward normal have a surface and so a convective loss; the others are only
 //! held on their temperatures. An element that the model does not have is not in the network.
@@ -14,10 +15,10 @@ use dr_core::model::convection_observer::config::CROSS_ORDER;
 
 use super::error::NetworkError;
 use super::ladder::{cross_share, sections, share};
-use super::parameters::{CrossHeatingParameters, QuiescentNetwork, SelfHeatingParameters};
+use super::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
 use crate::head::element::HeadElement;
 use crate::head::file::Head;
-use diffusive::model::{Model, Pair, Structure};
+use diffusive::model::{Model, ModelOutput, Pair, Structure};
 use recording::{POWER, TEMPERATURE};
 
 impl QuiescentNetwork {
@@ -27,22 +28,30 @@ impl QuiescentNetwork {
     /// Which pair or element cannot be in a quiescent-gas network, and why.
     pub fn of(model: &Model, head: &Head) -> Result<Self, NetworkError> {
         if model.structure != Structure::Symbol {
-            return Err(NetworkError::Structure);
+            return Err(NetworkError::new(
+                "structure `conductance` has its wind inside; a quiescent-gas network is made of structure `symbol`, from records in quiescent gas",
+            ));
         }
-        let [label] = &model.classes[..] else { return Err(NetworkError::Classes(model.classes.clone())) };
+        let [label] = &model.classes[..] else {
+            return Err(NetworkError::new(format!(
+                "the model has the classes {}: a quiescent-gas network has one, quiescent gas",
+                model.classes.join(", ")
+            )));
+        };
         let mut own = Vec::new();
         for (element, of) in head.elements.iter().enumerate() {
             let (input, output) =
                 (recording::column_name(POWER, &of.name), recording::column_name(TEMPERATURE, &of.name));
             let Some(pair) = model.pair(&input, &output) else { continue };
-            let Some(offset) = model.outputs.iter().find(|known| known.name == output) else { continue };
-            own.push(self_heating(pair, label, of, element, offset.offset_c)?);
+            let Some(known) = model.outputs.iter().find(|known| known.name == output) else { continue };
+            own.push(self_heating(pair, label, of, element, known)?);
         }
         if own.is_empty() {
-            return Err(NetworkError::NoElement {
-                head: head.name.clone(),
-                elements: head.names().into_iter().map(str::to_owned).collect(),
-            });
+            return Err(NetworkError::new(format!(
+                "the model heats none of head `{}` and sees it become warm: its pairs must be named after {}",
+                head.name,
+                head.names().join(", ")
+            )));
         }
         let mut cross = Vec::new();
         for from in &own {
@@ -74,21 +83,27 @@ fn self_heating(
     label: &str,
     of: &HeadElement,
     element: usize,
-    rest_c: f64,
+    known: &ModelOutput,
 ) -> Result<SelfHeatingParameters, NetworkError> {
     let r_k_per_w = resistances(pair, label, ORDER)?;
-    let layers = sections(&pair.mesh_rad_s, &r_k_per_w, of.layers)
-        .map_err(|error| NetworkError::Layers { element: of.name.clone(), error })?;
+    let layers = sections(&pair.mesh_rad_s, &r_k_per_w, of.layers).map_err(|error| error.of(&of.name))?;
     let shares = || pair.mesh_rad_s.iter().map(|&rate| share(&layers, rate)).collect();
     Ok(SelfHeatingParameters {
         element,
         name: of.name.clone(),
-        rest_c,
+        rest_c: known.offset_c,
+        noise: noise(known.residual_rms, of),
         surface: of.normal.map(|_| shares()),
         mesh_rad_s: pair.mesh_rad_s.clone(),
         r_k_per_w,
         layers,
     })
+}
+
+/// Noise of readings by what is left over at the low level: a reading at the high level is so much
+/// better as its current is greater.
+fn noise(low_k: f64, of: &HeadElement) -> ReadingNoise {
+    ReadingNoise { low_k, high_k: low_k * of.nominal.current_low_a / of.nominal.current_high_a }
 }
 
 fn cross_heating(
@@ -99,26 +114,32 @@ fn cross_heating(
 ) -> Result<CrossHeatingParameters, NetworkError> {
     let (input, output) = (recording::column_name(POWER, &from.name), recording::column_name(TEMPERATURE, &to.name));
     let Some(pair) = model.pair(&input, &output) else {
-        return Err(NetworkError::NoPair { from: from.name.clone(), to: to.name.clone(), input });
+        return Err(NetworkError::new(format!(
+            "the model does not say how `{}` heats `{}`: identify `{input}` with all temperatures as outputs",
+            from.name, to.name
+        )));
     };
     let r_k_per_w = resistances(pair, label, CROSS_ORDER)?;
     let mesh_rad_s = pair.mesh_rad_s.clone();
     let surface = mesh_rad_s.iter().map(|&rate| cross_share(&from.layers, rate)).collect();
-    Ok(CrossHeatingParameters { from: from.element, to: to.element, mesh_rad_s, r_k_per_w, surface })
+    let (from_name, to_name) = (from.name.clone(), to.name.clone());
+    let (from, to) = (from.element, to.element);
+    Ok(CrossHeatingParameters { from, to, from_name, to_name, mesh_rad_s, r_k_per_w, surface })
 }
 
 /// R_k of a pair that the board can run.
 fn resistances(pair: &Pair, label: &str, most: usize) -> Result<Vec<f64>, NetworkError> {
-    let name = format!("{} → {}", pair.input, pair.output);
-    let Some(class) = pair.classes.get(label) else {
-        return Err(NetworkError::NoClass { pair: name, class: label.to_owned() });
-    };
+    let refuse = |why: String| Err(NetworkError::new(format!("pair {} → {} {why}", pair.input, pair.output)));
+    let Some(class) = pair.classes.get(label) else { return refuse(format!("has no class `{label}`")) };
     let rates = pair.mesh_rad_s.len();
     if rates > most {
-        return Err(NetworkError::Rates { pair: name, rates, most });
+        return refuse(format!("has {rates} rates, and the board carries {most} of it: identify it with --free-poles"));
     }
     if class.feed_through_k_per_w != 0.0 || pair.dead_time_samples != 0 {
-        return Err(NetworkError::AtOnceOrLate { pair: name });
+        return refuse(
+            "answers at once or late, which the board's network does not: identify it with --feed-through no --dead-time 0"
+                .to_owned(),
+        );
     }
     Ok(class.r_k_per_w.clone())
 }

@@ -24,12 +24,12 @@
 //! b_0 is the greatest bandwidth whose noise is below 2 mW: what can be noticed at once. Noise
 //! alone makes less than one alarm an hour.
 
-use dr_core::model::AlarmConfig;
 use dr_core::model::convection_observer::config::FASTER_SETS;
-use dr_core::model::mesh;
+use dr_core::model::{AlarmConfig, FasterGainsConfig, GainsConfig, mesh};
 use nalgebra::DVector;
 
 use super::kalman::{KalmanFilter, NOMINAL_DUTY, Plant, design};
+use super::observer::padded;
 use super::riccati::riccati;
 
 /// b_0 over the steady bandwidth, at most.
@@ -49,27 +49,16 @@ pub(super) const JUMP_W: f64 = 0.02;
 const FIRST_TICKS: f64 = 4.0;
 pub(super) const LAST_PERIODS: f64 = 1.5;
 
-/// A set of gains, means over its time.
-pub struct ScheduledGains {
-    /// End of the set, s after the alarm.
-    pub until_s: f64,
-    /// Mean of c_k.
-    pub correction_w_per_k: Vec<f64>,
-    /// Mean of ℓ.
-    pub convection_w_per_k: f64,
-    /// Mean variance of q̂.
-    pub variance_w2: f64,
-}
-
 /// The sets, the quickest first, and the alarm that starts them.
 pub struct GainSchedule {
-    /// In the order of time.
-    pub sets: Vec<ScheduledGains>,
+    /// In the order of time, each with the means of its gains and of the variance of q̂.
+    pub sets: Vec<FasterGainsConfig>,
     /// Threshold of the smoothed innovations.
     pub alarm: AlarmConfig,
 }
 
-/// The schedule for a steady filter; none where nothing quicker can be had.
+/// The schedule for the steady filter of an element of the head; none where nothing quicker can be
+/// had.
 pub fn gain_schedule(plant: &Plant<'_>, steady: &KalmanFilter) -> Option<GainSchedule> {
     let mut ratio = GREATEST_RATIO;
     let quickest_hz = loop {
@@ -85,15 +74,15 @@ pub fn gain_schedule(plant: &Plant<'_>, steady: &KalmanFilter) -> Option<GainSch
     Some(GainSchedule { sets: sets(plant, steady, smoothing_s)?, alarm: alarm(plant, steady, smoothing_s) })
 }
 
-fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<ScheduledGains>> {
-    let surface = plant.surface?;
+fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<FasterGainsConfig>> {
+    let surface = plant.own.surface.as_ref()?;
     let gains = plant.gains();
     let states = gains.len();
     let (transition, noise, h) = plant.equations(steady.step_w);
     let r = plant.variance_k2();
     let mut p = riccati(&transition, &h, &noise, r)?;
     for since_s in [0.0, delay_s] {
-        let moved = |k: usize| -surface[k] * mesh::gain(plant.mesh_rad_s[k], since_s);
+        let moved = |k: usize| -surface[k] * mesh::gain(plant.own.mesh_rad_s[k], since_s);
         let v = DVector::from_fn(states + 1, |k, _| if k < states { moved(k) } else { 1.0 });
         p += 0.5 * JUMP_W * JUMP_W * &v * v.transpose();
     }
@@ -121,12 +110,15 @@ fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<Sc
         }
         last_ticks = ticks;
         let mean = std::mem::replace(&mut sum, DVector::zeros(states + 1)) / f64::from(count);
-        sets.push(ScheduledGains {
-            until_s,
-            correction_w_per_k: (0..states).map(|k| mean[k] * (1.0 - gains[k]) / gains[k]).collect(),
-            convection_w_per_k: -mean[states],
-            variance_w2: variance_w2 / f64::from(count),
-        });
+        let correction: Vec<f64> = (0..states).map(|k| mean[k] * (1.0 - gains[k]) / gains[k]).collect();
+        let gains = GainsConfig {
+            correction_w_per_k: padded(&correction, 0.0),
+            convection_w_per_k: -mean[states] as f32,
+            weights: steady.weights.map(|weight| weight as f32),
+            variance_w2: (variance_w2 / f64::from(count)) as f32,
+        };
+        let (element, set, until_s) = (plant.own.element as u8, sets.len() as u8, until_s as f32);
+        sets.push(FasterGainsConfig { element, set, until_s, gains });
         (variance_w2, count) = (0.0, 0);
     }
     Some(sets)
@@ -137,7 +129,8 @@ fn alarm(plant: &Plant<'_>, steady: &KalmanFilter, smoothing_s: f64) -> AlarmCon
     let share = mesh::gain(1.0 / smoothing_s, plant.sample_period_s);
     let of = |weight: f64, sd_k: f64| (weight * sd_k).powi(2);
     let [low, high] = steady.weights;
-    let variance_k2 = (1.0 - NOMINAL_DUTY) * of(low, plant.noise.low_k) + NOMINAL_DUTY * of(high, plant.noise.high_k);
+    let variance_k2 =
+        (1.0 - NOMINAL_DUTY) * of(low, plant.own.noise.low_k) + NOMINAL_DUTY * of(high, plant.own.noise.high_k);
     let threshold_k = ALARM * (variance_k2 * share / (2.0 - share)).sqrt();
     AlarmConfig { smoothing_s: smoothing_s as f32, threshold_k: threshold_k as f32 }
 }

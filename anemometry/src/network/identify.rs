@@ -25,13 +25,13 @@ use std::path::Path;
 
 use dr_core::model::mesh;
 
-use super::error::NetworkIdentifyError;
+use super::error::{NetworkError, NetworkIdentifyError};
 use super::record::QuiescentRecord;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
 use diffusive::model::merge::merge;
 use diffusive::model::{Model, Pair};
-use recording::{POWER, TEMPERATURE};
+use recording::{POWER, RecordingError, TEMPERATURE};
 
 /// Rates of the mesh from which free ones start.
 const MESH: usize = 20;
@@ -54,7 +54,7 @@ impl Default for PolesPerPair {
 }
 
 /// Reads record number n.
-pub type ReadRecord<'a> = dyn Fn(usize) -> Result<QuiescentRecord, NetworkIdentifyError> + 'a;
+pub type ReadRecord<'a> = dyn Fn(usize) -> Result<QuiescentRecord, RecordingError> + 'a;
 
 /// Pairs of one record: all temperatures by the driven element's power.
 struct IdentificationRound {
@@ -101,7 +101,7 @@ fn all_driven_once(records: usize, read: &ReadRecord<'_>, first: &QuiescentRecor
         record.alike(first)?;
         if let Some((first, element)) = driven.iter().find(|(_, element)| element == record.driven_name()) {
             let both = format!("{first} and {} both drive `{element}`", record.name);
-            return Err(NetworkIdentifyError::Records(format!("{both}: one of them is enough")));
+            return Err(NetworkError::new(format!("{both}: one of them is enough")).into());
         }
         driven.push((record.name.clone(), record.driven_name().to_owned()));
     }
@@ -111,8 +111,7 @@ fn all_driven_once(records: usize, read: &ReadRecord<'_>, first: &QuiescentRecor
         return Ok(());
     }
     let missing = missing.join(", ");
-    let sentence = format!("no record drives {missing}: the network needs one record an element");
-    Err(NetworkIdentifyError::Records(sentence))
+    Err(NetworkError::new(format!("no record drives {missing}: the network needs one record an element")).into())
 }
 
 fn options() -> IdentifyOptions {
@@ -136,7 +135,7 @@ fn first_round(
     let (first, last) = mesh::thesis_edges_rad_s(rows * record.sample_period_s, record.sample_period_s, 1);
     let mut given = options();
     (given.constraints.order, given.constraints.edges_rad_s) = (Some(MESH), Some((first, 2.0 * last)));
-    let whole = symbol::identify(&mut table, &given, progress, &mut |_| {}).map_err(no_model)?;
+    let whole = symbol::identify(&mut table, &given, progress, &mut |_| {}).map_err(NetworkError::new)?;
     let mut models = Vec::new();
     for (output, of) in whole.outputs.iter().enumerate() {
         let pairs = whole.pairs.iter().filter(|pair| pair.output == of.name).cloned().collect();
@@ -230,7 +229,7 @@ fn free(
     }
     let (from, to) = (record.driven_name(), &record.elements[output]);
     let sentence = format!("how `{from}` heats `{to}` cannot be told: {why}");
-    Err(NetworkIdentifyError::Content { record: record.name.clone(), sentence })
+    Err(RecordingError::Content { path: record.name.clone().into(), sentence }.into())
 }
 
 /// Why the rates of a pair are not resolved; `None` if they are.
@@ -250,30 +249,22 @@ fn unresolved(pair: &Pair, is_own: bool) -> Option<String> {
     Some(format!("rates at {:.3e} and {:.3e} rad/s are within twice their standard errors", rates[k], rates[k + 1]))
 }
 
-fn table(
-    record: &QuiescentRecord,
-    outputs: &[usize],
-    temperature_c: &[Vec<f64>],
-) -> Result<RecordTable, NetworkIdentifyError> {
+fn table(record: &QuiescentRecord, outputs: &[usize], temperature_c: &[Vec<f64>]) -> Result<RecordTable, NetworkError> {
     let input = (recording::column_name(POWER, record.driven_name()), record.power_w[record.driven].clone());
     let names = outputs.iter().map(|&output| recording::column_name(TEMPERATURE, &record.elements[output]));
     let table =
         RecordTable::new(record.sample_period_s, vec![input], names.zip(temperature_c.iter().cloned()).collect());
-    Ok(table.map_err(no_model)?.named(Path::new(&record.name)))
-}
-
-fn no_model(error: impl std::fmt::Display) -> NetworkIdentifyError {
-    NetworkIdentifyError::Model(error.to_string())
+    Ok(table.map_err(NetworkError::new)?.named(Path::new(&record.name)))
 }
 
 /// One model of all pairs, with the temperatures at rest and the noise of readings at the low
 /// level.
-fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Model, NetworkIdentifyError> {
+fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Model, NetworkError> {
     let mut pairs = Vec::new();
     for round in &rounds {
         pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
     }
-    let mut model = merge(&pairs).map_err(no_model)?;
+    let mut model = merge(&pairs).map_err(NetworkError::new)?;
     let reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
     for (j, name) in elements.iter().enumerate() {
         let Some(place) =

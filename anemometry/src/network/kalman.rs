@@ -36,7 +36,8 @@
 use dr_core::model::mesh;
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::error::FilterError;
+use super::error::NetworkError;
+use super::parameters::{ReadingNoise, SelfHeatingParameters};
 use super::riccati::{lyapunov, riccati};
 
 /// Samples a period of the bandwidth at least: with fewer, one tick of delay is no longer small
@@ -51,28 +52,13 @@ const A_DECADE: usize = 40;
 /// Greatest correction that the board takes, W/K.
 const GREATEST_W_PER_K: f64 = 1e6;
 
-/// Standard deviations of a reading, K.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReadingNoise {
-    /// At the low level of the current.
-    pub low_k: f64,
-    /// At the high level.
-    pub high_k: f64,
-}
-
-/// Self-heating of an element, with the shares of its surface; without them it has none.
+/// An element that is read at a sample period.
 #[derive(Debug, Clone, Copy)]
 pub struct Plant<'a> {
-    /// ξ_k
-    pub mesh_rad_s: &'a [f64],
-    /// R_k
-    pub r_k_per_w: &'a [f64],
-    /// m_k
-    pub surface: Option<&'a [f64]>,
+    /// Its self-heating.
+    pub own: &'a SelfHeatingParameters,
     /// Time between two readings, s.
     pub sample_period_s: f64,
-    /// Of the readings.
-    pub noise: ReadingNoise,
 }
 
 /// Gains of an element's steady filter, with its bandwidth and noise.
@@ -90,35 +76,39 @@ pub struct KalmanFilter {
     pub bandwidth_hz: f64,
     /// Standard deviation of q̂ by the noise of the readings alone, W.
     pub noise_w: f64,
-    /// Standard deviation of q̂ − q if q walks as assumed: the noise and the lag, W.
-    pub posterior_w: f64,
 }
 
 /// Gains for a bandwidth.
 ///
 /// # Errors
 /// What the sample period or the model cannot give.
-pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, FilterError> {
+pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, NetworkError> {
     let ts = plant.sample_period_s;
     let most_hz = 1.0 / (LEAST_SAMPLES * ts);
     // A tenth of 100 Hz is a little less than 10 Hz in f64.
     if !(bandwidth_hz > 0.0 && bandwidth_hz <= most_hz * (1.0 + 1e-9)) {
-        return Err(FilterError::Rate { bandwidth_hz, sample_period_s: ts, most_hz });
+        return Err(NetworkError::new(format!(
+            "a bandwidth of {bandwidth_hz} Hz cannot be had of a sample every {ts} s: it must be above 0 and at most {most_hz:.4} Hz, a tenth of the rate"
+        )));
     }
-    let of = |low: f64| low.is_finite() && low > 0.0;
-    if !(of(plant.noise.low_k) && of(plant.noise.high_k)) {
-        let ReadingNoise { low_k, high_k } = plant.noise;
-        return Err(FilterError::Noise { low_k, high_k });
+    let of = |sd_k: f64| sd_k.is_finite() && sd_k > 0.0;
+    let ReadingNoise { low_k, high_k } = plant.own.noise;
+    if !(of(low_k) && of(high_k)) {
+        return Err(NetworkError::new(format!(
+            "noise of readings is {low_k} K at the low and {high_k} K at the high level: both must be above 0"
+        )));
     }
     // In units of what one step does to the temperature against the noise.
-    let seen_k_per_w: f64 = plant.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
+    let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
     let (mut slow, mut fast) = ((1e-10 * unit_w).ln(), (1e6 * unit_w).ln());
     let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);
-    for (edge, is_slow) in [(slow, true), (fast, false)] {
+    for (edge, is_slow, reach) in [(slow, true, "down to"), (fast, false, "up to")] {
         let edge_hz = at(edge)?.bandwidth_hz;
         if (edge_hz > bandwidth_hz) == is_slow {
-            return Err(FilterError::Reach { bandwidth_hz, edge_hz, is_slow });
+            return Err(NetworkError::new(format!(
+                "a bandwidth of {bandwidth_hz} Hz cannot be had of this element: its filters reach {reach} {edge_hz:.3} Hz"
+            )));
         }
     }
     while fast - slow > 1e-6 {
@@ -127,19 +117,21 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Filt
     }
     let filter = at(0.5 * (slow + fast))?;
     if let Some(c) = filter.correction_w_per_k.iter().find(|c| c.abs() > GREATEST_W_PER_K) {
-        return Err(FilterError::Correction(*c));
+        return Err(NetworkError::new(format!(
+            "a correction of {c:.3e} W/K is more than the board takes: ask for less bandwidth"
+        )));
     }
     Ok(filter)
 }
 
 impl Plant<'_> {
     pub(super) fn gains(&self) -> Vec<f64> {
-        self.mesh_rad_s.iter().map(|&rate| mesh::gain(rate, self.sample_period_s)).collect()
+        self.own.mesh_rad_s.iter().map(|&rate| mesh::gain(rate, self.sample_period_s)).collect()
     }
 
     /// r of low and high readings in turns, K².
     pub(super) fn variance_k2(&self) -> f64 {
-        let ReadingNoise { low_k, high_k } = self.noise;
+        let ReadingNoise { low_k, high_k } = self.own.noise;
         1.0 / (NOMINAL_DUTY / (high_k * high_k) + (1.0 - NOMINAL_DUTY) / (low_k * low_k))
     }
 
@@ -147,16 +139,16 @@ impl Plant<'_> {
     /// of the states).
     pub(super) fn equations(&self, step_w: f64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let gains = self.gains();
-        let (states, order) = (gains.len(), gains.len() + usize::from(self.surface.is_some()));
+        let (states, order) = (gains.len(), gains.len() + usize::from(self.own.surface.is_some()));
         let mut transition = DMatrix::zeros(order, order);
         let mut noise = DMatrix::zeros(order, order);
         let mut h = DVector::zeros(order);
         for (k, g) in gains.iter().enumerate() {
             transition[(k, k)] = 1.0 - g;
-            h[k] = self.r_k_per_w[k];
+            h[k] = self.own.r_k_per_w[k];
         }
         let variance = step_w * step_w;
-        match self.surface {
+        match &self.own.surface {
             Some(surface) => {
                 for (k, g) in gains.iter().enumerate() {
                     transition[(k, states)] = -g * surface[k];
@@ -173,30 +165,31 @@ impl Plant<'_> {
     }
 
     /// The filter of a random walk; `near_hz` is about where its bandwidth is.
-    fn filter(&self, step_w: f64, near_hz: f64) -> Result<KalmanFilter, FilterError> {
+    fn filter(&self, step_w: f64, near_hz: f64) -> Result<KalmanFilter, NetworkError> {
         let gains = self.gains();
         let (transition, noise, h) = self.equations(step_w);
         let (states, order) = (gains.len(), h.len());
         let r = self.variance_k2();
-        let p = riccati(&transition, &h, &noise, r).ok_or(FilterError::Unsettled)?;
+        let p = riccati(&transition, &h, &noise, r).ok_or_else(|| {
+            NetworkError::new("the equations of its filter do not settle: are the readings' noise and the model right?")
+        })?;
         let ph = &p * &h;
         let seen = h.dot(&ph);
         let gain = &ph / (seen + r);
         let correction: Vec<f64> = (0..states).map(|k| gain[k] * (1.0 - gains[k]) / gains[k]).collect();
-        let convection = if self.surface.is_some() { -gain[states] } else { 0.0 };
+        let convection = if self.own.surface.is_some() { -gain[states] } else { 0.0 };
         let bandwidth_hz = self.bandwidth_hz(&gains, convection, &correction, near_hz);
-        let (mut noise_w, mut posterior_w) = (0.0, 0.0);
-        if self.surface.is_some() {
+        let mut noise_w = 0.0;
+        if self.own.surface.is_some() {
             let kept = DMatrix::identity(order, order) - &gain * h.transpose();
             let driven = &transition * &gain;
-            let closed =
-                lyapunov(&(&transition * &kept), &(&driven * driven.transpose() * r)).ok_or(FilterError::Unstable)?;
+            let closed = lyapunov(&(&transition * &kept), &(&driven * driven.transpose() * r))
+                .ok_or_else(|| NetworkError::new("its filter is not stable: is the model right?"))?;
             let row = kept.row(states);
             noise_w = ((row * closed * row.transpose())[0] + r * gain[states] * gain[states]).sqrt();
-            posterior_w = (kept * p)[(states, states)].max(0.0).sqrt();
         }
         let level = |sd: f64| 1.0 / (seen + sd * sd);
-        let (low, high) = (level(self.noise.low_k), level(self.noise.high_k));
+        let (low, high) = (level(self.own.noise.low_k), level(self.own.noise.high_k));
         let mean = NOMINAL_DUTY * high + (1.0 - NOMINAL_DUTY) * low;
         Ok(KalmanFilter {
             convection_w_per_k: convection,
@@ -205,7 +198,6 @@ impl Plant<'_> {
             step_w,
             bandwidth_hz,
             noise_w,
-            posterior_w,
         })
     }
 
@@ -235,11 +227,11 @@ impl Plant<'_> {
         let z = Complex::from_polar(1.0, std::f64::consts::TAU * hz * self.sample_period_s);
         let one = Complex::new(1.0, 0.0);
         let sum = |of: &dyn Fn(usize) -> f64| -> Complex<f64> {
-            let term = |k: usize| one * (self.r_k_per_w[k] * gains[k] * of(k)) / (z - (1.0 - gains[k]));
+            let term = |k: usize| one * (self.own.r_k_per_w[k] * gains[k] * of(k)) / (z - (1.0 - gains[k]));
             (0..gains.len()).map(term).sum()
         };
         let corrected = sum(&|k| correction[k]);
-        match self.surface {
+        match &self.own.surface {
             Some(surface) => {
                 let forward = z * convection / (z - one) * sum(&|k| surface[k]);
                 forward / (one + corrected + forward)

@@ -20,7 +20,7 @@
 //! more than noise has a ladder whose first sections are no layers. A pair of different elements
 //! has effective rates, which are no modes where they are fast; see [`cross_share`].
 
-use super::error::LadderError;
+use super::error::NetworkError;
 use diffusive::model::export::cauer::cauer;
 use serde::Serialize;
 
@@ -37,14 +37,17 @@ pub struct LadderSection {
 ///
 /// # Errors
 /// Too few rates for so many layers, or a negative resistance.
-pub fn sections(mesh_rad_s: &[f64], r_k_per_w: &[f64], layers: usize) -> Result<Vec<LadderSection>, LadderError> {
+pub fn sections(mesh_rad_s: &[f64], r_k_per_w: &[f64], layers: usize) -> Result<Vec<LadderSection>, NetworkError> {
     if layers == 0 {
         return Ok(Vec::new());
     }
-    let ladder = cauer(mesh_rad_s, r_k_per_w).map_err(|error| LadderError::Cauer(error.to_string()))?;
+    let ladder = cauer(mesh_rad_s, r_k_per_w).map_err(NetworkError::new)?;
     let known = ladder.resistance_k_per_w.len();
     if known <= layers {
-        return Err(LadderError::Short { known, layers });
+        return Err(NetworkError::new(format!(
+            "{known} rates make a ladder of {known} sections, and {layers} layers between element and surface take at least {}: identify it with more free poles, or say fewer `layers` in the head",
+            layers + 1
+        )));
     }
     let pairs = ladder.capacitance_j_per_k.into_iter().zip(ladder.resistance_k_per_w);
     let all = pairs

@@ -7,7 +7,6 @@
 //! | [`from_model`], [`parameters`] | the network of a head from that model |
 //! | [`ladder`] | layers between element and surface, and the shares m_k that they let through |
 //! | [`riccati`], [`kalman`] | Kalman gains of an element for a bandwidth |
-//! | [`noise`] | noise of readings in kelvins |
 //! | [`observer`] | configurations for the board, of one bandwidth |
 //! | [`gain_schedule`], [`stability`], [`adaptive`] | configurations whose bandwidth rises after a jump of the wind, where that is stable |
 //! | [`report`] | a network as text and as JSON |
@@ -20,7 +19,6 @@ pub mod gain_schedule;
 pub mod identify;
 pub mod kalman;
 pub mod ladder;
-pub mod noise;
 pub mod observer;
 pub mod parameters;
 pub mod record;
@@ -28,9 +26,5 @@ pub mod report;
 pub mod riccati;
 pub mod stability;
 
-pub use error::{NetworkError, NetworkIdentifyError};
-pub use kalman::ReadingNoise;
-pub use noise::reading_noise;
-pub use observer::NetworkObserver;
 pub use parameters::QuiescentNetwork;
 pub use report::NetworkReport;

@@ -1,10 +1,14 @@
 //! A quiescent-gas network as the board's configurations: filters of one bandwidth, element by
 //! element.
 
-use dr_core::model::{FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig};
+use dr_core::ConfigError;
+use dr_core::model::{
+    ConvectionObserver, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
+};
+use wire::MOST_ELEMENTS;
 
 use super::error::NetworkError;
-use super::kalman::{KalmanFilter, Plant, ReadingNoise, design};
+use super::kalman::{KalmanFilter, Plant, design};
 use super::parameters::{CrossHeatingParameters, QuiescentNetwork, SelfHeatingParameters};
 
 /// Configurations for the board, and how good its filters are.
@@ -21,9 +25,6 @@ pub struct NetworkObserver {
     pub fixed: Vec<String>,
     /// By element as in `own`: the filter, with its bandwidth and its figures of noise.
     pub filters: Vec<KalmanFilter>,
-    /// By element as in `own`: standard deviation of the convective power by the noise of readings,
-    /// W; 0 without a surface.
-    pub sd_w: Vec<f64>,
 }
 
 impl NetworkObserver {
@@ -31,34 +32,49 @@ impl NetworkObserver {
     pub fn has_schedule(&self, place: usize) -> bool {
         self.faster.iter().any(|of| usize::from(of.element) == place)
     }
+
+    /// Standard deviation of the convective power of an element of the head by the noise of its
+    /// readings, W; 0 without a surface.
+    pub fn noise_w(&self, place: usize) -> Option<f64> {
+        let at = self.own.iter().position(|(own, _)| *own == place)?;
+        Some(self.filters[at].noise_w)
+    }
+
+    /// The network as the board has it.
+    ///
+    /// # Errors
+    /// Names the number that the board refuses.
+    pub fn board(&self, sample_period_s: f32) -> Result<ConvectionObserver<MOST_ELEMENTS>, ConfigError> {
+        let mut board = ConvectionObserver::default();
+        for (element, config) in &self.own {
+            board.set_self_heating(*element, config, sample_period_s)?;
+        }
+        for config in &self.faster {
+            board.set_faster_gains(config, sample_period_s)?;
+        }
+        for config in &self.cross {
+            board.set_cross_heating(config, sample_period_s)?;
+        }
+        Ok(board)
+    }
 }
 
 impl QuiescentNetwork {
-    /// Configurations for a sample period, with filters of one bandwidth. Noise is by element of
-    /// the head.
+    /// Configurations for a sample period, with filters of one bandwidth.
     ///
     /// # Errors
-    /// The element whose noise is missing or whose filter cannot be designed.
-    pub fn observer(
-        &self,
-        bandwidth_hz: f64,
-        sample_period_s: f64,
-        noise: &[ReadingNoise],
-    ) -> Result<NetworkObserver, NetworkError> {
+    /// The element whose filter cannot be designed.
+    pub fn observer(&self, bandwidth_hz: f64, sample_period_s: f64) -> Result<NetworkObserver, NetworkError> {
         let mut observer = NetworkObserver {
             own: Vec::new(),
             cross: self.cross.iter().map(CrossHeatingParameters::config).collect(),
             faster: Vec::new(),
             fixed: Vec::new(),
             filters: Vec::new(),
-            sd_w: Vec::new(),
         };
         for own in &self.own {
-            let noise = noise.get(own.element).ok_or_else(|| NetworkError::NoNoise { element: own.name.clone() })?;
-            let filter = design(&own.plant(sample_period_s, *noise), bandwidth_hz)
-                .map_err(|error| NetworkError::Filter { element: own.name.clone(), error })?;
+            let filter = design(&Plant { own, sample_period_s }, bandwidth_hz).map_err(|error| error.of(&own.name))?;
             observer.own.push((own.element, own.config(&filter)));
-            observer.sd_w.push(filter.noise_w);
             observer.filters.push(filter);
         }
         Ok(observer)
@@ -66,17 +82,6 @@ impl QuiescentNetwork {
 }
 
 impl SelfHeatingParameters {
-    /// The element as a filter is designed for it.
-    pub(super) fn plant(&self, sample_period_s: f64, noise: ReadingNoise) -> Plant<'_> {
-        Plant {
-            mesh_rad_s: &self.mesh_rad_s,
-            r_k_per_w: &self.r_k_per_w,
-            surface: self.surface.as_deref(),
-            sample_period_s,
-            noise,
-        }
-    }
-
     fn config(&self, filter: &KalmanFilter) -> NetworkSelfHeatingConfig {
         let surface = self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()]);
         NetworkSelfHeatingConfig {

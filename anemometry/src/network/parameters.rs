@@ -12,37 +12,64 @@
 //! | m | `surface` | temperature of the surface over that of the element in each relaxation ([`ladder`](super::ladder)) | |
 //! | P, q | | heating power and convective power | W |
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::ladder::{LadderSection, contact_time_s};
+use super::ladder::LadderSection;
 
-/// Self-heating of an element.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Self-heating of an element, written as `[[calibration.self_heating]]` of a head file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SelfHeatingParameters {
     /// Place of the element in the head.
     #[serde(skip)]
     pub element: usize,
     /// Name of the element.
+    #[serde(rename = "element")]
     pub name: String,
     /// Temperature with no heating at all, °C.
     pub rest_c: f64,
+    /// Of one reading at the low and at the high level.
+    #[serde(rename = "noise_k")]
+    pub noise: ReadingNoise,
     /// ξ_k, ascending.
     pub mesh_rad_s: Vec<f64>,
     /// R_k
     pub r_k_per_w: Vec<f64>,
     /// m_k; `None` for an element that no wind cools.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Vec<f64>>,
-    /// Layers between the element and its surface.
+    /// Layers between the element and its surface; a head file has none, as the shares m_k say all
+    /// that the board needs of them.
+    #[serde(skip)]
     pub layers: Vec<LadderSection>,
 }
 
-/// Cross-heating of one element by another.
-#[derive(Debug, Clone, PartialEq)]
+/// Standard deviations of a reading, K; a pair of numbers in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
+pub struct ReadingNoise {
+    /// At the low level of the current.
+    pub low_k: f64,
+    /// At the high level.
+    pub high_k: f64,
+}
+
+/// Cross-heating of one element by another, written as `[[calibration.cross_heating]]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CrossHeatingParameters {
     /// Place in the head of the element that heats.
+    #[serde(skip)]
     pub from: usize,
     /// Place in the head of the element that becomes warm.
+    #[serde(skip)]
     pub to: usize,
+    /// Name of the element that heats.
+    #[serde(rename = "from")]
+    pub from_name: String,
+    /// Name of the element that becomes warm.
+    #[serde(rename = "to")]
+    pub to_name: String,
     /// ξ_k, ascending.
     pub mesh_rad_s: Vec<f64>,
     /// R_k
@@ -60,9 +87,14 @@ pub struct QuiescentNetwork {
     pub cross: Vec<CrossHeatingParameters>,
 }
 
-impl SelfHeatingParameters {
-    /// By how much the surface lags behind the element, s.
-    pub fn contact_time_s(&self) -> f64 {
-        contact_time_s(&self.layers)
+impl From<[f64; 2]> for ReadingNoise {
+    fn from([low_k, high_k]: [f64; 2]) -> Self {
+        Self { low_k, high_k }
+    }
+}
+
+impl From<ReadingNoise> for [f64; 2] {
+    fn from(ReadingNoise { low_k, high_k }: ReadingNoise) -> Self {
+        [low_k, high_k]
     }
 }

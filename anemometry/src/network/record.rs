@@ -7,9 +7,9 @@
 
 use std::path::Path;
 
-use super::error::NetworkIdentifyError;
+use super::error::NetworkError;
 use diffusive::model::Conditions;
-use recording::{POWER, Recording, STATE, TEMPERATURE, TRUE_WIND};
+use recording::{POWER, Recording, RecordingError, STATE, TEMPERATURE, TRUE_WIND};
 
 /// Share of the greatest range of power below which an element only measures.
 const MEASURES: f64 = 0.05;
@@ -46,7 +46,7 @@ impl QuiescentRecord {
     ///
     /// # Errors
     /// What keeps the recording from being one of quiescent gas with one driven element.
-    pub fn read(path: &Path) -> Result<Self, NetworkIdentifyError> {
+    pub fn read(path: &Path) -> Result<Self, RecordingError> {
         Self::of(&Recording::read(path)?)
     }
 
@@ -54,9 +54,8 @@ impl QuiescentRecord {
     ///
     /// # Errors
     /// As [`QuiescentRecord::read`].
-    pub fn of(recording: &Recording) -> Result<Self, NetworkIdentifyError> {
-        let name = recording.path.display().to_string();
-        let refuse = |sentence| Err(NetworkIdentifyError::Content { record: name.clone(), sentence });
+    pub fn of(recording: &Recording) -> Result<Self, RecordingError> {
+        let refuse = |sentence| Err(RecordingError::Content { path: recording.path.clone(), sentence });
         if let Some(problem) = wind(recording)? {
             return refuse(problem);
         }
@@ -98,7 +97,7 @@ impl QuiescentRecord {
             head: recording.metadata("head").map(str::to_owned),
             conditions: Conditions::of_metadata(&recording.metadata),
             sample_period_s: recording.sample_period_s()?,
-            name,
+            name: recording.path.display().to_string(),
             elements,
             driven,
             power_w,
@@ -111,8 +110,8 @@ impl QuiescentRecord {
     ///
     /// # Errors
     /// If an element is unknown, or the driven one is not among them.
-    pub fn only(self, wanted: &[String]) -> Result<Self, NetworkIdentifyError> {
-        let refuse = |sentence| Err(NetworkIdentifyError::Content { record: self.name.clone(), sentence });
+    pub fn only(self, wanted: &[String]) -> Result<Self, RecordingError> {
+        let refuse = |sentence| Err(RecordingError::Content { path: self.name.clone().into(), sentence });
         let wanted: Vec<String> = wanted.iter().map(|name| recording::in_columns(name)).collect();
         if let Some(element) = wanted.iter().find(|name| !self.elements.contains(name)) {
             let hint = recording::text::suggest(element, self.elements.iter().map(String::as_str));
@@ -144,9 +143,9 @@ impl QuiescentRecord {
     ///
     /// # Errors
     /// If their elements or their gases differ.
-    pub fn alike(&self, first: &Self) -> Result<(), NetworkIdentifyError> {
+    pub fn alike(&self, first: &Self) -> Result<(), NetworkError> {
         if self.elements != first.elements {
-            return Err(NetworkIdentifyError::Records(format!(
+            return Err(NetworkError::new(format!(
                 "{} has the elements {}, {} has {}: all records must be of one head",
                 first.name,
                 first.elements.join(", "),
@@ -160,13 +159,12 @@ impl QuiescentRecord {
             return Ok(());
         }
         let (own, its, differences) = (&self.name, &first.name, differences.join(" and "));
-        let sentence = format!("{own} was taken {differences}, as {its} is: a network holds for one gas");
-        Err(NetworkIdentifyError::Records(sentence))
+        Err(NetworkError::new(format!("{own} was taken {differences}, as {its} is: a network holds for one gas")))
     }
 }
 
 /// The first label or row that speaks of wind.
-fn wind(recording: &Recording) -> Result<Option<String>, NetworkIdentifyError> {
+fn wind(recording: &Recording) -> Result<Option<String>, RecordingError> {
     const QUIESCENT: &str = "a quiescent-gas network takes records of quiescent gas only";
     if let Some(events) = recording.events() {
         let labels: Vec<&str> =

@@ -8,7 +8,7 @@ use diffusive::model::{Model, Pair};
 use recording::{POWER, TEMPERATURE};
 use serde::Serialize;
 
-use super::kalman::ReadingNoise;
+use super::ladder::{LadderSection, contact_time_s};
 use super::parameters::{QuiescentNetwork, SelfHeatingParameters};
 
 /// Explains the lines of the elements.
@@ -47,9 +47,18 @@ pub struct NetworkReport {
 /// Self-heating of an element.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NetworkElementReport {
-    /// Its relaxations and layers.
-    #[serde(flatten)]
-    pub parameters: SelfHeatingParameters,
+    /// Name of the element.
+    pub name: String,
+    /// Temperature with no heating at all, °C.
+    pub rest_c: f64,
+    /// Rates, ascending.
+    pub mesh_rad_s: Vec<f64>,
+    /// Resistance of each.
+    pub r_k_per_w: Vec<f64>,
+    /// Share of each that the surface takes part in; `None` for an element that no wind cools.
+    pub surface: Option<Vec<f64>>,
+    /// Layers between the element and its surface.
+    pub layers: Vec<LadderSection>,
     /// By how much the surface lags behind the element, s.
     pub contact_time_s: f64,
     /// Standard deviation of a reading at the low level, K.
@@ -86,17 +95,19 @@ pub struct OutputReport {
 }
 
 impl NetworkReport {
-    /// `noise` is by element of the head ([`reading_noise`](super::noise::reading_noise)).
-    pub fn new(model: &Model, network: Option<&QuiescentNetwork>, noise: &[ReadingNoise]) -> Self {
+    /// Report of a model, and of the head's network where it makes one.
+    pub fn new(model: &Model, network: Option<&QuiescentNetwork>) -> Self {
         let own = network.map_or(&[][..], |network| &network.own);
-        let element = |own: &SelfHeatingParameters| {
-            let noise = noise.get(own.element).copied().unwrap_or(ReadingNoise { low_k: 0.0, high_k: 0.0 });
-            NetworkElementReport {
-                parameters: own.clone(),
-                contact_time_s: own.contact_time_s(),
-                noise_low_k: noise.low_k,
-                noise_high_k: noise.high_k,
-            }
+        let element = |own: &SelfHeatingParameters| NetworkElementReport {
+            name: own.name.clone(),
+            rest_c: own.rest_c,
+            mesh_rad_s: own.mesh_rad_s.clone(),
+            r_k_per_w: own.r_k_per_w.clone(),
+            surface: own.surface.clone(),
+            layers: own.layers.clone(),
+            contact_time_s: contact_time_s(&own.layers),
+            noise_low_k: own.noise.low_k,
+            noise_high_k: own.noise.high_k,
         };
         let pair = |pair: &Pair| PairReport {
             input: pair.input.clone(),
@@ -203,7 +214,7 @@ impl fmt::Display for NetworkReport {
 
 impl fmt::Display for NetworkElementReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let SelfHeatingParameters { name, mesh_rad_s, r_k_per_w, surface, layers, .. } = &self.parameters;
+        let Self { name, mesh_rad_s, r_k_per_w, surface, layers, .. } = self;
         writeln!(f, "\n{name}")?;
         for (k, (rate, r)) in mesh_rad_s.iter().zip(r_k_per_w).enumerate() {
             let share = surface.as_ref().map_or(String::new(), |surface| format!("   surface {:.4}", surface[k]));

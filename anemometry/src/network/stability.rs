@@ -20,7 +20,7 @@
 //! Limits: the network is taken for the truth. Where the identification is wrong, quick gains may
 //! do harm that is not seen here.
 
-use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput, mesh};
+use dr_core::model::{ConvectionObserverState, TickInput, mesh};
 use wire::MOST_ELEMENTS;
 
 use super::gain_schedule::{JUMP_W, LAST_PERIODS};
@@ -73,17 +73,7 @@ fn errors(
     ticks: usize,
     sample_period_s: f64,
 ) -> Option<[f64; MOST_ELEMENTS]> {
-    let period_s = sample_period_s as f32;
-    let mut board = ConvectionObserver::<MOST_ELEMENTS>::default();
-    for (place, config) in &observer.own {
-        board.set_self_heating(*place, config, period_s).ok()?;
-    }
-    for config in &observer.faster {
-        board.set_faster_gains(config, period_s).ok()?;
-    }
-    for config in &observer.cross {
-        board.set_cross_heating(config, period_s).ok()?;
-    }
+    let board = observer.board(sample_period_s as f32).ok()?;
     let mut truth = SimulatedNetwork::new(network, sample_period_s);
     let mut state = ConvectionObserverState::default();
     let mut errors = [0.0; MOST_ELEMENTS];
@@ -155,15 +145,16 @@ impl<'a> SimulatedNetwork<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::kalman::ReadingNoise;
-    use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
+    use crate::network::parameters::{CrossHeatingParameters, ReadingNoise, SelfHeatingParameters};
 
     /// Four dice that share a card: the simulated REMS, as identified at 40 Hz.
-    fn card() -> (QuiescentNetwork, [ReadingNoise; 4]) {
+    fn card() -> QuiescentNetwork {
+        let name = |element: usize| format!("die{}", element + 1);
         let own = (0..4).map(|element| SelfHeatingParameters {
             element,
-            name: format!("die{}", element + 1),
+            name: name(element),
             rest_c: 21.0,
+            noise: ReadingNoise { low_k: 0.03125, high_k: 0.00781 },
             mesh_rad_s: vec![0.0113784, 1.21035, 1.74034, 25.4283],
             r_k_per_w: vec![69.731, 264.114, 340.10, 6.38035],
             layers: Vec::new(),
@@ -178,19 +169,21 @@ mod tests {
             cross.push(CrossHeatingParameters {
                 from,
                 to,
+                from_name: name(from),
+                to_name: name(to),
                 surface: vec![1.0; mesh_rad_s.len()],
                 mesh_rad_s,
                 r_k_per_w,
             });
         }
-        (QuiescentNetwork { own: own.collect(), cross }, [ReadingNoise { low_k: 0.03125, high_k: 0.00781 }; 4])
+        QuiescentNetwork { own: own.collect(), cross }
     }
 
     #[test]
     fn quick_gains_of_dice_that_share_a_card_do_not_hold_and_are_left_out() {
-        let (network, noise) = card();
+        let network = card();
         for bandwidth_hz in [0.5, 1.0, 2.0] {
-            let observer = network.adaptive_observer(bandwidth_hz, 0.005, &noise).unwrap();
+            let observer = network.adaptive_observer(bandwidth_hz, 0.005).unwrap();
             assert!(observer.faster.is_empty(), "{bandwidth_hz} Hz");
             assert!(observer.own.iter().all(|(_, config)| config.alarm.is_none()), "{bandwidth_hz} Hz");
             let [sentence] = &observer.fixed[..] else { panic!("{:?}", observer.fixed) };

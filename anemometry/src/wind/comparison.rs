@@ -15,9 +15,12 @@ pub const SLOWEST_M_S: f64 = 0.3;
 /// Adds errors up.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct WindComparison {
-    speed: ErrorSum,
-    direction_deg: ErrorSum,
-    linear_deg: ErrorSum,
+    /// Relative errors of speed.
+    pub speed: ErrorSum,
+    /// Errors of direction, °.
+    pub direction_deg: ErrorSum,
+    /// Errors of direction by the linear inverse, °.
+    pub linear_deg: ErrorSum,
     /// Estimates compared with a true wind that is fast enough.
     pub count: u64,
     /// Estimates of these without a wind.
@@ -28,8 +31,9 @@ pub struct WindComparison {
     plane: Option<[f64; 3]>,
 }
 
+/// Sums of errors; what follows from them is none where there are none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct ErrorSum {
+pub struct ErrorSum {
     count: u64,
     squares: f64,
     sum: f64,
@@ -44,12 +48,19 @@ impl ErrorSum {
         self.worst = self.worst.max(value.abs());
     }
 
-    fn worst(&self) -> Option<f64> {
+    /// Greatest error.
+    pub fn worst(&self) -> Option<f64> {
         (self.count > 0).then_some(self.worst)
     }
 
-    fn rms(&self) -> Option<f64> {
+    /// Root mean square.
+    pub fn rms(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
+    }
+
+    /// Mean error.
+    pub fn mean(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / self.count as f64)
     }
 }
 
@@ -87,36 +98,6 @@ impl WindComparison {
         if axes.len() > 3 && self.plane.is_none() {
             self.linear_deg.add(angle_deg(linear(estimate, axes), truth_m_s));
         }
-    }
-
-    /// Relative error of speed, root mean square.
-    pub fn speed_rms(&self) -> Option<f64> {
-        self.speed.rms()
-    }
-
-    /// Relative error of speed, mean.
-    pub fn speed_bias(&self) -> Option<f64> {
-        (self.speed.count > 0).then(|| self.speed.sum / self.speed.count as f64)
-    }
-
-    /// Relative error of speed, greatest.
-    pub fn speed_worst(&self) -> Option<f64> {
-        self.speed.worst()
-    }
-
-    /// Error of direction, root mean square, °.
-    pub fn direction_rms_deg(&self) -> Option<f64> {
-        self.direction_deg.rms()
-    }
-
-    /// Error of direction, greatest, °.
-    pub fn direction_worst_deg(&self) -> Option<f64> {
-        self.direction_deg.worst()
-    }
-
-    /// Error of the linear inverse, root mean square, °.
-    pub fn linear_rms_deg(&self) -> Option<f64> {
-        self.linear_deg.rms()
     }
 }
 
@@ -169,15 +150,15 @@ pub(super) mod tests {
         let mut errors = WindComparison::in_plane(Some([0.0, 0.0, 1.0]));
         let other = WindSample { quality_flags: QualityFlags::UNDETERMINED, ..estimate([0.0, 2.0, 0.0]) };
         errors.add(&other, &[], [2.0, 0.0, 5.0]);
-        assert!(errors.speed_rms().unwrap() < 1e-9);
-        assert!((errors.direction_rms_deg().unwrap() - 90.0).abs() < 1e-9);
+        assert!(errors.speed.rms().unwrap() < 1e-9);
+        assert!((errors.direction_deg.rms().unwrap() - 90.0).abs() < 1e-9);
     }
 
     #[test]
     fn errors_are_those_of_the_estimates_that_count() {
         let axes = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
         let mut errors = WindComparison::default();
-        assert_eq!((errors.speed_worst(), errors.direction_worst_deg()), (None, None));
+        assert_eq!((errors.speed.worst(), errors.direction_deg.worst()), (None, None));
         errors.add(&estimate([0.0, 2.2, 0.0]), &axes, [0.0, 2.0, 0.0]);
         errors.add(&estimate([0.0, 1.8, 0.0]), &axes, [2.0, 0.0, 0.0]);
         errors.add(&estimate([9.0, 9.0, 9.0]), &axes, [0.1, 0.0, 0.0]);
@@ -185,8 +166,8 @@ pub(super) mod tests {
         let flat = WindSample { quality_flags: QualityFlags::NO_DIRECTION, ..estimate([0.0, 0.0, 1.0]) };
         errors.add(&flat, &axes, [0.0, 0.0, -1.0]);
         assert_eq!((errors.count, errors.failed, errors.no_direction), (4, 1, 1));
-        assert!((errors.speed_rms().unwrap() - (0.02_f64 / 3.0).sqrt()).abs() < 1e-6);
-        assert!((errors.direction_rms_deg().unwrap() - (8100.0_f64 / 2.0).sqrt()).abs() < 1e-9);
+        assert!((errors.speed.rms().unwrap() - (0.02_f64 / 3.0).sqrt()).abs() < 1e-6);
+        assert!((errors.direction_deg.rms().unwrap() - (8100.0_f64 / 2.0).sqrt()).abs() < 1e-9);
         // The fourth surface loses most: the wind goes away from it.
         assert!((angle_deg(linear(&estimate([1.0; 3]), &axes), [1.0, 1.0, -1.0])).abs() < 1e-6);
     }

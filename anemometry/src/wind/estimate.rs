@@ -24,10 +24,10 @@ use crate::head::output::WindOutput;
 const WHOLE: f64 = 1e-3;
 
 /// Options of the estimation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct WindOptions {
-    /// Bandwidth of the convective powers, Hz.
-    pub bandwidth_hz: f64,
+    /// Bandwidth of the convective powers, Hz; by default 2.
+    pub bandwidth_hz: Option<f64>,
     /// Whether the bandwidth stays after a jump of the wind.
     pub fixed: bool,
     /// Output interval, s; by default 0.01 or a tick.
@@ -41,20 +41,6 @@ pub struct WindOptions {
     pub from_s: f64,
     /// Of every stretch of one label, so many seconds do not count in the report.
     pub settle_s: f64,
-}
-
-impl Default for WindOptions {
-    fn default() -> Self {
-        Self {
-            bandwidth_hz: WindOutput::DEFAULT_BANDWIDTH_HZ,
-            fixed: false,
-            interval_s: None,
-            gas_temperature: None,
-            pressure_pa: None,
-            from_s: 0.0,
-            settle_s: 0.0,
-        }
-    }
 }
 
 /// An estimate with the moment that it belongs to.
@@ -103,8 +89,8 @@ impl<'a> WindEstimation<'a> {
     ) -> Result<Self, WindError> {
         let calibration = head.calibration.as_ref().ok_or_else(|| WindError::NoCalibration(head.name.clone()))?;
         let replay = Replay::open(recording, head, temperature_column(options.gas_temperature.as_deref()))?;
-        let output = output(options, replay.sample_period_s())?;
-        let anemometer = OffLineAnemometer::new(head, calibration, &output, replay.sample_period_s())?;
+        let output = output(options, replay.sample_period_s)?;
+        let anemometer = OffLineAnemometer::new(head, calibration, &output, replay.sample_period_s)?;
         let given = (options.pressure_pa, options.gas_temperature.as_deref());
         let gas = GasInput::new(given, head, calibration, recording, &replay)?;
         Ok(Self {
@@ -180,11 +166,11 @@ impl<'a> WindEstimation<'a> {
 
     /// Statistics of the estimates so far.
     pub fn report(self) -> WindReport {
-        let (gaps, missing_s) = self.replay.gaps();
+        let (gaps, missing_s) = self.replay.gaps;
         WindReport {
             recording: self.recording,
             head: self.head.name.clone(),
-            made_from: self.calibration.made_from().to_owned(),
+            made_from: self.calibration.table.made_from.clone(),
             is_card: self.calibration.card_normal().is_some(),
             estimates: self.estimates,
             output: self.output,
@@ -203,7 +189,7 @@ impl<'a> WindEstimation<'a> {
 
 /// Bandwidth and interval, the latter a whole number of ticks.
 fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError> {
-    let mut output = WindOutput::new(Some(options.bandwidth_hz), options.interval_s, options.fixed, period_s);
+    let mut output = WindOutput::new(options.bandwidth_hz, options.interval_s, options.fixed, period_s);
     let ticks = output.interval_s / period_s;
     if let Some(interval_s) = options.interval_s
         && !(ticks.is_finite() && ticks > 0.5 && (ticks - ticks.round()).abs() < WHOLE)
@@ -213,7 +199,10 @@ fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError>
             true => format!("{} s or {} s", tidy(below), tidy(above)),
             false => format!("{} s", tidy(period_s)),
         };
-        return Err(WindError::Interval { interval_s, sample_period_s: period_s, nearest });
+        return Err(WindError::Interval(format!(
+            "{interval_s} is not a whole number of sample periods of {} s: {nearest} would be",
+            tidy(period_s)
+        )));
     }
     // Twelve digits of a product, so that 3 × 0.01 is 0.03.
     let interval_s = ticks.round().max(1.0) * period_s;

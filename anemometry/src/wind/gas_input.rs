@@ -56,19 +56,26 @@ impl GasInput {
         recording: &Path,
         replay: &Replay,
     ) -> Result<Self, GasInputError> {
-        let conditions = replay.conditions();
-        let species = calibration.species.name();
+        let refuse = |sentence: &str| Err(GasInputError(sentence.to_owned()));
+        let conditions = replay.conditions.as_ref();
+        let species = calibration.table.species.name();
         if let Some(of) = conditions.filter(|of| of.species != species) {
-            return Err(GasInputError::OtherGas {
-                recording: recording.to_owned(),
-                species: of.species.clone(),
-                head: head.name.clone(),
-                calibrated: species,
-            });
+            return refuse(&format!(
+                "{}: was taken in {}, but head `{}` is calibrated for {species}: another gas is another calibration",
+                recording.display(),
+                of.species,
+                head.name
+            ));
         }
-        let pressure_pa = pressure_pa.or(conditions.map(|of| of.pressure_pa)).ok_or(GasInputError::NoPressure)?;
+        let Some(pressure_pa) = pressure_pa.or(conditions.map(|of| of.pressure_pa)) else {
+            return refuse("the recording does not tell the pressure of its gas: give --pressure, in Pa");
+        };
         let temperature = match (calibration.reference, temperature) {
-            (Some(_), Some(_)) => return Err(GasInputError::GivenAndMeasured),
+            (Some(_), Some(_)) => {
+                return refuse(
+                    "--gas-temperature is given, but this head measures the gas by its reference: leave one of them out",
+                );
+            }
             (Some(element), None) => TemperatureSource::Element(head.elements[element].name.clone()),
             (None, Some(word)) => match word.parse() {
                 Ok(celsius) => TemperatureSource::Constant(celsius),
@@ -76,7 +83,11 @@ impl GasInput {
             },
             (None, None) => match conditions {
                 Some(of) => TemperatureSource::Constant(of.gas_temperature_c),
-                None => return Err(GasInputError::NoTemperature),
+                None => {
+                    return refuse(
+                        "nothing tells the temperature of the gas: give --gas-temperature, a number in °C or a column",
+                    );
+                }
             },
         };
         let mut warnings = Vec::new();
@@ -110,7 +121,7 @@ impl GasInput {
             return Ok(());
         }
         (self.has_begun, self.last) = (true, now);
-        Ok(anemometer.gas(self.pressure_pa as f32, now)?)
+        anemometer.gas(self.pressure_pa as f32, now)
     }
 
     /// Metadata of a file of wind estimates.

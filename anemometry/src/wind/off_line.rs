@@ -1,38 +1,15 @@
 //! The board's anemometer, set up with a calibrated head, off line: it follows the ticks of a run
 //! or a recording.
 
-use std::path::PathBuf;
-
 use dr_core::control::Tick;
 use dr_core::wind::{Anemometer, WindCommand};
 use recording::toml_file::FileError;
 use wire::{MOST_ELEMENTS, WindSample};
 
+use super::error::GasInputError;
 use crate::head::calibration::checked::Calibration;
-use crate::head::error::WindSetupError;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
-
-/// An anemometer that cannot be set up.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum OffLineError {
-    /// The calibration makes no commands.
-    #[error("{}: {error}", head.display())]
-    SetUp {
-        /// File of the head.
-        head: PathBuf,
-        /// What is wrong.
-        error: WindSetupError,
-    },
-    /// The board refuses a number of the head.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
-
-/// A pressure or temperature of the gas that the board refuses.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct GasRefused(String);
 
 /// An anemometer that knows its head.
 #[derive(Debug, Clone)]
@@ -54,10 +31,12 @@ impl<'a> OffLineAnemometer<'a> {
         calibration: &Calibration,
         output: &WindOutput,
         sample_period_s: f64,
-    ) -> Result<Self, OffLineError> {
-        let (commands, observer) = calibration
-            .commands(output, sample_period_s)
-            .map_err(|error| OffLineError::SetUp { head: head.source.path.clone(), error })?;
+    ) -> Result<Self, FileError> {
+        let (commands, observer) = calibration.commands(output, sample_period_s).map_err(|error| FileError {
+            path: head.source.path.clone(),
+            line: None,
+            sentence: error.to_string(),
+        })?;
         let (anemometer, fixed) = (Anemometer::default(), observer.fixed);
         let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, fixed };
         head.set_up(&mut own.anemometer, &commands, sample_period_s)?;
@@ -74,9 +53,9 @@ impl<'a> OffLineAnemometer<'a> {
     ///
     /// # Errors
     /// The number that the board refuses.
-    pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), GasRefused> {
+    pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), GasInputError> {
         let set = self.anemometer.handle(&WindCommand::Gas { pressure_pa, temperature_c }, self.sample_period_s);
-        set.map_err(|error| GasRefused(error.to_string()))
+        set.map_err(|error| GasInputError(format!("gas: {error}")))
     }
 
     /// Follows a tick; returns an estimate where one is due.
@@ -111,7 +90,7 @@ mod tests {
     fn quick_gains_of_a_sphere_hold() {
         let calibration = sphere_b().calibration.unwrap();
         for bandwidth_hz in [0.5, 1.0, 2.0, 5.0] {
-            let observer = calibration.network.adaptive_observer(bandwidth_hz, 1e-3, &calibration.noise).unwrap();
+            let observer = calibration.network.adaptive_observer(bandwidth_hz, 1e-3).unwrap();
             assert_eq!(observer.fixed, Vec::<String>::new(), "{bandwidth_hz} Hz");
             assert!((0..4).all(|place| observer.has_schedule(place)), "{bandwidth_hz} Hz");
         }

@@ -10,17 +10,15 @@
 
 use std::path::{Path, PathBuf};
 
-use wire::MOST_ELEMENTS;
-
-use super::error::ReplayError;
+use super::error::RecordedHeadError;
 use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
 use crate::head::file::Head;
 use diffusive::model::Conditions;
 use recording::text::{suggest, tidy};
 use recording::toml_file::TomlSource;
 use recording::{
-    ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingReader, STATE, TEMPERATURE, TIME,
-    TRUE_WIND,
+    ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingError, RecordingReader, STATE,
+    TEMPERATURE, TIME, TRUE_WIND,
 };
 
 /// Moments are `AfterGap` for so many times as long as the gap lasted.
@@ -37,35 +35,26 @@ pub struct Replay {
     path: PathBuf,
     reader: RecordingReader,
     places: ColumnPlaces,
-    sample_period_s: f64,
-    conditions: Option<Conditions>,
+    /// Time between two ticks, s.
+    pub sample_period_s: f64,
+    /// Gas and support, if the recording has them.
+    pub conditions: Option<Conditions>,
     chunk: Vec<RecordingColumn>,
+    /// The next row in the chunk.
     row: usize,
-    rows: Option<u64>,
     ticks: Ticks,
-    /// Rows so far.
+    /// Rows so far, with the next one as soon as it is looked at.
     count: u64,
     /// Time, label and gas of the last row.
     last_s: Option<f64>,
     last_event: String,
     last_gas_c: Option<f64>,
-    /// The next row, and how many ticks are missing before it.
-    next: Option<ReplayedRow>,
-    missing: u64,
-    /// Gaps so far, and how long they were, s.
-    gaps: (u64, f64),
+    /// How many ticks are missing before the next row; none before it is looked at.
+    missing: Option<u64>,
+    /// Gaps so far, and how long they were in all, s.
+    pub gaps: (u64, f64),
     /// Until when moments are soon after a gap, s.
     after_gap_s: f64,
-}
-
-/// A row as it stands in the file.
-struct ReplayedRow {
-    time_s: f64,
-    readings: [ElementReading; MOST_ELEMENTS],
-    event: String,
-    state: String,
-    true_wind_m_s: Option<[f64; 3]>,
-    gas_c: Option<f64>,
 }
 
 /// Where the columns stand among those that were selected.
@@ -86,7 +75,7 @@ impl Replay {
     ///
     /// # Errors
     /// If it cannot be read, or lacks a column of one of the head's elements.
-    pub fn open(path: &Path, head: &Head, gas: Option<&str>) -> Result<Self, ReplayError> {
+    pub fn open(path: &Path, head: &Head, gas: Option<&str>) -> Result<Self, RecordingError> {
         let mut reader = RecordingReader::open(path)?;
         let names: Vec<String> = reader.names().to_vec();
         let mut selected = Vec::new();
@@ -98,7 +87,7 @@ impl Replay {
         };
         let lacking = |name: &str| {
             let hint = suggest(name, names.iter().map(String::as_str));
-            ReplayError::content(path, format!("has no column `{name}`; {hint}"))
+            content(path, format!("has no column `{name}`; {hint}"))
         };
         let mut needed = |name: String| place(&name).ok_or_else(|| lacking(&name));
         let time = needed(TIME.to_owned())?;
@@ -130,7 +119,6 @@ impl Replay {
         let sample_period_s = period_of(path, said_s)?;
         reader.select(&selected);
         Ok(Self {
-            rows: reader.rows(),
             conditions: Conditions::of_metadata(&metadata),
             path: path.to_owned(),
             reader,
@@ -143,26 +131,10 @@ impl Replay {
             last_s: None,
             last_event: String::new(),
             last_gas_c: None,
-            next: None,
-            missing: 0,
+            missing: None,
             gaps: (0, 0.0),
             after_gap_s: f64::NEG_INFINITY,
         })
-    }
-
-    /// Time between two ticks, s.
-    pub fn sample_period_s(&self) -> f64 {
-        self.sample_period_s
-    }
-
-    /// Gas and support, if the recording has them.
-    pub fn conditions(&self) -> Option<&Conditions> {
-        self.conditions.as_ref()
-    }
-
-    /// Number of rows, if the file has it.
-    pub fn rows(&self) -> Option<u64> {
-        self.rows
     }
 
     /// Whether it has columns of the true wind.
@@ -175,24 +147,23 @@ impl Replay {
         self.places.gas.is_some()
     }
 
-    /// Gaps so far, and how long they were in all, s.
-    pub fn gaps(&self) -> (u64, f64) {
-        self.gaps
-    }
-
     /// The next tick, recorded or not; none after the last row.
     ///
     /// # Errors
     /// If the file is damaged, or its time does not ascend by whole sample periods.
-    pub fn next_moment(&mut self) -> Result<Option<Moment>, ReplayError> {
-        if self.next.is_none()
-            && let Some(row) = self.next_row()?
-        {
-            self.missing = self.missing_before(row.time_s)?;
-            self.next = Some(row);
+    pub fn next_moment(&mut self) -> Result<Option<Moment>, RecordingError> {
+        while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
+            match self.reader.next_chunk()? {
+                None => return Ok(None),
+                Some(chunk) => (self.chunk, self.row) = (chunk, 0),
+            }
         }
-        if self.missing > 0 {
-            self.missing -= 1;
+        let missing = match self.missing {
+            Some(missing) => missing,
+            None => self.missing_before_next()?,
+        };
+        self.missing = missing.checked_sub(1);
+        if missing > 0 {
             return Ok(Some(Moment {
                 time_s: self.last_s.unwrap_or_default(),
                 tick: self.ticks.missing(),
@@ -203,25 +174,40 @@ impl Replay {
                 known: TickOrigin::Missing,
             }));
         }
-        let Some(row) = self.next.take() else { return Ok(None) };
-        self.last_s = Some(row.time_s);
-        self.last_event.clone_from(&row.event);
-        self.last_gas_c = row.gas_c;
-        let readings = row.readings.into_iter().take(self.places.power.len());
-        Ok(Some(Moment {
-            time_s: row.time_s,
-            tick: self.ticks.tick(row.time_s, run_state(&row.state), readings),
-            event: row.event,
-            state: row.state,
-            wind_m_s: row.true_wind_m_s,
-            gas_c: row.gas_c,
-            known: if row.time_s < self.after_gap_s { TickOrigin::AfterGap } else { TickOrigin::Recorded },
-        }))
+        let (chunk, places, row) = (&self.chunk, &self.places, self.row);
+        let number = |place: usize| number(&chunk[place], row);
+        let word = |place: usize| match &chunk[place].values {
+            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
+            ColumnValues::Numbers(numbers) => numbers[row].to_string(),
+        };
+        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
+        let readings = columns.map(|((&temperature, &heater), &power)| ElementReading {
+            temperature_c: number(temperature) as f32,
+            power_w: number(power) as f32,
+            is_high: number(heater) != 0.0,
+        });
+        let (time_s, state) = (number(places.time), places.state.map(word).unwrap_or_default());
+        let moment = Moment {
+            time_s,
+            tick: self.ticks.tick(time_s, run_state(&state), readings),
+            event: places.event.map(word).unwrap_or_default(),
+            state,
+            wind_m_s: places.wind.map(|places| places.map(number)),
+            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
+            known: if time_s < self.after_gap_s { TickOrigin::AfterGap } else { TickOrigin::Recorded },
+        };
+        self.row += 1;
+        self.last_s = Some(time_s);
+        self.last_event.clone_from(&moment.event);
+        self.last_gas_c = moment.gas_c;
+        Ok(Some(moment))
     }
 
-    /// How many ticks are missing between the last row and one of this time.
-    fn missing_before(&mut self, time_s: f64) -> Result<u64, ReplayError> {
-        let refuse = |problem: String| Err(ReplayError::content(&self.path, format!("row {}: {problem}", self.count)));
+    /// Looks at the next row: how many ticks are missing between the last one and it.
+    fn missing_before_next(&mut self) -> Result<u64, RecordingError> {
+        self.count += 1;
+        let time_s = number(&self.chunk[self.places.time], self.row);
+        let refuse = |problem: String| Err(content(&self.path, format!("row {}: {problem}", self.count)));
         if !time_s.is_finite() {
             return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
         }
@@ -245,86 +231,62 @@ impl Replay {
         self.after_gap_s = self.after_gap_s.max(time_s + (AFTER_GAP * gap_s).min(LONGEST_GAP_S));
         Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
     }
+}
 
-    fn next_row(&mut self) -> Result<Option<ReplayedRow>, ReplayError> {
-        while self.chunk.first().is_none_or(|column| self.row >= column.values.len()) {
-            match self.reader.next_chunk()? {
-                None => return Ok(None),
-                Some(chunk) => (self.chunk, self.row) = (chunk, 0),
-            }
-        }
-        let row = self.row;
-        (self.row, self.count) = (row + 1, self.count + 1);
-        let (chunk, places) = (&self.chunk, &self.places);
-        let number = |place: usize| match &chunk[place].values {
-            ColumnValues::Numbers(numbers) => numbers[row],
-            ColumnValues::Words(_) => f64::NAN,
-        };
-        let word = |place: usize| match &chunk[place].values {
-            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
-            ColumnValues::Numbers(numbers) => numbers[row].to_string(),
-        };
-        let mut readings = [ElementReading { temperature_c: f32::NAN, power_w: 0.0, is_high: false }; MOST_ELEMENTS];
-        let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);
-        for (reading, ((&temperature, &heater), &power)) in readings.iter_mut().zip(columns) {
-            *reading = ElementReading {
-                temperature_c: number(temperature) as f32,
-                power_w: number(power) as f32,
-                is_high: number(heater) != 0.0,
-            };
-        }
-        Ok(Some(ReplayedRow {
-            time_s: number(places.time),
-            readings,
-            state: places.state.map(word).unwrap_or_default(),
-            event: places.event.map(word).unwrap_or_default(),
-            true_wind_m_s: places.wind.map(|places| places.map(number)),
-            gas_c: places.gas.map(number).filter(|gas_c| gas_c.is_finite()),
-        }))
+/// A value of a column of numbers.
+fn number(column: &RecordingColumn, row: usize) -> f64 {
+    match &column.values {
+        ColumnValues::Numbers(numbers) => numbers[row],
+        ColumnValues::Words(_) => f64::NAN,
     }
 }
 
 /// The sample period that the recording carries, or else the median time between its first rows;
 /// both have to agree.
-fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, ReplayError> {
-    let refuse = |sentence: String| ReplayError::content(path, sentence);
+fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
+    let refuse = |sentence: &str| content(path, sentence.to_owned());
     let mut reader = RecordingReader::open(path)?;
     let time = reader.names().iter().position(|name| name == TIME);
-    reader.select(&[time.ok_or_else(|| refuse(format!("has no column `{TIME}`")))?]);
-    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows".to_owned()))?;
+    reader.select(&[time.ok_or_else(|| refuse(&format!("has no column `{TIME}`")))?]);
+    let chunk = reader.next_chunk()?.ok_or_else(|| refuse("has columns but no rows"))?;
     let ColumnValues::Numbers(time_s) = &chunk[0].values else {
-        return Err(refuse(format!("column `{TIME}` holds text where numbers belong")));
+        return Err(refuse(&format!("column `{TIME}` holds text where numbers belong")));
     };
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let Some(&usual_s) = steps.get(steps.len() / 2) else {
-        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by".to_owned()));
+        return said_s.ok_or_else(|| refuse("has no two rows to tell a sample period by"));
     };
     match said_s {
         // A wrong step is for the row that has it.
         _ if !(usual_s > 0.0 && usual_s.is_finite()) => {
-            said_s.ok_or_else(|| refuse(format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
+            said_s.ok_or_else(|| refuse(&format!("`{TIME}` does not ascend, and nothing else tells the sample period")))
         }
         None => Ok(usual_s),
         Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
-        Some(said_s) => Err(refuse(format!(
+        Some(said_s) => Err(refuse(&format!(
             "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
             tidy(usual_s)
         ))),
     }
 }
 
+/// The error for a recording that is whole, but cannot be replayed.
+fn content(path: &Path, sentence: String) -> RecordingError {
+    RecordingError::Content { path: path.to_owned(), sentence }
+}
+
 /// The requested head, or the one that the recording carries.
 ///
 /// # Errors
 /// If there is none, or it cannot be read.
-pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, ReplayError> {
+pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, RecordedHeadError> {
     if let Some(path) = head {
         return Ok(Head::read(path)?);
     }
     let metadata = RecordingReader::open(recording)?.metadata();
     let text = metadata.iter().find(|(key, _)| key == "head").map(|(_, text)| text.clone());
-    let text = text.ok_or_else(|| ReplayError::content(recording, "carries no head; name one with --head"))?;
+    let text = text.ok_or_else(|| content(recording, "carries no head; name one with --head".to_owned()))?;
     let path = format!("the head in {}", recording.display()).into();
     Ok(Head::from_source(TomlSource { path, text })?)
 }

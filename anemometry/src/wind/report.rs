@@ -70,12 +70,12 @@ impl Serialize for WindReport {
         map.serialize_entry("compared", &errors.count)?;
         map.serialize_entry("failed", &errors.failed)?;
         map.serialize_entry("without_direction", &errors.no_direction)?;
-        map.serialize_entry("speed_rms_error", &errors.speed_rms())?;
-        map.serialize_entry("speed_bias", &errors.speed_bias())?;
-        map.serialize_entry("speed_worst_error", &errors.speed_worst())?;
-        map.serialize_entry("direction_rms_error_deg", &errors.direction_rms_deg())?;
-        map.serialize_entry("direction_worst_error_deg", &errors.direction_worst_deg())?;
-        map.serialize_entry("linear_direction_rms_error_deg", &errors.linear_rms_deg())?;
+        map.serialize_entry("speed_rms_error", &errors.speed.rms())?;
+        map.serialize_entry("speed_bias", &errors.speed.mean())?;
+        map.serialize_entry("speed_worst_error", &errors.speed.worst())?;
+        map.serialize_entry("direction_rms_error_deg", &errors.direction_deg.rms())?;
+        map.serialize_entry("direction_worst_error_deg", &errors.direction_deg.worst())?;
+        map.serialize_entry("linear_direction_rms_error_deg", &errors.linear_deg.rms())?;
         map.end()
     }
 }
@@ -160,15 +160,15 @@ fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, is_card: bool) 
         write!(f, ", {} of them without a wind", errors.failed)?;
     }
     writeln!(f)?;
-    if let (Some(rms), Some(bias), Some(worst)) = (errors.speed_rms(), errors.speed_bias(), errors.speed_worst()) {
+    if let (Some(rms), Some(bias), Some(worst)) = (errors.speed.rms(), errors.speed.mean(), errors.speed.worst()) {
         let [rms, bias, worst] = [rms, bias, worst].map(|share| format!("{:.2} %", 100.0 * share));
         writeln!(f, "  speed      {rms} rms, {bias} mean, {worst} at worst")?;
     }
-    if let (Some(rms), Some(worst)) = (errors.direction_rms_deg(), errors.direction_worst_deg()) {
+    if let (Some(rms), Some(worst)) = (errors.direction_deg.rms(), errors.direction_deg.worst()) {
         write!(f, "  direction  {rms:.2}° rms, {worst:.2}° at worst")?;
         if is_card {
             write!(f, ", in the plane of the card")?;
-        } else if let Some(linear) = errors.linear_rms_deg() {
+        } else if let Some(linear) = errors.linear_deg.rms() {
             write!(f, "; linear inverse {linear:.2}° rms")?;
         }
         writeln!(f)?;

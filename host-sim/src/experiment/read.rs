@@ -117,13 +117,13 @@ impl Experiment {
 /// Refuses a gas in which the head was not calibrated.
 fn of_one_gas(source: &TomlSource, head: &Head, species: Species) -> Result<(), FileError> {
     match &head.calibration {
-        Some(calibration) if calibration.species != species => Err(source.refuse(
+        Some(calibration) if calibration.table.species != species => Err(source.refuse(
             "gas.species",
             format!(
                 "is `{}`, but head `{}` is calibrated for {}: another gas is another calibration",
                 species.name(),
                 head.name,
-                calibration.species.name()
+                calibration.table.species.name()
             ),
         )),
         _ => Ok(()),

@@ -1,7 +1,7 @@
 //! Cards that lose heat as the simulated transducer's do.
 
 use anemometry::calibrate::card::{calibrate, cross_validate};
-use anemometry::calibrate::{CalibrateError, DrawnCard, GasProperties, SteadyWind, SurfaceReading};
+use anemometry::calibrate::{CalibrateError, DrawnCard, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
 use dr_core::wind::card_inverse::DICE;
 use host_sim::sensor::convection::boom::{Boom, BoomShape};
@@ -49,16 +49,7 @@ fn reading(speed_m_s: f64, degrees: f64, gains: [f64; DICE], noise: f64, n: usiz
             variance_w2: (conductance_w_k[i] * noise.max(1e-4) * OVERHEAT_K).powi(2),
         }
     });
-    SteadyWind {
-        label: format!("wind {n}"),
-        wind_m_s,
-        gas: GasProperties {
-            density_kg_m3: gas.density_kg_m3,
-            viscosity_pa_s: gas.viscosity_pa_s,
-            conductivity_w_m_k: gas.conductivity_w_m_k,
-        },
-        surfaces: surfaces.collect(),
-    }
+    SteadyWind { label: format!("wind {n}"), wind_m_s, gas, surfaces: surfaces.collect() }
 }
 
 /// Winds in all directions and of 0.5 to 10 m/s.

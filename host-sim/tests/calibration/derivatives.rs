@@ -13,7 +13,8 @@ use crate::tunnel::{Tunnel, speeds as progression};
 #[test]
 fn derivatives_agree_with_differences() {
     let tunnel = Tunnel::sectors();
-    let head = ready(&tunnel.head()).unwrap();
+    let drawn = tunnel.head();
+    let head = ready(&drawn).unwrap();
     let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
     let reynolds = [15.0, 44.0, 110.0, 199.0];
     let family = AmplitudeFamily::new(&reynolds, (0..ORDERS).collect(), 200);
@@ -43,7 +44,8 @@ fn derivatives_agree_with_differences() {
 #[test]
 fn neighbours_go_together_and_every_wind_is_left_out_once() {
     let tunnel = Tunnel::sectors();
-    let head = ready(&tunnel.head()).unwrap();
+    let drawn = tunnel.head();
+    let head = ready(&drawn).unwrap();
     let winds = winds(&head, &tunnel.readings(&progression(0.5, 14.0, 12), 10, 1e-3, 1)).unwrap();
     for (scheme, expected) in [(Scheme::Directions, 120), (Scheme::Speeds, 100)] {
         let folds = folds(&winds, scheme, 5);

@@ -44,7 +44,7 @@ fn two_hemispheres_tell_the_angle_to_their_axis_and_the_speed() {
     let found = calibrate(&tunnel.head(), &readings).unwrap();
     println!("{found}\nmounting off by {:.3}°", off_deg(&found, &tunnel));
     // Their surfaces do not see the even amplitudes.
-    assert!(found.amplitudes.iter().all(|row| row[2] == 0.0 && row[4] == 0.0));
+    assert!(found.curves.amplitudes.iter().all(|row| row[2] == 0.0 && row[4] == 0.0));
     assert!(off_deg(&found, &tunnel) < 0.1);
     for scheme in [Scheme::Directions, Scheme::Speeds] {
         let out = cross_validate(&tunnel.head(), &readings, scheme, 5).unwrap();

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use anemometry::calibrate::{DrawnSphere, DrawnSurface, GasProperties, SteadyWind, SurfaceReading};
+use anemometry::calibrate::{DrawnSphere, DrawnSurface, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
 use host_sim::sensor::convection::BodyConvection;
 use host_sim::sensor::convection::sphere_surfaces::{SphereDivision, SphereSurfaces};
@@ -87,16 +87,7 @@ impl Tunnel {
                 variance_w2: (noise * power).powi(2),
             }
         });
-        SteadyWind {
-            label,
-            wind_m_s,
-            gas: GasProperties {
-                density_kg_m3: gas.density_kg_m3,
-                viscosity_pa_s: gas.viscosity_pa_s,
-                conductivity_w_m_k: gas.conductivity_w_m_k,
-            },
-            surfaces: surfaces.collect(),
-        }
+        SteadyWind { label, wind_m_s, gas, surfaces: surfaces.collect() }
     }
 
     /// Every speed from each of so many directions, and one reading of quiescent gas. `noise` is

@@ -24,7 +24,7 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
     let calibrator = Calibrator::new(&tunnel.head, &model, 0.01).unwrap();
     let steady = chain::steady(&calibrator, &tunnel, SETTLE_S).unwrap();
     assert_eq!(steady.len(), 61);
-    let calibrated = |steady: &[SteadyWind]| calibrator.calibrated(steady, tunnel.species, 1, 20.0);
+    let calibrated = |steady: &[SteadyWind]| calibrator.calibrated(steady, 1, 20.0);
 
     let speed = |of: &SteadyWind| of.wind_m_s.iter().map(|v| v * v).sum::<f64>().sqrt();
     // Sector 1, which looks to (1, 1, 1), has never been in front of the wind: within 60° would be
@@ -45,19 +45,19 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
     let winds = [("winds = 500", "winds = 120"), ("3060.0", "780.0")];
     let unseen = changed("wind/sphere-b/winds.toml", &winds);
     let errors = &directions::of(&unseen, &head, &[WindMode { bandwidth_hz: 1.0, fixed: false }]).unwrap()[0];
-    let (direction_deg, speed) = (errors.direction_rms_deg().unwrap(), errors.speed_rms().unwrap());
+    let (direction_deg, speed) = (errors.direction_deg.rms().unwrap(), errors.speed.rms().unwrap());
     println!(
         "{} winds: direction {direction_deg:.3}° rms, linear inverse {:.2}°, speed {:.3} % rms, {:.2} % worst",
         unseen.wind.len() - 1,
-        errors.linear_rms_deg().unwrap(),
+        errors.linear_deg.rms().unwrap(),
         100.0 * speed,
-        100.0 * errors.speed_worst().unwrap()
+        100.0 * errors.speed.worst().unwrap()
     );
     assert_eq!((errors.failed, errors.no_direction), (0, 0));
     assert!(errors.count > 120 * 200, "{}", errors.count);
     assert!(direction_deg <= 1.5 && speed <= 0.015);
     // What the model of the surface is for.
-    assert!(errors.linear_rms_deg().unwrap() > 2.0 * direction_deg);
+    assert!(errors.linear_deg.rms().unwrap() > 2.0 * direction_deg);
 
     let swing = swing::measure(&lab, &head).unwrap();
     println!("gas swinging by {} K: {:.2} % at worst", swing.kelvin, 100.0 * swing.speed_worst);

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use anemo_tests::{anemo, file};
 use anemometry::head::Head;
-use anemometry::network::{QuiescentNetwork, reading_noise};
+use anemometry::network::QuiescentNetwork;
 use diffusive::model::Model;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
 use recording::Recording;
@@ -90,8 +90,7 @@ fn from_still_records_to_the_conductance_of_a_wind() {
 
     let model = Model::read(&folder.join("network.json")).unwrap();
     let head = Head::read(&file("heads/sphere-a.toml")).unwrap();
-    let observer =
-        QuiescentNetwork::of(&model, &head).unwrap().observer(0.5, 0.01, &reading_noise(&model, &head)).unwrap();
+    let observer = QuiescentNetwork::of(&model, &head).unwrap().observer(0.5, 0.01).unwrap();
     let mut network = ConvectionObserver::<4>::default();
     observer.own.iter().for_each(|(element, config)| network.set_self_heating(*element, config, 0.01).unwrap());
     observer.cross.iter().for_each(|config| network.set_cross_heating(config, 0.01).unwrap());
@@ -129,7 +128,8 @@ fn from_still_records_to_the_conductance_of_a_wind() {
         }
     }
     let mean = |of: &[[f64; 2]], i: usize| of.iter().map(|row| row[i]).sum::<f64>() / of.len() as f64;
-    for (i, sd_w) in observer.sd_w[..2].iter().enumerate() {
+    for i in 0..2 {
+        let sd_w = observer.noise_w(i).unwrap();
         let still_w = mean(&q_w[40..120], i);
         let (early, late) = (mean(&g_w_k[130..150], i), mean(&g_w_k[500..600], i));
         println!(

@@ -1,4 +1,4 @@
-//! A calibrated card, as text and as dr-core's configuration.
+//! A calibrated card, as text and as the inverse that the board runs.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::super::compared::ComparedWind;
 use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
 use super::drawn::DrawnCard;
-use crate::head::calibration::CardTable;
+use crate::head::calibration::table::CardTable;
 use crate::wind::comparison::{angle_deg, length};
 
 /// Only a direction that is uncertain by more is none.
@@ -20,26 +20,10 @@ const DIRECTION_ERROR_MAX_RAD: f32 = 1.0;
 pub struct CardCalibration {
     /// The card as drawn.
     pub drawn: DrawnCard,
-    /// Least Reynolds number of the winds.
-    pub least_reynolds: f64,
-    /// Greatest Reynolds number of the winds.
-    pub most_reynolds: f64,
-    /// Mean Nusselt number over √Re.
-    pub mean: [f64; KNOTS],
-    /// Re^n over √Re.
-    pub difference: [f64; KNOTS],
-    /// P
-    pub along: [f64; TERMS],
-    /// Q
-    pub around: [f64; TERMS],
-    /// E
-    pub seen: [f64; TERMS],
+    /// As a head file has them.
+    pub curves: CardTable,
     /// n
     pub exponent: f64,
-    /// Residuals of the mean over what the wind adds, rms.
-    pub mean_share: f64,
-    /// Residuals of the differences over their size, rms.
-    pub difference_share: f64,
     /// c, of mean one.
     pub gains: [f64; DICE],
     /// G0 at the reference, W/K.
@@ -49,35 +33,15 @@ pub struct CardCalibration {
 }
 
 impl CardCalibration {
-    /// As a head file has it.
-    pub fn table(&self) -> CardTable {
-        CardTable {
-            least_reynolds: self.least_reynolds,
-            most_reynolds: self.most_reynolds,
-            mean: self.mean,
-            difference: self.difference,
-            along: self.along,
-            around: self.around,
-            seen: self.seen,
-            mean_share: self.mean_share,
-            difference_share: self.difference_share,
-        }
-    }
-
-    /// As the board takes it.
-    pub fn config(&self) -> CardConfig {
-        self.table().config()
-    }
-
     /// The inverse that the board runs.
     pub(super) fn card(&self) -> Result<Card, dr_core::ConfigError> {
-        let (side_m, most) = (self.drawn.side_m as f32, self.most_reynolds as f32);
-        Card::new(&self.config(), &self.drawn.dice(), side_m, most, DIRECTION_ERROR_MAX_RAD)
+        let (side_m, most) = (self.drawn.side_m as f32, self.curves.most_reynolds as f32);
+        Card::new(&self.curves.config(), &self.drawn.dice(), side_m, most, DIRECTION_ERROR_MAX_RAD)
     }
 
     /// E at an angle, rad: the share of the speed that the card sees.
     pub fn seen_at(&self, angle: f64) -> f64 {
-        anisotropy(&self.config(), angle).2
+        anisotropy(&self.curves.config(), angle).2
     }
 
     /// Estimates a known wind; none where there is no estimate.
@@ -103,24 +67,22 @@ impl CardCalibration {
             return Ok(None);
         }
         Ok(Some(ComparedWind {
-            label: steady.label.clone(),
-            speed_m_s,
             reynolds: speed_m_s * self.drawn.reynolds_per_speed(steady),
             direction_deg: angle_deg(estimate.wind_m_s.map(f64::from), steady.wind_m_s),
             speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
-            chi_square: f64::from(estimate.chi_square) / f64::from(estimate.degrees_of_freedom.max(1)),
         }))
     }
 }
 
 impl fmt::Display for CardCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} winds, Re {:.1} to {:.1}", self.winds, self.least_reynolds, self.most_reynolds)?;
+        let CardTable { least_reynolds, most_reynolds, mean_share, difference_share, .. } = self.curves;
+        writeln!(f, "{} winds, Re {least_reynolds:.1} to {most_reynolds:.1}", self.winds)?;
         writeln!(
             f,
             "mean: {:.2} % of what the wind adds is left over; differences: {:.2} %, as Re^{:.3}",
-            100.0 * self.mean_share,
-            100.0 * self.difference_share,
+            100.0 * mean_share,
+            100.0 * difference_share,
             self.exponent
         )?;
         let seen = |degrees: f64| self.seen_at(degrees.to_radians());

@@ -32,12 +32,6 @@ struct MeanProblem<'a> {
     per_root: f64,
 }
 
-/// Least squares at a point.
-struct MeanEquations {
-    jacobian: DMatrix<f64>,
-    residuals: DVector<f64>,
-}
-
 /// Fits the curve; none if the equations have no solution.
 pub fn mean(winds: &[CardWind], most_root: f64) -> Option<MeanCurve> {
     let problem = MeanProblem { winds, per_root: (KNOTS - 1) as f64 / most_root };
@@ -56,7 +50,7 @@ fn descend(problem: &MeanProblem<'_>, mut x: DVector<f64>) -> Option<DVector<f64
     let mut here = problem.residuals(&x);
     let mut damping = 1e-3;
     for _ in 0..MOST_STEPS {
-        let there = problem.equations(&x, here.clone()).moved(&x, damping)?;
+        let there = problem.moved(&x, &here, damping)?;
         let after = problem.residuals(&there);
         if after.norm_squared() < here.norm_squared() {
             let gained = 1.0 - after.norm_squared() / here.norm_squared();
@@ -97,27 +91,20 @@ impl MeanProblem<'_> {
         DVector::from_iterator(self.winds.len() + KNOTS - 2 + SEEN, winds.chain(bends).chain(harmonics))
     }
 
-    /// The equations at a point with these residuals.
-    fn equations(&self, x: &DVector<f64>, residuals: DVector<f64>) -> MeanEquations {
+    /// The point that a damped step leads to from one with these residuals.
+    fn moved(&self, x: &DVector<f64>, residuals: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
         let column = |n: usize| {
             let step = STEP * x[n].abs().max(1.0);
             let mut moved = x.clone();
             moved[n] += step;
-            (self.residuals(&moved) - &residuals) / step
+            (self.residuals(&moved) - residuals) / step
         };
         let jacobian = DMatrix::from_columns(&(0..x.len()).map(column).collect::<Vec<_>>());
-        MeanEquations { jacobian, residuals }
-    }
-}
-
-impl MeanEquations {
-    /// The point that a damped step leads to.
-    fn moved(&self, x: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-        let mut normal = self.jacobian.tr_mul(&self.jacobian);
+        let mut normal = jacobian.tr_mul(&jacobian);
         for n in 0..x.len() {
             normal[(n, n)] *= 1.0 + damping;
         }
-        Some(x - normal.cholesky()?.solve(&self.jacobian.tr_mul(&self.residuals)))
+        Some(x - normal.cholesky()?.solve(&jacobian.tr_mul(residuals)))
     }
 }
 

@@ -11,6 +11,7 @@ use super::differences::differences;
 use super::drawn::{CardWind, DrawnCard, PLACES, winds};
 use super::mean::mean;
 use super::spread::{ends, lacking};
+use crate::head::calibration::table::CardTable;
 
 /// Calibrates a card.
 ///
@@ -50,21 +51,22 @@ fn solve(drawn: &DrawnCard, steady: &[SteadyWind]) -> Result<CardCalibration, Ca
     let [along, around] = differences.unlike;
     let gains = PLACES.map(|[p, q]| 1.0 / (1.0 + along * p + around * q + twist * p * q));
     let usual = gains.iter().sum::<f64>() / DICE as f64;
-    let knots =
-        |of: &dyn Fn(f64) -> f64| std::array::from_fn(|k| of(most_reynolds.sqrt() * k as f64 / (KNOTS - 1) as f64));
+    let root = |k: usize| most_reynolds.sqrt() * k as f64 / (KNOTS - 1) as f64;
     // Still gas counts at the reference, where the network holds it.
     let conductivity_w_m_k = steady.first().map_or(0.0, |steady| steady.gas.conductivity_w_m_k);
     let calibration = CardCalibration {
-        least_reynolds,
-        most_reynolds,
-        mean: mean.knots,
-        difference: knots(&|root| root.powf(2.0 * differences.exponent)),
-        along: differences.along,
-        around: differences.around,
-        seen: mean.seen,
+        curves: CardTable {
+            least_reynolds,
+            most_reynolds,
+            mean: mean.knots,
+            difference: std::array::from_fn(|k| root(k).powf(2.0 * differences.exponent)),
+            along: differences.along,
+            around: differences.around,
+            seen: mean.seen,
+            mean_share: mean.share,
+            difference_share: differences.share,
+        },
         exponent: differences.exponent,
-        mean_share: mean.share,
-        difference_share: differences.share,
         gains: gains.map(|gain| gain / usual),
         quiescent_w_k: drawn.quiescent_w_k(conductivity_w_m_k),
         winds: winds.len(),

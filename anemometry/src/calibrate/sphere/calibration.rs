@@ -4,28 +4,24 @@
 //! than their variances say, they are larger by √(χ² / degrees of freedom): what the model leaves
 //! over counts as noise.
 
-use dr_core::wind::nusselt::{ORDERS, POINTS};
-use dr_core::wind::{MeasuredConductance, NusseltConfig, SurfaceConfig, WindVector};
-use nalgebra::{DMatrix, Vector3};
+use dr_core::wind::nusselt::POINTS;
+use dr_core::wind::{MeasuredConductance, SurfaceConfig, WindVector};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::super::error::{CalibrateError, WorstReading};
 use super::super::steady_wind::SurfaceReading;
 use super::equations::SphereProblem;
 use super::fit::SphereFit;
-use super::readings::DrawnSphere;
+use crate::head::calibration::table::NusseltTable;
 
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereCalibration {
     /// Diameter of the sphere, m.
     pub diameter_m: f64,
-    /// Least and most Reynolds number of the winds.
-    pub least_reynolds: f64,
-    /// Greatest of them.
-    pub most_reynolds: f64,
-    /// a_0 … a_5 at Reynolds numbers in geometric progression from the least to the most.
-    pub amplitudes: [[f64; ORDERS]; POINTS],
+    /// The amplitudes, as a head file has them.
+    pub curves: NusseltTable,
     /// One a surface, in the order of the head.
     pub surfaces: Vec<CalibratedSurface>,
     /// R from the tunnel's frame into the head's: axis times angle, rad.
@@ -56,15 +52,12 @@ pub struct CalibratedSurface {
     /// Name of its element.
     #[serde(skip)]
     pub name: String,
-    /// Outward and towards a corner, in the tunnel's frame.
+    /// Outward, in the tunnel's frame.
     #[serde(skip)]
     pub axis: [f64; 3],
-    /// Unit vector towards a corner.
+    /// As the board takes it, in the tunnel's frame.
     #[serde(skip)]
-    pub corner: [f64; 3],
-    /// As drawn.
-    #[serde(skip)]
-    pub drawn: SurfaceConfig,
+    pub config: SurfaceConfig,
     /// c, of mean one.
     pub gain: f64,
     /// Standard uncertainty of c.
@@ -78,7 +71,8 @@ pub struct CalibratedSurface {
 }
 
 impl SphereCalibration {
-    pub(super) fn of(problem: &SphereProblem<'_>, head: &DrawnSphere, fitted: &SphereFit) -> Self {
+    pub(super) fn of(problem: &SphereProblem<'_>, fitted: &SphereFit) -> Self {
+        let head = problem.head.drawn;
         let SphereFit { place, equations, covariance, degrees_of_freedom } = fitted;
         let family = &problem.family;
         let ratio = (family.most_reynolds / family.least_reynolds).ln() / (POINTS - 1) as f64;
@@ -96,21 +90,28 @@ impl SphereCalibration {
         let n = place.gains.len();
         let quiescent_errors = errors(problem.first_quiescent(), &DMatrix::identity(n, n));
         let turn_errors = errors(problem.first_turn(), &place.mounting.turns);
-        let surface = |i: usize| CalibratedSurface {
-            name: head.surfaces[i].name.clone(),
-            axis: place.mounting.outward(head.surfaces[i].config.axis),
-            corner: place.mounting.outward(head.surfaces[i].config.corner),
-            drawn: head.surfaces[i].config,
-            gain: place.gains[i],
-            gain_error: gain_errors[i],
-            quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
-            quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+        let narrow = |v: [f64; 3]| v.map(|x| x as f32);
+        let surface = |i: usize| {
+            let drawn = head.surfaces[i].config;
+            let axis = place.mounting.outward(drawn.axis);
+            let corner = narrow(place.mounting.outward(drawn.corner));
+            CalibratedSurface {
+                name: head.surfaces[i].name.clone(),
+                axis,
+                config: SurfaceConfig { axis: narrow(axis), corner, ..drawn },
+                gain: place.gains[i],
+                gain_error: gain_errors[i],
+                quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
+                quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+            }
         };
         Self {
             diameter_m: head.diameter_m,
-            least_reynolds: family.least_reynolds,
-            most_reynolds: family.most_reynolds,
-            amplitudes,
+            curves: NusseltTable {
+                least_reynolds: family.least_reynolds,
+                most_reynolds: family.most_reynolds,
+                amplitudes,
+            },
             surfaces: (0..n).map(surface).collect(),
             rotation_rad: place.mounting.vector(),
             rotation_error_rad: [turn_errors[0], turn_errors[1], turn_errors[2]],
@@ -124,38 +125,17 @@ impl SphereCalibration {
         }
     }
 
-    /// The amplitudes as the board takes them.
-    pub fn nusselt(&self) -> NusseltConfig {
-        NusseltConfig {
-            least_reynolds: self.least_reynolds as f32,
-            most_reynolds: self.most_reynolds as f32,
-            amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
-        }
-    }
-
-    /// The surfaces as the board takes them, in the tunnel's frame.
-    pub fn part_configs(&self) -> Vec<SurfaceConfig> {
-        let narrow = |a: [f64; 3]| a.map(|x| x as f32);
-        self.surfaces
-            .iter()
-            .map(|surface| SurfaceConfig {
-                axis: narrow(surface.axis),
-                corner: narrow(surface.corner),
-                ..surface.drawn
-            })
-            .collect()
-    }
-
     /// The inverse that the board runs.
     ///
     /// # Errors
     /// If the head has not N surfaces, or the amplitudes are none that tell a wind; then the winds
     /// did not determine them.
     pub fn head<const N: usize>(&self, direction_error_max_rad: f32) -> Result<WindVector<N>, CalibrateError> {
-        let surfaces: [SurfaceConfig; N] = self.part_configs().try_into().map_err(|surfaces: Vec<SurfaceConfig>| {
+        let surfaces: Vec<SurfaceConfig> = self.surfaces.iter().map(|surface| surface.config).collect();
+        let surfaces: [SurfaceConfig; N] = surfaces.try_into().map_err(|surfaces: Vec<_>| {
             CalibrateError::Head(format!("{} surfaces are calibrated; {N} are asked for", surfaces.len()))
         })?;
-        Ok(WindVector::new(&self.nusselt(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
+        Ok(WindVector::new(&self.curves.config(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
     }
 
     /// c (q + G0 a) / θ of a reading of surface `i`, as [`WindVector::step`] takes it.
@@ -168,11 +148,6 @@ impl SphereCalibration {
             variance_w2_k2: (per_watt * per_watt * reading.variance_w2) as f32,
         }
     }
-
-    /// Angle of the mounting, degrees.
-    pub fn rotation_deg(&self) -> f64 {
-        Vector3::from(self.rotation_rad).norm().to_degrees()
-    }
 }
 
 fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
@@ -182,5 +157,9 @@ fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
         .enumerate()
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
         .map_or((0, 0.0), |(at, errors)| (at, *errors));
-    WorstReading { label: problem.winds[at / n].label.clone(), surface: problem.head.names[at % n].clone(), errors }
+    WorstReading {
+        label: problem.winds[at / n].label.clone(),
+        surface: problem.head.drawn.surfaces[at % n].name.clone(),
+        errors,
+    }
 }

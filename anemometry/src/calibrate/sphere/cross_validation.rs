@@ -61,15 +61,9 @@ pub fn compare(calibration: &SphereCalibration, steady: &SteadyWind) -> Result<O
     }
     let gas = steady.core_gas()?;
     Ok(Some(ComparedWind {
-        label: steady.label.clone(),
-        speed_m_s,
         reynolds: speed_m_s * f64::from(gas.reynolds_per_speed(calibration.diameter_m as f32)),
         direction_deg: direction_deg(calibration, &estimate, steady.wind_m_s),
         speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
-        chi_square: match estimate.degrees_of_freedom {
-            0 => 0.0,
-            n => f64::from(estimate.chi_square) / f64::from(n),
-        },
     }))
 }
 

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::family::{AmplitudeFamily, BasisAt, SIZE};
 use super::mounting::Mounting;
-use super::readings::{CheckedWind, SphereGeometry};
+use super::readings::{CheckedReading, CheckedWind, SphereGeometry};
 
 /// Standard error of γ before any reading: a reference gas some 20 K from the mean one, and the
 /// areas as drawn, make 0.3.
@@ -27,7 +27,7 @@ const GAIN: f64 = 0.2;
 /// A sphere, its readings, and the shape of its amplitudes.
 pub struct SphereProblem<'a> {
     /// The sphere.
-    pub head: &'a SphereGeometry,
+    pub head: &'a SphereGeometry<'a>,
     /// Its readings.
     pub winds: &'a [CheckedWind],
     /// Amplitudes over the Reynolds number.
@@ -88,7 +88,7 @@ pub struct SphereEquations {
 
 impl<'a> SphereProblem<'a> {
     /// The problem of a sphere in these winds.
-    pub fn new(head: &'a SphereGeometry, winds: &'a [CheckedWind], family: AmplitudeFamily) -> Self {
+    pub fn new(head: &'a SphereGeometry<'a>, winds: &'a [CheckedWind], family: AmplitudeFamily) -> Self {
         let n = head.surfaces.len();
         let mean = |i: usize| winds.iter().map(|wind| wind.rows[i].unit_w_k).sum::<f64>() / winds.len() as f64;
         let quiescent_unit_w_k = (0..n).map(mean).collect();
@@ -153,10 +153,10 @@ impl<'a> SphereProblem<'a> {
                 amplitudes: self.family.amplitudes(at, &place.coefficients),
                 from: -place.mounting.inward(wind.towards),
             });
-            for (i, reading) in wind.rows.iter().enumerate() {
+            for (i, CheckedReading { reading, unit_w_k }) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
-                let unit_w = reading.overheat_k * reading.unit_w_k;
-                let error_w = reading.error_w.hypot(stage.blur * unit_w);
+                let unit_w = reading.overheat_k * unit_w_k;
+                let error_w = reading.variance_w2.sqrt().hypot(stage.blur * unit_w);
                 let weight = unit_w / (place.gains[i] * error_w);
                 let nusselt = match &stream {
                     Some(stream) => self.wind_row(place, i, stream, weight, &mut row),

@@ -44,11 +44,9 @@ pub struct DrawnSurface {
 
 /// The head, checked.
 #[derive(Debug, Clone)]
-pub struct SphereGeometry {
-    /// Diameter, m.
-    pub diameter_m: f64,
-    /// Names of the surfaces.
-    pub names: Vec<String>,
+pub struct SphereGeometry<'a> {
+    /// As drawn.
+    pub drawn: &'a DrawnSphere,
     /// Surfaces, checked by dr-core.
     pub surfaces: Vec<SphereSurface>,
 }
@@ -73,16 +71,10 @@ pub struct CheckedWind {
 /// Reading of a surface, checked.
 #[derive(Debug, Clone, Copy)]
 pub struct CheckedReading {
-    /// q, W.
-    pub power_w: f64,
-    /// Its standard deviation, W.
-    pub error_w: f64,
+    /// As it was taken.
+    pub reading: SurfaceReading,
     /// k A / d: conductance at a Nusselt number of one, W/K.
     pub unit_w_k: f64,
-    /// θ, K.
-    pub overheat_k: f64,
-    /// a, K.
-    pub above_reference_k: f64,
 }
 
 impl CheckedWind {
@@ -96,7 +88,7 @@ impl CheckedWind {
 ///
 /// # Errors
 /// Names the surface whose geometry is not one.
-pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry, CalibrateError> {
+pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry<'_>, CalibrateError> {
     let refuse = CalibrateError::Head;
     if !(head.diameter_m.is_finite() && head.diameter_m > 0.0) {
         return Err(refuse(format!("the diameter is {} m; it must be a positive length", head.diameter_m)));
@@ -109,22 +101,18 @@ pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry, CalibrateError> {
         .surfaces
         .iter()
         .map(|of| SphereSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
-    Ok(SphereGeometry {
-        diameter_m: head.diameter_m,
-        names: head.surfaces.iter().map(|of| of.name.clone()).collect(),
-        surfaces: surfaces.collect::<Result<_, _>>()?,
-    })
+    Ok(SphereGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()? })
 }
 
 /// Checks all readings of a sphere.
 ///
 /// # Errors
 /// The label of the first wind that cannot be meant, and why.
-pub fn winds(head: &SphereGeometry, steady: &[SteadyWind]) -> Result<Vec<CheckedWind>, CalibrateError> {
+pub fn winds(head: &SphereGeometry<'_>, steady: &[SteadyWind]) -> Result<Vec<CheckedWind>, CalibrateError> {
     steady.iter().enumerate().map(|(given, steady)| wind(head, given, steady)).collect()
 }
 
-fn wind(head: &SphereGeometry, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
+fn wind(head: &SphereGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
     if steady.surfaces.len() != head.surfaces.len() {
         let (read, known) = (steady.surfaces.len(), head.surfaces.len());
         return Err(steady.refuse(format!("{read} surfaces were read, but the head has {known}")));
@@ -133,7 +121,7 @@ fn wind(head: &SphereGeometry, given: usize, steady: &SteadyWind) -> Result<Chec
         return Err(steady.refuse(format!("a component of the wind is {bad}; it must be a number in m/s")));
     }
     let gas = steady.core_gas()?;
-    let diameter_m = head.diameter_m as f32;
+    let diameter_m = head.drawn.diameter_m as f32;
     let speed_m_s = length(steady.wind_m_s);
     let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(diameter_m));
     if speed_m_s > 0.0 && !REYNOLDS.contains(&reynolds) {
@@ -142,17 +130,13 @@ fn wind(head: &SphereGeometry, given: usize, steady: &SteadyWind) -> Result<Chec
             "{speed_m_s} m/s make a Reynolds number of {reynolds:.3e}; it must lie within {least:e} and {most:e}, or the wind be zero"
         )));
     }
-    let rows = steady.surfaces.iter().zip(head.names.iter().zip(&head.surfaces)).map(|(reading, (name, of))| {
-        if let Some(problem) = fault(name, reading) {
+    let surfaces = head.drawn.surfaces.iter().zip(&head.surfaces);
+    let rows = steady.surfaces.iter().zip(surfaces).map(|(reading, (drawn, of))| {
+        if let Some(problem) = fault(&drawn.name, reading) {
             return Err(steady.refuse(problem));
         }
-        Ok(CheckedReading {
-            power_w: reading.power_w,
-            error_w: reading.variance_w2.sqrt(),
-            unit_w_k: f64::from(gas.conductance_per_nusselt_w_k(diameter_m, of.area_m2())),
-            overheat_k: reading.overheat_k,
-            above_reference_k: reading.above_reference_k,
-        })
+        let unit_w_k = f64::from(gas.conductance_per_nusselt_w_k(diameter_m, of.area_m2()));
+        Ok(CheckedReading { reading: *reading, unit_w_k })
     });
     let towards = if speed_m_s > 0.0 { steady.wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] };
     let rows = rows.collect::<Result<_, CalibrateError>>()?;
@@ -161,16 +145,13 @@ fn wind(head: &SphereGeometry, given: usize, steady: &SteadyWind) -> Result<Chec
 
 /// The first number of a reading that cannot be meant.
 fn fault(surface: &str, reading: &SurfaceReading) -> Option<String> {
-    let fault = |key, value, must_be| Some(format!("{surface}: `{key}` is {value}; it must be {must_be}"));
-    for (key, value) in [("power_w", reading.power_w), ("above_reference_k", reading.above_reference_k)] {
-        if !value.is_finite() {
-            return fault(key, value, "a number");
-        }
-    }
-    for (key, value) in [("overheat_k", reading.overheat_k), ("variance_w2", reading.variance_w2)] {
-        if !(value.is_finite() && value > 0.0) {
-            return fault(key, value, "a number greater than zero");
-        }
-    }
-    None
+    [
+        ("power_w", reading.power_w, f64::MIN, "a number"),
+        ("above_reference_k", reading.above_reference_k, f64::MIN, "a number"),
+        ("overheat_k", reading.overheat_k, f64::MIN_POSITIVE, "a number greater than zero"),
+        ("variance_w2", reading.variance_w2, f64::MIN_POSITIVE, "a number greater than zero"),
+    ]
+    .into_iter()
+    .find(|(_, value, least, _)| !(least..=&f64::MAX).contains(&value))
+    .map(|(key, value, _, must_be)| format!("{surface}: `{key}` is {value}; it must be {must_be}"))
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::calibration::SphereCalibration;
+use crate::wind::comparison::length;
 use recording::text::estimate;
 
 impl fmt::Display for SphereCalibration {
@@ -10,7 +11,7 @@ impl fmt::Display for SphereCalibration {
         writeln!(
             f,
             "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, {} coefficients an amplitude",
-            self.winds, self.quiescent, self.least_reynolds, self.most_reynolds, self.coefficients
+            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds, self.coefficients
         )?;
         writeln!(
             f,
@@ -27,7 +28,7 @@ impl fmt::Display for SphereCalibration {
         writeln!(
             f,
             "mounting turned by {:.2}°: ({}, {}, {})°",
-            self.rotation_deg(),
+            length(self.rotation_rad).to_degrees(),
             estimate(x, ex),
             estimate(y, ey),
             estimate(z, ez)

@@ -58,11 +58,11 @@ pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibrat
     let family = AmplitudeFamily::new(&reynolds, orders, moving.len() * head.surfaces.len());
     let problem = SphereProblem::new(&ready, &winds, family);
     let fitted = fit::fit(&problem)?;
-    let calibration = SphereCalibration::of(&problem, head, &fitted);
+    let calibration = SphereCalibration::of(&problem, &fitted);
     if calibration.residual_rms > MOST_RESIDUAL_RMS {
         let SphereCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
-    dr_core::wind::Nusselt::new(&calibration.nusselt())?;
+    dr_core::wind::Nusselt::new(&calibration.curves.config())?;
     Ok(calibration)
 }

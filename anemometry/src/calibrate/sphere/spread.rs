@@ -44,7 +44,7 @@ const HALF_OCTAVES: f64 = 2.5;
 const SPEEDS: &str = "{speeds}";
 
 /// What is missing, a sentence each; nothing if the winds will do.
-pub fn lacking(head: &SphereGeometry, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+pub fn lacking(head: &SphereGeometry<'_>, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
     let moving = ascending(winds);
     let mut sentences = few(head, winds, orders);
     if moving.is_empty() {
@@ -82,7 +82,7 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
     runs.into_iter().map(|(range, _, sentence)| sentence.replace(SPEEDS, &range.to_string())).collect()
 }
 
-fn few(head: &SphereGeometry, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+fn few(head: &SphereGeometry<'_>, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
     let n = head.surfaces.len();
     let unknowns = spline::LEAST_COUNT * orders.len() + 2 * n - 1 + Mounting::drawn(&head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
@@ -97,7 +97,7 @@ fn few(head: &SphereGeometry, winds: &[CheckedWind], orders: &[usize]) -> Vec<St
 }
 
 /// Winds in a plane are no loss to a head whose axes span more.
-fn has_one_axis(head: &SphereGeometry) -> bool {
+fn has_one_axis(head: &SphereGeometry<'_>) -> bool {
     Mounting::drawn(&head.surfaces).turns.ncols() < 3
 }
 
@@ -150,34 +150,29 @@ fn plane(moving: &[&CheckedWind]) -> Option<String> {
 }
 
 /// Angles between where the winds of a class come from and the axis of a surface, degrees.
-fn angles(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange, surface: usize) -> Vec<f64> {
+fn angles(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange, surface: usize) -> Vec<f64> {
     let axis = Vector3::from(head.surfaces[surface].axis().map(f64::from));
     let of_class = moving.iter().filter(|wind| class.holds(wind.reynolds));
     of_class.map(|wind| Vector3::from(wind.towards).angle(&-axis).to_degrees()).collect()
 }
 
-fn some_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+fn some_surface(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
     let mut all: Vec<f64> = (0..head.surfaces.len()).flat_map(|surface| angles(head, moving, class, surface)).collect();
     let (Some(least), Some(most)) = (all.iter().copied().reduce(f64::min), all.iter().copied().reduce(f64::max)) else {
         // An octave without winds is a gap of speeds, and reported there.
         return Vec::new();
     };
     let mut sentences = Vec::new();
-    if least > SOME_SURFACE {
-        sentences.push(format!(
-            "at {SPEEDS} no surface was nearer to the wind's front than {least:.0}°: winds that come from the axis of a surface, such as {}, \
-             are missing",
-            vector(Vector3::from(head.surfaces[0].axis().map(f64::from)))
-        ));
-    }
-    // Of two surfaces back to back the one's front is the other's rear.
-    let said = !sentences.is_empty() && has_one_axis(head);
-    if most < 180.0 - SOME_SURFACE && !said {
-        sentences.push(format!(
-            "at {SPEEDS} no surface was nearer to the wind's rear than {:.0}°: winds that go to the axis of a surface, such as {}, are missing",
-            180.0 - most,
-            vector(Vector3::from(head.surfaces[0].axis().map(f64::from)))
-        ));
+    let such_as = vector(Vector3::from(head.surfaces[0].axis().map(f64::from)));
+    for (side, way, nearest) in [("front", "come from", least), ("rear", "go to", 180.0 - most)] {
+        // Of two surfaces back to back the one's front is the other's rear.
+        let said = !sentences.is_empty() && has_one_axis(head);
+        if nearest > SOME_SURFACE && !said {
+            sentences.push(format!(
+                "at {SPEEDS} no surface was nearer to the wind's {side} than {nearest:.0}°: winds that {way} the axis of a surface, such as {such_as}, \
+                 are missing"
+            ));
+        }
     }
     all.sort_by(f64::total_cmp);
     for pair in all.windows(2).filter(|pair| pair[1] - pair[0] > WIDEST_ANGLE) {
@@ -191,9 +186,9 @@ fn some_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &Reynolds
     sentences
 }
 
-fn every_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+fn every_surface(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
     let mut sentences = Vec::new();
-    for (surface, name) in head.names.iter().enumerate() {
+    for (surface, drawn) in head.drawn.surfaces.iter().enumerate() {
         let own = angles(head, moving, class, surface);
         if own.is_empty() {
             continue;
@@ -205,7 +200,8 @@ fn every_surface(head: &SphereGeometry, moving: &[&CheckedWind], class: &Reynold
         ] {
             if !reached {
                 sentences.push(format!(
-                    "{name} was never within {EVERY_SURFACE:.0}° of the wind's {side} at {SPEEDS}: winds that {way} about {} are missing",
+                    "{} was never within {EVERY_SURFACE:.0}° of the wind's {side} at {SPEEDS}: winds that {way} about {} are missing",
+                    drawn.name,
                     vector(axis)
                 ));
             }

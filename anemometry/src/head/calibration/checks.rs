@@ -7,13 +7,14 @@ use std::f64::consts::PI;
 
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
-use dr_core::wind::{Nusselt, NusseltConfig, SphereSurface};
+use dr_core::wind::{MOST_SURFACES, Nusselt, SphereSurface};
 
+use super::checked::Calibration;
 use super::keys::CalibrationKeys;
 use super::table::CalibrationTable;
 use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
-use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
-use recording::toml_file::FileError;
+use crate::head::element::HeadElement;
+use recording::toml_file::{FileError, TomlSource};
 
 /// Temperatures of a gas whose properties are known, °C.
 pub(super) const GAS_C: std::ops::RangeInclusive<f64> =
@@ -26,156 +27,125 @@ const MOST_NOISE_K: f64 = 100.0;
 const GREATEST: f64 = 1e6;
 /// As the board takes them.
 const DIAMETER_M: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
+const DIRECTION_ERROR_MAX_DEG: std::ops::RangeInclusive<f64> = 0.01..=90.0;
 const GAIN: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 const QUIESCENT_W_K: std::ops::RangeInclusive<f64> = 0.0..=1e3;
 const SURFACE: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 
-/// A calibration with the places of its elements in the head.
-pub(super) struct CalibrationChecks<'a> {
-    pub keys: CalibrationKeys<'a>,
-    pub table: &'a CalibrationTable,
-    pub reference: Option<usize>,
-    pub surfaces: &'a [usize],
-    pub own: &'a [SelfHeatingParameters],
-    pub cross: &'a [CrossHeatingParameters],
-}
-
-impl CalibrationChecks<'_> {
-    pub(super) fn check(&self) -> Result<(), FileError> {
-        self.numbers()?;
-        self.own()?;
-        self.cross()?;
-        self.surfaces()?;
-        self.curves()
+impl Calibration {
+    /// The calibration of a table.
+    ///
+    /// # Errors
+    /// The key and line of what is not known, stands twice or cannot be.
+    pub fn from_table(
+        source: &TomlSource,
+        table: CalibrationTable,
+        elements: &[HeadElement],
+    ) -> Result<Self, FileError> {
+        let keys = CalibrationKeys(source);
+        let calibration = Self::placed(keys, table, elements)?;
+        calibration.check_numbers(keys)?;
+        calibration.check_self_heating(keys)?;
+        calibration.check_cross_heating(keys)?;
+        calibration.check_surfaces(keys)?;
+        calibration.check_curves(keys)?;
+        Ok(calibration)
     }
 
-    fn numbers(&self) -> Result<(), FileError> {
-        let Self { keys, table, .. } = self;
-        keys.within("calibration.diameter_m", table.diameter_m, DIAMETER_M, "m")?;
-        keys.within("calibration.reference_gas_c", table.reference_gas_c, GAS_C, "°C")?;
-        if let Some(reference) = self.reference
-            && self.knows(reference)
-        {
+    fn check_numbers(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+        let table = &self.table;
+        for (key, value, range, unit) in [
+            ("calibration.direction_error_max_deg", table.direction_error_max_deg, DIRECTION_ERROR_MAX_DEG, "°"),
+            ("calibration.diameter_m", table.diameter_m, DIAMETER_M, "m"),
+            ("calibration.reference_gas_c", table.reference_gas_c, GAS_C, "°C"),
+        ] {
+            keys.within(key, value, range, unit)?;
+        }
+        if self.reference.is_some_and(|reference| self.knows(reference)) {
             let name = table.reference.as_deref().unwrap_or_default();
-            let sentence = format!(
-                "is `{name}`, which is heated: it has a {}, and cannot measure the gas",
-                keys.heading("self_heating")
-            );
+            let heading = keys.heading("self_heating");
+            let sentence = format!("is `{name}`, which is heated: it has a {heading}, and cannot measure the gas");
             return Err(keys.refuse("calibration.reference", sentence));
         }
         Ok(())
     }
 
-    fn own(&self) -> Result<(), FileError> {
-        for (i, (of, own)) in self.table.self_heating.iter().zip(self.own).enumerate() {
+    fn check_self_heating(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+        for (i, own) in self.network.own.iter().enumerate() {
             let key = format!("calibration.self_heating[{i}]");
-            if self.own.iter().take(i).any(|before| before.element == own.element) {
-                let sentence = format!("is `{}`, which has a {} already", own.name, self.keys.heading("self_heating"));
-                return Err(self.keys.refuse(&format!("{key}.element"), sentence));
+            if self.network.own.iter().take(i).any(|before| before.element == own.element) {
+                let sentence = format!("is `{}`, which has a {} already", own.name, keys.heading("self_heating"));
+                return Err(keys.refuse(&format!("{key}.element"), sentence));
             }
-            self.keys.within(&format!("{key}.rest_c"), own.rest_c, REST_C, "°C")?;
-            for noise_k in of.noise_k {
-                self.keys.within(&format!("{key}.noise_k"), noise_k, 0.0..=MOST_NOISE_K, "K")?;
+            keys.within(&format!("{key}.rest_c"), own.rest_c, REST_C, "°C")?;
+            for noise_k in [own.noise.low_k, own.noise.high_k] {
+                keys.positive_to(&format!("{key}.noise_k"), noise_k, MOST_NOISE_K, "K")?;
             }
-            self.relaxations(&key, ORDER, &own.mesh_rad_s, &own.r_k_per_w, own.surface.as_deref())?;
+            check_relaxations(keys, &key, ORDER, &own.mesh_rad_s, &own.r_k_per_w, own.surface.as_deref())?;
             let surface = |k: usize| own.surface.as_ref().map_or(1.0, |shares| shares[k]);
             let steady_k_per_w: f64 = own.r_k_per_w.iter().enumerate().map(|(k, r)| r * surface(k)).sum();
             if steady_k_per_w <= 0.0 {
                 let sentence = format!("has a steady gain of {steady_k_per_w} K/W: heating must make it warmer");
-                return Err(self.keys.refuse(&key, sentence));
+                return Err(keys.refuse(&key, sentence));
             }
         }
         Ok(())
     }
 
-    fn cross(&self) -> Result<(), FileError> {
-        for (i, (of, cross)) in self.table.cross_heating.iter().zip(self.cross).enumerate() {
+    fn check_cross_heating(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+        let heading = keys.heading("self_heating");
+        for (i, cross) in self.network.cross.iter().enumerate() {
             let key = format!("calibration.cross_heating[{i}]");
-            let refuse = |sentence: String| Err(self.keys.refuse(&key, sentence));
+            let refuse = |sentence: String| Err(keys.refuse(&key, sentence));
+            let (from, to) = (&cross.from_name, &cross.to_name);
             if cross.from == cross.to {
-                return refuse(format!(
-                    "is from `{}` to itself: that is {}",
-                    of.from,
-                    self.keys.heading("self_heating")
-                ));
+                return refuse(format!("is from `{from}` to itself: that is {heading}"));
             }
-            for (name, element) in [(&of.from, cross.from), (&of.to, cross.to)] {
+            for (name, element) in [(from, cross.from), (to, cross.to)] {
                 if !self.knows(element) {
-                    return refuse(format!("names `{name}`, which has no {}", self.keys.heading("self_heating")));
+                    return refuse(format!("names `{name}`, which has no {heading}"));
                 }
             }
             let pair = (cross.from, cross.to);
-            if self.cross.iter().take(i).any(|before| (before.from, before.to) == pair) {
-                return refuse(format!("is from `{}` to `{}`, as another one before it", of.from, of.to));
+            if self.network.cross.iter().take(i).any(|before| (before.from, before.to) == pair) {
+                return refuse(format!("is from `{from}` to `{to}`, as another one before it"));
             }
-            self.relaxations(&key, CROSS_ORDER, &cross.mesh_rad_s, &cross.r_k_per_w, Some(&cross.surface))?;
+            check_relaxations(keys, &key, CROSS_ORDER, &cross.mesh_rad_s, &cross.r_k_per_w, Some(&cross.surface))?;
         }
-        for from in self.own {
-            for to in self.own.iter().filter(|to| to.element != from.element) {
-                if !self.cross.iter().any(|cross| (cross.from, cross.to) == (from.element, to.element)) {
+        for from in &self.network.own {
+            for to in self.network.own.iter().filter(|to| to.element != from.element) {
+                if !self.network.cross.iter().any(|cross| (cross.from, cross.to) == (from.element, to.element)) {
                     let sentence = format!("lacks the pair from `{}` to `{}`", from.name, to.name);
-                    return Err(self.keys.refuse("calibration.cross_heating", sentence));
+                    return Err(keys.refuse("calibration.cross_heating", sentence));
                 }
             }
         }
         Ok(())
     }
 
-    /// Rates and what belongs to them.
-    fn relaxations(
-        &self,
-        key: &str,
-        most: usize,
-        mesh_rad_s: &[f64],
-        r_k_per_w: &[f64],
-        surface: Option<&[f64]>,
-    ) -> Result<(), FileError> {
-        let keys = self.keys;
-        if mesh_rad_s.len() > most {
-            let sentence = format!("are {}: the board carries {most}", mesh_rad_s.len());
-            return Err(keys.refuse(&format!("{key}.mesh_rad_s"), sentence));
+    fn check_surfaces(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+        let count = self.surfaces.len();
+        if ![2, MOST_SURFACES].contains(&count) {
+            let sentence = format!("are {count}: four sectors, two hemispheres or four dice belong here");
+            return Err(keys.refuse("calibration.surfaces", sentence));
         }
-        for &rate in mesh_rad_s {
-            keys.positive(&format!("{key}.mesh_rad_s"), rate, "rad/s")?;
-            keys.within(&format!("{key}.mesh_rad_s"), rate, 0.0..=GREATEST, "rad/s")?;
-        }
-        if let Some(pair) = mesh_rad_s.windows(2).find(|pair| pair[1] <= pair[0]) {
-            let sentence = format!("has {} after {} rad/s: they must ascend", pair[1], pair[0]);
-            return Err(keys.refuse(&format!("{key}.mesh_rad_s"), sentence));
-        }
-        for &r in r_k_per_w {
-            keys.within(&format!("{key}.r_k_per_w"), r, -GREATEST..=GREATEST, "K/W")?;
-        }
-        for &share in surface.unwrap_or_default() {
-            keys.within(&format!("{key}.surface"), share, SURFACE, "")?;
-        }
-        Ok(())
-    }
-
-    fn surfaces(&self) -> Result<(), FileError> {
-        let keys = self.keys;
         let heading = keys.heading("self_heating");
         let most_m2 = PI * self.table.diameter_m * self.table.diameter_m;
-        for (i, (of, element)) in self.table.surfaces.iter().zip(self.surfaces).enumerate() {
+        for (i, (of, element)) in self.table.surfaces.iter().zip(&self.surfaces).enumerate() {
             let key = format!("calibration.surfaces[{i}]");
-            let refuse = |sentence: String| Err(keys.refuse(&format!("{key}.element"), sentence));
-            if self.surfaces.iter().take(i).any(|before| before == element) {
-                return refuse(format!("is `{}`, which is another surface's already", of.element));
-            }
-            match self.own.iter().find(|own| own.element == *element) {
-                None => return refuse(format!("is `{}`, which has no {heading}", of.element)),
-                Some(own) if own.surface.is_none() => {
-                    return refuse(format!(
-                        "is `{}`, which has no `surface` in its {heading}, and so no wind cools it",
-                        of.element
-                    ));
-                }
-                Some(_) => {}
+            let own = self.network.own.iter().find(|own| own.element == *element);
+            let why = match own.map(|own| &own.surface) {
+                _ if self.surfaces[..i].contains(element) => Some("which is another surface's already".to_owned()),
+                None => Some(format!("which has no {heading}")),
+                Some(None) => Some(format!("which has no `surface` in its {heading}, and so no wind cools it")),
+                Some(Some(_)) => None,
+            };
+            if let Some(why) = why {
+                return Err(keys.refuse(&format!("{key}.element"), format!("is `{}`, {why}", of.element)));
             }
             keys.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
             keys.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
-            keys.positive(&format!("{key}.area_m2"), of.area_m2, "m²")?;
-            keys.within(&format!("{key}.area_m2"), of.area_m2, 0.0..=most_m2, "m²")?;
+            keys.positive_to(&format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
             SphereSurface::new(&of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
             if self.table.nusselt.is_some() && of.means[0] <= 0.0 {
                 let sentence = format!("begins with {}: a surface of a sphere faces its own axis", of.means[0]);
@@ -185,18 +155,55 @@ impl CalibrationChecks<'_> {
         Ok(())
     }
 
-    fn curves(&self) -> Result<(), FileError> {
-        let Some(nusselt) = &self.table.nusselt else { return Ok(()) };
-        let rows = nusselt.amplitudes.iter().map(|row| row.map(|a| a as f32));
-        let Ok(amplitudes) = <[_; _]>::try_from(rows.collect::<Vec<_>>()) else { return Ok(()) };
-        let (least_reynolds, most_reynolds) = (nusselt.least_reynolds as f32, nusselt.most_reynolds as f32);
-        let made = Nusselt::new(&NusseltConfig { least_reynolds, most_reynolds, amplitudes });
-        made.map(drop).map_err(|error| self.keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))
+    fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+        let CalibrationTable { nusselt, card, .. } = &self.table;
+        if card.is_some() && (nusselt.is_some() || self.surfaces.len() != MOST_SURFACES) {
+            let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
+            return Err(keys.refuse("calibration.card", sentence));
+        }
+        let Some(nusselt) = nusselt else { return Ok(()) };
+        let made = Nusselt::new(&nusselt.config());
+        made.map(drop).map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))
     }
 
     fn knows(&self, element: usize) -> bool {
-        self.own.iter().any(|own| own.element == element)
+        self.network.own.iter().any(|own| own.element == element)
     }
+}
+
+/// Rates and what belongs to them.
+fn check_relaxations(
+    keys: CalibrationKeys<'_>,
+    key: &str,
+    most: usize,
+    mesh_rad_s: &[f64],
+    r_k_per_w: &[f64],
+    surface: Option<&[f64]>,
+) -> Result<(), FileError> {
+    let rates = mesh_rad_s.len();
+    for others in [r_k_per_w.len(), surface.map_or(rates, <[f64]>::len)] {
+        if others != rates || rates == 0 {
+            return Err(keys.refuse(key, format!("has {rates} rates and {others} numbers that belong to them")));
+        }
+    }
+    let mesh_key = format!("{key}.mesh_rad_s");
+    if rates > most {
+        return Err(keys.refuse(&mesh_key, format!("are {rates}: the board carries {most}")));
+    }
+    for &rate in mesh_rad_s {
+        keys.positive_to(&mesh_key, rate, GREATEST, "rad/s")?;
+    }
+    if let Some(pair) = mesh_rad_s.windows(2).find(|pair| pair[1] <= pair[0]) {
+        let sentence = format!("has {} after {} rad/s: they must ascend", pair[1], pair[0]);
+        return Err(keys.refuse(&mesh_key, sentence));
+    }
+    for &r in r_k_per_w {
+        keys.within(&format!("{key}.r_k_per_w"), r, -GREATEST..=GREATEST, "K/W")?;
+    }
+    for &share in surface.unwrap_or_default() {
+        keys.within(&format!("{key}.surface"), share, SURFACE, "")?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -27,8 +27,8 @@ impl Calibration {
         sample_period_s: f64,
     ) -> Result<(Vec<WindCommand>, NetworkObserver), WindSetupError> {
         let observer = match output.fixed {
-            true => self.network.observer(output.bandwidth_hz, sample_period_s, &self.noise)?,
-            false => self.network.adaptive_observer(output.bandwidth_hz, sample_period_s, &self.noise)?,
+            true => self.network.observer(output.bandwidth_hz, sample_period_s)?,
+            false => self.network.adaptive_observer(output.bandwidth_hz, sample_period_s)?,
         };
         let mut commands = Vec::new();
         for (element, config) in &observer.own {
@@ -53,9 +53,10 @@ impl Calibration {
             };
             commands.push(WindCommand::Surface { surface: part, config });
         }
-        let [least_c, most_c] = self.gas_range_c();
-        let law = gas_law(self.species, least_c, most_c)?;
-        commands.push(WindCommand::GasLaw(law));
+        let reference_c = self.table.reference_gas_c;
+        let least_c = (reference_c - GAS_RANGE_K).max(*GAS_C.start());
+        let most_c = (reference_c + GAS_RANGE_K).min(*GAS_C.end());
+        commands.push(WindCommand::GasLaw(gas_law(self.table.species, least_c, most_c)?));
         commands.push(WindCommand::Output(self.answer(output, sample_period_s)?));
         Ok((commands, observer))
     }
@@ -78,11 +79,5 @@ impl Calibration {
             smoothing_s: [REFERENCE_SMOOTHING_S, 0.5 / std::f64::consts::PI / output.bandwidth_hz].map(|s| s as f32),
             reference_gas_c: self.table.reference_gas_c as f32,
         })
-    }
-
-    fn gas_range_c(&self) -> [f64; 2] {
-        let (least_c, most_c) = (*GAS_C.start(), *GAS_C.end());
-        let reference_c = self.table.reference_gas_c;
-        [(reference_c - GAS_RANGE_K).max(least_c), (reference_c + GAS_RANGE_K).min(most_c)]
     }
 }

@@ -24,9 +24,12 @@ impl CalibrationKeys<'_> {
         if range.contains(&value) { Ok(value) } else { self.0.within(&self.written(key), value, range, unit) }
     }
 
-    /// As [`TomlSource::positive`].
-    pub fn positive(&self, key: &str, value: f64, unit: &str) -> Result<f64, FileError> {
-        if value.is_finite() && value > 0.0 { Ok(value) } else { self.0.positive(&self.written(key), value, unit) }
+    /// Passes a value above zero and at most so great.
+    pub fn positive_to(&self, key: &str, value: f64, most: f64, unit: &str) -> Result<f64, FileError> {
+        if value.is_finite() && value > 0.0 {
+            return self.within(key, value, 0.0..=most, unit);
+        }
+        self.0.positive(&self.written(key), value, unit)
     }
 
     /// Heading of an array of tables, such as `[[calibration.self_heating]]`.

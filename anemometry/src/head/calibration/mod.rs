@@ -21,20 +21,16 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `table` | the tables as they are written |
+//! | [`table`] | the tables as they are written |
 //! | `keys` | lines of keys, in either spelling |
 //! | `checks` | what is refused |
 //! | [`checked`] | a checked calibration |
 //! | [`commands`] | it as commands of the board's anemometer |
-//! | [`new`] | a calibration that was just made, on its way to the file |
+//! | `new` | a calibration that was just made, on its way to the file |
 
 pub mod checked;
 mod checks;
 pub mod commands;
 pub(super) mod keys;
-pub mod new;
-pub(super) mod table;
-
-pub use checked::Calibration;
-pub use new::{Curves, NewCalibration, NewSurface};
-pub use table::CardTable;
+mod new;
+pub mod table;

@@ -1,39 +1,58 @@
-//! The tables of a calibration as they are written: every key, before anything is checked.
+//! The tables of a calibration as they stand in a head file, read and written: every key, before
+//! anything is checked.
 
 use dr_core::wind::card_inverse::{KNOTS, TERMS};
-use dr_core::wind::{CardConfig, SurfaceConfig};
+use dr_core::wind::nusselt::{ORDERS, POINTS};
+use dr_core::wind::{CardConfig, NusseltConfig, SurfaceConfig};
 use serde::{Deserialize, Serialize};
 
+use crate::gas::Species;
+use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
+
+/// `[calibration]`
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationTable {
-    /// What it was made from and how good it is, for people.
+    /// Recordings and cross-validation of the calibration, in words.
     pub made_from: String,
-    pub species: String,
+    /// The gas that it holds for.
+    pub species: Species,
+    /// Temperature of the gas of the quiescent-gas network, °C.
     pub reference_gas_c: f64,
+    /// Diameter of the sphere, or side of a die, m.
     pub diameter_m: f64,
+    /// Directions that are more uncertain are flagged as none, °.
     pub direction_error_max_deg: f64,
+    /// The element that measures the gas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
+    /// How conductances depend on the wind, of a sphere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nusselt: Option<NusseltTable>,
+    /// The same of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
+    /// Surfaces, in the head's order.
     #[serde(default, alias = "parts")]
     pub surfaces: Vec<SurfaceTable>,
+    /// Self-heating of the quiescent-gas network.
     #[serde(default, alias = "own")]
-    pub self_heating: Vec<SelfHeatingTable>,
+    pub self_heating: Vec<SelfHeatingParameters>,
+    /// Cross-heating of the quiescent-gas network.
     #[serde(default, alias = "cross")]
-    pub cross_heating: Vec<CrossHeatingTable>,
+    pub cross_heating: Vec<CrossHeatingParameters>,
 }
 
+/// `[calibration.nusselt]`
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct NusseltTable {
+    /// Least Reynolds number of the winds.
     pub least_reynolds: f64,
+    /// Greatest Reynolds number of the winds.
     pub most_reynolds: f64,
-    /// a_0 … a_5 at Reynolds numbers in geometric progression.
-    pub amplitudes: Vec<[f64; 6]>,
+    /// a_0 … a_5 at Reynolds numbers in geometric progression from the least to the greatest.
+    pub amplitudes: [[f64; ORDERS]; POINTS],
 }
 
 /// `[calibration.card]`: the curves of a card, as dr-core's `CardConfig` has them.
@@ -60,42 +79,38 @@ pub struct CardTable {
     pub difference_share: f64,
 }
 
+/// `[[calibration.surfaces]]`
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceTable {
+    /// Name of its element.
     pub element: String,
+    /// Outward, in the tunnel's frame.
     pub axis: [f64; 3],
+    /// Towards a corner.
     pub corner: [f64; 3],
+    /// Area, m².
     pub area_m2: f64,
+    /// Means of the Legendre polynomials over the surface, from the first order on.
     pub means: [f64; 5],
+    /// Their threefold parts, from the third order on.
     pub threefold: [f64; 3],
+    /// Factor of its convective loss.
     pub gain: f64,
+    /// Conductance in quiescent gas at the reference, W/K.
     #[serde(alias = "windless_w_k")]
     pub quiescent_w_k: f64,
 }
 
-#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct SelfHeatingTable {
-    pub element: String,
-    pub rest_c: f64,
-    /// Of one reading at the low and at the high level, K.
-    pub noise_k: [f64; 2],
-    pub mesh_rad_s: Vec<f64>,
-    pub r_k_per_w: Vec<f64>,
-    /// m_k; absent for an element that no wind cools.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface: Option<Vec<f64>>,
-}
-
-#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct CrossHeatingTable {
-    pub from: String,
-    pub to: String,
-    pub mesh_rad_s: Vec<f64>,
-    pub r_k_per_w: Vec<f64>,
-    pub surface: Vec<f64>,
+impl NusseltTable {
+    /// As the board takes it.
+    pub fn config(&self) -> NusseltConfig {
+        NusseltConfig {
+            least_reynolds: self.least_reynolds as f32,
+            most_reynolds: self.most_reynolds as f32,
+            amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
+        }
+    }
 }
 
 impl CardTable {
@@ -114,6 +129,20 @@ impl CardTable {
 }
 
 impl SurfaceTable {
+    /// With a geometry as the board takes it.
+    pub fn new(element: String, surface: SurfaceConfig, gain: f64, quiescent_w_k: f64) -> Self {
+        Self {
+            element,
+            axis: surface.axis.map(f64::from),
+            corner: surface.corner.map(f64::from),
+            area_m2: surface.area_m2.into(),
+            means: surface.means.map(f64::from),
+            threefold: surface.threefold.map(f64::from),
+            gain,
+            quiescent_w_k,
+        }
+    }
+
     /// Its geometry as the board takes it.
     pub fn surface(&self) -> SurfaceConfig {
         SurfaceConfig {

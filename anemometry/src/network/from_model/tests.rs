@@ -1,9 +1,9 @@
 use std::path::Path;
 
-use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
+use dr_core::model::{ConvectionObserverState, TickInput};
 
+use super::super::ladder::contact_time_s;
 use super::*;
-use crate::network::kalman::ReadingNoise;
 use diffusive::model::testing;
 
 const NOISE: ReadingNoise = ReadingNoise { low_k: 2e-3, high_k: 4e-4 };
@@ -43,28 +43,28 @@ fn a_model_becomes_a_network_with_its_layers_and_its_shares() {
     let parameters = QuiescentNetwork::of(&model(), &head()).unwrap();
     let names: Vec<_> = parameters.own.iter().map(|own| (own.element, own.name.as_str(), own.layers.len())).collect();
     assert_eq!(names, [(0, "hemisphere1", 2), (2, "core1", 0)]);
+    // At the high level less by the ratio of the currents, 4 and 30 mA.
+    let noise = parameters.own[0].noise;
+    assert_eq!(noise.low_k, model().outputs[0].residual_rms);
+    assert!((noise.high_k / noise.low_k - 4.0 / 30.0).abs() < 1e-12, "{noise:?}");
     assert!(parameters.own[1].surface.is_none());
-    assert!((parameters.own[0].contact_time_s() - 0.61).abs() < 0.05, "{}", parameters.own[0].contact_time_s());
+    let contact_s = contact_time_s(&parameters.own[0].layers);
+    assert!((contact_s - 0.61).abs() < 0.05, "{contact_s}");
     let [there, back] = &parameters.cross[..] else { panic!("{:?}", parameters.cross) };
     assert_eq!((there.from, there.to, back.from, back.to), (0, 2, 2, 0));
     // Slow: all but a part of contact time times rate; 5 rad/s is beyond the contact.
-    assert!((there.surface[0] - 1.0 + 0.00296 * parameters.own[0].contact_time_s()).abs() < 1e-5);
+    assert!((there.surface[0] - 1.0 + 0.00296 * contact_s).abs() < 1e-5);
     assert_eq!(there.surface[2], 0.0);
     assert_eq!(back.surface, [1.0; 3]);
 }
 
 #[test]
 fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
-    let parameters = QuiescentNetwork::of(&model(), &head()).unwrap();
-    let observer = parameters.observer(5.0, 0.01, &[NOISE; 4]).unwrap();
-    let mut network = ConvectionObserver::<4>::default();
-    for (element, config) in &observer.own {
-        network.set_self_heating(*element, config, 0.01).unwrap();
-    }
-    for config in &observer.cross {
-        network.set_cross_heating(config, 0.01).unwrap();
-    }
-    assert!(observer.sd_w[0] > 0.0 && observer.sd_w[1] == 0.0);
+    let mut parameters = QuiescentNetwork::of(&model(), &head()).unwrap();
+    parameters.own.iter_mut().for_each(|own| own.noise = NOISE);
+    let observer = parameters.observer(5.0, 0.01).unwrap();
+    let network = observer.board(0.01).unwrap();
+    assert!(observer.noise_w(0).unwrap() > 0.0 && observer.noise_w(2) == Some(0.0));
     assert_eq!(observer.own[1].1.gains.convection_w_per_k, 0.0);
     assert!(observer.own[1].1.gains.correction_w_per_k[0] > 0.0);
     // Settled without wind: no convection, and the surface colder by what lies before it.
@@ -73,12 +73,14 @@ fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
     let far = gain(&parameters.cross[0].r_k_per_w);
     let warm_c = -44.6 + p * gain(&parameters.own[0].r_k_per_w) + core * far;
     let core_c = -44.1 + core * gain(&parameters.own[1].r_k_per_w) + p * far;
+    let by_place =
+        |of: f64, of_core: f64| std::array::from_fn(|i| [of, 0.0, of_core].get(i).map_or(0.0, |x| *x as f32));
     let look = TickInput {
-        temperature_c: &[warm_c as f32, 0.0, core_c as f32, 0.0],
+        temperature_c: &by_place(warm_c, core_c),
         valid: 0b101,
         read_high: 0,
-        power_w: &[p as f32, 0.0, core as f32, 0.0],
-        standing_w: &[p as f32, 0.0, core as f32, 0.0],
+        power_w: &by_place(p, core),
+        standing_w: &by_place(p, core),
     };
     let mut state = ConvectionObserverState::default();
     let convection = network.step(&mut state, &look).unwrap();
@@ -107,6 +109,8 @@ fn what_is_no_quiescent_gas_network_is_refused_by_its_pair() {
         pair.classes.get_mut("all").unwrap().r_k_per_w = vec![1.0; 5];
     });
     assert!(sentence.contains("has 5 rates, and the board carries 4"), "{sentence}");
-    let noise = QuiescentNetwork::of(&model(), &head()).unwrap().observer(1.0, 0.01, &[NOISE]).unwrap_err().to_string();
-    assert!(noise.contains("`core1`: its readings' noise is not given"), "{noise}");
+    let mut silent = QuiescentNetwork::of(&model(), &head()).unwrap();
+    silent.own[1].noise.low_k = 0.0;
+    let noise = silent.observer(1.0, 0.01).unwrap_err().to_string();
+    assert!(noise.starts_with("element `core1`: noise of readings is 0 K at the low"), "{noise}");
 }

@@ -3,7 +3,8 @@
 
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
-use anemometry::calibrate::calibrator::{Calibrator, conductance_noise_w_k};
+use anemometry::calibrate::calibrator::Calibrator;
+use anemometry::calibrate::report::conductance_noise;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
@@ -21,8 +22,6 @@ const DIAMETER_M: f64 = 0.01;
 const SETTLE_S: f64 = 20.0;
 /// Directions that are more uncertain are none, °.
 const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
-/// Bandwidths whose noise is told, Hz.
-const NOISE_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 
 /// The windless network from a record of each element, of which each lasts as its file says, or so
 /// many seconds.
@@ -73,7 +72,7 @@ pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), Study
     lab.announce(&tunnel);
     let calibrator = Calibrator::new(&tunnel.head, model, DIAMETER_M).map_err(other)?;
     let steady = steady(&calibrator, &tunnel, SETTLE_S)?;
-    let made = calibrator.calibrated(&steady, tunnel.species, 1, DIRECTION_ERROR_MAX_DEG);
+    let made = calibrator.calibrated(&steady, 1, DIRECTION_ERROR_MAX_DEG);
     let made = made.map_err(other)?;
     Ok((made.head, made.text))
 }
@@ -84,7 +83,7 @@ pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), Study
 /// What could not be run, or is not known of the gas.
 pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Result<Vec<SteadyWind>, StudyError> {
     let search = calibrator.search(settle_s, None);
-    let name = tunnel.title.clone();
+    let name = std::path::Path::new(&tunnel.title);
     let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s).map_err(other)?;
     let mut live = LiveRows::new(tunnel.sample_period_s);
     let mut failed = None;
@@ -122,6 +121,5 @@ pub(super) fn rows(
 
 /// Noise of a part's conductance by bandwidth, W/K, as far as it can be had.
 pub(super) fn noise_w_k(head: &Head) -> Vec<(f64, f64)> {
-    let of = |bandwidth_hz| Some((bandwidth_hz, conductance_noise_w_k(head, bandwidth_hz)?));
-    NOISE_HZ.into_iter().filter_map(of).collect()
+    conductance_noise(head).into_iter().map(|of| (of.bandwidth_hz, of.sd_w_k)).collect()
 }

@@ -36,12 +36,12 @@ pub fn findings(of: &MeasuredSphere) -> StudyFindings {
 
 /// WindComparison in unseen winds, at the bandwidth with the least.
 fn directions(of: &MeasuredSphere, found: &mut StudyFindings) {
-    let rms = |errors: &WindComparison| errors.speed_rms().unwrap_or(f64::NAN);
+    let rms = |errors: &WindComparison| errors.speed.rms().unwrap_or(f64::NAN);
     let Some(best) = of.directions.iter().min_by(|a, b| rms(&a.errors).total_cmp(&rms(&b.errors))) else { return };
-    let direction_deg = best.errors.direction_rms_deg();
+    let direction_deg = best.errors.direction_deg.rms();
     let at = format!("{} unseen winds, {}", best.winds, best.mode);
     if let Some(direction_deg) = direction_deg.filter(|_| of.sphere.whole) {
-        let linear = best.errors.linear_rms_deg().map_or(String::new(), |deg| format!("linear inverse {deg:.2}°"));
+        let linear = best.errors.linear_deg.rms().map_or(String::new(), |deg| format!("linear inverse {deg:.2}°"));
         found.push(
             StudyFinding::reported(format!("direction, {at}"), linear, format!("{direction_deg:.2}° rms"))
                 .judged(format!("at most {DIRECTION_DEG}° rms"), direction_deg <= DIRECTION_DEG),
@@ -49,7 +49,7 @@ fn directions(of: &MeasuredSphere, found: &mut StudyFindings) {
     }
     let speed = rms(&best.errors);
     let ours =
-        format!("{} rms, {} at worst", percent(speed, 2), percent(best.errors.speed_worst().unwrap_or(f64::NAN), 2));
+        format!("{} rms, {} at worst", percent(speed, 2), percent(best.errors.speed.worst().unwrap_or(f64::NAN), 2));
     found.push(
         StudyFinding::reported(format!("speed, {at}"), "", ours)
             .judged(format!("at most {} rms", percent(SPEED, 1)), speed <= SPEED),

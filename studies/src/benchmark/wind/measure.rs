@@ -47,7 +47,7 @@ pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) 
     let mut drift = steps::drift(&lab, &head)?;
     Ok(MeasuredSphere {
         sphere,
-        made_from: head.calibration.as_ref().map(|of| of.made_from().to_owned()).unwrap_or_default(),
+        made_from: head.calibration.as_ref().map(|of| of.table.made_from.clone()).unwrap_or_default(),
         noise_w_k: chain::noise_w_k(&head),
         directions: directions::measure(&lab, &head, &modes(sphere.winds_hz))?,
         steps: steps::measure(&lab, &head, &modes(sphere.step_hz), &mut drift)?,

@@ -37,12 +37,12 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
                 format!(
                     "{} | {} | {} | {} | {} | {} | {}",
                     row.mode,
-                    share(errors.speed_rms()),
-                    share(errors.speed_bias()),
-                    share(errors.speed_worst()),
-                    degrees(errors.direction_rms_deg()),
-                    degrees(errors.direction_worst_deg()),
-                    degrees(errors.linear_rms_deg())
+                    share(errors.speed.rms()),
+                    share(errors.speed.mean()),
+                    share(errors.speed.worst()),
+                    degrees(errors.direction_deg.rms()),
+                    degrees(errors.direction_deg.worst()),
+                    degrees(errors.linear_deg.rms())
                 )
             })),
         ),

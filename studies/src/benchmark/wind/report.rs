@@ -103,9 +103,9 @@ impl SphereJson {
             bandwidth_hz: row.mode.bandwidth_hz,
             fixed: row.mode.fixed,
             winds: row.winds,
-            speed_rms_error: row.errors.speed_rms(),
-            direction_rms_error_deg: row.errors.direction_rms_deg(),
-            linear_direction_rms_error_deg: row.errors.linear_rms_deg(),
+            speed_rms_error: row.errors.speed.rms(),
+            direction_rms_error_deg: row.errors.direction_deg.rms(),
+            linear_direction_rms_error_deg: row.errors.linear_deg.rms(),
         });
         let steps = of.steps.iter().flat_map(|steps| {
             steps.ways.iter().map(|way| StepsJson {
