@@ -1,6 +1,7 @@
 //! From the experiments of a head to its calibration, in memory: what `anemo run`, `anemo network`
 //! and `anemo calibrate` do with files.
 
+use crate::thesis::record::rows;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
 use anemometry::calibrate::calibrator::{Calibrator, conductance_noise_w_k};
@@ -10,10 +11,7 @@ use anemometry::network::record::QuiescentRecord;
 use anemometry::wind::live::LiveRows;
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::LockStep;
-use host_sim::instrument::in_process::InProcess;
-use host_sim::run::{RunError, run};
-use recording::{Collector, Metadata, RecordingLayout, RecordingRow};
+use recording::{Collector, Metadata, RecordingLayout};
 
 /// Diameter of both spheres, m.
 const DIAMETER_M: f64 = 0.01;
@@ -104,24 +102,17 @@ fn other(error: impl std::fmt::Display) -> StudyError {
     StudyError::Other(error.to_string())
 }
 
-/// Runs an experiment in process; a trip is an error.
-pub(super) fn rows(
-    experiment: &Experiment,
-    sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
-) -> Result<(), StudyError> {
-    let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
-    let summary = run(experiment, Box::new(instrument), sink)?;
-    match summary.trips.first() {
-        None => Ok(()),
-        Some(trip) => Err(StudyError::Other(format!(
-            "{} tripped at {} s: {}, {}",
-            experiment.title, trip.time_s, trip.cause, trip.element
-        ))),
-    }
+/// Noise of a part's conductance at one bandwidth.
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+pub struct ConductanceNoise {
+    /// The bandwidth, Hz.
+    pub bandwidth_hz: f64,
+    /// Its noise, W/K.
+    pub value: f64,
 }
 
-/// Noise of a part's conductance by bandwidth, W/K, as far as it can be had.
-pub(super) fn noise_w_k(head: &Head) -> Vec<(f64, f64)> {
-    let of = |bandwidth_hz| Some((bandwidth_hz, conductance_noise_w_k(head, bandwidth_hz)?));
+/// By bandwidth, as far as it can be had.
+pub(super) fn noise_w_k(head: &Head) -> Vec<ConductanceNoise> {
+    let of = |bandwidth_hz| Some(ConductanceNoise { bandwidth_hz, value: conductance_noise_w_k(head, bandwidth_hz)? });
     NOISE_HZ.into_iter().filter_map(of).collect()
 }

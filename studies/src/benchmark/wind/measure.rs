@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::chain;
+use super::chain::{self, ConductanceNoise};
 use super::directions::{self, Directions};
 use super::sphere::{BenchmarkSphere, SPHERE_A, SPHERE_B, modes};
 use super::steps::{self, Drift, StepResponses};
@@ -22,8 +22,8 @@ pub struct MeasuredSphere {
     pub text: String,
     /// Records of its calibration, and its cross-validated errors.
     pub made_from: String,
-    /// Noise of a part's conductance at 30 K and 1 kHz by bandwidth, W/K.
-    pub noise_w_k: Vec<(f64, f64)>,
+    /// Noise of a part's conductance at 30 K and 1 kHz by bandwidth.
+    pub noise_w_k: Vec<ConductanceNoise>,
     /// Errors in unseen winds, by bandwidth.
     pub directions: Vec<Directions>,
     /// Responses to steps, by bandwidth.
