@@ -91,8 +91,5 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes, &report.verdict);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
-    if arguments.json {
-        return crate::output::print_json(&report);
-    }
-    crate::output::print(&report.to_string())
+    crate::output::print_report(&report, arguments.json)
 }

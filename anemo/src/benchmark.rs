@@ -1,12 +1,11 @@
 //! `anemo benchmark`: the numbers that the instrument has to reach, measured on the simulated
 //! sensors.
 
-use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use crate::output::Failure;
+use crate::progress::announce;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
-use studies::thesis::StudyError;
 
 /// Measure the numbers that the whole instrument has to reach, on the simulated sensors.
 ///
@@ -43,27 +42,12 @@ enum BenchmarkName {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let BenchmarkName::Wind = arguments.name;
-    if !arguments.experiments.is_dir() {
-        return Err(Failure::usage(format!(
-            "{}: no folder of experiments; run it from the project's own, or say where with --experiments",
-            arguments.experiments.display()
-        )));
-    }
+    crate::output::is_experiments(&arguments.experiments)?;
     for folder in [Some(&arguments.output), arguments.heads.as_ref()].into_iter().flatten() {
         std::fs::create_dir_all(folder)
             .map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
     }
-    let terminal = std::io::stderr().is_terminal();
-    let progress = |what: &str| {
-        if terminal {
-            eprintln!("  {what}");
-        }
-    };
-    let all = wind::both(&arguments.experiments, &progress).map_err(|error| match error {
-        StudyError::File(error) => error.into(),
-        StudyError::Run(error) => error.into(),
-        other => Failure::work(other),
-    })?;
+    let all = wind::both(&arguments.experiments, &announce)?;
     crate::output::write_text(&arguments.output.join("wind.md"), &page::page(&all).map_err(Failure::work)?)?;
     if let Some(folder) = &arguments.heads {
         for of in &all {

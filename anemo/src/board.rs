@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::choice::choice;
 use crate::output::Failure;
-use host_sim::instrument::emulated::{self, Emulated};
+use host_sim::instrument::emulated::{Emulated, EmulatorLink};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
@@ -73,13 +74,14 @@ pub(super) struct Emulation {
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
     firmware: Option<PathBuf>,
     /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true, help_heading = EMULATED)]
-    link: LinkName,
+    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true, help_heading = EMULATED,
+        value_parser = choice([("fifo", "", EmulatorLink::Fifo), ("usart", "", EmulatorLink::Usart)]))]
+    link: EmulatorLink,
 }
 
 impl Emulation {
     fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
-        Emulated::start_with(&self.firmware(), self.link.path(), flash).map_err(Failure::work)
+        Emulated::start_with(&self.firmware(), self.link, flash).map_err(Failure::work)
     }
 
     /// The firmware that was asked for, or the one that `cargo xtask` has built beside this
@@ -110,21 +112,6 @@ impl FromStr for On {
                 Err(Failure::usage("a serial port is named too, as in serial:/dev/ttyACM0"))
             }
             _ => Err(Failure::usage("it is sim, qemu or serial:DEVICE")),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum LinkName {
-    Fifo,
-    Usart,
-}
-
-impl LinkName {
-    const fn path(self) -> emulated::EmulatorLink {
-        match self {
-            Self::Fifo => emulated::EmulatorLink::Fifo,
-            Self::Usart => emulated::EmulatorLink::Usart,
         }
     }
 }

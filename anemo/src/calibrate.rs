@@ -110,7 +110,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut report = CalibrationReport::new(calibrated, winds.short, arguments.settle);
     report.written.clone_from(&arguments.output);
-    if arguments.json { crate::output::print_json(&report) } else { crate::output::print(&report.to_string()) }
+    crate::output::print_report(&report, arguments.json)
 }
 
 fn progress_bar_of(recordings: usize) -> ProgressBar {

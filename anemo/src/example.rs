@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::choice::choice;
 use crate::identify::progress_bar;
 use crate::output::Failure;
 use diffusive::identify::cole_cole::{self, ColeColeCase, ColeColeComparison, ColeColeInput, ColeColeReport};
@@ -33,8 +34,8 @@ Examples:
   anemo example cole-cole --input step -o step.parquet --plot figures")]
 struct ColeCole {
     /// Its input: a step, or pseudo-random bits of 1 s.
-    #[arg(long, value_enum, default_value = "prbs")]
-    input: InputName,
+    #[arg(long, default_value = "prbs", value_parser = choice([("step", "", ColeColeInput::Step), ("prbs", "", ColeColeInput::Prbs)]))]
+    input: ColeColeInput,
     /// Standard deviation of white noise on the output; the output itself swings by 1.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
     noise: f64,
@@ -51,12 +52,6 @@ struct ColeCole {
     /// Print one JSON object instead of the table.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum InputName {
-    Step,
-    Prbs,
 }
 
 fn noise(text: &str) -> Result<f64, Failure> {
@@ -77,10 +72,7 @@ impl ColeCole {
             recording::check_name(path).map_err(Failure::usage)?;
         }
         let canvases = self.canvases()?;
-        let input = match self.input {
-            InputName::Step => ColeColeInput::Step,
-            InputName::Prbs => ColeColeInput::Prbs,
-        };
+        let input = self.input;
         let case = cole_cole::case(input, self.noise, self.seed, None);
         if let Some(path) = &self.output {
             self.write(&case, path)?;
@@ -101,17 +93,10 @@ impl ColeCole {
         if self.json { Ok(()) } else { crate::output::print(&self.written()) }
     }
 
-    fn input_name(&self) -> &'static str {
-        match self.input {
-            InputName::Step => "step",
-            InputName::Prbs => "prbs",
-        }
-    }
-
     fn write(&self, case: &ColeColeCase, path: &Path) -> Result<(), Failure> {
         let metadata = [
             ("title", "Cole-Cole relaxation, H = 1/(1 + sqrt p)".to_owned()),
-            ("input", self.input_name().to_owned()),
+            ("input", if self.input == ColeColeInput::Step { "step" } else { "prbs" }.to_owned()),
             ("noise", self.noise.to_string()),
             ("seed", self.seed.to_string()),
         ];

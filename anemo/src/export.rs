@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::choice::choice;
 use crate::output::Failure;
-use diffusive::model::export::{ExportForm, ExportReport, source, spice};
+use diffusive::model::export::source::Language;
+use diffusive::model::export::spice::SpiceNetwork;
+use diffusive::model::export::{ExportForm, ExportReport};
 use diffusive::model::{Model, PairClass};
 use recording::Temporary;
 
@@ -20,8 +23,17 @@ Examples:
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify` or `anemo reduce`.
     model: PathBuf,
-    #[arg(long = "as", value_enum, value_name = "FORM")]
-    form: FormOption,
+    #[arg(long = "as", value_name = "FORM", value_parser = choice([
+        ("foster", "Resistor and capacitor of every pole, side by side and in series", ExportForm::Foster),
+        ("cauer", "The ladder of resistors and capacitors with the same impedance", ExportForm::Cauer),
+        ("spice", "A netlist: 1 V is 1 K, 1 A is 1 W", ExportForm::Spice(SpiceNetwork::Foster)),
+        ("response", "Magnitude and phase of the thermal impedance over frequency", ExportForm::Response(0)),
+        ("symbol", "The time-constant spectrum (diffusive symbol), discrete and continuous, with standard errors", ExportForm::Symbol),
+        ("structure", "Cumulative structure function: heat capacity against resistance from the heater", ExportForm::Structure),
+        ("c", "Constant tables in f32 for a C program", ExportForm::Source(Language::C)),
+        ("rust", "Constant tables in f32 for a Rust program", ExportForm::Source(Language::Rust)),
+    ]))]
+    form: ExportForm,
     /// Which pair, where the model has several: by columns (power_w_a:temperature_c_b) or elements
     /// (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT")]
@@ -33,8 +45,11 @@ pub struct Arguments {
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     points: u32,
     /// Which network a netlist holds.
-    #[arg(long, value_enum, default_value_t = NetworkOption::Foster)]
-    network: NetworkOption,
+    #[arg(long, default_value = "foster", value_parser = choice([
+        ("foster", "Resistor and capacitor side by side, in series: any model", SpiceNetwork::Foster),
+        ("cauer", "A ladder: models without negative resistances", SpiceNetwork::Cauer),
+    ]))]
+    network: SpiceNetwork,
     /// The file to write.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -43,58 +58,14 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What a netlist holds.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum NetworkOption {
-    /// Resistor and capacitor side by side, in series: any model.
-    Foster,
-    /// A ladder: models without negative resistances.
-    Cauer,
-}
-
-impl From<NetworkOption> for spice::SpiceNetwork {
-    fn from(network: NetworkOption) -> Self {
-        match network {
-            NetworkOption::Foster => Self::Foster,
-            NetworkOption::Cauer => Self::Cauer,
-        }
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum FormOption {
-    /// Resistor and capacitor of every pole, side by side and in series.
-    Foster,
-    /// The ladder of resistors and capacitors with the same impedance.
-    Cauer,
-    /// A netlist: 1 V is 1 K, 1 A is 1 W.
-    Spice,
-    /// Magnitude and phase of the thermal impedance over frequency.
-    Response,
-    /// The time-constant spectrum (diffusive symbol), discrete and continuous, with standard
-    /// errors.
-    Symbol,
-    /// Cumulative structure function: heat capacity against resistance from the heater.
-    Structure,
-    /// Constant tables in f32 for a C program.
-    C,
-    /// Constant tables in f32 for a Rust program.
-    Rust,
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let part = PairClass::find(&model, arguments.pair.as_deref(), arguments.class.as_deref())
         .map_err(|error| Failure::in_file(&arguments.model, error))?;
     let form = match arguments.form {
-        FormOption::Foster => ExportForm::Foster,
-        FormOption::Cauer => ExportForm::Cauer,
-        FormOption::Spice => ExportForm::Spice(arguments.network.into()),
-        FormOption::Response => ExportForm::Response(arguments.points as usize),
-        FormOption::Symbol => ExportForm::Symbol,
-        FormOption::Structure => ExportForm::Structure,
-        FormOption::C => ExportForm::Source(source::Language::C),
-        FormOption::Rust => ExportForm::Source(source::Language::Rust),
+        ExportForm::Spice(_) => ExportForm::Spice(arguments.network),
+        ExportForm::Response(_) => ExportForm::Response(arguments.points as usize),
+        form => form,
     };
     let file = arguments.output.as_ref().map(|output| output.display().to_string());
     let report = ExportReport::new(&part, form, file).map_err(|error| Failure::in_file(&arguments.model, error))?;
@@ -102,8 +73,5 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let failed = |error| Failure::in_file(output, format!("cannot be written: {error}"));
         Temporary::write(output, report.text().as_bytes()).map_err(failed)?;
     }
-    if arguments.json {
-        return crate::output::print_json(&report);
-    }
-    crate::output::print(&report.to_string())
+    crate::output::print_report(&report, arguments.json)
 }

@@ -8,12 +8,12 @@ use diffusive::identify::FitRow;
 use diffusive::identify::record::Survey;
 use diffusive::model::{Model, Whiteness};
 use plot::Canvas;
-use plot::model::{FitBuilder, FitSeries, figure};
+use plot::model::{FitSeries, figure};
 
 /// One series an output, and the file that they will be drawn into.
 pub struct FitRecorder {
     canvas: Option<Canvas>,
-    series: Vec<FitBuilder>,
+    series: Vec<FitSeries>,
     first_time_s: f64,
     sample_period_s: f64,
 }
@@ -24,7 +24,7 @@ impl FitRecorder {
         let unit = |name: &String| if name.starts_with("temperature_c") { "°C" } else { "" };
         Ok(Self {
             canvas: path.map(Canvas::create).transpose().map_err(Failure::usage)?,
-            series: survey.outputs.iter().map(|name| FitSeries::builder(name.clone(), unit(name))).collect(),
+            series: survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect(),
             first_time_s: survey.first_time_s,
             sample_period_s: survey.sample_period_s,
         })
@@ -44,10 +44,9 @@ impl FitRecorder {
     }
 
     /// Draws the model's page with them, if a file was named.
-    pub fn draw(self, model: &Model, whiteness: &[Option<Whiteness>]) -> Result<(), Failure> {
+    pub fn draw(mut self, model: &Model, whiteness: &[Option<Whiteness>]) -> Result<(), Failure> {
         let Some(canvas) = self.canvas else { return Ok(()) };
-        let fits: Vec<FitSeries> =
-            self.series.into_iter().zip(whiteness).map(|(series, white)| series.finish(white.clone())).collect();
-        canvas.draw(&figure(model, &fits)).map_err(Failure::work)
+        self.series.iter_mut().zip(whiteness).for_each(|(series, white)| series.whiteness.clone_from(white));
+        canvas.draw(&figure(model, &self.series)).map_err(Failure::work)
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::output::Failure;
 use diffusive::identify::Signs;
@@ -42,8 +43,8 @@ pub struct Arguments {
     columns: Columns,
     /// `symbol`: a time-constant spectrum (diffusive symbol) for every event class; `conductance`:
     /// one spectrum, and the wind as a conductance a class.
-    #[arg(long, value_enum)]
-    structure: Option<StructureName>,
+    #[arg(long, value_parser = choice([("symbol", "", Structure::Symbol), ("conductance", "", Structure::Conductance)]))]
+    structure: Option<Structure>,
     /// Temperature of the gas, for --structure conductance: a number in °C, or a column; estimated
     /// if it is not given.
     #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
@@ -72,8 +73,12 @@ pub struct Arguments {
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
     /// Initial state of the record.
-    #[arg(long, value_enum)]
-    initial_state: Option<InitialStateName>,
+    #[arg(long, value_parser = choice([
+        ("rest", "All states zero", InitialState::Rest),
+        ("settled", "As if the first row's inputs had been held for ever", InitialState::Settled),
+        ("free", "Anything", InitialState::Free),
+    ]))]
+    initial_state: Option<InitialState>,
     /// Whether the output may follow its input at once; searched for, unless both --order and
     /// --mesh are given.
     #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
@@ -111,22 +116,6 @@ pub struct Columns {
     /// The column with the labels of the conditions (winds).
     #[arg(long, value_name = "COLUMN")]
     pub event: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum StructureName {
-    Symbol,
-    Conductance,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum InitialStateName {
-    /// All states zero.
-    Rest,
-    /// As if the first row's inputs had been held for ever.
-    Settled,
-    /// Anything.
-    Free,
 }
 
 fn edges(text: &str) -> Result<(f64, f64), Failure> {
@@ -174,7 +163,7 @@ impl Arguments {
     }
 
     fn options(&self, source: &dyn RecordSource, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
-        let is_conductance = matches!(self.structure, Some(StructureName::Conductance));
+        let is_conductance = self.structure == Some(Structure::Conductance);
         for (name, is_given) in
             [("--gas-temperature", self.gas_temperature.is_some()), ("--reference", self.reference.is_some())]
         {
@@ -196,11 +185,7 @@ impl Arguments {
             order: self.order,
             edges_rad_s: self.mesh,
             ridge: self.ridge,
-            initial_state: self.initial_state.map(|name| match name {
-                InitialStateName::Rest => InitialState::Rest,
-                InitialStateName::Settled => InitialState::Settled,
-                InitialStateName::Free => InitialState::Free,
-            }),
+            initial_state: self.initial_state,
             feed_through: self.feed_through,
             delay: self.dead_time,
         };
@@ -210,10 +195,7 @@ impl Arguments {
             ..Constraints::default()
         });
         Ok(IdentifyOptions {
-            structure: self.structure.map(|name| match name {
-                StructureName::Symbol => Structure::Symbol,
-                StructureName::Conductance => Structure::Conductance,
-            }),
+            structure: self.structure,
             constraints,
             signs: self.signs(source)?,
             cross,

@@ -102,6 +102,13 @@ pub fn read_experiment(path: &std::path::Path) -> Result<(Experiment, host_sim::
     Ok((experiment, judgement))
 }
 
+/// Refuses what is no folder of experiments.
+#[cfg(feature = "studies")]
+pub fn is_experiments(folder: &std::path::Path) -> Result<(), Failure> {
+    let wrong = "no folder of experiments; run it from the project's own, or say where with --experiments";
+    if folder.is_dir() { Ok(()) } else { Err(Failure::in_file(folder, wrong)) }
+}
+
 /// Refuses to write over a file that is read, by whatever path.
 pub fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> Result<(), Failure> {
     let whole: Vec<_> = read.iter().filter_map(|path| path.canonicalize().ok()).collect();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::output::{Failure, print, print_json};
+use crate::output::{Failure, print_report};
 
 /// Draw a recording (wind, temperatures, powers and heater bits over time) or a model
 /// (time-constant spectra, frequency responses, structure functions).
@@ -22,7 +22,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let report = plot::draw_file(&arguments.file, &arguments.output).map_err(Failure::usage)?;
-    if arguments.json { print_json(&report) } else { print(&report.to_string()) }
+    print_report(&report, arguments.json)
 }
 
 #[cfg(test)]

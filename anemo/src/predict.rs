@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::choice::choice;
 use crate::output::Failure;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
 use diffusive::model::Model;
@@ -45,8 +46,12 @@ pub struct Arguments {
     #[arg(long, value_name = "RECORDING")]
     against: Option<PathBuf>,
     /// Initial state of the structure.
-    #[arg(long, value_enum, value_name = "STATE", default_value = "standby")]
-    from: InitialStateOption,
+    #[arg(long, value_name = "STATE", default_value = "standby", value_parser = choice([
+        ("standby", "Every element has long been at its low level, as in standby", LoopStart::Standby),
+        ("rest", "Nothing was ever heated", LoopStart::Rest),
+        ("end", "End of the record from which the model was identified", LoopStart::End),
+    ]))]
+    from: LoopStart,
     /// Window of the decimator, s: 1 s, or 20 sample periods if those are longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window: Option<f64>,
@@ -62,16 +67,6 @@ pub struct Arguments {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum InitialStateOption {
-    /// Every element has long been at its low level, as in standby.
-    Standby,
-    /// Nothing was ever heated.
-    Rest,
-    /// End of the record from which the model was identified.
-    End,
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
@@ -83,12 +78,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     notes.extend(model.support_warning(None));
     let ratio = ratio(arguments.window, scenario.sample_period_s)?;
     let canvas = arguments.plot.as_deref().map(Canvas::create).transpose().map_err(Failure::usage)?;
-    let start = match arguments.from {
-        InitialStateOption::Standby => LoopStart::Standby,
-        InitialStateOption::Rest => LoopStart::Rest,
-        InitialStateOption::End => LoopStart::End,
-    };
-    let prediction = predict(&model, &scenario, start).map_err(|error| Failure::in_file(&arguments.model, error))?;
+    let prediction =
+        predict(&model, &scenario, arguments.from).map_err(|error| Failure::in_file(&arguments.model, error))?;
     let against = arguments.against.as_deref();
     let taken = against.map(|path| ComparedRecording::read(path, &model, &experiment)).transpose()?;
     let mut of_recording = taken.as_ref().map_or(Vec::new(), |taken| taken.notes.clone());

@@ -31,3 +31,11 @@ pub(super) fn on_interrupt() -> Arc<AtomicBool> {
     });
     interrupted
 }
+
+/// Prints what is being done: to people, not into files.
+#[cfg(feature = "studies")]
+pub(super) fn announce(what: &str) {
+    if std::io::stderr().is_terminal() {
+        eprintln!("  {what}");
+    }
+}

@@ -63,8 +63,5 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let [file, table_file] =
         [&arguments.output, &arguments.toml].map(|path| path.as_ref().map(|path| path.display().to_string()));
     let report = ReductionReport::new(&model, (arguments.order, &reduced), &table, (file, table_file));
-    if arguments.json {
-        return crate::output::print_json(&report);
-    }
-    crate::output::print(&report.to_string())
+    crate::output::print_report(&report, arguments.json)
 }

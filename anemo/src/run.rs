@@ -7,10 +7,11 @@ use std::time::Instant;
 use crate::board::{InstrumentArguments, On};
 use crate::output::Failure;
 use crate::progress::{on_interrupt, progress};
+use crate::recorded::RecordingOutputs;
 use host_sim::experiment::Experiment;
 use host_sim::run::RunSummary;
 use host_sim::run::{RunError, run};
-use recording::{Collector, Metadata, RecordingLayout, RecordingWriter};
+use recording::{Metadata, RecordingLayout};
 
 /// Rows between two steps of the progress bar.
 const PROGRESS_EVERY: u32 = 256;
@@ -54,15 +55,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };
     let known = metadata(&experiment, &arguments.instrument.on);
-
-    // All that could be wrong with the outputs shows before anything runs.
-    let mut writer = match &arguments.output {
-        Some(path) => Some(RecordingWriter::create(path, layout.clone(), &known).map_err(Failure::usage)?),
-        None => None,
-    };
-    let canvas = arguments.plot.as_deref().map(plot::Canvas::create).transpose().map_err(Failure::usage)?;
-    let mut collector = canvas.is_some().then(|| Collector::new(layout, &known));
-
+    let (output, plot) = (arguments.output.as_deref(), arguments.plot.as_deref());
+    let mut recorded = RecordingOutputs::create(output, plot, layout, &known)?;
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(|| Ok(experiment.sensor()?))?;
     let bar = progress(&experiment.title, Some(experiment.ticks.into()));
@@ -71,8 +65,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         if interrupted.load(Ordering::Relaxed) {
             return Err(RunError::Interrupted { time_s: row.time_s });
         }
-        writer.as_mut().map_or(Ok(()), |writer| writer.push(row))?;
-        collector.as_mut().map_or(Ok(()), |collector| collector.push(row))?;
+        recorded.push(row)?;
         rows += 1;
         if rows.is_multiple_of(PROGRESS_EVERY) {
             bar.set_position(u64::from(rows));
@@ -82,14 +75,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     let (summary, wall_s) = (summary?, start.elapsed().as_secs_f64());
 
-    let outcome = outcome(&summary);
-    if let Some(writer) = writer {
-        writer.finish(&outcome).map_err(Failure::work)?;
-    }
-    if let (Some(canvas), Some(collector)) = (canvas, collector) {
-        let figure = plot::run::figure(&collector.finish(&outcome)).map_err(Failure::work)?;
-        canvas.draw(&figure).map_err(Failure::work)?;
-    }
+    recorded.finish(&outcome(&summary))?;
     if arguments.json {
         return crate::output::print_json(&summary);
     }

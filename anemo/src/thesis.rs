@@ -1,9 +1,9 @@
 //! `anemo thesis`: the experiments of the thesis on the simulated sensors.
 
-use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use crate::output::Failure;
+use crate::progress::announce;
 use host_sim::experiment::Experiment;
 use recording::text::suggest;
 use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
@@ -41,16 +41,11 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.list {
         return crate::output::print(
-            &STUDIES.iter().map(|study| format!("{:22} {}\n", study.name, study.title)).collect::<String>(),
+            &STUDIES.iter().map(|study| format!("{:22} {}\n", study.name, study.title())).collect::<String>(),
         );
     }
     let studies = chosen(&arguments.names)?;
-    if !arguments.experiments.is_dir() {
-        return Err(Failure::usage(format!(
-            "{}: no folder of experiments; run it from the project's own, or say where with --experiments",
-            arguments.experiments.display()
-        )));
-    }
+    crate::output::is_experiments(&arguments.experiments)?;
     if arguments.output.exists() && !arguments.output.is_dir() {
         return Err(Failure::usage(format!(
             "{}: is a file, and a folder for pages and pictures belongs here",
@@ -59,16 +54,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     read_all(&arguments.experiments)?;
     std::fs::create_dir_all(&arguments.output).map_err(|error| Failure::in_file(&arguments.output, error))?;
-    let terminal = std::io::stderr().is_terminal();
-    let progress = |what: &str| {
-        if terminal {
-            eprintln!("  {what}");
-        }
-    };
-    let lab = StudyLab::new(&arguments.experiments, &progress);
+    let lab = StudyLab::new(&arguments.experiments, &announce);
     let mut done = Vec::with_capacity(studies.len());
     for study in studies {
-        progress(study.name);
+        announce(study.name);
         let findings = study.run(&lab).map_err(|error| failure(study, error))?;
         page::write(&arguments.output, study, &findings).map_err(Failure::work)?;
         done.push((study, findings));
@@ -105,10 +94,19 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Study>, Failure> {
     if names.is_empty() { Ok(STUDIES.iter().collect()) } else { names.iter().map(of).collect() }
 }
 
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::File(error) => error.into(),
+            StudyError::Run(error) => error.into(),
+            other => Self::work(other),
+        }
+    }
+}
+
 fn failure(study: &Study, error: StudyError) -> Failure {
     match error {
-        StudyError::File(error) => error.into(),
-        StudyError::Run(error) => error.into(),
+        StudyError::File(_) | StudyError::Run(_) => error.into(),
         other => Failure::work(format!("{}: {other}", study.name)),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::identify::Columns;
 use crate::output::Failure;
@@ -28,24 +29,18 @@ pub struct Arguments {
     #[command(flatten)]
     columns: Columns,
     /// Initial state of the model.
-    #[arg(long, value_enum, default_value = "estimate")]
-    start: StartName,
+    #[arg(long, default_value = "estimate", value_parser = choice([
+        ("estimate", "Offset and stored heat estimated from the record", ValidationStart::Estimate),
+        ("continue", "End of the identified record; nothing is estimated from the outputs", ValidationStart::Continue),
+        ("rest", "All states zero, the model's own offset", ValidationStart::Rest),
+    ]))]
+    start: ValidationStart,
     /// Draw measured and predicted, residuals, and the model into this .svg file.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum StartName {
-    /// Offset and stored heat estimated from the record.
-    Estimate,
-    /// End of the identified record; nothing is estimated from the outputs.
-    Continue,
-    /// All states zero, the model's own offset.
-    Rest,
 }
 
 impl From<ModelError> for Failure {
@@ -68,13 +63,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }),
     };
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
-    let start = match arguments.start {
-        StartName::Estimate => ValidationStart::Estimate,
-        StartName::Continue => ValidationStart::Continue,
-        StartName::Rest => ValidationStart::Rest,
-    };
     let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
-    let validated = validate(&model, &mut stream, start, &mut |seen| fits.see(seen))?;
+    let validated = validate(&model, &mut stream, arguments.start, &mut |seen| fits.see(seen))?;
     let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
     fits.draw(&model, &whiteness)?;
     crate::output::print_report(&validated, arguments.json)

@@ -3,15 +3,13 @@
 use std::path::PathBuf;
 
 use crate::output::Failure;
+use crate::recorded::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::given_winds;
 use anemometry::wind::replay::head_of;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
-use recording::{
-    Collector, Metadata, RecordingError, RecordingLayout, RecordingReader, RecordingRow, RecordingWriter, check_name,
-    wind,
-};
+use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_name, wind};
 
 /// Estimate the wind from a recording of a calibrated head.
 ///
@@ -91,24 +89,34 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut estimation =
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
-    let layout = RecordingLayout {
-        elements: Vec::new(),
-        true_wind: estimation.has_truth(),
-        gas: estimation.has_gas(),
-        observed: Vec::new(),
-        estimates: estimation.surfaces(),
-    };
-    let mut kept = Kept::create(arguments, layout, &metadata(arguments, &head, &estimation)?)?;
+    let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
+    let estimates = estimation.surfaces();
+    let layout = RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates };
+    let (output, plot) = (arguments.output.as_deref(), arguments.plot.as_deref());
+    let mut recorded = RecordingOutputs::create(output, plot, layout, &metadata(arguments, &head, &estimation)?)?;
     while let Some(estimate) = estimation.next_estimate().map_err(|error| match error {
         WindError::Gas(_) => Failure::usage(error),
         _ => Failure::work(error),
     })? {
-        kept.push(&estimate).map_err(Failure::work)?;
+        let EstimatedWind { moment, sample, true_wind_m_s } = &estimate;
+        let row = RecordingRow {
+            time_s: moment.time_s,
+            temperature_c: &[],
+            power_w: &[],
+            equivalent_power_w: &[],
+            heaters: 0,
+            event: &moment.event,
+            state: &moment.state,
+            true_wind_m_s: true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
+            gas_temperature_c: gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
+            estimate: &wind::numbers(Some(sample), sample.conductance_w_k.len()),
+        };
+        recorded.push(&row).map_err(Failure::work)?;
     }
-    kept.finish()?;
+    recorded.finish(&Metadata::new())?;
     let mut report = estimation.report();
     report.written = [&arguments.output, &arguments.plot].into_iter().flatten().cloned().collect();
-    if arguments.json { crate::output::print_json(&report) } else { crate::output::print(&report.to_string()) }
+    crate::output::print_report(&report, arguments.json)
 }
 
 /// Checks the options by themselves.
@@ -125,57 +133,6 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
     arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
-}
-
-/// File and picture of the estimates, as far as they are requested.
-struct Kept {
-    writer: Option<RecordingWriter>,
-    picture: Option<(plot::Canvas, Collector)>,
-}
-
-impl Kept {
-    /// All that could be wrong with the outputs shows before anything is computed.
-    fn create(arguments: &Arguments, layout: RecordingLayout, metadata: &Metadata) -> Result<Self, Failure> {
-        let writer = arguments.output.as_deref().map(|path| RecordingWriter::create(path, layout.clone(), metadata));
-        let writer = writer.transpose().map_err(Failure::usage)?;
-        let canvas = arguments.plot.as_deref().map(plot::Canvas::create).transpose().map_err(Failure::usage)?;
-        Ok(Self { writer, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
-    }
-
-    fn push(&mut self, EstimatedWind { moment, sample, true_wind_m_s }: &EstimatedWind) -> Result<(), RecordingError> {
-        let answer = wind::numbers(Some(sample), sample.conductance_w_k.len());
-        let row = |layout: &RecordingLayout| RecordingRow {
-            time_s: moment.time_s,
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
-            event: &moment.event,
-            state: &moment.state,
-            true_wind_m_s: layout.true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
-            gas_temperature_c: layout.gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
-            estimate: &answer,
-        };
-        if let Some(writer) = &mut self.writer {
-            writer.push(&row(writer.layout()))?;
-        }
-        if let Some((_, collector)) = &mut self.picture {
-            collector.push(&row(collector.layout()))?;
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> Result<(), Failure> {
-        let nothing_more = Metadata::new();
-        if let Some(writer) = self.writer {
-            writer.finish(&nothing_more).map_err(Failure::work)?;
-        }
-        if let Some((canvas, collector)) = self.picture {
-            let figure = plot::run::figure(&collector.finish(&nothing_more)).map_err(Failure::work)?;
-            canvas.draw(&figure).map_err(Failure::work)?;
-        }
-        Ok(())
-    }
 }
 
 /// Metadata of the file of estimates.

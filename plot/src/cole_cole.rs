@@ -6,11 +6,7 @@ use diffusive::model::Model;
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
-use crate::engine::reduce::Bin;
 use crate::engine::trace::Trace;
-
-/// Stretches of a record that are drawn as one.
-const BINS: usize = 1000;
 
 const MINUTE_S: f64 = 60.0;
 
@@ -47,14 +43,22 @@ pub fn spectrum_charts(comparison: &ColeColeComparison) -> Vec<Chart> {
 pub fn output_charts(model: &Model, case: &ColeColeCase, input: ColeColeInput) -> Vec<Chart> {
     let found: Vec<f64> = predicted(model, case).collect();
     let error: Vec<f64> = found.iter().zip(&case.clean).map(|(y, clean)| y - clean).collect();
-    let is_noisy = case.output != case.clean;
+    // Row 0 has no place on a logarithmic axis.
+    let (scale, first) = match input {
+        ColeColeInput::Step => (Scale::Log, 1),
+        ColeColeInput::Prbs => (Scale::Linear, 0),
+    };
+    let line = |label: &str, values: &[f64]| {
+        let points = values.iter().enumerate().skip(first).map(|(row, y)| (row as f64 * case.sample_period_s, *y));
+        Trace::line(label, points.collect())
+    };
     let output = |caption: &str, to: usize| {
-        let line = |values: &[f64]| bins(&values[..to], case.sample_period_s, input);
-        let chart = Chart::new(caption, "").x(scale(input), "s");
-        let chart = if is_noisy { chart.trace(Trace::bins("measured", line(&case.output)).colour(7)) } else { chart };
-        chart
-            .trace(Trace::bins("exact", line(&case.clean)).colour(6))
-            .trace(Trace::bins("model", line(&found)).colour(1))
+        let measured = (case.output != case.clean).then(|| line("measured", &case.output[..to]).colour(7));
+        Chart::new(caption, "")
+            .x(scale, "s")
+            .traces(measured)
+            .trace(line("exact", &case.clean[..to]).colour(6))
+            .trace(line("model", &found[..to]).colour(1))
     };
     let rows = case.clean.len();
     let mut charts = vec![output("Output", rows)];
@@ -62,41 +66,7 @@ pub fn output_charts(model: &Model, case: &ColeColeCase, input: ColeColeInput) -
     if input == ColeColeInput::Prbs && minute < rows {
         charts.push(output("Output, first minute", minute));
     }
-    charts.push(
-        Chart::new("Model less exact output", "")
-            .x(scale(input), "s")
-            .limit(0.0)
-            .trace(Trace::bins("", bins(&error, case.sample_period_s, input)).colour(4)),
-    );
+    let error = line("", &error).colour(4);
+    charts.push(Chart::new("Model less exact output", "").x(scale, "s").limit(0.0).trace(error));
     charts
-}
-
-fn scale(input: ColeColeInput) -> Scale {
-    match input {
-        ColeColeInput::Step => Scale::Log,
-        ColeColeInput::Prbs => Scale::Linear,
-    }
-}
-
-/// Stretches of equal length on the axis; row 0 has no place on a logarithmic one.
-fn bins(values: &[f64], sample_period_s: f64, input: ColeColeInput) -> Vec<Bin> {
-    let rows = values.len();
-    let edge = |n: usize| match input {
-        ColeColeInput::Prbs => n * rows / BINS,
-        ColeColeInput::Step => (rows as f64).powf(n as f64 / BINS as f64) as usize,
-    };
-    let mut edges: Vec<usize> = (0..=BINS).map(edge).collect();
-    edges[BINS] = rows;
-    edges.dedup();
-    let bin = |edges: &[usize]| {
-        let part = &values[edges[0]..edges[1]];
-        Bin {
-            from_s: edges[0] as f64 * sample_period_s,
-            to_s: (edges[1] - 1) as f64 * sample_period_s,
-            least: part.iter().copied().fold(f64::INFINITY, f64::min),
-            most: part.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            mean: part.iter().sum::<f64>() / part.len() as f64,
-        }
-    };
-    edges.windows(2).map(bin).collect()
 }

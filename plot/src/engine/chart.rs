@@ -19,6 +19,7 @@ const HEADROOM: f64 = 18.0;
 
 /// A figure: a title and a subtitle above rows of charts.
 #[derive(Debug, Clone, Default)]
+#[must_use]
 pub struct Figure {
     pub(crate) title: String,
     pub(crate) subtitle: String,
@@ -28,11 +29,10 @@ pub struct Figure {
 impl Figure {
     /// A figure without charts.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), subtitle: String::new(), rows: Vec::new() }
+        Self { title: title.into(), ..Self::default() }
     }
 
     /// The quiet text under the title; long ones are wrapped.
-    #[must_use]
     pub fn subtitle(mut self, words: impl Into<String>) -> Self {
         self.subtitle = words.into();
         self
@@ -40,7 +40,6 @@ impl Figure {
 
     /// Adds charts side by side, of equal width, below what is there already. None at all add
     /// nothing.
-    #[must_use]
     pub fn row(mut self, charts: impl IntoIterator<Item = Chart>) -> Self {
         let charts: Vec<Chart> = charts.into_iter().collect();
         if !charts.is_empty() {
@@ -56,9 +55,10 @@ impl Figure {
 }
 
 /// What a vertical axis shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) enum Shown {
     /// All that there is.
+    #[default]
     All,
     /// A range with a little air.
     Around(f64, f64),
@@ -67,9 +67,10 @@ pub(crate) enum Shown {
 }
 
 /// What a chart has besides its traces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum ChartFrame {
     /// Axes with a grid.
+    #[default]
     Axes,
     /// None: a strip of shadings, or rows of bars.
     Bare,
@@ -78,7 +79,8 @@ pub(crate) enum ChartFrame {
 }
 
 /// One pair of axes with traces in it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
+#[must_use]
 pub struct Chart {
     pub(crate) caption: String,
     pub(crate) unit: String,
@@ -117,25 +119,8 @@ impl Shading {
 impl Chart {
     /// `unit` is that of the y axis; both stand above the chart.
     pub fn new(caption: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            caption: caption.into(),
-            unit: unit.into(),
-            notes: Vec::new(),
-            height: 180.0,
-            x: Scale::Linear,
-            x_unit: "s".to_owned(),
-            x_range: None,
-            x_labels: true,
-            y: Scale::Linear,
-            shown: Shown::All,
-            frame: ChartFrame::Axes,
-            time_constants: false,
-            first_on_top: false,
-            traces: Vec::new(),
-            shadings: Vec::new(),
-            limits: Vec::new(),
-            marks: Vec::new(),
-        }
+        let (caption, unit) = (caption.into(), unit.into());
+        Self { caption, unit, height: 180.0, x_unit: "s".to_owned(), x_labels: true, ..Self::default() }
     }
 
     /// What stands above it.
@@ -145,14 +130,12 @@ impl Chart {
 
     /// Scale and unit of the x axis: linear and in s if not called. The unit stands left of the
     /// labels and should be short.
-    #[must_use]
     pub fn x(mut self, scale: Scale, unit: impl Into<String>) -> Self {
         (self.x, self.x_unit) = (scale, unit.into());
         self
     }
 
     /// What the x axis shows, if not all there is.
-    #[must_use]
     pub(crate) fn x_range(mut self, from: f64, to: f64) -> Self {
         self.x_range = Some((from, to));
         self
@@ -160,21 +143,18 @@ impl Chart {
 
     /// Scale of the y axis, linear if not called. Values that a logarithmic one cannot show are
     /// left out, and the caption counts them.
-    #[must_use]
     pub fn y(mut self, scale: Scale) -> Self {
         self.y = scale;
         self
     }
 
     /// What a linear y axis shows, if not all there is; what is beyond is cut.
-    #[must_use]
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.shown = Shown::Around(low, high);
         self
     }
 
     /// Shows what holds all finite ones of some values.
-    #[must_use]
     pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
         let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
         let (low, high) = values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
@@ -182,57 +162,60 @@ impl Chart {
     }
 
     /// What a y axis of angles shows.
-    #[must_use]
     pub(crate) fn degrees(mut self, (low, high): (f64, f64)) -> Self {
         self.shown = Shown::Degrees(low, high);
         self
     }
 
     /// Neither axes nor grid.
-    #[must_use]
     pub(crate) fn bare(mut self) -> Self {
         self.frame = ChartFrame::Bare;
         self
     }
 
     /// A second row of labels under an axis of rates: their inverse, in s.
-    #[must_use]
     pub fn time_constants(mut self) -> Self {
         self.time_constants = true;
         self
     }
 
     /// Height in pixels, 180 if not called.
-    #[must_use]
     pub fn height(mut self, pixels: f64) -> Self {
         self.height = pixels;
         self
     }
 
     /// Words after the unit.
-    #[must_use]
     pub fn note(mut self, words: impl Into<String>) -> Self {
         self.notes.push(words.into());
         self
     }
 
+    /// Any number of notes, such as one that there may be.
+    pub fn notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(notes);
+        self
+    }
+
     /// Adds a trace.
-    #[must_use]
     pub fn trace(mut self, trace: Trace) -> Self {
         self.traces.push(trace);
         self
     }
 
-    /// Adds traces of which the first ones lie on top.
-    #[must_use]
-    pub(crate) fn first_on_top(mut self, traces: impl IntoIterator<Item = Trace>) -> Self {
-        self.first_on_top = true;
+    /// Adds traces.
+    pub fn traces(mut self, traces: impl IntoIterator<Item = Trace>) -> Self {
         self.traces.extend(traces);
         self
     }
 
+    /// Adds traces of which the first ones lie on top.
+    pub(crate) fn first_on_top(mut self, traces: impl IntoIterator<Item = Trace>) -> Self {
+        self.first_on_top = true;
+        self.traces(traces)
+    }
+
     /// Rows of bars, each named at its left: bits and flags.
-    #[must_use]
     pub(crate) fn bars(self, rows: impl IntoIterator<Item = (String, Colour, Vec<Bin>)>, row_height: f64) -> Self {
         let row = |(label, colour, bins)| Trace {
             bins,
@@ -244,7 +227,6 @@ impl Chart {
     }
 
     /// A horizontal dashed line.
-    #[must_use]
     pub fn limit(mut self, value: f64) -> Self {
         self.limits.push(value);
         self
@@ -252,7 +234,6 @@ impl Chart {
 
     /// A stretch of the x axis on a ground of its own (a colour by number), with a label at its top
     /// if there is room.
-    #[must_use]
     pub fn shading(mut self, from: f64, to: f64, colour: usize, label: impl Into<String>) -> Self {
         self.shadings.push(Shading::new(from, to, Colour::numbered(colour).with_opacity(GROUND), label));
         self

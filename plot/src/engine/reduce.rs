@@ -38,6 +38,43 @@ impl Bin {
     }
 }
 
+/// Least and greatest of some values, and what their mean needs. Missing values (NaN) do not count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    least: f64,
+    most: f64,
+    sum: f64,
+    pub count: f64,
+}
+
+impl Reach {
+    const NOTHING: Self = Self { least: f64::NAN, most: f64::NAN, sum: 0.0, count: 0.0 };
+
+    pub fn of(value: f64) -> Self {
+        if value.is_finite() { Self { least: value, most: value, sum: value, count: 1.0 } } else { Self::NOTHING }
+    }
+
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            least: self.least.min(other.least),
+            most: self.most.max(other.most),
+            sum: self.sum + other.sum,
+            count: self.count + other.count,
+        }
+    }
+
+    /// As the bin of a stretch.
+    pub fn bin(self, from_s: f64, to_s: f64) -> Bin {
+        Bin { from_s, to_s, least: self.least, most: self.most, mean: self.sum / self.count }
+    }
+}
+
+impl FromIterator<f64> for Reach {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        values.into_iter().map(Self::of).fold(Self::NOTHING, Self::with)
+    }
+}
+
 /// Sorts values into at most `count` bins of equally many rows. The last row is held as long as the
 /// one before it.
 pub fn bins(time_s: &[f64], values: impl Fn(usize) -> f64, count: usize) -> Vec<Bin> {
@@ -45,19 +82,11 @@ pub fn bins(time_s: &[f64], values: impl Fn(usize) -> f64, count: usize) -> Vec<
     let count = count.min(rows);
     let last_step = if rows > 1 { time_s[rows - 1] - time_s[rows - 2] } else { 1.0 };
     let start_s = |row: usize| time_s.get(row).copied().unwrap_or(time_s[rows - 1] + last_step);
-    (0..count)
-        .map(|bin| {
-            let (from, to) = (bin * rows / count, (bin + 1) * rows / count);
-            let (mut least, mut most, mut sum, mut good) = (f64::NAN, f64::NAN, 0.0, 0_u32);
-            for value in (from..to).map(&values).filter(|value| value.is_finite()) {
-                least = value.min(least);
-                most = value.max(most);
-                sum += value;
-                good += 1;
-            }
-            Bin { from_s: start_s(from), to_s: start_s(to), least, most, mean: sum / f64::from(good) }
-        })
-        .collect()
+    let bin = |bin: usize| {
+        let (from, to) = (bin * rows / count, (bin + 1) * rows / count);
+        (from..to).map(&values).collect::<Reach>().bin(start_s(from), start_s(to))
+    };
+    (0..count).map(bin).collect()
 }
 
 /// What several quantities reach over together, bin by bin. All come from the same times.
@@ -77,31 +106,13 @@ pub fn reach<'a>(curves: impl IntoIterator<Item = &'a [Bin]>) -> Vec<Bin> {
 /// Sorts ascending points into columns of about a pixel of `width`. Where they are sparser than
 /// columns they are kept one by one.
 pub fn columns(points: &[(f64, f64)], x: &ScaledAxis, y: &ScaledAxis, width: f64) -> Vec<Bin> {
-    let mut bins: Vec<Bin> = Vec::new();
-    let (mut column, mut count) = (f64::NAN, 0.0);
-    for &(at, value) in points {
-        let here = (x.share(at) * width / COLUMN).floor();
-        let value = if y.share(value).is_nan() { f64::NAN } else { value };
-        if here.is_nan() {
-            continue;
-        }
-        match bins.last_mut().filter(|_| here == column) {
-            None => {
-                bins.push(Bin { from_s: at, to_s: at, least: value, most: value, mean: value });
-                (column, count) = (here, if value.is_finite() { 1.0 } else { 0.0 });
-            }
-            Some(bin) => {
-                bin.to_s = at;
-                if value.is_finite() {
-                    count += 1.0;
-                    bin.least = value.min(bin.least);
-                    bin.most = value.max(bin.most);
-                    bin.mean = if count == 1.0 { value } else { bin.mean + (value - bin.mean) / count };
-                }
-            }
-        }
-    }
-    bins
+    let column = |point: &(f64, f64)| (x.share(point.0) * width / COLUMN).floor();
+    let placed: Vec<(f64, f64)> = points.iter().copied().filter(|point| !column(point).is_nan()).collect();
+    let bin = |points: &[(f64, f64)]| {
+        let values = points.iter().map(|&(_, value)| if y.share(value).is_nan() { f64::NAN } else { value });
+        values.collect::<Reach>().bin(points[0].0, points[points.len() - 1].0)
+    };
+    placed.chunk_by(|a, b| column(a) == column(b)).map(bin).collect()
 }
 
 /// Mean power after a second-order decimator, with the times of the middles of its windows.

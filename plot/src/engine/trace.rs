@@ -21,6 +21,7 @@ pub(crate) enum TraceStyle {
 
 /// One quantity of a chart, with its label in the legend; an empty label is left out there.
 #[derive(Debug, Clone)]
+#[must_use]
 pub struct Trace {
     pub(crate) label: String,
     pub(crate) style: TraceStyle,
@@ -67,6 +68,11 @@ impl Trace {
         Self { bins, ..Self::new(label, TraceStyle::Line, Vec::new()) }
     }
 
+    /// A wide line, which lies beneath another one.
+    pub(crate) fn pale(label: impl Into<String>, bins: Vec<Bin>, colour: Colour) -> Self {
+        Self::bins(label, bins).painted(colour).width(4.5).band(0.0)
+    }
+
     /// A quiet dashed line that stays at a value for a while.
     pub(crate) fn held(from: f64, to: f64, value: f64) -> Self {
         Self::dashed("", vec![(from, value), (to, value)]).width(1.0).painted(QUIET)
@@ -78,21 +84,18 @@ impl Trace {
     }
 
     /// Error bars: each reaches so far above its point, and below.
-    #[must_use]
     pub fn errors(mut self, half_lengths: Vec<f64>) -> Self {
         self.errors = half_lengths;
         self
     }
 
     /// Width of a line in pixels, 1.4 if not called.
-    #[must_use]
     pub fn width(mut self, pixels: f64) -> Self {
         self.width = pixels;
         self
     }
 
     /// Opacity of the band behind a line of bins.
-    #[must_use]
     pub(crate) fn band(mut self, opacity: f64) -> Self {
         self.band = opacity;
         self
@@ -100,12 +103,10 @@ impl Trace {
 
     /// One of eight colours by number (more begin again): blue, orange, green, purple, vermilion,
     /// sky blue, ink, grey.
-    #[must_use]
     pub fn colour(self, number: usize) -> Self {
         self.painted(Colour::numbered(number))
     }
 
-    #[must_use]
     pub(crate) fn painted(mut self, colour: Colour) -> Self {
         self.colour = Some(colour);
         self

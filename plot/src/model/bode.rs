@@ -57,10 +57,8 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
         // The legend stands above the magnitude.
         phase = phase.trace(Trace::line("", degrees));
     }
-    if cut {
-        phase = phase.note("cut where dead time turns it further");
-    }
-    [left_out(magnitude, curves), phase]
+    let cut = cut.then(|| "cut where dead time turns it further".to_owned());
+    [left_out(magnitude, curves), phase.notes(cut)]
 }
 
 /// Phases in degrees that go on where the angle jumps by a turn.

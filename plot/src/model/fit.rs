@@ -7,7 +7,7 @@
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
-use crate::engine::reduce::Bin;
+use crate::engine::reduce::{Bin, Reach};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened, unit};
 use diffusive::model::Whiteness;
@@ -21,34 +21,6 @@ const OUTLIER: f64 = 6.0;
 /// 95 % of a normal distribution lie within so many standard deviations.
 pub const NORMAL_95: f64 = 1.96;
 
-/// Least, greatest and sum of the values of a bin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Reach {
-    least: f64,
-    most: f64,
-    sum: f64,
-    count: f64,
-}
-
-impl Reach {
-    fn of(value: f64) -> Self {
-        if value.is_finite() {
-            Self { least: value, most: value, sum: value, count: 1.0 }
-        } else {
-            Self { least: f64::NAN, most: f64::NAN, sum: 0.0, count: 0.0 }
-        }
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            least: self.least.min(other.least),
-            most: self.most.max(other.most),
-            sum: self.sum + other.sum,
-            count: self.count + other.count,
-        }
-    }
-}
-
 /// Some rows in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FitBin {
@@ -59,12 +31,13 @@ struct FitBin {
     class: usize,
 }
 
-/// Takes a record row by row and keeps what a picture of it needs, however long it is.
-#[derive(Debug, Clone)]
-pub struct FitBuilder {
-    name: String,
+/// Measured and predicted values of one output. It takes a record row by row and keeps what a
+/// picture of it needs, however long it is.
+#[derive(Debug, Clone, Default)]
+pub struct FitSeries {
+    pub(super) name: String,
     unit: String,
-    rows: u64,
+    pub(super) rows: u64,
     /// Rows of a full bin: a power of two.
     width: u64,
     bins: Vec<FitBin>,
@@ -76,9 +49,16 @@ pub struct FitBuilder {
     mean: f64,
     spread: f64,
     squares: f64,
+    /// The whiteness of the residuals, if it was looked at.
+    pub whiteness: Option<Whiteness>,
 }
 
-impl FitBuilder {
+impl FitSeries {
+    /// Nothing yet of the output called `name`, measured in `unit`.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into(), width: 1, ..Self::default() }
+    }
+
     /// The next row. Times ascend; a missing value is NaN. `class` is an index into the model's
     /// classes.
     pub fn push(&mut self, time_s: f64, measured: f64, predicted: f64, class: usize) {
@@ -116,90 +96,43 @@ impl FitBuilder {
         self.width *= 2;
     }
 
-    /// The whiteness of the residuals, if it was looked at.
-    pub fn finish(self, whiteness: Option<Whiteness>) -> FitSeries {
-        let end_s = self.last_s + if self.step_s > 0.0 { self.step_s } else { 1.0 };
-        let rms = (self.good > 0.0).then(|| (self.squares / self.good).sqrt());
-        let fit_percent = (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()));
-        let Self { name, unit, rows, bins, .. } = self;
-        FitSeries { name, unit, rows, bins, end_s, rms, fit_percent, whiteness }
+    fn end_s(&self) -> f64 {
+        self.last_s + if self.step_s > 0.0 { self.step_s } else { 1.0 }
     }
-}
 
-/// Measured and predicted values of one output, reduced to what a picture can hold.
-#[derive(Debug, Clone)]
-pub struct FitSeries {
-    pub(super) name: String,
-    unit: String,
-    pub(super) rows: u64,
-    bins: Vec<FitBin>,
-    end_s: f64,
-    rms: Option<f64>,
-    fit_percent: Option<f64>,
-    pub(super) whiteness: Option<Whiteness>,
-}
+    fn rms(&self) -> Option<f64> {
+        (self.good > 0.0).then(|| (self.squares / self.good).sqrt())
+    }
 
-impl FitSeries {
-    /// Begins one of the output called `name`, measured in `unit`.
-    pub fn builder(name: impl Into<String>, unit: impl Into<String>) -> FitBuilder {
-        FitBuilder {
-            name: name.into(),
-            unit: unit.into(),
-            rows: 0,
-            width: 1,
-            bins: Vec::new(),
-            last_s: 0.0,
-            step_s: 0.0,
-            good: 0.0,
-            mean: 0.0,
-            spread: 0.0,
-            squares: 0.0,
-        }
+    fn fit_percent(&self) -> Option<f64> {
+        (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()))
     }
 
     fn bins(&self, which: usize) -> Vec<Bin> {
-        let ends = self.bins.iter().skip(1).map(|bin| bin.from_s).chain([self.end_s]);
-        let bins = self.bins.iter().zip(ends).map(|(bin, to_s)| {
-            let Reach { least, most, sum, count } = bin.values[which];
-            Bin { from_s: bin.from_s, to_s, least, most, mean: if count > 0.0 { sum / count } else { f64::NAN } }
-        });
-        bins.collect()
+        let ends = self.bins.iter().skip(1).map(|bin| bin.from_s).chain([self.end_s()]);
+        self.bins.iter().zip(ends).map(|(bin, to_s)| bin.values[which].bin(bin.from_s, to_s)).collect()
     }
 
     /// From, to and class of the stretches in which one class held, as far as bins tell them apart.
     fn stretches(&self) -> Vec<(f64, f64, usize)> {
-        let mut stretches: Vec<(f64, f64, usize)> = Vec::new();
-        for bin in &self.bins {
-            match stretches.last_mut() {
-                Some(last) if last.2 == bin.class => {}
-                last => {
-                    if let Some(last) = last {
-                        last.1 = bin.from_s;
-                    }
-                    stretches.push((bin.from_s, self.end_s, bin.class));
-                }
-            }
-        }
-        stretches
+        let stretches = || self.bins.chunk_by(|a, b| a.class == b.class).map(|stretch| stretch[0]);
+        let ends = stretches().skip(1).map(|next| next.from_s).chain([self.end_s()]);
+        stretches().zip(ends).map(|(first, to_s)| (first.from_s, to_s, first.class)).collect()
     }
 
     /// Measured and predicted, then what is left, over the ground of the event classes.
     pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
-        let mut fit = Chart::new(shortened(&self.name, 14.0, 420.0), &self.unit).height(170.0);
-        fit = match self.fit_percent {
-            Some(percent) => fit.note(format!("fit {} %", brief(percent))),
-            None => fit,
-        };
-        fit = fit
+        let mut fit = Chart::new(shortened(&self.name, 14.0, 420.0), &self.unit)
+            .height(170.0)
+            .notes(self.fit_percent().map(|percent| format!("fit {} %", brief(percent))))
             .trace(Trace::bins("measured", self.bins(0)).colour(7).width(2.8))
             .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(1.2));
         let residuals = self.bins(2);
-        let mut left =
-            Chart::new("Residuals", left_unit).height(90.0).trace(Trace::bins("", residuals.clone()).colour(6));
-        if let Some(rms) = self.rms {
-            left = left.note(format!("rms {}", with_unit(rms, left_unit)));
-        }
+        let mut left = Chart::new("Residuals", left_unit)
+            .height(90.0)
+            .notes(self.rms().map(|rms| format!("rms {}", with_unit(rms, left_unit))))
+            .trace(Trace::bins("", residuals.clone()).colour(6));
         let mut distances: Vec<f64> =
             residuals.iter().map(|bin| bin.most.max(-bin.least)).filter(|d| d.is_finite()).collect();
         distances.sort_by(f64::total_cmp);
@@ -263,11 +196,11 @@ mod tests {
     }
 
     fn fit(rows: usize) -> FitSeries {
-        let mut builder = FitSeries::builder("y", "°C");
+        let mut fit = FitSeries::new("y", "°C");
         for n in 0..rows {
-            builder.push(n as f64 * 0.5, measured(n), measured(n) - 0.25, n / 1000 % 2);
+            fit.push(n as f64 * 0.5, measured(n), measured(n) - 0.25, n / 1000 % 2);
         }
-        builder.finish(None)
+        fit
     }
 
     #[test]
@@ -296,7 +229,7 @@ mod tests {
             );
             let counted: f64 = fit.bins.iter().map(|bin| bin.values[0].count).sum();
             assert_eq!(counted, rows as f64);
-            assert_eq!(fit.end_s, if rows == 1 { 1.0 } else { rows as f64 * 0.5 });
+            assert_eq!(fit.end_s(), if rows == 1 { 1.0 } else { rows as f64 * 0.5 });
         }
     }
 
@@ -305,9 +238,9 @@ mod tests {
         let fit = fit(50_000);
         // All residuals are 0.25 K, so the fit is 1 − 0.25/σ of a value drawn from 0, 0.01 … 10.08,
         // which is nearly uniform.
-        assert!((fit.rms.unwrap() - 0.25).abs() < 1e-12);
+        assert!((fit.rms().unwrap() - 0.25).abs() < 1e-12);
         let sigma = 10.09 / 12_f64.sqrt();
-        assert!((fit.fit_percent.unwrap() - 100.0 * (1.0 - 0.25 / sigma)).abs() < 0.01, "{:?}", fit.fit_percent);
+        assert!((fit.fit_percent().unwrap() - 100.0 * (1.0 - 0.25 / sigma)).abs() < 0.01, "{:?}", fit.fit_percent());
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod spectrum;
 mod structure;
 
 pub use figure::figure;
-pub use fit::{FitBuilder, FitSeries};
+pub use fit::FitSeries;
 
 #[cfg(test)]
 mod tests;

@@ -45,5 +45,5 @@ pub fn parts<'m>(model: &'m Model, output: &str) -> Vec<(&'m Pair, &'m String, &
 
 /// Notes how many curves are shown if there are more.
 pub fn left_out(chart: Chart, curves: usize) -> Chart {
-    if curves > CURVES { chart.note(format!("{CURVES} of {curves} shown")) } else { chart }
+    chart.notes((curves > CURVES).then(|| format!("{CURVES} of {curves} shown")))
 }

@@ -19,22 +19,18 @@ const COLOURED: f64 = 1.2;
 pub fn spectrum(model: &Model, output: &str) -> Chart {
     let parts = parts(model, output);
     let unit = gain_unit(model, output);
+    let several = model.structure == Structure::Conductance && model.classes.len() > 1;
+    let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
+    let white = model.outputs.iter().find(|known| known.name == output).and_then(|output| output.whiteness.as_ref());
+    let coloured = white.map(|white| white.inflation).filter(|inflation| *inflation > COLOURED);
     let mut chart = Chart::new(format!("Time-constant spectrum{}", of(model, output)), &unit)
         .x(Scale::Log, "ξ in rad/s")
         .time_constants()
-        .height(210.0);
-    if model.structure == Structure::Conductance && model.classes.len() > 1 {
-        let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
-        chart = chart.note(format!("of class {reference}"));
-    }
-    chart = chart.note("R_k with intervals of 95 %");
-    let white = model.outputs.iter().find(|known| known.name == output).and_then(|output| output.whiteness.as_ref());
-    if let Some(white) = white.filter(|white| white.inflation > COLOURED) {
-        chart = chart.note(format!("about {} times as wide, as residuals are coloured", brief(white.inflation)));
-    }
-    if parts.len() > 1 {
-        chart = chart.note("steady gains beside the names");
-    }
+        .height(210.0)
+        .notes(several.then(|| format!("of class {reference}")))
+        .note("R_k with intervals of 95 %")
+        .notes(coloured.map(|by| format!("about {} times as wide, as residuals are coloured", brief(by))))
+        .notes((parts.len() > 1).then(|| "steady gains beside the names".to_owned()));
     for (pair, class_label, class) in parts.iter().take(CURVES) {
         let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
         let points = pair.mesh_rad_s.iter().copied().zip(class.r_k_per_w.iter().copied()).collect();
@@ -56,13 +52,13 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     if let Some(wind) = &model.wind
         && let Some(element) = wind.elements.get(place)
     {
-        for (class, conductance) in element.iter().filter(|(class, _)| **class != wind.reference) {
-            chart = chart.note(format!("ΔG {class} {} W/K", estimate(conductance.value, conductance.se)));
-        }
-        if let Some(followed) = wind.following.as_ref().and_then(|following| following.outputs.get(place)) {
-            let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
-            chart = chart.note(format!("follows the gas by {gain} K/K"));
-        }
+        let others = element.iter().filter(|(class, _)| **class != wind.reference);
+        let followed = wind.following.as_ref().and_then(|following| following.outputs.get(place));
+        chart = chart.notes(others.map(|(class, of)| format!("ΔG {class} {} W/K", estimate(of.value, of.se)))).notes(
+            followed.map(|of| {
+                format!("follows the gas by {} K/K", estimate(of.steady_gain_k_per_k, of.se_steady_gain_k_per_k))
+            }),
+        );
     }
     left_out(chart, parts.len())
 }

@@ -45,8 +45,6 @@ pub fn structure(model: &Model) -> Option<Chart> {
         let name = names.into_iter().flatten().collect::<Vec<_>>().join(", ");
         chart = chart.trace(Trace::line(name, stairs));
     }
-    if refused > 0 && curves > 0 {
-        chart = chart.note(format!("{refused} with negative resistances left out"));
-    }
-    (curves > 0).then(|| left_out(chart, curves))
+    let refused = (refused > 0).then(|| format!("{refused} with negative resistances left out"));
+    (curves > 0).then(|| left_out(chart.notes(refused), curves))
 }

@@ -146,13 +146,14 @@ fn whiteness() -> Whiteness {
 }
 
 fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
-    let mut builder = FitSeries::builder(name, "°C");
+    let mut fit = FitSeries::new(name, "°C");
     for n in 0..rows {
         let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
         let noise = 0.01 * (f64::from(n.wrapping_mul(2_654_435_761) >> 8) / 16_777_216.0 - 0.5);
-        builder.push(f64::from(n) * 0.1, truth + noise, truth, (n / 900 % classes) as usize);
+        fit.push(f64::from(n) * 0.1, truth + noise, truth, (n / 900 % classes) as usize);
     }
-    builder.finish(Some(whiteness()))
+    fit.whiteness = Some(whiteness());
+    fit
 }
 
 #[test]
@@ -253,9 +254,10 @@ fn any_model_makes_a_sound_figure() {
         model.inputs[0] = model.pairs[0].input.clone();
         model.supported = false;
         model.warnings = vec!["the record is too short for its slowest pole".to_owned(); 9];
-        let empty = FitSeries::builder("nothing", "").finish(Some(whiteness()));
-        let mut missing = FitSeries::builder("missing", "V");
+        let mut empty = FitSeries::new("nothing", "");
+        empty.whiteness = Some(whiteness());
+        let mut missing = FitSeries::new("missing", "V");
         (0..3000).for_each(|n| missing.push(f64::from(n), f64::NAN, 1.0, n as usize % 5));
-        assert_sound(&figure(&model, &[empty, missing.finish(None)]).svg());
+        assert_sound(&figure(&model, &[empty, missing]).svg());
     }
 }

@@ -6,7 +6,7 @@
 //! has no columns are left out.
 
 use super::set_points::SetPoint;
-use super::wind::{self, WindEstimates};
+use super::wind::WindEstimates;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
 use crate::engine::colour::{Colour, GAS, GREYS, INK, PALETTE, QUIET, REFERENCE, STRETCHES};
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power, reach};
@@ -32,7 +32,7 @@ const STRIP: f64 = 22.0;
 /// If the recording has none of the columns that can be drawn.
 pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     let run = RunCharts::of(recording)?;
-    let estimates = WindEstimates::of(recording, run.time_s, &run.elements);
+    let estimates = WindEstimates::of(recording, run.time_s);
     let alone = estimates.as_ref().filter(|_| run.elements.is_empty());
     let mut charts: Vec<Chart> = Vec::new();
     if alone.is_none() {
@@ -90,7 +90,7 @@ impl<'r> RunCharts<'r> {
         self.recording.metadata("title").map_or_else(|| self.recording.path.display().to_string(), str::to_owned)
     }
 
-    fn subtitle(&self, estimates: Option<&WindEstimates>, alone: bool) -> String {
+    fn subtitle(&self, estimates: Option<&WindEstimates<'_>>, alone: bool) -> String {
         let of = |key| self.recording.metadata(key);
         let (rows, elements) = (self.time_s.len(), self.elements.len());
         let mut parts =
@@ -139,17 +139,13 @@ impl<'r> RunCharts<'r> {
     }
 
     /// The true wind, or the wind estimates over it.
-    fn wind(&self, estimates: Option<&WindEstimates>) -> Option<Chart> {
+    fn wind(&self, estimates: Option<&WindEstimates<'_>>) -> Option<Chart> {
         let truth = match TRUE_WIND.map(|name| self.recording.numbers(name).ok()) {
             [Some(x), Some(y), Some(z)] => {
                 let speed = |row: usize| (x[row] * x[row] + y[row] * y[row] + z[row] * z[row]).sqrt();
-                let of = |component: &[f64]| self.bins(|row| component[row]);
-                vec![
-                    ("x", PALETTE[0], of(x)),
-                    ("y", PALETTE[1], of(y)),
-                    ("z", PALETTE[2], of(z)),
-                    ("speed", INK, self.bins(speed)),
-                ]
+                let axes = [("x", x), ("y", y), ("z", z)].into_iter().zip(PALETTE);
+                let axes = axes.map(|((label, of), colour)| (label, colour, self.bins(|row| of[row])));
+                axes.chain([("speed", INK, self.bins(speed))]).collect()
             }
             _ => Vec::new(),
         };
@@ -158,15 +154,15 @@ impl<'r> RunCharts<'r> {
         };
         let extremes = truth.iter().flat_map(|(_, _, bins)| bins).flat_map(|bin| [bin.least, bin.most]);
         let chart = Chart::new("Wind", "m/s");
-        let Some(WindEstimates { components, .. }) = estimates else {
-            let chart = truth.iter().fold(chart, |chart, of| chart.trace(line(of).band(0.18)));
-            let chart = chart.note("into which it blows").height(130.0).around(extremes.chain([0.0]));
+        let Some(components) = estimates.map(WindEstimates::components) else {
+            let lines = truth.iter().map(|of| line(of).band(0.18));
+            let chart = chart.note("into which it blows").height(130.0).around(extremes.chain([0.0])).traces(lines);
             return (!truth.is_empty()).then_some(chart);
         };
         let under = truth.iter().map(|(label, colour, bins)| {
             let known = components.iter().any(|(component, ..)| component == label);
             let label = if known { String::new() } else { format!("true {label}") };
-            Trace::bins(label, bins.clone()).painted(colour.paler().paler()).width(wind::WIDE).band(0.0)
+            Trace::pale(label, bins.clone(), colour.paler().paler())
         });
         let over = components.iter().map(|of| line(of).band(0.15));
         // Transients of the first estimates would hide the wind.
@@ -176,7 +172,7 @@ impl<'r> RunCharts<'r> {
             false => "into which it blows; estimates over the true wind, which is wide and pale",
         };
         let chart = chart.note(note).height(190.0).around(extremes.chain(means).chain([0.0]));
-        Some(under.chain(over).fold(chart, Chart::trace))
+        Some(chart.traces(under.chain(over)))
     }
 
     fn temperatures(&self) -> Option<Chart> {

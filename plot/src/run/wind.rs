@@ -15,7 +15,7 @@ use super::azimuth;
 use crate::engine::chart::{Chart, Shading};
 use crate::engine::colour::{ALARM, Colour, ESTIMATE, INK, PALETTE, QUIET, TRUTH};
 use crate::engine::reduce::{BINS, Bin, bins};
-use crate::engine::trace::{CURVE, Trace};
+use crate::engine::trace::Trace;
 use recording::wind::{QUALITY_FLAGS, WIND_ESTIMATE as COMPONENTS, WIND_SPEED};
 use recording::{CONDUCTANCE, RAW_CONDUCTANCE};
 use recording::{GAS_TEMPERATURE, Recording, TRUE_WIND};
@@ -24,8 +24,6 @@ use recording::{GAS_TEMPERATURE, Recording, TRUE_WIND};
 const STEADY_GAS_K: f64 = 0.2;
 /// Slower truths have no direction, m/s.
 const STILL_M_S: f64 = 1e-3;
-/// Width of a truth behind an estimate, pixels.
-pub const WIDE: f64 = 4.5;
 /// Share of the bins whose values an axis may leave out at either end: transients of the start.
 const LEFT_OUT: f64 = 0.005;
 /// A flag of a single estimate among many is drawn as high as one of this share.
@@ -34,138 +32,67 @@ const LEAST_SHARE: f64 = 0.2;
 const FLAG_ROW: f64 = 20.0;
 
 /// A quantity with its standard uncertainty and its truth.
-#[derive(Default)]
-pub struct Quantity {
-    pub estimate: Vec<Bin>,
+struct Quantity {
+    estimate: Vec<Bin>,
     /// Standard uncertainty of a single estimate, by bin.
-    pub uncertainty: Vec<f64>,
-    pub truth: Option<Vec<Bin>>,
+    uncertainty: Vec<f64>,
+    truth: Option<Vec<Bin>>,
 }
 
-/// Label, colour and values.
-type Labelled = (String, Colour, Vec<Bin>);
-
-/// All that is drawn of the wind estimates of a recording.
-pub struct WindEstimates {
-    /// The vector and its speed; of a head with one axis the speed alone.
-    pub components: Vec<(&'static str, Colour, Vec<Bin>)>,
-    pub speed: Quantity,
-    /// Angles, °.
-    pub azimuth: Option<Quantity>,
-    pub elevation: Option<Quantity>,
-    pub angle: Option<Quantity>,
-    /// mW/K.
-    conductances: Vec<Labelled>,
-    raw: Vec<Labelled>,
-    /// °C.
-    gas: Option<(Vec<Bin>, Option<Vec<Bin>>)>,
-    /// Those that occur, with the share of estimates that have them.
-    flags: Vec<(&'static str, Vec<Bin>)>,
+/// The wind estimates of a recording.
+pub struct WindEstimates<'r> {
+    recording: &'r Recording,
+    /// Those with an estimate, which most ticks do not have.
+    rows: Vec<usize>,
+    /// Of these rows.
+    times_s: Vec<f64>,
+    flags: &'r [f64],
+    speed_m_s: &'r [f64],
+    vector: [&'r [f64]; 3],
+    truth: Option<[&'r [f64]; 3]>,
+    /// Of a head that reports one angle only.
+    axis: Option<[f64; 3]>,
 }
 
-impl WindEstimates {
+impl<'r> WindEstimates<'r> {
     /// None where a recording has no wind estimates.
-    pub fn of(recording: &Recording, time_s: &[f64], elements: &[(&str, Colour)]) -> Option<Self> {
+    pub fn of(recording: &'r Recording, time_s: &[f64]) -> Option<Self> {
         let numbers = |name: &str| recording.numbers(name).ok();
         let (flags, speed_m_s) = (numbers(QUALITY_FLAGS)?, numbers(WIND_SPEED)?);
         let [x, y, z] = COMPONENTS.map(numbers);
         let vector = [x?, y?, z?];
-        // Most ticks have no estimate; what follows counts estimates.
         let rows: Vec<usize> = (0..flags.len()).filter(|&row| flags[row].is_finite()).collect();
-        let times: Vec<f64> = rows.iter().map(|&row| time_s[row]).collect();
-        if rows.is_empty() {
-            return None;
-        }
-        let reduced = |values: &dyn Fn(usize) -> f64| bins(&times, |i| values(rows[i]), BINS);
-        let means = |column: &[f64]| reduced(&|row| column[row]).iter().map(|bin| bin.mean).collect();
-        let uncertainty = |name: &str| numbers(name).map(means).unwrap_or_default();
-
         let truth = match TRUE_WIND.map(numbers) {
             [Some(x), Some(y), Some(z)] => Some([x, y, z]).filter(|[x, ..]| rows.iter().any(|&row| x[row].is_finite())),
             _ => None,
         };
-        let at = |of: [&[f64]; 3], row: usize| of.map(|component| component[row]);
-        let true_wind = |row: usize| truth.map(|of| at(of, row)).filter(|wind| size(*wind) > STILL_M_S);
+        let times_s = rows.iter().map(|&row| time_s[row]).collect();
         let axis = axis(recording);
-        let undetermined = if axis.is_none() { QualityFlags::UNDETERMINED.0 } else { 0 };
-        let lacking = QualityFlags::FAILED.0 | QualityFlags::NO_DIRECTION.0 | undetermined;
-        let has_direction = |row: usize| flags[row] as u16 & lacking == 0 && speed_m_s[row] > 0.0;
-        let estimated = |row: usize| has_direction(row).then(|| at(vector, row));
-        // An angle of a wind with some speed, estimated and true.
-        let quantity = |angle: &dyn Fn([f64; 3], f64) -> f64| Quantity {
-            estimate: reduced(&|row| estimated(row).map_or(f64::NAN, |wind| angle(wind, speed_m_s[row]))),
-            uncertainty: uncertainty("wind_direction_u_deg"),
-            truth: truth.map(|_| reduced(&|row| true_wind(row).map_or(f64::NAN, |wind| angle(wind, size(wind))))),
-        };
-        let (mut azimuth, mut elevation, mut angle) = (None, None, None);
-        if let Some(axis) = axis {
-            angle = Some(quantity(&|wind, speed| (dot(wind, axis) / speed).clamp(-1.0, 1.0).acos().to_degrees()));
-        } else {
-            let up = quantity(&|wind, _| (wind[2] / size(wind)).clamp(-1.0, 1.0).asin().to_degrees());
-            // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
-            let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
-            azimuth = Some(Quantity {
-                estimate: azimuth::azimuths(&times, |i| estimated(rows[i]), BINS),
-                uncertainty: up.estimate.iter().zip(&up.uncertainty).map(widen).collect(),
-                truth: truth.map(|_| azimuth::azimuths(&times, |i| true_wind(rows[i]), BINS)),
-            });
-            elevation = Some(up);
-        }
+        (!rows.is_empty()).then_some(Self { recording, rows, times_s, flags, speed_m_s, vector, truth, axis })
+    }
 
-        let of_surfaces = |prefix: &str| {
-            let columns = recording.columns.iter().filter_map(|column| column.name.strip_prefix(prefix));
-            let labelled = |(i, surface): (usize, &str)| {
-                let known = elements.iter().find(|(element, _)| *element == surface);
-                let colour = known.map_or(Colour::of_element(i), |(_, colour)| *colour);
-                let of = numbers(&format!("{prefix}{surface}"))?;
-                Some((surface.to_owned(), colour, reduced(&|row| 1e3 * of[row])))
-            };
-            columns.enumerate().filter_map(labelled).collect::<Vec<_>>()
-        };
-        let gas = numbers("wind_gas_temperature_c").map(|gas_c| reduced(&|row| gas_c[row]));
-        let gas = gas.filter(|gas| changes(gas)).map(|gas| {
-            let truth = numbers(GAS_TEMPERATURE).map(|true_c| reduced(&|row| true_c[row]));
-            (gas, truth.filter(|bins| bins.iter().any(|bin| bin.mean.is_finite())))
-        });
-        let has = |flag: QualityFlags| move |row: usize| if flags[row] as u16 & flag.0 != 0 { 1.0 } else { 0.0 };
-        let occurring =
-            QualityFlags::NAMES.into_iter().filter(|(flag, _)| rows.iter().any(|&row| has(*flag)(row) > 0.0));
-        let component = |label, colour, of: &[f64]| (label, colour, reduced(&|row| of[row]));
-        let axes = ["x", "y", "z"].into_iter().zip(PALETTE).zip(vector).filter(|_| axis.is_none());
-        let components = axes.map(|((label, colour), of)| component(label, colour, of));
-        Some(Self {
-            components: components.chain([component("speed", INK, speed_m_s)]).collect(),
-            speed: Quantity {
-                estimate: reduced(&|row| speed_m_s[row]),
-                uncertainty: uncertainty("wind_speed_u_m_s"),
-                truth: truth.map(|of| reduced(&|row| size(at(of, row)))),
-            },
-            azimuth,
-            elevation,
-            angle,
-            conductances: of_surfaces(CONDUCTANCE),
-            raw: of_surfaces(RAW_CONDUCTANCE),
-            gas,
-            flags: occurring.map(|(flag, name)| (name, reduced(&has(flag)))).collect(),
-        })
+    /// The vector and its speed; of a head with one axis the speed alone.
+    pub fn components(&self) -> Vec<(&'static str, Colour, Vec<Bin>)> {
+        let [x, y, z] = self.vector;
+        let all = [("x", PALETTE[0], x), ("y", PALETTE[1], y), ("z", PALETTE[2], z), ("speed", INK, self.speed_m_s)];
+        let all = all.into_iter().skip(if self.axis.is_some() { 3 } else { 0 });
+        all.map(|(label, colour, of)| (label, colour, self.reduced(|row| of[row]))).collect()
     }
 
     /// Its charts: all of them, or those that a run has beside its own.
     pub fn charts(&self, alone: bool) -> Vec<Chart> {
-        let angle = |angle: &Quantity| {
-            let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
-            angle.chart(chart.height(130.0).degrees(angle.narrow_range(0.0, 180.0)))
-        };
         let mut charts = Vec::new();
-        if alone {
-            charts.push(self.speed_chart());
-            charts.extend(self.azimuth.as_ref().map(Quantity::azimuth_chart));
-            charts.extend(self.elevation.as_ref().map(|elevation| {
-                let chart = Chart::new("Elevation", "°").note("above the xy plane").height(110.0);
-                elevation.chart(chart.degrees(elevation.narrow_range(-90.0, 90.0)))
-            }));
+        charts.extend(alone.then(|| self.speed_chart()));
+        if let Some(axis) = self.axis {
+            let angle = |wind: [f64; 3], speed: f64| (dot(wind, axis) / speed).clamp(-1.0, 1.0).acos().to_degrees();
+            let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
+            charts.push(self.direction(angle).narrow_chart(chart.height(130.0), 0.0, 180.0));
+        } else if alone {
+            let elevation = self.direction(|wind, _| (wind[2] / size(wind)).clamp(-1.0, 1.0).asin().to_degrees());
+            charts.push(self.azimuth(&elevation).azimuth_chart());
+            let chart = Chart::new("Elevation", "°").note("above the xy plane").height(110.0);
+            charts.push(elevation.narrow_chart(chart, -90.0, 90.0));
         }
-        charts.extend(self.angle.as_ref().map(angle));
         if alone {
             charts.extend(self.conductance_chart());
             charts.extend(self.gas_chart());
@@ -174,64 +101,131 @@ impl WindEstimates {
         charts
     }
 
+    fn numbers(&self, name: &str) -> Option<&'r [f64]> {
+        self.recording.numbers(name).ok()
+    }
+
+    /// A value of every estimate, by its row.
+    fn reduced(&self, values: impl Fn(usize) -> f64) -> Vec<Bin> {
+        bins(&self.times_s, |i| values(self.rows[i]), BINS)
+    }
+
+    fn column(&self, name: &str) -> Option<Vec<Bin>> {
+        self.numbers(name).map(|column| self.reduced(|row| column[row]))
+    }
+
+    /// By bin; nothing where the recording has no such column.
+    fn uncertainty(&self, name: &str) -> Vec<f64> {
+        self.column(name).iter().flatten().map(|bin| bin.mean).collect()
+    }
+
+    /// Where the estimate has a direction.
+    fn estimated(&self, row: usize) -> Option<[f64; 3]> {
+        let undetermined = if self.axis.is_none() { QualityFlags::UNDETERMINED.0 } else { 0 };
+        let lacking = QualityFlags::FAILED.0 | QualityFlags::NO_DIRECTION.0 | undetermined;
+        let has_direction = self.flags[row] as u16 & lacking == 0 && self.speed_m_s[row] > 0.0;
+        has_direction.then(|| self.vector.map(|of| of[row]))
+    }
+
+    /// Where it is known and has a direction.
+    fn true_wind(&self, row: usize) -> Option<[f64; 3]> {
+        self.truth.map(|of| of.map(|of| of[row])).filter(|wind| size(*wind) > STILL_M_S)
+    }
+
+    /// An angle of a wind with some speed, estimated and true.
+    fn direction(&self, angle: impl Fn([f64; 3], f64) -> f64) -> Quantity {
+        let estimated = |row| self.estimated(row).map_or(f64::NAN, |wind| angle(wind, self.speed_m_s[row]));
+        let truth = |row| self.true_wind(row).map_or(f64::NAN, |wind| angle(wind, size(wind)));
+        Quantity {
+            estimate: self.reduced(estimated),
+            uncertainty: self.uncertainty("wind_direction_u_deg"),
+            truth: self.truth.map(|_| self.reduced(truth)),
+        }
+    }
+
+    fn azimuth(&self, elevation: &Quantity) -> Quantity {
+        // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
+        let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
+        Quantity {
+            estimate: azimuth::azimuths(&self.times_s, |i| self.estimated(self.rows[i]), BINS),
+            uncertainty: elevation.estimate.iter().zip(&elevation.uncertainty).map(widen).collect(),
+            truth: self.truth.map(|_| azimuth::azimuths(&self.times_s, |i| self.true_wind(self.rows[i]), BINS)),
+        }
+    }
+
     /// Room for nearly all estimates and for all of the truth; from zero, unless the speed hardly
     /// changes.
     fn speed_chart(&self) -> Chart {
-        let (low, high) = self.speed.ends().unwrap_or((0.0, 0.0));
+        let speed = Quantity {
+            estimate: self.reduced(|row| self.speed_m_s[row]),
+            uncertainty: self.uncertainty("wind_speed_u_m_s"),
+            truth: self.truth.map(|of| self.reduced(|row| size(of.map(|of| of[row])))),
+        };
+        let (low, high) = speed.ends().unwrap_or((0.0, 0.0));
         let low = if low < 0.7 * high { 0.0 } else { low };
         let chart = Chart::new("Wind speed", "m/s").height(170.0).range(low.max(0.0), high);
-        self.speed.chart(chart.note("shaded: ± one standard uncertainty, paler: from least to greatest"))
+        speed.chart(chart.note("shaded: ± one standard uncertainty, paler: from least to greatest"))
+    }
+
+    /// By surface: name, colour and mW/K.
+    fn of_surfaces(&self, prefix: &str) -> Vec<(&str, Colour, Vec<Bin>)> {
+        let columns = self.recording.columns.iter().filter_map(|column| column.name.strip_prefix(prefix));
+        let reduced = |(i, surface)| {
+            let of = self.numbers(&format!("{prefix}{surface}"))?;
+            Some((surface, Colour::of_element(i), self.reduced(|row| 1e3 * of[row])))
+        };
+        columns.enumerate().filter_map(reduced).collect()
     }
 
     fn conductance_chart(&self) -> Option<Chart> {
+        let conductances = self.of_surfaces(CONDUCTANCE);
         // Raw ones begin at many times what they end at, and would hide the others.
-        let means = self.conductances.iter().flat_map(|(_, _, bins)| bins).map(|bin| bin.mean);
+        let means = conductances.iter().flat_map(|(_, _, bins)| bins).map(|bin| bin.mean);
         let (low, high) = most_of(means).unwrap_or((0.0, 1.0));
-        let raw = self.raw.iter().map(|(_, colour, bins)| {
-            Trace::bins("", bins.clone()).painted(colour.paler().paler()).width(WIDE).band(0.0)
-        });
-        let lines = self.conductances.iter();
-        let lines = lines.map(|(label, colour, bins)| Trace::bins(label, bins.clone()).painted(*colour).band(0.15));
+        let raw = self.of_surfaces(RAW_CONDUCTANCE).into_iter();
+        let raw = raw.map(|(_, colour, bins)| Trace::pale("", bins, colour.paler().paler()));
+        let is_there = !conductances.is_empty();
+        let lines = conductances.into_iter();
+        let lines = lines.map(|(label, colour, bins)| Trace::bins(label, bins).painted(colour).band(0.15));
         let chart = Chart::new("Conductance to the gas", "mW/K").note("pale: from the power alone").height(170.0);
-        let chart = raw.chain(lines).fold(chart.range(low.min(0.0), 1.1 * high), Chart::trace);
-        (!self.conductances.is_empty()).then_some(chart)
+        is_there.then(|| chart.range(low.min(0.0), 1.1 * high).traces(raw.chain(lines)))
     }
 
     fn gas_chart(&self) -> Option<Chart> {
-        let (gas, truth) = self.gas.as_ref()?;
+        let gas = self.column("wind_gas_temperature_c").filter(|gas| changes(gas))?;
+        let truth = self.column(GAS_TEMPERATURE).filter(|bins| bins.iter().any(|bin| bin.mean.is_finite()));
         let means = gas.iter().chain(truth.iter().flatten()).map(|bin| bin.mean);
         let chart = Chart::new("Gas", "°C").note("as the anemometer knows it").height(90.0).around(means);
-        let truth = truth.clone().map(|truth| Trace::bins("true", truth).painted(TRUTH).width(WIDE).band(0.0));
-        let gas = Trace::bins("estimate", gas.clone()).painted(INK).band(0.0);
-        Some(chart.first_on_top([gas].into_iter().chain(truth)))
+        let truth = truth.map(|truth| Trace::pale("true", truth, TRUTH));
+        Some(chart.first_on_top([Trace::bins("estimate", gas).painted(INK).band(0.0)].into_iter().chain(truth)))
     }
 
     /// A row a flag, as high as the share of estimates that have it, and never too low to be seen.
     fn flag_chart(&self) -> Chart {
         let chart = Chart::new("Quality flags", "").note("share of the estimates that have them");
-        if self.flags.is_empty() {
+        let seen = |bin: Bin| Bin { mean: if bin.most > 0.0 { bin.mean.max(LEAST_SHARE) } else { bin.mean }, ..bin };
+        let row = |(flag, name): (QualityFlags, &str)| {
+            let share = |row: usize| if self.flags[row] as u16 & flag.0 != 0 { 1.0 } else { 0.0 };
+            let colour = if name == "failed" { ALARM } else { QUIET };
+            let occurs = self.rows.iter().any(|&row| share(row) > 0.0);
+            occurs.then(|| (name.to_owned(), colour, self.reduced(share).into_iter().map(seen).collect()))
+        };
+        let rows: Vec<_> = QualityFlags::NAMES.into_iter().filter_map(row).collect();
+        if rows.is_empty() {
             let mut chart = chart.bare().height(FLAG_ROW);
             chart.shadings.push(Shading::new(f64::MIN, f64::MAX, QUIET.with_opacity(0.08), "none"));
             return chart;
         }
-        let seen = |bin: &Bin| Bin { mean: if bin.most > 0.0 { bin.mean.max(LEAST_SHARE) } else { bin.mean }, ..*bin };
-        let row = |(name, bins): &(&str, Vec<Bin>)| {
-            let colour = if *name == "failed" { ALARM } else { QUIET };
-            ((*name).to_owned(), colour, bins.iter().map(seen).collect())
-        };
-        chart.bars(self.flags.iter().map(row), FLAG_ROW)
+        chart.bars(rows, FLAG_ROW)
     }
 }
 
 impl Quantity {
     /// Puts the estimate over its truth.
     fn chart(&self, chart: Chart) -> Chart {
-        let truth = self
-            .truth
-            .as_ref()
-            .map(|truth| Trace::bins("true wind", apart(truth)).painted(TRUTH).width(WIDE).band(0.35));
+        let truth = self.truth.as_ref().map(|truth| Trace::pale("true wind", apart(truth), TRUTH).band(0.35));
         let band = Trace::extremes(apart(&self.spread()), 0.3).painted(ESTIMATE);
-        let estimate = Trace::bins("estimate", apart(&self.estimate)).painted(ESTIMATE).width(CURVE).band(0.13);
+        let estimate = Trace::bins("estimate", apart(&self.estimate)).painted(ESTIMATE).band(0.13);
         chart.first_on_top([estimate, band].into_iter().chain(truth))
     }
 
@@ -265,11 +259,13 @@ impl Quantity {
         ends.reduce(|all, of| (all.0.min(of.0), all.1.max(of.1)))
     }
 
-    /// A range for nearly all of an angle that has ends, at least a few degrees long.
-    fn narrow_range(&self, least: f64, most: f64) -> (f64, f64) {
-        let Some((low, high)) = self.ends() else { return (least, most) };
-        let air = (0.05 * (high - low)).max(azimuth::LEAST_RANGE_DEG / 2.0 - (high - low) / 2.0);
-        ((low - air).max(least), (high + air).min(most))
+    /// Of an angle that has ends: nearly all of it, and a range of a few degrees at least.
+    fn narrow_chart(&self, chart: Chart, least: f64, most: f64) -> Chart {
+        let range = self.ends().map_or((least, most), |(low, high)| {
+            let air = (0.05 * (high - low)).max(azimuth::LEAST_RANGE_DEG / 2.0 - (high - low) / 2.0);
+            ((low - air).max(least), (high + air).min(most))
+        });
+        self.chart(chart.degrees(range))
     }
 
     fn typical(&self) -> f64 {

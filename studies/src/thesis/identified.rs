@@ -11,6 +11,7 @@ use diffusive::identify::validate::{ValidatedOutput, ValidationStart, validate};
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{IdentifyOptions, identify};
 use diffusive::model::{Class, Forward, Model, Pair};
+use plot::{Chart, Scale, Trace};
 
 /// A mesh of so many rates between two edges in rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,9 +159,15 @@ pub fn pair<'m>(model: &'m Model, input: &str, output: &str) -> Result<&'m Pair,
     found.ok_or_else(|| StudyError::Other(format!("the model has no pair {input} → {output}")))
 }
 
-/// Points of a symbol over Hz, for a chart.
-pub fn points(pair: &Pair, class: &Class) -> Vec<(f64, f64)> {
-    pair.mesh_rad_s.iter().map(|rate| rate / TAU).zip(class.r_k_per_w.iter().copied()).collect()
+/// The symbol of one class of a pair over Hz, for a chart.
+pub fn symbol(label: impl Into<String>, pair: &Pair, class: &str) -> Result<Trace, StudyError> {
+    let r = of(pair, class)?.r_k_per_w.iter().copied();
+    Ok(Trace::stems(label, pair.mesh_rad_s.iter().map(|rate| rate / TAU).zip(r).collect()))
+}
+
+/// A chart of such symbols.
+pub fn symbol_chart(caption: impl Into<String>) -> Chart {
+    Chart::new(caption, "K/W").x(Scale::Log, "Hz").height(200.0)
 }
 
 #[cfg(test)]
@@ -183,18 +190,7 @@ mod tests {
         let names = vec!["a".to_owned()];
         let event = vec!["still".to_owned(); power_w.len()];
         let power_w = vec![power_w];
-        (
-            model,
-            StudyRecord {
-                sample_period_s: 0.1,
-                names,
-                standby_w: vec![0.005],
-                power_w,
-                temperature_c,
-                event,
-                extrapolated: 0,
-            },
-        )
+        (model, StudyRecord { sample_period_s: 0.1, names, standby_w: vec![0.005], power_w, temperature_c, event })
     }
 
     #[test]

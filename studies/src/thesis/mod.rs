@@ -36,6 +36,6 @@ mod sphere_response;
 
 pub use catalogue::{STUDIES, Study};
 pub use error::StudyError;
-pub use findings::{StudyFinding, StudyFindings};
+pub use findings::StudyFindings;
 pub use lab::StudyLab;
 pub use report::ThesisReport;

@@ -34,13 +34,7 @@ fn write_text(path: &Path, text: &str) -> Result<(), StudyError> {
 
 fn page(study: &Study, findings: &StudyFindings) -> Result<String, TemplateError> {
     let table = table(findings);
-    let mut values: Vec<(&str, &str)> = vec![
-        ("title", study.title),
-        ("source", study.source),
-        ("name", study.name),
-        ("caption", &findings.caption),
-        ("findings", table.trim_end()),
-    ];
+    let mut values: Vec<(&str, &str)> = vec![("caption", &findings.caption), ("findings", table.trim_end())];
     values.extend(findings.values.iter().map(|(name, value)| (*name, value.as_str())));
     fill(study.page, &values)
 }
@@ -61,12 +55,12 @@ fn table(findings: &StudyFindings) -> String {
 fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
     let scores = studies.iter().map(|(study, findings)| {
         let (bars, met) = findings.score();
-        format!("| [{}]({}.md) | {bars} | {met} |\n", study.title, study.name)
+        format!("| [{}]({}.md) | {bars} | {met} |\n", study.title(), study.name)
     });
     let missed = studies.iter().flat_map(|(study, findings)| {
         let missed = findings.findings.iter().filter(|finding| finding.met == Some(false));
         missed.map(|of| {
-            format!("- [{}]({}.md): {}: {}, where the bar is {}\n", study.title, study.name, of.what, of.ours, of.bar)
+            format!("- [{}]({}.md): {}: {}, where the bar is {}\n", study.title(), study.name, of.what, of.ours, of.bar)
         })
     });
     let missed: String = missed.collect();
@@ -81,19 +75,18 @@ fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
 mod tests {
     use super::*;
     use crate::thesis::STUDIES;
-    use crate::thesis::findings::StudyFinding;
 
     #[test]
     fn every_page_asks_for_its_frame_and_its_own_values() {
         for study in &STUDIES {
             let mut findings = StudyFindings::default();
             let own: Vec<&str> = study.page.split('{').skip(1).filter_map(|rest| rest.split('}').next()).collect();
-            for name in ["title", "source", "name", "caption", "findings"] {
+            for name in ["caption", "findings"] {
                 assert!(own.contains(&name), "{}: {name}", study.name);
             }
-            findings.push(StudyFinding::reported("what", "", "3 s"));
+            findings.reported("what", "3 s");
             let known = page(study, &findings);
-            let plain = own.iter().all(|name| ["title", "source", "name", "caption", "findings"].contains(name));
+            let plain = own.iter().all(|name| ["caption", "findings"].contains(name));
             assert_eq!(known.is_ok(), plain, "{}: {known:?}", study.name);
         }
     }
@@ -101,8 +94,9 @@ mod tests {
     #[test]
     fn the_index_names_what_is_not_met_and_nothing_else() {
         let found = |met| {
-            let finding = StudyFinding::reported("time", "", "3 s").judged("at most 2 s", met);
-            StudyFindings { findings: vec![finding], ..StudyFindings::default() }
+            let mut findings = StudyFindings::default();
+            findings.reported("time", "3 s").judged("at most 2 s", met);
+            findings
         };
         let text = index(&[(&STUDIES[0], found(true))]).unwrap();
         assert!(text.ends_with("| [REMS: self-heating of a die](rems-self.md) | 1 | 1 |\n"), "{text}");

@@ -1,7 +1,7 @@
 //! What an experiment recorded, in memory.
 
 use dr_core::sensor::Level;
-use recording::{POWER, TEMPERATURE, column_name};
+use recording::{POWER, RecordingRow, TEMPERATURE, column_name};
 
 use super::error::StudyError;
 use diffusive::identify::record::RecordTable;
@@ -9,6 +9,23 @@ use host_sim::experiment::Experiment;
 use host_sim::instrument::LockStep;
 use host_sim::instrument::in_process::InProcess;
 use host_sim::run::{RunError, run};
+
+/// Runs an experiment on the controller of this process around the simulated sensor; a trip is an
+/// error, as nothing is made of half an experiment.
+pub fn rows(
+    experiment: &Experiment,
+    sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
+) -> Result<(), StudyError> {
+    let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
+    let summary = run(experiment, Box::new(instrument), sink)?;
+    match summary.trips.first() {
+        None => Ok(()),
+        Some(trip) => Err(StudyError::Other(format!(
+            "{} tripped at {} s: {}, {}",
+            experiment.title, trip.time_s, trip.cause, trip.element
+        ))),
+    }
+}
 
 /// Powers and temperatures of all elements, tick by tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,28 +43,24 @@ pub struct StudyRecord {
     pub temperature_c: Vec<Vec<f64>>,
     /// Label of the wind over [t_n, t_{n+1}).
     pub event: Vec<String>,
-    /// Ticks in which the simulated convection was an extrapolation.
-    pub extrapolated: u32,
 }
 
 impl StudyRecord {
-    /// Runs an experiment on the controller of this process around the simulated sensor.
+    /// Records a whole run.
     ///
     /// # Errors
-    /// What the run says; a trip too, as no study is made of half an experiment.
+    /// What the run says, and a trip.
     pub fn of(experiment: &Experiment) -> Result<Self, StudyError> {
         let names: Vec<String> = experiment.head.names().iter().map(|name| (*name).to_owned()).collect();
-        let sensor = experiment.sensor()?;
         let mut record = Self {
             sample_period_s: experiment.sample_period_s,
             standby_w: Vec::new(),
             power_w: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
             temperature_c: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
             event: Vec::with_capacity(experiment.ticks as usize),
-            extrapolated: 0,
             names,
         };
-        let summary = run(experiment, Box::new(LockStep::new(InProcess::new(), sensor)), &mut |row| {
+        rows(experiment, &mut |row| {
             for (column, value) in record.power_w.iter_mut().zip(row.power_w) {
                 column.push(f64::from(*value));
             }
@@ -55,14 +68,8 @@ impl StudyRecord {
                 column.push(f64::from(*value));
             }
             record.event.push(row.event.to_owned());
-            Ok::<(), RunError>(())
+            Ok(())
         })?;
-        if let Some(trip) = summary.trips.first() {
-            return Err(StudyError::Other(format!(
-                "{} tripped at {} s: {}, {}",
-                experiment.title, trip.time_s, trip.cause, trip.element
-            )));
-        }
         let begun = experiment.head.elements.iter().zip(&record.temperature_c);
         record.standby_w = begun
             .map(|(element, read_c)| {
@@ -70,7 +77,6 @@ impl StudyRecord {
                 element.power_w(first_c, Level::Low)
             })
             .collect();
-        record.extrapolated = summary.extrapolated.unwrap_or(0);
         Ok(record)
     }
 
@@ -124,7 +130,6 @@ impl StudyRecord {
             power_w: columns(&self.power_w, mean),
             temperature_c: columns(&self.temperature_c, temperature),
             event: self.event.chunks_exact(ratio).map(|labels| labels[0].clone()).collect(),
-            extrapolated: self.extrapolated,
         }
     }
 
@@ -212,7 +217,6 @@ mod tests {
             power_w: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0], vec![0.5; 6]],
             temperature_c: vec![vec![20.0, 22.0, 24.0, 26.0, 28.0, 30.0], vec![10.0; 6]],
             event: ["calm", "calm", "calm", "gust", "gust", "gust"].map(str::to_owned).into(),
-            extrapolated: 0,
         }
     }
 

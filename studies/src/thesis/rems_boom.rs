@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings, in_unit};
-use super::identified::{PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, points, with_free_poles};
+use super::findings::{StudyFindings, in_unit};
+use super::identified::{
+    PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, symbol, symbol_chart, with_free_poles,
+};
 use super::lab::StudyLab;
 use super::record::{StudyRecord, mean};
 use super::rems::DICE;
@@ -45,45 +47,29 @@ fn setpoints(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(Model, Vec
     let model = on_mesh_of_any_sign(record.table(&[FOUR], &[BOOM], false)?, MESH)?;
     let free = with_free_poles(record.table(&[FOUR], &[BOOM], false)?, 2)?;
     let poles = pair(&free, FOUR, BOOM)?;
-    for (rate, published, name) in
-        poles.mesh_rad_s.iter().zip([2e-4, 2e-3]).zip(["slow", "fast"]).map(|((a, b), c)| (a, b, c))
-    {
-        findings.push(StudyFinding::within_factor(format!("{name} pole"), published, (rate / TAU, "Hz"), 1.5));
+    for (rate, (what, published)) in poles.mesh_rad_s.iter().zip([("slow pole", 2e-4), ("fast pole", 2e-3)]) {
+        findings.within_factor(what, published, (rate / TAU, "Hz"), 1.5);
     }
     let gain_k_per_w = of(poles, &free.classes[0])?.steady_gain_k_per_w;
     let warm = (HOUR_S, record.duration_s());
     let overheat_k = record.mean_temperature_c(FOUR, warm.0, warm.1)? - experiment.gas_temperature_c;
     let power_w = record.mean_power_w(FOUR, warm.0, warm.1)?;
     let rise_k = gain_k_per_w * power_w * OVERHEAT_K / overheat_k;
-    findings.push(StudyFinding::between(
-        "rise for 17 K of overheat of four dice",
-        "0.6 to 0.7 K",
-        (rise_k, "K"),
-        (0.6, 0.7),
-    ));
-    findings.push(StudyFinding::reported("steady gain of the boom", "", in_unit(gain_k_per_w, "K/W")));
+    findings.between("rise for 17 K of overheat of four dice", "0.6 to 0.7 K", (rise_k, "K"), (0.6, 0.7));
+    findings.reported("steady gain of the boom", in_unit(gain_k_per_w, "K/W"));
     let predicted = PredictedRecord::of(&model, &record, &[FOUR], &[BOOM])?;
-    findings.push(StudyFinding::reported("fit over the 20 h, six rates", "", fit(&predicted)));
-    findings.push(StudyFinding::reported(
-        "the same, two free poles",
-        "",
-        fit(&PredictedRecord::of(&free, &record, &[FOUR], &[BOOM])?),
-    ));
-    let symbol = Chart::new("Symbol from the summed power of four dice to the boom", "K/W")
-        .x(Scale::Log, "Hz")
-        .height(200.0)
-        .trace(Trace::stems(
-            "six rates",
-            points(pair(&model, FOUR, BOOM)?, of(pair(&model, FOUR, BOOM)?, &model.classes[0])?),
-        ))
-        .trace(Trace::stems("two free poles", points(poles, of(poles, &free.classes[0])?)));
+    findings.reported("fit over the 20 h, six rates", fit(&predicted));
+    findings.reported("the same, two free poles", fit(&PredictedRecord::of(&free, &record, &[FOUR], &[BOOM])?));
+    let chart = symbol_chart("Symbol from the summed power of four dice to the boom")
+        .trace(symbol("six rates", pair(&model, FOUR, BOOM)?, &model.classes[0])?)
+        .trace(symbol("two free poles", poles, &free.classes[0])?);
     let drawn = |values: &[f64]| record.over_time(values, warm, HOUR_S);
-    let chart = Chart::new("Boom under random set-points", "°C")
+    let over_time = Chart::new("Boom under random set-points", "°C")
         .note("after the first hour")
         .x(Scale::Linear, "h")
         .trace(Trace::line("measured", drawn(record.temperature_c(BOOM)?)))
         .trace(Trace::dashed("six rates", drawn(&predicted.temperature_c[0])));
-    Ok((model, vec![vec![symbol], vec![chart]]))
+    Ok((model, vec![vec![chart], vec![over_time]]))
 }
 
 /// 3 h on and 3 h off: the rise, and the prediction of a record that the model has not seen.
@@ -91,33 +77,25 @@ fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Resu
     let (experiment, record) = lab.run("rems-boom-switched")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.push(StudyFinding::near(
+    findings.near(
         "rise of the boom in 3 h on, 3 h off, dice at 42 °C, in air of 27 °C, which was chosen so",
         0.5,
         (rise_k, "K"),
         20.0,
-    ));
+    );
     let first_on_s = experiment.changes.first().map_or(record.duration_s(), |change| experiment.time_s(change.tick));
     let reading_c = record.mean_temperature_c(FOUR, first_on_s - END_S, first_on_s)?;
     let over_air_k = reading_c - experiment.gas_temperature_c;
-    findings.push(StudyFinding::reported(
-        "mean reading of the dice, held at 42 °C by a bit at 10 Hz",
-        "",
-        format!("{reading_c:.2} °C"),
-    ));
+    findings.reported("mean reading of the dice, held at 42 °C by a bit at 10 Hz", format!("{reading_c:.2} °C"));
     let in_proportion = format!("{} K", brief(17.0 * rise_k / over_air_k));
-    findings.push(StudyFinding::reported(
-        "that rise in proportion to 17 K of this reading over the air",
-        "",
-        in_proportion,
-    ));
+    findings.reported("that rise in proportion to 17 K of this reading over the air", in_proportion);
     let predicted = PredictedRecord::of(model, &record, &[FOUR], &[BOOM])?;
-    findings.push(StudyFinding::reported("fit of that run, predicted by the model of the 20 h", "", fit(&predicted)));
+    findings.reported("fit of that run, predicted by the model of the 20 h", fit(&predicted));
     let mut cool = first_cycle(&experiment);
     let warm_c = cool.gas_temperature_c;
     (cool.gas_temperature_c, cool.support_temperature_c) = (21.0, 21.0);
     let in_cool_k = on_less_off(&cool, &lab.record(&cool)?, BOOM)?;
-    findings.push(StudyFinding::reported("the same rise in air at 21 °C", "", in_unit(in_cool_k, "K")));
+    findings.reported("the same rise in air at 21 °C", in_unit(in_cool_k, "K"));
     findings.fill("gas_c", warm_c.to_string());
     let all = (0.0, record.duration_s());
     Ok(over_hours("Boom, dice at 42 °C on and off", "°C", &record, record.temperature_c(BOOM)?, "measured").trace(
@@ -134,22 +112,13 @@ fn held(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, Stud
     let (from_s, to_s) = (first_end_s - END_S, first_end_s);
     let at_c = record.mean_temperature_c(BOOM, from_s, to_s)?;
     let power_mw = 1e3 * record.mean_power_w(BOOM, from_s, to_s)?;
-    findings.push(StudyFinding::reported(
-        "the boom held: reading and power",
-        "28.5 °C",
-        format!("{at_c:.2} °C, {} mW", brief(power_mw)),
-    ));
+    findings.compared("the boom held: reading and power", "28.5 °C", format!("{at_c:.2} °C, {} mW", brief(power_mw)));
     let rise_k = on_less_off(&experiment, &record, "dice")?;
-    findings.push(
-        StudyFinding::reported(
-            "passive dice, boom held less boom passive",
-            "warm with the boom",
-            format!("{} K", brief(rise_k)),
-        )
-        .judged("warmer", rise_k > 0.0),
-    );
+    findings
+        .compared("passive dice, boom held less boom passive", "warm with the boom", format!("{} K", brief(rise_k)))
+        .judged("warmer", rise_k > 0.0);
     let boom_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.push(StudyFinding::reported("the boom itself, held less passive", "", in_unit(boom_k, "K")));
+    findings.reported("the boom itself, held less passive", in_unit(boom_k, "K"));
     Ok(vec![
         over_hours("Boom, held and not", "°C", &record, record.temperature_c(BOOM)?, ""),
         over_hours("Passive dice, mean of all", "°C", &record, record.temperature_c("dice")?, ""),
@@ -164,19 +133,14 @@ fn heated(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, St
     let power_mw: Vec<f64> = minutes.power_w(FOUR)?.iter().map(|power_w| 1e3 * power_w).collect();
     let (boom_c, power_mw) = (&minutes.temperature_c(BOOM)?[warm..], &power_mw[warm..]);
     let (slope, correlation) = regression(boom_c, power_mw);
-    findings.push(
-        StudyFinding::reported(
+    findings
+        .compared(
             "power of four held dice on the boom's temperature",
             "steps with it",
             format!("{} mW/K", brief(slope)),
         )
-        .judged("falls", slope < 0.0),
-    );
-    findings.push(StudyFinding::reported(
-        "their correlation, means over 60 s",
-        "",
-        format!("{correlation:.2}").replace('-', "−"),
-    ));
+        .judged("falls", slope < 0.0);
+    findings.reported("their correlation, means over 60 s", format!("{correlation:.2}").replace('-', "−"));
     let die_w = record.power_w(DICE[0])?;
     let (least, most) = die_w.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), w| (least.min(*w), most.max(*w)));
     let step_mw = 1e3 * (most - least) / (60 * per_second(&experiment)) as f64;

@@ -3,15 +3,15 @@
 use std::f64::consts::TAU;
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings, in_unit};
+use super::findings::{StudyFindings, in_unit};
 use super::identified::{
-    Peak, PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, peak, points, with_free_poles,
+    Peak, PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, peak, symbol, symbol_chart, with_free_poles,
 };
 use super::lab::StudyLab;
 use super::record::StudyRecord;
 use super::rems::DICE;
 use diffusive::model::Model;
-use plot::{Chart, Scale, Trace, brief};
+use plot::{Chart, Trace, brief};
 
 pub(super) const CROSS_MESH: ThesisMesh = ThesisMesh { order: 7, edges_rad_s: (0.0024, 10.0) };
 /// The heated one, and how the others lie to it.
@@ -29,21 +29,21 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let (_, still) = lab.run("rems-cross-still")?;
     let model = on_mesh_of_any_sign(still.table(&[HEATED], &OTHERS, false)?, CROSS_MESH)?;
     let at_rest = peaks(&model)?;
-    findings.push(StudyFinding::near("peak of an adjacent die", 0.1, (at_rest[0].frequency_hz, "Hz"), 20.0));
+    findings.near("peak of an adjacent die", 0.1, (at_rest[0].frequency_hz, "Hz"), 20.0);
     let [one, other, across] = [0, 1, 2].map(|die| at_rest[die].r_k_per_w);
     let apart = 100.0 * (one.max(other) / one.min(other) - 1.0);
-    let alike = StudyFinding::reported("the two adjacent dice", "alike", format!("{apart:.2} % apart"));
-    findings.push(alike.judged("within 10 %", apart <= 10.0));
+    findings
+        .compared("the two adjacent dice", "alike", format!("{apart:.2} % apart"))
+        .judged("within 10 %", apart <= 10.0);
     let share = 100.0 * across / one;
     let weaker = format!("{share:.0} % ({} of {})", brief(across), in_unit(one, "K/W"));
-    findings.push(
-        StudyFinding::reported("diagonal die at that point, of an adjacent one", "much weaker", weaker)
-            .judged("under 40 %", share < 40.0),
-    );
+    findings
+        .compared("diagonal die at that point, of an adjacent one", "much weaker", weaker)
+        .judged("under 40 %", share < 40.0);
     let label = &model.classes[0];
     let largest = peak(pair(&model, HEATED, OTHERS[2])?, label, (0.0, f64::INFINITY))?;
     let own = format!("{} Hz ({})", brief(largest.frequency_hz), in_unit(largest.r_k_per_w, "K/W"));
-    findings.push(StudyFinding::reported("largest point of the diagonal die by itself", "", own));
+    findings.reported("largest point of the diagonal die by itself", own);
     mesh_or_poles(&still, &model, &mut findings)?;
 
     let (_, windy) = lab.run("rems-cross-wind")?;
@@ -52,8 +52,9 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     for (place, lies) in [(0, "an adjacent die"), (2, "the diagonal die")] {
         let change = 100.0 * (in_wind[place].r_k_per_w / at_rest[place].r_k_per_w - 1.0);
         let what = format!("peak of {lies} in wind from ahead, 7.5 m/min");
-        let told = StudyFinding::reported(what, "no dependence", format!("{} %", brief(change)));
-        findings.push(told.judged(format!("within {NO_DEPENDENCE} %"), change.abs() <= NO_DEPENDENCE));
+        findings
+            .compared(what, "no dependence", format!("{} %", brief(change)))
+            .judged(format!("within {NO_DEPENDENCE} %"), change.abs() <= NO_DEPENDENCE);
     }
     findings.picture(
         "REMS: cross-heating between dice",
@@ -83,7 +84,7 @@ fn peaks(model: &Model) -> Result<[Peak; 3], StudyError> {
 fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let (adjacent, diagonal) = (&model.outputs[0], &model.outputs[2]);
     let fits = format!("{:.1} %, {:.1} %", adjacent.fit_percent, diagonal.fit_percent);
-    findings.push(StudyFinding::reported("fit of seven rates to the record, adjacent and diagonal", "", fits));
+    findings.reported("fit of seven rates to the record, adjacent and diagonal", fits);
     let free = with_free_poles(still.table(&[HEATED], &[OTHERS[0]], false)?, 4)?;
     let own = pair(&free, HEATED, OTHERS[0])?;
     let class = of(own, &free.classes[0])?;
@@ -92,17 +93,16 @@ fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFinding
         .filter(|(_, r)| r.abs() > 0.1 * most)
         .map(|(rate, r)| format!("{} Hz ({})", brief(rate / TAU), in_unit(*r, "K/W")))
         .collect();
-    findings.push(StudyFinding::reported("large poles of an adjacent die, free of any mesh", "", poles.join(", ")));
+    findings.reported("large poles of an adjacent die, free of any mesh", poles.join(", "));
     let fit = format!("{:.1} %", free.outputs[0].fit_percent);
-    findings.push(StudyFinding::reported("fit of four free poles, adjacent", "", fit));
+    findings.reported("fit of four free poles, adjacent", fit);
     Ok(())
 }
 
 fn symbols(caption: &str, model: &Model) -> Result<Chart, StudyError> {
-    let mut chart = Chart::new(format!("{caption}, {HEATED} heated"), "K/W").x(Scale::Log, "Hz").height(200.0);
+    let mut chart = symbol_chart(format!("{caption}, {HEATED} heated"));
     for (die, lies) in OTHERS.into_iter().zip(LIES) {
-        let own = pair(model, HEATED, die)?;
-        chart = chart.trace(Trace::stems(format!("{die}, {lies}"), points(own, of(own, &model.classes[0])?)));
+        chart = chart.trace(symbol(format!("{die}, {lies}"), pair(model, HEATED, die)?, &model.classes[0])?);
     }
     Ok(chart)
 }

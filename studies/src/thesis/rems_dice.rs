@@ -1,7 +1,7 @@
 //! Four dice at once: models that were identified die by die predict what all of them do together.
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings, in_unit};
+use super::findings::{StudyFindings, in_unit};
 use super::identified::{PredictedRecord, ThesisMesh, heating_k, on_mesh, on_mesh_of_any_sign};
 use super::lab::StudyLab;
 use super::record::{StudyRecord, mean};
@@ -33,9 +33,9 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let model = merge(&models)?;
     let predicted = PredictedRecord::of(&model, &together, &DICE, &DICE)?;
     let fit = (predicted.least_fit_percent(), "%");
-    findings.push(StudyFinding::between("fit of the die predicted least well", "matches", fit, (97.0, f64::INFINITY)));
+    findings.between("fit of the die predicted least well", "matches", fit, (97.0, f64::INFINITY));
     let error = format!("{} mK rms", brief(1e3 * predicted.worst_rmse_k()));
-    findings.push(StudyFinding::reported("its error", "", error));
+    findings.reported("its error", error);
 
     let heating = cross_heating(&model, &together, &mut findings)?;
     let differences = (0..DICE.len()).map(|place| {
@@ -44,12 +44,12 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     });
     let differences = differences.collect::<Result<Vec<f64>, StudyError>>()?;
     let warmer = format!("{} K", span(&differences));
-    findings.push(StudyFinding::reported("warmer than driven alone, measured", "", warmer));
+    findings.reported("warmer than driven alone, measured", warmer);
 
     let thesis = thesis_model(lab)?;
     let coarse = PredictedRecord::of(&thesis, &together, &DICE, &DICE)?;
     let words = format!("{} %, {} mK rms", brief(coarse.least_fit_percent()), brief(1e3 * coarse.worst_rmse_k()));
-    findings.push(StudyFinding::reported("the same with the meshes of the thesis", "matches", words));
+    findings.compared("the same with the meshes of the thesis", "matches", words);
     findings.picture(
         "REMS: four dice at once",
         format!(
@@ -86,12 +86,12 @@ fn cross_heating(
         sums.push(sum);
     }
     let met = sums.iter().all(|sum| (8.0..=12.0).contains(sum));
-    let found =
-        StudyFinding::reported("cross-heating of a die by the other three", "about 10 K", format!("{} K", span(&sums)));
-    findings.push(found.judged("8 to 12 K", met));
+    findings
+        .compared("cross-heating of a die by the other three", "about 10 K", format!("{} K", span(&sums)))
+        .judged("8 to 12 K", met);
     let powers = DICE.map(|die| record.mean_power_w(die, WARM_S, record.duration_s()));
     let powers = powers.into_iter().collect::<Result<Vec<f64>, _>>()?;
-    findings.push(StudyFinding::reported("mean power of a die", "", in_unit(1e3 * mean(&powers), "mW")));
+    findings.reported("mean power of a die", in_unit(1e3 * mean(&powers), "mW"));
     Ok(on_first)
 }
 

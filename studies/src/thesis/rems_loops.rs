@@ -2,7 +2,7 @@
 //! would.
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings};
+use super::findings::StudyFindings;
 use super::identified::{ThesisMesh, for_a_loop, on_mesh};
 use super::lab::StudyLab;
 use super::record::StudyRecord;
@@ -58,33 +58,26 @@ fn one(
     };
     let (rms, bias, mean_mw) = share(&steps.sampled)?;
     let words = format!("{rms:.2} % rms, {bias:+.2} % in the mean, of {mean_mw:.2} mW");
-    let bar = StudyFinding::reported(format!("measured against predicted power, {place}"), "matches", words);
-    findings.push(bar.judged(format!("at most {MOST_PERCENT} % rms"), rms <= MOST_PERCENT));
+    findings
+        .compared(format!("measured against predicted power, {place}"), "matches", words)
+        .judged(format!("at most {MOST_PERCENT} % rms"), rms <= MOST_PERCENT);
     let (rms, bias, _) = share(&steps.limit)?;
-    let limit = StudyFinding::reported(
+    findings.reported(
         format!("the same against the limit of fast sampling, {place}"),
-        "",
         format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
     );
-    findings.push(limit);
     let of_mesh = LoopPowers::of(&on_mesh(table()?, mesh)?, &experiment, &held, from_s)?;
     let (rms, bias, _) = share(&of_mesh.sampled)?;
-    findings.push(StudyFinding::reported(
+    findings.reported(
         format!("the same with the eight rates of the thesis, one-bit rule, {place}"),
-        "",
         format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
-    ));
+    );
     let mean_c = held.mean_temperature_c(DIE, from_s.max(20.0), experiment.duration_s())?;
-    findings.push(StudyFinding::reported(
-        format!("mean reading at a set-point of 42 °C, {place}"),
-        "",
-        format!("{mean_c:.2} °C"),
-    ));
-    findings.push(StudyFinding::reported(
+    findings.reported(format!("mean reading at a set-point of 42 °C, {place}"), format!("{mean_c:.2} °C"));
+    findings.reported(
         format!("offset of the model over the air, {place}"),
-        "",
         format!("{:.2} K", model.offset_c - experiment.gas_temperature_c),
-    ));
+    );
     Ok(steps.charts(place, &experiment))
 }
 

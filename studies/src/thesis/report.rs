@@ -29,7 +29,7 @@ impl Serialize for ThesisReport<'_> {
 impl fmt::Display for ThesisReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (study, findings) in &self.studies {
-            writeln!(f, "{}", study.title)?;
+            writeln!(f, "{}", study.title())?;
             for finding in &findings.findings {
                 let mark = match finding.met {
                     None => "       ",

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use dr_core::sensor::Level;
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings};
+use super::findings::StudyFindings;
 use super::identified::for_a_loop;
 use super::lab::StudyLab;
 use super::record::StudyRecord;
@@ -19,6 +19,7 @@ use diffusive::model::pair_class::PairClass;
 use diffusive::predict::analysis::{Analysis, LoopConditions, analyse};
 use diffusive::predict::loop_model::LoopModel;
 use host_sim::experiment::Experiment;
+use nalgebra::Complex;
 use plot::{Chart, Scale, Trace, brief};
 
 /// The spheres' set-point, °C.
@@ -57,82 +58,86 @@ const B: ThesisSphere = ThesisSphere {
     fast: true,
 };
 
+/// A sphere with what its winds show.
+struct IdentifiedSphere {
+    sphere: &'static ThesisSphere,
+    winds: Vec<SphereInWind>,
+}
+
 /// What one wind shows.
 struct SphereInWind {
     label: String,
     /// Mean temperature of the parts under the power that each gets.
-    together: Analysis,
+    together: IdentifiedLoop,
     /// Temperature of the front part under the same power.
-    front: Analysis,
+    front: IdentifiedLoop,
+}
+
+/// What a model says of its loop, and its symbol over Hz.
+struct IdentifiedLoop {
+    analysis: Analysis,
     points: Vec<(f64, f64)>,
-    front_points: Vec<(f64, f64)>,
 }
 
 pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let mut findings = StudyFindings::default();
-    let a = winds(lab, &A)?;
-    let b = winds(lab, &B)?;
-    findings.fill("poles_and_zeros", poles_and_zeros(&[(&A, &a), (&B, &b)]));
-    for ([wind, verdict, front], winds) in
-        [(["wind_a", "verdict_a", "front_verdict_a"], &a), (["wind_b", "verdict_b", "front_verdict_b"], &b)]
-    {
-        let last = &winds[winds.len() - 1];
-        findings.fill(wind, last.label.clone());
-        findings.fill(verdict, last.together.verdict(&[]));
-        findings.fill(front, last.front.verdict(&[]));
+    let spheres = [IdentifiedSphere::of(lab, &A)?, IdentifiedSphere::of(lab, &B)?];
+    findings.fill("poles_and_zeros", poles_and_zeros(&spheres));
+    let names = [["wind_a", "verdict_a", "front_verdict_a"], ["wind_b", "verdict_b", "front_verdict_b"]];
+    for ([wind, verdict, front], of) in names.into_iter().zip(&spheres) {
+        findings.fill(wind, of.fastest().label.clone());
+        findings.fill(verdict, of.fastest().together.analysis.verdict(&[]));
+        findings.fill(front, of.fastest().front.analysis.verdict(&[]));
     }
-    judge(&mut findings, (&a, &b));
-    let measured_a = of_a(lab)?;
-    let measured_b = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
+    judge(&mut findings, &spheres);
     let slow_period_s = lab.experiment(A.step)?.sample_period_s;
-    for (sphere, winds, measured, period_s) in
-        [(&A, &a, &measured_a, slow_period_s), (&B, &b, &measured_b, FAST_PERIOD_S)]
-    {
-        predicted(&mut findings, sphere, &winds[winds.len() - 1], (measured, period_s));
+    let fast = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
+    let measured = [(of_a(lab)?, slow_period_s), (fast, FAST_PERIOD_S)];
+    for (of, (measured, period_s)) in spheres.iter().zip(&measured) {
+        predicted(&mut findings, of, measured, *period_s);
     }
-    let chart =
-        |sphere: &ThesisSphere, winds: &[SphereInWind], of: fn(&SphereInWind) -> &Vec<(f64, f64)>, what: &str| {
-            let base = Chart::new(format!("Sphere {}, {what}", sphere.letter), "K/W").x(Scale::Log, "Hz").height(220.0);
-            winds.iter().fold(base, |chart, wind| chart.trace(Trace::stems(wind.label.clone(), of(wind).clone())))
+    let charts = |what: fn(&ThesisSphere) -> &'static str, of: fn(&SphereInWind) -> &IdentifiedLoop| {
+        let chart = |IdentifiedSphere { sphere, winds }: &IdentifiedSphere| {
+            let stems = winds.iter().map(|wind| Trace::stems(wind.label.clone(), of(wind).points.clone()));
+            let chart = Chart::new(format!("Sphere {}, {}", sphere.letter, what(sphere)), "K/W");
+            chart.x(Scale::Log, "Hz").height(220.0).traces(stems)
         };
+        spheres.iter().map(chart).collect()
+    };
     findings.picture(
         "Spheres A and B: why one is slow and one is fast",
         "Thermal resistances over frequency: sphere A with three poles between 2 mHz and 20 Hz, sphere B with one near 1.5 mHz and a weak one at 70 Hz; and below, the same of the front part by itself",
-        [
-            vec![
-                chart(&A, &a, |wind| &wind.points, "parts together"),
-                chart(&B, &b, |wind| &wind.points, "parts together"),
-            ],
-            vec![
-                chart(&A, &a, |wind| &wind.front_points, "hemisphere1"),
-                chart(&B, &b, |wind| &wind.front_points, "sector1"),
-            ],
-        ],
+        [charts(|_| "parts together", |wind| &wind.together), charts(|sphere| sphere.parts[0], |wind| &wind.front)],
     );
     Ok(findings)
 }
 
-fn winds(lab: &StudyLab, sphere: &ThesisSphere) -> Result<Vec<SphereInWind>, StudyError> {
-    let loops = lab.experiment(sphere.step)?;
-    let (experiment, record) = lab.run(sphere.prbs)?;
-    let ends = experiment.wind.iter().skip(1).map(|wind| wind.start_s).chain([experiment.duration_s()]);
-    let spans = experiment.wind.iter().zip(ends);
-    let of = |(wind, to_s): (&host_sim::sensor::WindEntry, f64)| {
-        let from_s = wind.start_s + FORGOTTEN_S;
-        let model = |output: &[&str], poles: usize| {
-            for_a_loop(mean_of(&record, sphere.parts, output, (from_s, to_s))?, poles, InitialState::Free)
+impl IdentifiedSphere {
+    fn of(lab: &StudyLab, sphere: &'static ThesisSphere) -> Result<Self, StudyError> {
+        let loops = lab.experiment(sphere.step)?;
+        let (experiment, record) = lab.run(sphere.prbs)?;
+        let ends = experiment.wind.iter().skip(1).map(|wind| wind.start_s).chain([experiment.duration_s()]);
+        let of = |(wind, to_s): (&host_sim::sensor::WindEntry, f64)| {
+            let identified = |output: &[&str], poles: usize| {
+                let span_s = (wind.start_s + FORGOTTEN_S, to_s);
+                let model = for_a_loop(mean_of(&record, sphere.parts, output, span_s)?, poles, InitialState::Free)?;
+                Ok::<_, StudyError>(IdentifiedLoop { analysis: analysed(&model, &loops)?, points: points(&model) })
+            };
+            let together = identified(sphere.parts, sphere.poles.0)?;
+            Ok(SphereInWind {
+                label: wind.label.clone(),
+                together,
+                front: identified(&sphere.parts[..1], sphere.poles.1)?,
+            })
         };
-        let together = model(sphere.parts, sphere.poles.0)?;
-        let front = model(&sphere.parts[..1], sphere.poles.1)?;
-        Ok(SphereInWind {
-            label: wind.label.clone(),
-            points: points(&together),
-            front_points: points(&front),
-            together: analysed(&together, &loops)?,
-            front: analysed(&front, &loops)?,
-        })
-    };
-    spans.map(of).collect()
+        let winds = experiment.wind.iter().zip(ends).map(of).collect::<Result<_, StudyError>>()?;
+        Ok(Self { sphere, winds })
+    }
+
+    /// In the last wind.
+    fn fastest(&self) -> &SphereInWind {
+        &self.winds[self.winds.len() - 1]
+    }
 }
 
 /// The mean power of some elements as the input, the mean temperature of some as the output.
@@ -181,48 +186,44 @@ fn slowest(analysis: &Analysis) -> Option<(f64, f64)> {
     weighty.map(|(rate, weight)| (rate.re, weight.re)).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-fn poles_and_zeros(spheres: &[(&ThesisSphere, &Vec<SphereInWind>)]) -> String {
-    let mut text = String::new();
-    for (sphere, winds) in spheres {
-        for wind in *winds {
-            let seconds: Vec<String> = wind.together.poles_rad_s.iter().map(|rate| brief(1.0 / rate)).collect();
-            let r: Vec<String> = wind.points.iter().map(|(_, r)| brief(*r)).collect();
-            let zeros = wind.together.zeros.iter();
-            let zeros: Vec<String> =
-                zeros.map(|(rate, weight)| format!("{} ({})", brief(1.0 / rate.re), brief(weight.re))).collect();
-            let name = format!("{}, {}", sphere.letter, wind.label);
-            text += &format!("| {name} | {} | {} | {} |\n", seconds.join(", "), r.join(", "), zeros.join(", "));
-        }
-    }
-    text.trim_end().to_owned()
+fn poles_and_zeros(spheres: &[IdentifiedSphere]) -> String {
+    let row = |(sphere, wind): (&ThesisSphere, &SphereInWind)| {
+        let IdentifiedLoop { analysis, points } = &wind.together;
+        let seconds: Vec<String> = analysis.poles_rad_s.iter().map(|rate| brief(1.0 / rate)).collect();
+        let r: Vec<String> = points.iter().map(|(_, r)| brief(*r)).collect();
+        let zero =
+            |(rate, weight): &(Complex<f64>, Complex<f64>)| format!("{} ({})", brief(1.0 / rate.re), brief(weight.re));
+        let zeros: Vec<String> = analysis.zeros.iter().map(zero).collect();
+        let name = format!("{}, {}", sphere.letter, wind.label);
+        format!("| {name} | {} | {} | {} |", seconds.join(", "), r.join(", "), zeros.join(", "))
+    };
+    let winds = spheres.iter().flat_map(|of| of.winds.iter().map(|wind| (of.sphere, wind)));
+    winds.map(row).collect::<Vec<_>>().join("\n")
 }
 
-fn judge(findings: &mut StudyFindings, (a, b): (&[SphereInWind], &[SphereInWind])) {
-    for (letter, winds, fast) in [('A', a, A.fast), ('B', b, B.fast)] {
-        let verdicts: Vec<bool> = winds.iter().map(|wind| wind.together.is_fast(&[])).collect();
+fn judge(findings: &mut StudyFindings, spheres: &[IdentifiedSphere]) {
+    for IdentifiedSphere { sphere: ThesisSphere { letter, fast, .. }, winds } in spheres {
+        let verdicts: Vec<bool> = winds.iter().map(|wind| wind.together.analysis.is_fast(&[])).collect();
         let words = |is_fast: &bool| if *is_fast { "fast" } else { "with a tail" };
         let ours = verdicts.iter().map(words).collect::<Vec<_>>().join(", ");
-        let published = if fast { "one significant pole: fast" } else { "several poles: slow" };
-        let bar = if fast { "fast in all winds" } else { "a tail in all winds" };
-        let finding = StudyFinding::reported(format!("{letter}: verdict in 2, 4 and 6 m/s"), published, ours);
-        findings.push(finding.judged(bar, verdicts.iter().all(|is_fast| *is_fast == fast)));
+        let published = if *fast { "one significant pole: fast" } else { "several poles: slow" };
+        let bar = if *fast { "fast in all winds" } else { "a tail in all winds" };
+        findings
+            .compared(format!("{letter}: verdict in 2, 4 and 6 m/s"), published, ours)
+            .judged(bar, verdicts.iter().all(|is_fast| is_fast == fast));
     }
-    for (letter, winds) in [('A', a), ('B', b)] {
-        let share = |wind: &SphereInWind| {
-            let most = wind.points.iter().map(|(_, r)| *r).fold(0.0, f64::max);
-            100.0 * most / wind.together.steady_gain_k_per_w
+    for of in spheres {
+        let letter = of.sphere.letter;
+        let share = |IdentifiedLoop { analysis, points }: &IdentifiedLoop| {
+            let most = points.iter().map(|(_, r)| *r).fold(0.0, f64::max);
+            100.0 * most / analysis.steady_gain_k_per_w
         };
-        let least = winds.iter().map(share).fold(f64::INFINITY, f64::min);
+        let least = of.winds.iter().map(|wind| share(&wind.together)).fold(f64::INFINITY, f64::min);
         let what = format!("{letter}: largest pole's share in the steady gain, least of the winds");
-        findings.push(StudyFinding::reported(what, "", format!("{} %", brief(least))));
-        let beside = |wind: &SphereInWind| slowest(&wind.front).map(|(rate, weight)| (1.0 / rate, 100.0 * weight));
-        if let Some((seconds, percent)) = winds.last().and_then(beside) {
-            let words = format!("{} s, weight {} %", brief(seconds), brief(percent));
-            findings.push(StudyFinding::reported(
-                format!("{letter}: slowest zero of the front part under equal powers, 6 m/s"),
-                "",
-                words,
-            ));
+        findings.reported(what, format!("{} %", brief(least)));
+        if let Some((rate, weight)) = slowest(&of.fastest().front.analysis) {
+            let words = format!("{} s, weight {} %", brief(1.0 / rate), brief(100.0 * weight));
+            findings.reported(format!("{letter}: slowest zero of the front part under equal powers, 6 m/s"), words);
         }
     }
 }
@@ -247,33 +248,25 @@ fn of_one_bit(points: &[(f64, f64)], zero_rad_s: f64, period_s: f64) -> f64 {
 }
 
 /// Times to 10, 5 and 2 % from the slowest zero, beside those of the step.
-fn predicted(
-    findings: &mut StudyFindings,
-    sphere: &ThesisSphere,
-    wind: &SphereInWind,
-    (measured, period_s): (&StepResponse, f64),
-) {
-    let Some((rate, _)) = slowest(&wind.together) else { return };
-    let sampled = of_one_bit(&wind.points, rate, period_s);
+fn predicted(findings: &mut StudyFindings, of: &IdentifiedSphere, measured: &StepResponse, period_s: f64) {
+    let (letter, wind) = (of.sphere.letter, of.fastest());
+    let Some((rate, _)) = slowest(&wind.together.analysis) else { return };
+    let sampled = of_one_bit(&wind.together.points, rate, period_s);
     for share in SHARES {
         let (limit_s, own_s) = ((100.0 / share).ln() / rate, (100.0 / share).ln() / sampled);
         let what = format!(
-            "{}: time to {share} % after a step to {}: in the limit, with a bit each {} ms, measured",
-            sphere.letter,
+            "{letter}: time to {share} % after a step to {}: in the limit, with a bit each {} ms, measured",
             wind.label,
             1e3 * period_s
         );
+        let (limit, own) = (brief(limit_s), brief(own_s));
         let seen = match measured.settled_s(share) {
-            Some(time_s) => format!(
-                "{} s, {} s ({:+.0} %), {} s",
-                brief(limit_s),
-                brief(own_s),
-                100.0 * (own_s / time_s - 1.0),
-                brief(time_s)
-            ),
-            None => format!("{} s, {} s, not in this run", brief(limit_s), brief(own_s)),
+            Some(time_s) => {
+                format!("{limit} s, {own} s ({:+.0} %), {} s", 100.0 * (own_s / time_s - 1.0), brief(time_s))
+            }
+            None => format!("{limit} s, {own} s, not in this run"),
         };
-        findings.push(StudyFinding::reported(what, "", seen));
+        findings.reported(what, seen);
     }
 }
 

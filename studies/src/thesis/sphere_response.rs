@@ -2,11 +2,10 @@
 //! and in open loop.
 
 use super::error::StudyError;
-use super::findings::{StudyFinding, StudyFindings};
-use super::lab::StudyLab;
+use super::findings::StudyFindings;
+use super::lab::{StudyLab, alternating};
 use super::settling::{SHARES, StepResponse, Window};
 use host_sim::experiment::Experiment;
-use host_sim::sensor::WindEntry;
 use plot::{Chart, Scale, Trace, brief};
 
 /// Repetitions of the step for times below a second.
@@ -29,24 +28,24 @@ const TAIL_S: f64 = 20.0;
 struct StepCase {
     what: &'static str,
     response: StepResponse,
+    /// Where it is drawn from, s after the step.
+    from_s: f64,
 }
 
 pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let mut findings = StudyFindings::default();
-    let a = of_a(lab)?;
-    let (b, b_long) = of_b(lab, "sphere-b-step")?;
+    let (b_closed, b_long) = of_b(lab, "sphere-b-step")?;
     let (b_off, b_off_long) = of_b(lab, "sphere-b-cores-off")?;
     let b_slow = lab.experiment("sphere-b-step")?;
     let b_slow = of_b_repeated(lab, &b_slow, b_slow.sample_period_s)?;
-    let power = open(lab, "sphere-b-power")?;
-    let current = open(lab, "sphere-b-current")?;
+    let (power, current) = (open(lab, "sphere-b-power")?, open(lab, "sphere-b-current")?);
     let cases = [
-        StepCase { what: "A, closed loop", response: a },
-        StepCase { what: "B, closed loop", response: b },
-        StepCase { what: "B, closed loop at 100 Hz", response: b_slow },
-        StepCase { what: "B, closed loop, cores passive", response: b_off },
-        StepCase { what: "B, constant power", response: power },
-        StepCase { what: "B, constant current, cores passive", response: current },
+        StepCase { what: "A, closed loop", response: of_a(lab)?, from_s: 0.5 },
+        StepCase { what: "B, closed loop", response: b_closed, from_s: 0.01 },
+        StepCase { what: "B, closed loop at 100 Hz", response: b_slow, from_s: 0.01 },
+        StepCase { what: "B, closed loop, cores passive", response: b_off, from_s: 0.01 },
+        StepCase { what: "B, constant power", response: power, from_s: 1.0 },
+        StepCase { what: "B, constant current, cores passive", response: current, from_s: 1.0 },
     ];
     findings.fill("times", table(&cases));
     let [a, b, b_slow, b_off, power, current] = &cases;
@@ -57,45 +56,31 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
         findings.fill(name, brief(case.response.resolution_s));
     }
     judge(&mut findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
-    let line = |case: &StepCase, from_s: f64| Trace::line(case.what, absolute(case.response.points(from_s, 1e4)));
-    let chart = Chart::new("Missing after the step", "% of the change")
-        .x(Scale::Log, "s")
+    let chart = |caption: &str, of: fn(f64) -> f64| {
+        let lines = cases.iter().map(|case| {
+            let points = case.response.points(case.from_s, 1e4).into_iter();
+            Trace::line(case.what, points.map(|(time_s, missing)| (time_s, of(missing))).collect())
+        });
+        Chart::new(caption, "% of the change").x(Scale::Log, "s").traces(lines)
+    };
+    let answered = chart("Answered after the step", |missing| 100.0 - missing).height(220.0);
+    let missing = chart("Missing after the step", absolute)
         .y(Scale::Log)
         .height(300.0)
         .note("below the noise of each, lines mean nothing")
-        .trace(line(a, 0.5))
-        .trace(line(b, 0.01))
-        .trace(line(b_slow, 0.01))
-        .trace(line(b_off, 0.01))
-        .trace(line(power, 1.0))
-        .trace(line(current, 1.0))
         .limit(10.0)
         .limit(5.0)
         .limit(2.0);
-    let gone = |case: &StepCase, from_s: f64| {
-        let points = case.response.points(from_s, 1e4);
-        Trace::line(case.what, points.into_iter().map(|(time_s, missing)| (time_s, 100.0 - missing)).collect())
-    };
-    let answered = Chart::new("Answered after the step", "% of the change")
-        .x(Scale::Log, "s")
-        .height(220.0)
-        .trace(gone(a, 0.5))
-        .trace(gone(b, 0.01))
-        .trace(gone(b_slow, 0.01))
-        .trace(gone(b_off, 0.01))
-        .trace(gone(power, 1.0))
-        .trace(gone(current, 1.0));
     findings.picture(
         "Spheres A and B: a step of the wind from 2 to 6 m/s",
         "Share of the change that the front part has answered, and what is missing, over time after the step: sphere B in closed loop within a second, sphere A in a minute and a half, sphere B in open loop in up to eleven minutes",
-        [vec![answered], vec![chart]],
+        [vec![answered], vec![missing]],
     );
     Ok(findings)
 }
 
-fn absolute(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let shown = |missing: f64| if missing.abs() < LEAST_SHOWN { f64::NAN } else { missing.abs() };
-    points.into_iter().map(|(time_s, missing)| (time_s, shown(missing))).collect()
+fn absolute(missing: f64) -> f64 {
+    if missing.abs() < LEAST_SHOWN { f64::NAN } else { missing.abs() }
 }
 
 fn judge(
@@ -108,38 +93,29 @@ fn judge(
         case.response.settled_s(2.0).ok_or_else(never)
     };
     let tail = "tail of tens of seconds or more";
-    findings.push(StudyFinding::between(
-        "A: time to 2 % of the change",
-        tail,
-        (settled(a)?, "s"),
-        (TAIL_S, f64::INFINITY),
-    ));
+    findings.between("A: time to 2 % of the change", tail, (settled(a)?, "s"), (TAIL_S, f64::INFINITY));
     for (case, long) in [(b, b_long), (b_off, b_off_long)] {
         let most = case.response.most_missing_after(1.0);
         let what = format!("{}: most that is missing after 1 s", case.what);
-        findings.push(StudyFinding::between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT)));
+        findings.between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT));
         let what = format!("{}: missing from 1 to 11 s, of what comes in 15 min", case.what);
-        findings.push(StudyFinding::between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT)));
+        findings.between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
     }
     for case in [b, b_off] {
-        findings.push(StudyFinding::reported(
-            format!("{}: time to 2 %", case.what),
-            "",
-            format!("{} s", brief(settled(case)?)),
-        ));
+        findings.reported(format!("{}: time to 2 %", case.what), format!("{} s", brief(settled(case)?)));
     }
     for (open, closed) in [(power, b), (current, b_off)] {
         let factor = settled(open)? / settled(closed)?;
         let what = format!("{} against closed loop, times to 2 %", open.what);
-        findings.push(StudyFinding::between(what, "over 100 expected", (factor, ""), (100.0, f64::INFINITY)));
+        findings.between(what, "over 100 expected", (factor, ""), (100.0, f64::INFINITY));
     }
     let watts = |case: &StepCase| format!("{:.2} to {:.2} mW", 1e3 * case.response.before, 1e3 * case.response.finally);
     for case in [a, b, b_off] {
-        findings.push(StudyFinding::reported(format!("{}: power of the front part", case.what), "", watts(case)));
+        findings.reported(format!("{}: power of the front part", case.what), watts(case));
     }
     for case in [power, current] {
         let celsius = format!("{:.2} to {:.2} °C", case.response.before, case.response.finally);
-        findings.push(StudyFinding::reported(format!("{}: temperature of the front part", case.what), "", celsius));
+        findings.reported(format!("{}: temperature of the front part", case.what), celsius);
     }
     Ok(())
 }
@@ -186,30 +162,13 @@ fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long), StudyError> 
 
 /// Sphere B's repeated step, sampled every so often.
 pub fn of_b_repeated(lab: &StudyLab, base: &Experiment, period_s: f64) -> Result<StepResponse, StudyError> {
-    let record = lab.record(&repeated(base, period_s))?;
+    let mut experiment = alternating(base, WARM_S, EACH_S, 2 * REPEATED, period_s)?;
+    experiment.title = format!("{}, repeated, {} ms", base.title, 1e3 * period_s);
+    let record = lab.record(&experiment)?;
     let tick = |time_s: f64| (time_s / period_s).round() as usize;
     let steps: Vec<usize> = (0..REPEATED).map(|n| tick(WARM_S + 2.0 * EACH_S * n as f64)).collect();
     let window = Window { before: tick(1.0), after: tick(EACH_S), end: tick(1.0), half: tick(SMOOTHED_S).max(5) };
     Ok(StepResponse::of(record.power_w("sector1")?, &steps, window, period_s))
-}
-
-/// An experiment's first two winds in turn, sampled every so often.
-fn repeated(base: &Experiment, period_s: f64) -> Experiment {
-    let at = |wind: &WindEntry, start_s: f64| WindEntry { start_s, ..wind.clone() };
-    let (calm, gust) = (&base.wind[0], &base.wind[1]);
-    let mut wind = vec![at(calm, 0.0)];
-    for n in 0..REPEATED {
-        let start_s = WARM_S + 2.0 * EACH_S * n as f64;
-        wind.extend([at(gust, start_s), at(calm, start_s + EACH_S)]);
-    }
-    let duration_s = WARM_S + 2.0 * EACH_S * REPEATED as f64;
-    Experiment {
-        title: format!("{}, repeated, {} ms", base.title, 1e3 * period_s),
-        sample_period_s: period_s,
-        ticks: (duration_s / period_s).round() as u32,
-        wind,
-        ..base.clone()
-    }
 }
 
 /// The temperature of a sector under what it is given.

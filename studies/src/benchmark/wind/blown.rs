@@ -3,9 +3,9 @@
 
 use wire::WindSample;
 
-use super::chain::rows;
 use super::sphere::WindMode;
 use crate::thesis::StudyError;
+use crate::thesis::record::rows;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::live::LiveRows;
 use anemometry::wind::moment::Moment;

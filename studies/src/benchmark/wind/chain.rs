@@ -1,20 +1,17 @@
 //! From the experiments of a head to its calibration, in memory: what `anemo run`, `anemo network`
 //! and `anemo calibrate` do with files.
 
+use crate::thesis::record::rows;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
 use anemometry::calibrate::calibrator::Calibrator;
-use anemometry::calibrate::report::conductance_noise;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
 use anemometry::wind::live::LiveRows;
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::LockStep;
-use host_sim::instrument::in_process::InProcess;
-use host_sim::run::{RunError, run};
-use recording::{Collector, Metadata, RecordingLayout, RecordingRow};
+use recording::{Collector, Metadata, RecordingLayout};
 
 /// Diameter of both spheres, m.
 const DIAMETER_M: f64 = 0.01;
@@ -101,25 +98,4 @@ pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Re
 
 fn other(error: impl std::fmt::Display) -> StudyError {
     StudyError::Other(error.to_string())
-}
-
-/// Runs an experiment in process; a trip is an error.
-pub(super) fn rows(
-    experiment: &Experiment,
-    sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
-) -> Result<(), StudyError> {
-    let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
-    let summary = run(experiment, Box::new(instrument), sink)?;
-    match summary.trips.first() {
-        None => Ok(()),
-        Some(trip) => Err(StudyError::Other(format!(
-            "{} tripped at {} s: {}, {}",
-            experiment.title, trip.time_s, trip.cause, trip.element
-        ))),
-    }
-}
-
-/// Noise of a part's conductance by bandwidth, W/K, as far as it can be had.
-pub(super) fn noise_w_k(head: &Head) -> Vec<(f64, f64)> {
-    conductance_noise(head).into_iter().map(|of| (of.bandwidth_hz, of.sd_w_k)).collect()
 }

@@ -11,7 +11,7 @@
 use std::f64::consts::TAU;
 
 /// A band of frequencies.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Band {
     /// Lower edge, Hz.
     pub from_hz: f64,

@@ -2,7 +2,7 @@
 
 use super::measure::MeasuredSphere;
 use super::turbulence::TurbulenceResponse;
-use crate::thesis::{StudyFinding, StudyFindings};
+use crate::thesis::StudyFindings;
 use anemometry::wind::comparison::WindComparison;
 
 /// Bars of the whole head: direction in °, then shares.
@@ -23,14 +23,13 @@ pub fn findings(of: &MeasuredSphere) -> StudyFindings {
     turbulence(of, &mut found);
     let swing = &of.swing;
     let ours = format!("{} at worst, {} rms", percent(swing.speed_worst, 2), percent(swing.speed_rms, 2));
-    found.push(
-        StudyFinding::reported(
+    found
+        .compared(
             format!("speed, gas temperature oscillating by {} K, means of 10 s", swing.kelvin),
             format!("raw conductance oscillates by {}", percent(swing.raw_span, 1)),
             ours,
         )
-        .judged(format!("at most {}", percent(SWING, 0)), swing.speed_worst <= SWING),
-    );
+        .judged(format!("at most {}", percent(SWING, 0)), swing.speed_worst <= SWING);
     found
 }
 
@@ -42,18 +41,14 @@ fn directions(of: &MeasuredSphere, found: &mut StudyFindings) {
     let at = format!("{} unseen winds, {}", best.winds, best.mode);
     if let Some(direction_deg) = direction_deg.filter(|_| of.sphere.whole) {
         let linear = best.errors.linear_deg.rms().map_or(String::new(), |deg| format!("linear inverse {deg:.2}°"));
-        found.push(
-            StudyFinding::reported(format!("direction, {at}"), linear, format!("{direction_deg:.2}° rms"))
-                .judged(format!("at most {DIRECTION_DEG}° rms"), direction_deg <= DIRECTION_DEG),
-        );
+        found
+            .compared(format!("direction, {at}"), linear, format!("{direction_deg:.2}° rms"))
+            .judged(format!("at most {DIRECTION_DEG}° rms"), direction_deg <= DIRECTION_DEG);
     }
     let speed = rms(&best.errors);
     let ours =
         format!("{} rms, {} at worst", percent(speed, 2), percent(best.errors.speed.worst().unwrap_or(f64::NAN), 2));
-    found.push(
-        StudyFinding::reported(format!("speed, {at}"), "", ours)
-            .judged(format!("at most {} rms", percent(SPEED, 1)), speed <= SPEED),
-    );
+    found.reported(format!("speed, {at}"), ours).judged(format!("at most {} rms", percent(SPEED, 1)), speed <= SPEED);
 }
 
 fn steps(of: &MeasuredSphere, found: &mut StudyFindings) {
@@ -64,22 +59,20 @@ fn steps(of: &MeasuredSphere, found: &mut StudyFindings) {
         let what = format!("within 5 % for good after {words}, mean of many steps, {}", of.sphere.judged);
         let ours = format!("{:.2} s; one estimate has {} of noise", way.mean_response_s, percent(way.noise, 1));
         let met = way.mean_response_s <= of.sphere.response_s;
-        found.push(
-            StudyFinding::reported(what, format!("raw {:.2} s", raw_s[place]), ours)
-                .judged(format!("at most {} s", of.sphere.response_s), met),
-        );
+        found
+            .compared(what, format!("raw {:.2} s", raw_s[place]), ours)
+            .judged(format!("at most {} s", of.sphere.response_s), met);
         let single =
             format!("{:.2} s; {} of the estimates are outside", way.single_response_s, percent(way.outside, 1));
-        found.push(StudyFinding::reported(format!("the same, median of single steps over 6 s, {words}"), "", single));
+        found.reported(format!("the same, median of single steps over 6 s, {words}"), single);
         let (drift, raw) = (of.drift.answer[place], of.drift.raw[place]);
-        found.push(
-            StudyFinding::reported(
+        found
+            .compared(
                 format!("drift in 10 min after {words}, {}", of.drift.mode),
                 format!("raw {}", signed(raw)),
                 signed(drift),
             )
-            .judged(format!("at most {}", percent(DRIFT, 1)), drift.abs() <= DRIFT),
-        );
+            .judged(format!("at most {}", percent(DRIFT, 1)), drift.abs() <= DRIFT);
     }
 }
 
@@ -99,11 +92,12 @@ fn turbulence(of: &MeasuredSphere, found: &mut StudyFindings) {
     let Some(best) = of.turbulence.iter().max_by(|a, b| key(a).total_cmp(&key(b))) else { return };
     let (least, off) = worst(best);
     let at = format!("to {FOLLOWED_HZ} Hz, by bands, {}", best.mode);
-    let coherence =
-        StudyFinding::reported(format!("coherence with the true speed {at}"), "", format!("{least:.3} at least"));
-    found.push(coherence.judged(format!("at least {COHERENCE}"), least >= COHERENCE));
-    let gain = StudyFinding::reported(format!("gain {at}"), "", format!("{} off at worst", percent(off, 1)));
-    found.push(gain.judged(format!("within {}", percent(GAIN, 0)), off <= GAIN));
+    found
+        .reported(format!("coherence with the true speed {at}"), format!("{least:.3} at least"))
+        .judged(format!("at least {COHERENCE}"), least >= COHERENCE);
+    found
+        .reported(format!("gain {at}"), format!("{} off at worst", percent(off, 1)))
+        .judged(format!("within {}", percent(GAIN, 0)), off <= GAIN);
 }
 
 pub(super) fn percent(share: f64, digits: usize) -> String {

@@ -9,6 +9,7 @@ use super::steps::{self, Drift, StepResponses};
 use super::swing::{self, GasSwingErrors};
 use super::turbulence::{self, TurbulenceResponse};
 use crate::thesis::{StudyError, StudyLab};
+use anemometry::calibrate::report::{ConductanceNoise, conductance_noise};
 use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
 
@@ -22,8 +23,8 @@ pub struct MeasuredSphere {
     pub text: String,
     /// Records of its calibration, and its cross-validated errors.
     pub made_from: String,
-    /// Noise of a part's conductance at 30 K and 1 kHz by bandwidth, W/K.
-    pub noise_w_k: Vec<(f64, f64)>,
+    /// Noise of a part's conductance at 30 K and 1 kHz by bandwidth.
+    pub noise_w_k: Vec<ConductanceNoise>,
     /// Errors in unseen winds, by bandwidth.
     pub directions: Vec<Directions>,
     /// Responses to steps, by bandwidth.
@@ -48,7 +49,7 @@ pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) 
     Ok(MeasuredSphere {
         sphere,
         made_from: head.calibration.as_ref().map(|of| of.table.made_from.clone()).unwrap_or_default(),
-        noise_w_k: chain::noise_w_k(&head),
+        noise_w_k: conductance_noise(&head),
         directions: directions::measure(&lab, &head, &modes(sphere.winds_hz))?,
         steps: steps::measure(&lab, &head, &modes(sphere.step_hz), &mut drift)?,
         drift,

@@ -71,7 +71,7 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
                 format!("{} | {}", row.mode, bands.collect::<Vec<_>>().join(" | "))
             })),
         ),
-        ("noise", &rows(of.noise_w_k.iter().map(|(hz, w_k)| format!("{hz} Hz | {:.1} µW/K", 1e6 * w_k)))),
+        ("noise", &rows(of.noise_w_k.iter().map(|of| format!("{} Hz | {:.1} µW/K", of.bandwidth_hz, 1e6 * of.sd_w_k)))),
     ];
     fill(include_str!("pages/sphere.md"), &values)
 }

@@ -2,11 +2,17 @@
 
 use std::fmt;
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
+use anemometry::calibrate::report::ConductanceNoise;
+use super::coherence::Band;
+use super::directions::Directions;
 use super::findings::findings;
 use super::measure::MeasuredSphere;
 use super::page::page;
+use super::sphere::WindMode;
+use super::steps::{Drift, Way};
 
 /// The spheres that were measured.
 pub struct BenchmarkReport<'a>(pub &'a [MeasuredSphere]);
@@ -27,22 +33,21 @@ impl Serialize for BenchmarkReport<'_> {
     }
 }
 
-#[derive(serde::Serialize)]
-struct SphereJson {
+#[derive(Serialize)]
+struct SphereJson<'a> {
     bars: usize,
     met: usize,
     findings: Vec<BarJson>,
-    winds: Vec<UnseenWindsJson>,
-    steps: Vec<StepsJson>,
-    drift: [f64; 2],
-    raw_drift: [f64; 2],
-    raw_response_s: [f64; 2],
-    turbulence: Vec<BandJson>,
+    winds: Vec<InMode<UnseenWindsJson>>,
+    steps: Vec<InMode<&'a Way>>,
+    #[serde(flatten)]
+    drift: &'a Drift,
+    turbulence: Vec<InMode<&'a Band>>,
     gas_swing_worst_error: f64,
-    conductance_noise_w_k: Vec<NoiseJson>,
+    conductance_noise_w_k: &'a [ConductanceNoise],
 }
 
-#[derive(serde::Serialize)]
+#[derive(Serialize)]
 struct BarJson {
     what: String,
     bar: String,
@@ -51,45 +56,25 @@ struct BarJson {
     met: Option<bool>,
 }
 
-#[derive(serde::Serialize)]
+/// What was measured in one mode.
+#[derive(Serialize)]
+struct InMode<T> {
+    #[serde(flatten)]
+    mode: WindMode,
+    #[serde(flatten)]
+    measured: T,
+}
+
+#[derive(Serialize)]
 struct UnseenWindsJson {
-    bandwidth_hz: f64,
-    fixed: bool,
     winds: usize,
     speed_rms_error: Option<f64>,
     direction_rms_error_deg: Option<f64>,
     linear_direction_rms_error_deg: Option<f64>,
 }
 
-#[derive(serde::Serialize)]
-struct StepsJson {
-    bandwidth_hz: f64,
-    fixed: bool,
-    to_m_s: f64,
-    mean_response_s: f64,
-    single_response_s: f64,
-    noise: f64,
-    outside: f64,
-}
-
-#[derive(serde::Serialize)]
-struct BandJson {
-    bandwidth_hz: f64,
-    fixed: bool,
-    from_hz: f64,
-    to_hz: f64,
-    coherence: f64,
-    gain: f64,
-}
-
-#[derive(serde::Serialize)]
-struct NoiseJson {
-    bandwidth_hz: f64,
-    value: f64,
-}
-
-impl SphereJson {
-    fn of(of: &MeasuredSphere) -> Self {
+impl<'a> SphereJson<'a> {
+    fn of(of: &'a MeasuredSphere) -> Self {
         let found = findings(of);
         let (bars, met) = found.score();
         let findings = found.findings.into_iter().map(|finding| BarJson {
@@ -99,48 +84,24 @@ impl SphereJson {
             beside: finding.published,
             met: finding.met,
         });
-        let winds = of.directions.iter().map(|row| UnseenWindsJson {
-            bandwidth_hz: row.mode.bandwidth_hz,
-            fixed: row.mode.fixed,
+        let winds = |row: &Directions| UnseenWindsJson {
             winds: row.winds,
             speed_rms_error: row.errors.speed.rms(),
             direction_rms_error_deg: row.errors.direction_deg.rms(),
             linear_direction_rms_error_deg: row.errors.linear_deg.rms(),
-        });
-        let steps = of.steps.iter().flat_map(|steps| {
-            steps.ways.iter().map(|way| StepsJson {
-                bandwidth_hz: steps.mode.bandwidth_hz,
-                fixed: steps.mode.fixed,
-                to_m_s: way.to_m_s,
-                mean_response_s: way.mean_response_s,
-                single_response_s: way.single_response_s,
-                noise: way.noise,
-                outside: way.outside,
-            })
-        });
-        let turbulence = of.turbulence.iter().flat_map(|row| {
-            row.bands.iter().map(|band| BandJson {
-                bandwidth_hz: row.mode.bandwidth_hz,
-                fixed: row.mode.fixed,
-                from_hz: band.from_hz,
-                to_hz: band.to_hz,
-                coherence: band.coherence,
-                gain: band.gain,
-            })
-        });
-        let noise = of.noise_w_k.iter().map(|&(bandwidth_hz, value)| NoiseJson { bandwidth_hz, value });
+        };
+        let steps = of.steps.iter().flat_map(|steps| steps.ways.iter().map(|way| (steps.mode, way)));
+        let bands = of.turbulence.iter().flat_map(|row| row.bands.iter().map(|band| (row.mode, band)));
         Self {
             bars,
             met,
             findings: findings.collect(),
-            winds: winds.collect(),
-            steps: steps.collect(),
-            drift: of.drift.answer,
-            raw_drift: of.drift.raw,
-            raw_response_s: of.drift.raw_response_s,
-            turbulence: turbulence.collect(),
+            winds: of.directions.iter().map(|row| InMode { mode: row.mode, measured: winds(row) }).collect(),
+            steps: steps.map(|(mode, measured)| InMode { mode, measured }).collect(),
+            drift: &of.drift,
+            turbulence: bands.map(|(mode, measured)| InMode { mode, measured }).collect(),
             gas_swing_worst_error: of.swing.speed_worst,
-            conductance_noise_w_k: noise.collect(),
+            conductance_noise_w_k: &of.noise_w_k,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The bandwidth of an anemometer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct WindMode {
     /// Steady bandwidth of the convective powers, Hz.
     pub bandwidth_hz: f64,

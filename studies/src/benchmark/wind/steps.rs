@@ -11,10 +11,9 @@
 
 use super::blown::{RawLaw, blow, raw_w_k};
 use super::sphere::WindMode;
+use crate::thesis::lab::alternating;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::head::Head;
-use host_sim::experiment::Experiment;
-use host_sim::sensor::WindEntry;
 
 /// How near an answer has to stay.
 const WITHIN: f64 = 0.05;
@@ -34,7 +33,7 @@ const RAW: WindMode = WindMode { bandwidth_hz: 5.0, fixed: true };
 const DRIFT: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
 
 /// One way of a step: to so many m/s.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Way {
     /// Speed after the step, m/s.
     pub to_m_s: f64,
@@ -46,8 +45,6 @@ pub struct Way {
     pub noise: f64,
     /// Of single answers in the second half.
     pub outside: f64,
-    /// Mean answers from the step on, one each 0.01 s, over the speed.
-    pub mean: Vec<f64>,
 }
 
 /// Both ways in one mode.
@@ -69,8 +66,8 @@ pub fn measure(
     modes: &[WindMode],
     drift: &mut Drift,
 ) -> Result<Vec<StepResponses>, StudyError> {
-    let mut experiment = lab.experiment("steps")?;
-    repeat(&mut experiment)?;
+    let base = lab.experiment("steps")?;
+    let experiment = alternating(&base, BEFORE_S, HOLD_S, 2 * REPEATS, base.sample_period_s)?;
     lab.announce(&experiment);
     let mut speeds: Vec<Vec<f64>> = vec![Vec::new(); modes.len()];
     let mut raw = Vec::new();
@@ -103,22 +100,6 @@ pub fn measure(
     Ok(speeds.iter().zip(modes).map(|(speeds, &mode)| StepResponses { mode, ways: ways(speeds) }).collect())
 }
 
-/// Makes many short steps of an experiment's first two winds.
-fn repeat(experiment: &mut Experiment) -> Result<(), StudyError> {
-    let [slow, fast, ..] = &experiment.wind[..] else {
-        return Err(StudyError::Other(format!("{}: its wind does not step", experiment.title)));
-    };
-    let (slow, fast) = (slow.clone(), fast.clone());
-    let mut wind = vec![slow.clone()];
-    for n in 0..2 * REPEATS {
-        let of = if n % 2 == 0 { &fast } else { &slow };
-        wind.push(WindEntry { start_s: BEFORE_S + n as f64 * HOLD_S, ..of.clone() });
-    }
-    experiment.wind = wind;
-    experiment.ticks = ((BEFORE_S + 2.0 * REPEATS as f64 * HOLD_S) / experiment.sample_period_s).round() as u32;
-    Ok(())
-}
-
 fn way(stretches: &[&[f64]], to_m_s: f64, every_s: f64) -> Way {
     let rows = stretches.first().map_or(0, |first| first.len());
     let count = stretches.len().max(1) as f64;
@@ -136,7 +117,6 @@ fn way(stretches: &[&[f64]], to_m_s: f64, every_s: f64) -> Way {
         single_response_s: singles.get(singles.len() / 2).copied().unwrap_or(f64::NAN),
         noise,
         outside: late.iter().filter(|e| e.abs() > WITHIN).count() as f64 / late.len().max(1) as f64,
-        mean,
     }
 }
 
@@ -147,15 +127,19 @@ pub fn settled_s(values: &[f64], every_s: f64) -> f64 {
 }
 
 /// What happens in ten minutes after a step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Drift {
     /// The bandwidth.
+    #[serde(skip)]
     pub mode: WindMode,
     /// To 6 and to 2 m/s, relative.
+    #[serde(rename = "drift")]
     pub answer: [f64; 2],
     /// The same of the raw conductance.
+    #[serde(rename = "raw_drift")]
     pub raw: [f64; 2],
     /// How raw powers are read.
+    #[serde(skip)]
     pub law: RawLaw,
     /// Of the speeds that they say: until within 5 % for good, s.
     pub raw_response_s: [f64; 2],
