@@ -3,8 +3,7 @@
 use diffusive::identify::IdentifyError;
 use diffusive::identify::record::RecordError;
 use diffusive::identify::validate::ValidateError;
-use diffusive::model::merge::MergeError;
-use diffusive::predict::PredictError;
+use diffusive::model::ModelError;
 use host_sim::run::RunError;
 use plot::PlotError;
 use recording::toml_file::FileError;
@@ -29,12 +28,9 @@ pub enum StudyError {
     /// A model does not go with a record.
     #[error(transparent)]
     Validate(#[from] ValidateError),
-    /// Models do not go together.
+    /// Models do not go together, or a loop cannot be predicted.
     #[error(transparent)]
-    Merge(#[from] MergeError),
-    /// A loop cannot be predicted.
-    #[error(transparent)]
-    Predict(#[from] PredictError),
+    Model(#[from] ModelError),
     /// A picture cannot be drawn or written.
     #[error(transparent)]
     Plot(#[from] PlotError),
