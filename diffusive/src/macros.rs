@@ -1,4 +1,4 @@
-//! Two shorthands of this crate: refusals of one line, and reports as keys and values.
+//! Shorthands of this crate: refusals of one line, and reports as keys and values.
 
 /// Ends a function with an error where something is as it must not be.
 macro_rules! refuse_if {
@@ -6,6 +6,13 @@ macro_rules! refuse_if {
         if $wrong {
             return Err($error);
         }
+    };
+}
+
+/// A [`ModelError`](crate::model::ModelError), with its sentence as `format!` takes it.
+macro_rules! model_error {
+    ($($sentence:tt)+) => {
+        crate::model::ModelError::new(format!($($sentence)+))
     };
 }
 

@@ -22,16 +22,8 @@
 
 use super::error::NetworkError;
 use diffusive::model::export::cauer::cauer;
-use serde::Serialize;
 
-/// A layer: its heat capacity, and the thermal resistance towards the next one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LadderSection {
-    /// Heat capacity, J/K.
-    pub capacitance_j_per_k: f64,
-    /// Thermal resistance towards the next layer, K/W.
-    pub resistance_k_per_w: f64,
-}
+pub use diffusive::model::export::cauer::LadderSection;
 
 /// The first `layers` sections of the impedance Σ R_k/(1 + s/ξ_k).
 ///
@@ -41,18 +33,16 @@ pub fn sections(mesh_rad_s: &[f64], r_k_per_w: &[f64], layers: usize) -> Result<
     if layers == 0 {
         return Ok(Vec::new());
     }
-    let ladder = cauer(mesh_rad_s, r_k_per_w).map_err(NetworkError::new)?;
-    let known = ladder.resistance_k_per_w.len();
+    let mut ladder = cauer(mesh_rad_s, r_k_per_w).map_err(NetworkError::new)?;
+    let known = ladder.len();
     if known <= layers {
         return Err(NetworkError::new(format!(
             "{known} rates make a ladder of {known} sections, and {layers} layers between element and surface take at least {}: identify it with more free poles, or say fewer `layers` in the head",
             layers + 1
         )));
     }
-    let pairs = ladder.capacitance_j_per_k.into_iter().zip(ladder.resistance_k_per_w);
-    let all = pairs
-        .map(|(capacitance_j_per_k, resistance_k_per_w)| LadderSection { capacitance_j_per_k, resistance_k_per_w });
-    Ok(all.take(layers).collect())
+    ladder.truncate(layers);
+    Ok(ladder)
 }
 
 /// m: temperature of the surface over that of the element in what decays with `rate_rad_s`.

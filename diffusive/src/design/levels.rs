@@ -1,6 +1,7 @@
 //! Which set-point, and between which levels: low below and high above the power of every wind.
 
-use super::requirements::{DesignError, HeldRange, LevelObjection, Requirements};
+use super::requirements::Requirements;
+use crate::model::ModelError;
 use crate::predict::loop_model::LoopModel;
 use crate::predict::reaching::reaching_time_s;
 
@@ -24,21 +25,23 @@ fn extremes(winds: &[LoopModel], rise_k: f64) -> [(&str, f64); 2] {
     [least, most]
 }
 
-/// Why the given levels cannot hold a rise; nothing if they can.
-fn objection(winds: &[LoopModel], wanted: &Requirements, rise_k: f64) -> Option<LevelObjection> {
+/// Why the given levels cannot hold a rise; empty if they can.
+fn objection(winds: &[LoopModel], wanted: &Requirements, rise_k: f64) -> String {
     let [(calm, least_w), (strong, most_w)] = extremes(winds, rise_k);
     let (low_w, high_w) = (least_w * (1.0 - wanted.margin), most_w * (1.0 + wanted.margin));
     let percent = 100.0 * wanted.margin;
     if least_w <= 0.0 {
-        return Some(LevelObjection::NoHeat(calm.to_owned()));
+        return format!("in `{calm}` it is no warmer than without heating, and a heater cannot cool");
     }
-    if let Some(given_w) = wanted.power_low_w.filter(|given_w| *given_w > low_w) {
-        let wind = calm.to_owned();
-        return Some(LevelObjection::Low { wind, takes_w: least_w, given_w, percent, bound_w: low_w });
+    match (wanted.power_low_w, wanted.power_high_w) {
+        (Some(given_w), _) if given_w > low_w => format!(
+            "in `{calm}` it takes {least_w:.5} W, and the low level of {given_w} W leaves less than {percent} % of that: it must be {low_w:.5} W or less"
+        ),
+        (_, Some(given_w)) if given_w < high_w => format!(
+            "in `{strong}` it takes {most_w:.5} W, and the high level of {given_w} W leaves less than {percent} % beyond: it must be {high_w:.5} W or more"
+        ),
+        _ => String::new(),
     }
-    let given_w = wanted.power_high_w.filter(|given_w| *given_w < high_w)?;
-    let wind = strong.to_owned();
-    Some(LevelObjection::High { wind, takes_w: most_w, given_w, percent, bound_w: high_w })
 }
 
 /// The rises in K that the given levels hold in every wind, the lowest exclusive where no low level
@@ -62,7 +65,7 @@ fn held_k(winds: &[LoopModel], wanted: &Requirements) -> (f64, f64) {
 /// # Errors
 /// If the given levels can hold none of them: what is in the way of the highest, and which rise
 /// they could hold.
-pub fn set_point(winds: &[LoopModel], wanted: &Requirements, reasons: &mut Vec<String>) -> Result<f64, DesignError> {
+pub fn set_point(winds: &[LoopModel], wanted: &Requirements, reasons: &mut Vec<String>) -> Result<f64, ModelError> {
     let (lowest_k, highest_k) = wanted.rise_k;
     let (least_k, most_k) = held_k(winds, wanted);
     // The rounding of an end is no objection.
@@ -70,11 +73,12 @@ pub fn set_point(winds: &[LoopModel], wanted: &Requirements, reasons: &mut Vec<S
     let rise_k = highest_k.min(most_k);
     let needs_heat = wanted.power_low_w.unwrap_or(0.0) > 0.0 || rise_k > least_k;
     if rise_k < lowest_k - near || rise_k < least_k - near || !needs_heat {
-        return Err(DesignError::NotHeld {
-            rise_k: highest_k,
-            objection: objection(winds, wanted, highest_k),
-            could: HeldRange { least_k, most_k },
-        });
+        let could = match (least_k < most_k, most_k < f64::INFINITY) {
+            (true, true) => format!("; the given levels hold {least_k:.3} to {most_k:.3} K"),
+            (true, false) => format!("; the given low level holds {least_k:.3} K and more"),
+            (false, _) => String::new(),
+        };
+        return Err(model_error!("{highest_k} K cannot be held: {}{could}", objection(winds, wanted, highest_k)));
     }
     reasons.push(if lowest_k == highest_k {
         format!("set-point: {rise_k} K, as required")
@@ -100,7 +104,7 @@ pub fn levels(
     rise_k: f64,
     needed_range_w: Option<(f64, f64)>,
     reasons: &mut Vec<String>,
-) -> Result<(f64, f64), DesignError> {
+) -> Result<(f64, f64), ModelError> {
     let [(calm, least_w), (strong, most_w)] = extremes(winds, rise_k);
     let percent = 100.0 * wanted.margin;
     let below_w = needed_range_w.map_or(f64::INFINITY, |(least_w, _)| BEYOND_BELOW * least_w).max(0.0);
@@ -134,9 +138,13 @@ pub fn levels(
         ),
     };
     if let Some(reach_s) = wanted.reach_s.filter(|reach_s| slowest_s(high_w) > *reach_s) {
-        let needed_w = least_power_w(&slowest_s, high_w, reach_s).ok_or(DesignError::NotReached { rise_k, reach_s })?;
+        let needed_w = least_power_w(&slowest_s, high_w, reach_s)
+            .ok_or_else(|| model_error!("{rise_k} K cannot be reached in {reach_s} s by any power"))?;
         if let Some(given_w) = wanted.power_high_w {
-            return Err(DesignError::Late { rise_k, reach_s, given_w, takes_s: slowest_s(given_w), needed_w });
+            let takes_s = slowest_s(given_w);
+            return Err(model_error!(
+                "{rise_k} K is not reached in {reach_s} s: the high level of {given_w} W takes {takes_s:.3} s; it must be {needed_w:.5} W or more"
+            ));
         }
         high_w = needed_w;
         reason = format!(

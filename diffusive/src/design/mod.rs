@@ -20,11 +20,12 @@ mod requirements;
 mod settling;
 mod trial;
 
+use crate::model::ModelError;
 use crate::predict::analysis::{LoopConditions, analyse};
-use crate::predict::loop_model::LoopModel;
+use crate::predict::loop_model::{LoopModel, levels_descend};
 
 pub use report::{DesignInWind, DesignReport, LoopDesign};
-pub use requirements::{DesignError, HeldRange, LevelObjection, Requirements};
+pub use requirements::Requirements;
 pub use trial::LoopTrial;
 
 /// Averaged over where no response was required, s.
@@ -36,7 +37,7 @@ const LEAST_SAMPLES: f64 = 10.0;
 ///
 /// # Errors
 /// Which requirement cannot be met, in which wind, and what could be had.
-pub fn design(winds: &[LoopModel], wanted: &Requirements) -> Result<LoopDesign, DesignError> {
+pub fn design(winds: &[LoopModel], wanted: &Requirements) -> Result<LoopDesign, ModelError> {
     check(winds, wanted)?;
     let mut reasons = Vec::new();
     let rise_k = levels::set_point(winds, wanted, &mut reasons)?;
@@ -50,7 +51,7 @@ pub fn design(winds: &[LoopModel], wanted: &Requirements) -> Result<LoopDesign, 
     let sample_period_s = period::sample_period_s(winds, range_w, wanted.ripple_k, most_s, &mut reasons)?;
     let conditions = LoopConditions { target_c, power_low_w, power_high_w, sample_period_s };
     let in_wind = |loop_model: &LoopModel| {
-        let never = || DesignError::Never(loop_model.label.clone());
+        let never = || model_error!("in `{}` the set-point is never reached", loop_model.label);
         let held = analyse(loop_model, Some(conditions)).held.ok_or_else(never)?;
         Ok(DesignInWind {
             label: loop_model.label.clone(),
@@ -71,39 +72,42 @@ pub fn design(winds: &[LoopModel], wanted: &Requirements) -> Result<LoopDesign, 
         window_s,
         resolution_w: range_w * sample_period_s / window_s,
         settling_s,
-        winds: winds.iter().map(in_wind).collect::<Result<_, DesignError>>()?,
+        winds: winds.iter().map(in_wind).collect::<Result<_, ModelError>>()?,
         reasons,
     })
 }
 
-fn check(winds: &[LoopModel], wanted: &Requirements) -> Result<(), DesignError> {
-    refuse_if!(winds.is_empty(), DesignError::NoWind);
+fn check(winds: &[LoopModel], wanted: &Requirements) -> Result<(), ModelError> {
+    refuse_if!(winds.is_empty(), model_error!("there is no wind to design for: name one class at least"));
     let (least_k, most_k) = wanted.rise_k;
     if !(least_k.is_finite() && most_k.is_finite() && 0.0 < least_k && least_k <= most_k) {
-        return Err(DesignError::SetPoint(wanted.rise_k));
+        let range = if least_k == most_k { least_k.to_string() } else { format!("{least_k}..{most_k}") };
+        return Err(model_error!("the set-point {range} K must be one number above zero, or two that ascend"));
     }
-    if !(0.0 < wanted.margin && wanted.margin < 1.0) {
-        return Err(DesignError::Margin(wanted.margin));
+    let margin = wanted.margin;
+    if !(0.0 < margin && margin < 1.0) {
+        return Err(model_error!("the margin {margin} must lie between 0 and 1: it is a share of the power"));
     }
     let positive =
         [("ripple", Some(wanted.ripple_k), "K"), ("response", wanted.response_s, "s"), ("reach", wanted.reach_s, "s")];
     for (name, value, unit) in positive {
         if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-            return Err(DesignError::Positive { name, value, unit });
+            return Err(model_error!("the {name} {value} {unit} must be greater than zero"));
         }
     }
     for (name, value) in [("low", wanted.power_low_w), ("high", wanted.power_high_w)] {
         if let Some(power_w) = value.filter(|value| !(value.is_finite() && *value >= 0.0)) {
-            return Err(DesignError::NegativeLevel { name, power_w });
+            return Err(model_error!("the {name} level {power_w} W must not be negative"));
         }
     }
-    if let (Some(low_w), Some(high_w)) = (wanted.power_low_w, wanted.power_high_w)
-        && low_w >= high_w
-    {
-        return Err(DesignError::Levels { low_w, high_w });
+    if let (Some(low_w), Some(high_w)) = (wanted.power_low_w, wanted.power_high_w) {
+        refuse_if!(low_w >= high_w, levels_descend(low_w, high_w));
     }
     let runs_away = |loop_model: &&LoopModel| analyse(loop_model, None).runs_away();
-    winds.iter().find(runs_away).map_or(Ok(()), |loop_model| Err(DesignError::RunsAway(loop_model.label.clone())))
+    let away = winds.iter().find(runs_away).map(|loop_model| {
+        model_error!("class `{}` has a zero in the right half plane: no loop can hold it for long", loop_model.label)
+    });
+    away.map_or(Ok(()), Err)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! (P_high − P_low) Ts ([`chatter`](crate::predict::chatter)). It grows with Ts, so that periods of
 //! 1, 2, 5 times a power of ten are tried from above.
 
-use super::requirements::DesignError;
+use crate::model::ModelError;
 use crate::predict::chatter::chatter;
 use crate::predict::loop_model::LoopModel;
 
@@ -33,13 +33,21 @@ pub fn sample_period_s(
     ripple_k: f64,
     most_s: f64,
     reasons: &mut Vec<String>,
-) -> Result<f64, DesignError> {
-    refuse_if!(most_s < SHORTEST_S, DesignError::Short { shortest_s: SHORTEST_S });
+) -> Result<f64, ModelError> {
+    refuse_if!(
+        most_s < SHORTEST_S,
+        model_error!(
+            "the response is too short: ten samples of the shortest period, {SHORTEST_S} s, take {} s",
+            10.0 * SHORTEST_S
+        )
+    );
     let found = PERIODS_S.into_iter().filter(|period_s| *period_s <= most_s);
     let found = found.map(|period_s| (period_s, swing_k(winds, range_w, period_s)));
     let Some((period_s, swing_k)) = found.clone().find(|(_, swing_k)| *swing_k <= ripple_k) else {
         let least_k = swing_k(winds, range_w, SHORTEST_S);
-        return Err(DesignError::Swing { ripple_k, range_w, least_k, shortest_s: SHORTEST_S });
+        return Err(model_error!(
+            "a swing of {ripple_k} K cannot be kept: levels {range_w:.5} W apart swing by {least_k:.4} K at {SHORTEST_S} s, the shortest period. Allow that, or bring the levels nearer (a smaller margin, fewer winds, more time to reach the set-point)"
+        ));
     };
     reasons.push(format!(
         "sample period: {period_s} s, the longest at which the temperature swings by {ripple_k} K or less{}: {swing_k:.4} K",

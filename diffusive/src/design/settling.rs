@@ -1,10 +1,12 @@
 //! How soon the power shows a change of the wind: between given levels, and at best.
 
 use super::levels::{BEYOND_ABOVE, BEYOND_BELOW};
-use super::requirements::DesignError;
+use crate::model::ModelError;
 use crate::predict::analysis::{SETTLED, change_between};
 use crate::predict::disturbance::WindChange;
 use crate::predict::loop_model::LoopModel;
+
+const TAIL: &str = "That tail is the structure's; allow that long, or take it out by the observer (`observe`)";
 
 /// A change from one wind to another, at the set-point.
 pub struct NamedChange<'a> {
@@ -40,7 +42,7 @@ pub fn settling_s(
     response_s: Option<f64>,
     levels_w: (f64, f64),
     reasons: &mut Vec<String>,
-) -> Result<Option<f64>, DesignError> {
+) -> Result<Option<f64>, ModelError> {
     let settled_s =
         |step: &NamedChange<'_>, levels_w| step.change.between(SETTLED, levels_w).settled_s.unwrap_or(f64::INFINITY);
     let slowest = changes.iter().max_by(|a, b| settled_s(a, levels_w).total_cmp(&settled_s(b, levels_w)));
@@ -57,11 +59,21 @@ pub fn settling_s(
     let limited = between_s > at_best_s * (1.0 + 1e-9);
     let (lacks, wide_w) = lacking(change, levels_w);
     if let Some(response_s) = response_s.filter(|response_s| between_s > *response_s) {
-        let (from, to) = ((*from).to_owned(), (*to).to_owned());
-        refuse_if!(!limited, DesignError::Tail { response_s, from, to, takes_s: between_s });
+        refuse_if!(
+            !limited,
+            model_error!(
+                "a response in {response_s} s cannot be had: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 % of the change, whatever the levels and the sample period. {TAIL}"
+            )
+        );
         let wide_s = settled_s(step, wide_w);
-        let remedy = (wide_s <= response_s).then(|| (lacks.join(" and "), wide_s));
-        return Err(DesignError::Response { response_s, levels_w, from, to, takes_s: between_s, remedy });
+        let remedy = match wide_s <= response_s {
+            true => format!("With {} it would be {wide_s:.3} s", lacks.join(" and ")),
+            false => TAIL.to_owned(),
+        };
+        let (low_w, high_w) = levels_w;
+        return Err(model_error!(
+            "a response in {response_s} s cannot be had between {low_w:.5} and {high_w:.5} W: from `{from}` to `{to}` the power takes {between_s:.3} s to within 2 % of the change. {remedy}"
+        ));
     }
     let within = |time_s: f64| if time_s == 0.0 { "at once".to_owned() } else { format!("in {time_s:.3} s") };
     reasons.push(if limited && lacks.is_empty() {

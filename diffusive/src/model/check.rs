@@ -4,7 +4,7 @@
 use recording::text::{one_line, tidy};
 
 use super::content::{Following, Model, ModelGas, Pair, RecordEnd, Structure};
-use super::content_error::ModelContentError;
+use super::error::ModelError;
 
 /// Sample periods that a record can have, s.
 const PERIODS_S: (f64, f64) = (1e-12, 1e12);
@@ -13,28 +13,18 @@ const PERIODS_S: (f64, f64) = (1e-12, 1e12);
 /// any record.
 const RATE_TIMES_PERIOD: (f64, f64) = (1e-12, 1e6);
 
-/// The key, and what would be right.
-macro_rules! inconsistent {
-    ($($sentence:tt)+) => {
-        ModelContentError::Inconsistent(format!($($sentence)+))
-    };
-}
-
 impl Model {
     /// # Errors
     /// The key and what would be right.
-    pub(super) fn check(&self) -> Result<(), ModelContentError> {
+    pub(super) fn check(&self) -> Result<(), ModelError> {
         let (period_s, (least_s, most_s)) = (self.sample_period_s, PERIODS_S);
         let is_period = period_s.is_finite() && period_s > 0.0;
-        refuse_if!(
-            !is_period,
-            inconsistent!("`sample_period_s` must be a number greater than zero, and is {period_s}")
-        );
+        refuse_if!(!is_period, model_error!("`sample_period_s` must be a number greater than zero, and is {period_s}"));
         if !(least_s..=most_s).contains(&period_s) {
-            return Err(inconsistent!("`sample_period_s` is {period_s:e}, and must be from {least_s:e} to {most_s:e}"));
+            return Err(model_error!("`sample_period_s` is {period_s:e}, and must be from {least_s:e} to {most_s:e}"));
         }
         if self.inputs.is_empty() || self.outputs.is_empty() || self.pairs.is_empty() || self.classes.is_empty() {
-            return Err(inconsistent!("must have at least one input, output, pair and class"));
+            return Err(model_error!("must have at least one input, output, pair and class"));
         }
         once("inputs", self.inputs.iter())?;
         once("outputs", self.outputs.iter().map(|output| &output.name))?;
@@ -42,59 +32,59 @@ impl Model {
         for (at, pair) in self.pairs.iter().enumerate() {
             let name = format!("pair {} → {}", one_line(pair.input.clone()), one_line(pair.output.clone()));
             let is_twice = self.pairs[..at].iter().any(|of| of.input == pair.input && of.output == pair.output);
-            refuse_if!(is_twice, inconsistent!("{name} is there twice: delete one of them"));
+            refuse_if!(is_twice, model_error!("{name} is there twice: delete one of them"));
             self.check_pair(&name, pair)?;
         }
         self.check_wind()?;
         self.end.as_ref().map_or(Ok(()), |end| self.check_end(end))
     }
 
-    fn check_pair(&self, name: &str, pair: &Pair) -> Result<(), ModelContentError> {
+    fn check_pair(&self, name: &str, pair: &Pair) -> Result<(), ModelError> {
         if !self.inputs.contains(&pair.input) || !self.outputs.iter().any(|output| output.name == pair.output) {
-            return Err(inconsistent!("{name} names an input or output that the model does not have"));
+            return Err(model_error!("{name} names an input or output that the model does not have"));
         }
         let (dead_time, rates) = (pair.dead_time_samples, pair.mesh_rad_s.len());
         refuse_if!(
             dead_time > 1_000_000,
-            inconsistent!("{name}: `dead_time_samples` is {dead_time}, more than a million")
+            model_error!("{name}: `dead_time_samples` is {dead_time}, more than a million")
         );
         self.check_rates(name, &pair.mesh_rad_s)?;
         if pair.se_rate_rad_s.as_ref().is_some_and(|se| se.len() != rates) {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "{name}: `se_rate_rad_s` must have one value for each of the {rates} rates, or be absent"
             ));
         }
-        refuse_if!(pair.classes.is_empty(), inconsistent!("{name} has no class"));
+        refuse_if!(pair.classes.is_empty(), model_error!("{name} has no class"));
         for (label, class) in &pair.classes {
             let is_known = self.classes.contains(label);
             let label = one_line(label.clone());
-            refuse_if!(!is_known, inconsistent!("{name}: class `{label}` is none of the model's `classes`"));
+            refuse_if!(!is_known, model_error!("{name}: class `{label}` is none of the model's `classes`"));
             if class.r_k_per_w.len() != rates || class.se_k_per_w.len() != rates {
-                return Err(inconsistent!(
+                return Err(model_error!(
                     "{name}, class `{label}`: `r_k_per_w` and `se_k_per_w` must have one value for each of the {rates} rates"
                 ));
             }
             let mut values = class.r_k_per_w.iter().chain([&class.feed_through_k_per_w, &class.steady_gain_k_per_w]);
             if let Some(value) = values.find(|value| !value.is_finite()) {
-                return Err(inconsistent!("{name}, class `{label}`: {value} is no resistance"));
+                return Err(model_error!("{name}, class `{label}`: {value} is no resistance"));
             }
         }
         Ok(())
     }
 
-    fn check_rates(&self, name: &str, mesh_rad_s: &[f64]) -> Result<(), ModelContentError> {
-        refuse_if!(mesh_rad_s.is_empty(), inconsistent!("{name}: `mesh_rad_s` has no rate, and needs one at least"));
+    fn check_rates(&self, name: &str, mesh_rad_s: &[f64]) -> Result<(), ModelError> {
+        refuse_if!(mesh_rad_s.is_empty(), model_error!("{name}: `mesh_rad_s` has no rate, and needs one at least"));
         let (least, most) = RATE_TIMES_PERIOD;
         let (least, most) = (least / self.sample_period_s, most / self.sample_period_s);
         let mut before = 0.0;
         for &rate in mesh_rad_s {
             if !(rate.is_finite() && rate > before) {
-                return Err(inconsistent!(
+                return Err(model_error!(
                     "{name}: `mesh_rad_s` must hold ascending rates above zero, and has {rate} after {before}"
                 ));
             }
             if rate < least || rate > most {
-                return Err(inconsistent!(
+                return Err(model_error!(
                     "{name}: `mesh_rad_s` has {rate:e} rad/s, which samples every {} s cannot show; rates must be from {least:.0e} to {most:.0e}",
                     tidy(self.sample_period_s)
                 ));
@@ -104,76 +94,76 @@ impl Model {
         Ok(())
     }
 
-    fn check_wind(&self) -> Result<(), ModelContentError> {
+    fn check_wind(&self) -> Result<(), ModelError> {
         let wind = match (self.structure, &self.wind) {
             (Structure::Symbol, None) => return Ok(()),
-            (Structure::Symbol, Some(_)) => return Err(inconsistent!("has `wind`, which structure `symbol` does not")),
-            (Structure::Conductance, None) => return Err(inconsistent!("has structure `conductance` but no `wind`")),
+            (Structure::Symbol, Some(_)) => return Err(model_error!("has `wind`, which structure `symbol` does not")),
+            (Structure::Conductance, None) => return Err(model_error!("has structure `conductance` but no `wind`")),
             (Structure::Conductance, Some(wind)) => wind,
         };
         let elements = wind.elements.len();
         if elements != self.inputs.len() || elements != self.outputs.len() {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "structure `conductance` needs one input, one output and one set of conductances an element"
             ));
         }
         let missing = self.classes.iter().find(|label| wind.elements.iter().any(|of| !of.contains_key(*label)));
         if let Some(label) = missing {
-            return Err(inconsistent!("`wind` has no conductance for class `{}`", one_line(label.clone())));
+            return Err(model_error!("`wind` has no conductance for class `{}`", one_line(label.clone())));
         }
         wind.following.iter().try_for_each(|following| self.check_following(following, &wind.gas))
     }
 
-    fn check_following(&self, following: &Following, gas: &ModelGas) -> Result<(), ModelContentError> {
+    fn check_following(&self, following: &Following, gas: &ModelGas) -> Result<(), ModelError> {
         let is_column = matches!(gas, ModelGas::Column(_));
-        refuse_if!(!is_column, inconsistent!("`wind.following` needs the gas as a column, which outputs could follow"));
+        refuse_if!(!is_column, model_error!("`wind.following` needs the gas as a column, which outputs could follow"));
         self.check_rates("`wind.following`", &following.mesh_rad_s)?;
         let (has, outputs) = (following.outputs.len(), self.outputs.len());
         refuse_if!(
             has != outputs,
-            inconsistent!("`wind.following`: `outputs` has {has} entries for the model's {outputs} outputs")
+            model_error!("`wind.following`: `outputs` has {has} entries for the model's {outputs} outputs")
         );
         let rates = following.mesh_rad_s.len();
         if following.outputs.iter().any(|of| of.f_k_per_k.len() != rates || of.se_k_per_k.len() != rates) {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "`wind.following`: `f_k_per_k` and `se_k_per_k` must have one value for each of the {rates} rates"
             ));
         }
         let (from_c, [least_c, most_c]) = (following.from_c, following.range_c);
         if !(least_c <= from_c && from_c <= most_c) {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "`wind.following`: `from_c` is {from_c}, which is not within `range_c`, {least_c} to {most_c}"
             ));
         }
         Ok(())
     }
 
-    fn check_end(&self, end: &RecordEnd) -> Result<(), ModelContentError> {
+    fn check_end(&self, end: &RecordEnd) -> Result<(), ModelError> {
         let (inputs, outputs) = (self.inputs.len(), self.outputs.len());
         let (decays, pending, classes) = (end.decays.len(), end.pending.len(), self.classes.len());
         if decays != outputs {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "`end.decays` must have one list for each of the {outputs} outputs, and has {decays}; without `end`, the model can be used but not continued"
             ));
         }
         if let Some((rate, _)) = end.decays.iter().flatten().find(|(rate, _)| *rate < 0.0) {
-            return Err(inconsistent!("`end.decays` has the rate {rate}, and what is left of a record can only decay"));
+            return Err(model_error!("`end.decays` has the rate {rate}, and what is left of a record can only decay"));
         }
         if pending != 0 && pending != inputs {
-            return Err(inconsistent!(
+            return Err(model_error!(
                 "`end.pending` must have one list for each of the {inputs} inputs, and has {pending}"
             ));
         }
         let foreign = end.pending_class.iter().find(|class| **class >= classes);
-        let fault = |class| inconsistent!("`end.pending_class` has {class}, and classes are 0 to {}", classes - 1);
+        let fault = |class| model_error!("`end.pending_class` has {class}, and classes are 0 to {}", classes - 1);
         foreign.map_or(Ok(()), |class| Err(fault(class)))
     }
 }
 
-fn once<'n>(key: &str, names: impl Iterator<Item = &'n String>) -> Result<(), ModelContentError> {
+fn once<'n>(key: &str, names: impl Iterator<Item = &'n String>) -> Result<(), ModelError> {
     let names: Vec<&String> = names.collect();
     let double = (1..names.len()).find(|&at| names[..at].contains(&names[at]));
-    let fault = |at: usize| inconsistent!("`{key}` has `{}` twice: names must differ", one_line(names[at].clone()));
+    let fault = |at: usize| model_error!("`{key}` has `{}` twice: names must differ", one_line(names[at].clone()));
     double.map_or(Ok(()), |at| Err(fault(at)))
 }
 

@@ -1,29 +1,14 @@
 //! Reading and writing a model's JSON: checked in full, written whole or not at all.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::content::{FORMAT, Model, ModelGas, ModelWind, VERSION};
-use super::content_error::ModelContentError;
+use super::error::ModelError;
 use recording::Temporary;
 use recording::text::one_line;
 
 /// Beyond it, squares and products of a model's numbers are no longer numbers.
 const GREATEST: f64 = 1e100;
-
-/// Why a model's file cannot be read or written.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum ModelError {
-    /// There is no such file.
-    #[error("{}: there is no such file", .0.display())]
-    Missing(PathBuf),
-    /// The file system refuses.
-    #[error("{}: cannot be {doing}: {reason}", path.display())]
-    Io { path: PathBuf, doing: &'static str, reason: String },
-    /// What the file holds is no model.
-    #[error("{}: {error}", path.display())]
-    Content { path: PathBuf, error: ModelContentError },
-}
 
 impl Model {
     /// Reads a model's file and checks it.
@@ -31,35 +16,43 @@ impl Model {
     /// # Errors
     /// If there is none, or what it holds is no model.
     pub fn read(path: &Path) -> Result<Self, ModelError> {
-        let content = |error| ModelError::Content { path: path.to_owned(), error };
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => ModelError::Missing(path.to_owned()),
-            std::io::ErrorKind::InvalidData => content(ModelContentError::NoText),
-            _ => ModelError::Io { path: path.to_owned(), doing: "read", reason: error.to_string() },
-        })?;
-        Self::from_json(&text).map_err(content)
+            std::io::ErrorKind::NotFound => model_error!("there is no such file"),
+            std::io::ErrorKind::InvalidData => model_error!(
+                "is no text: a model (.json, from `anemo identify`) belongs here, and comes before a recording"
+            ),
+            _ => model_error!("cannot be read: {error}"),
+        });
+        text.and_then(|text| Self::from_json(&text)).map_err(|error| error.about(path.display()))
     }
 
     /// Reads a model from a text and checks it.
     ///
     /// # Errors
     /// The key and what would be right.
-    pub fn from_json(text: &str) -> Result<Self, ModelContentError> {
+    pub fn from_json(text: &str) -> Result<Self, ModelError> {
         // Some editors put a byte order mark before a text that they save.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let value: serde_json::Value =
-            serde_json::from_str(text).map_err(|error| ModelContentError::NoJson(one_line(error.to_string())))?;
-        refuse_if!(value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT), ModelContentError::NoModel);
+        let value: serde_json::Value = serde_json::from_str(text)
+            .map_err(|error| model_error!("is no JSON, or cut short: {}", one_line(error.to_string())))?;
+        refuse_if!(
+            value.get("format").and_then(serde_json::Value::as_str) != Some(FORMAT),
+            model_error!("is no model: its key `format` is not \"{FORMAT}\"; `anemo identify` writes models")
+        );
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(version) if version == u64::from(VERSION) => {}
-            Some(version) => return Err(ModelContentError::OtherVersion(version)),
-            None => return Err(ModelContentError::NoVersion),
+            Some(version) => {
+                return Err(model_error!(
+                    "is a model of version {version}, and this anemo reads version {VERSION}: identify it again, or use the anemo that wrote it"
+                ));
+            }
+            None => return Err(model_error!("has no `version`: identify it again")),
         }
         if let Some(key) = too_large(&value) {
-            return Err(ModelContentError::TooLarge(one_line(key)));
+            return Err(model_error!("`{}` is a number too large to compute with", one_line(key)));
         }
-        let mut model: Self =
-            serde_json::from_value(value).map_err(|error| ModelContentError::NotWhole(one_line(error.to_string())))?;
+        let mut model: Self = serde_json::from_value(value)
+            .map_err(|error| model_error!("is not a whole model: {}", one_line(error.to_string())))?;
         model.rename_columns();
         model.check()?;
         Ok(model)
@@ -89,11 +82,9 @@ impl Model {
 
     /// Writes its file, in whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), ModelError> {
-        Temporary::write(path, format!("{}\n", self.to_json()).as_bytes()).map_err(|error| ModelError::Io {
-            path: path.to_owned(),
-            doing: "written",
-            reason: error.to_string(),
-        })
+        let text = format!("{}\n", self.to_json());
+        let failed = |error| model_error!("{}: cannot be written: {error}", path.display());
+        Temporary::write(path, text.as_bytes()).map_err(failed)
     }
 }
 

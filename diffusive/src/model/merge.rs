@@ -14,23 +14,10 @@
 use std::collections::BTreeSet;
 
 use super::content::{Chosen, Model, ModelOutput, Pair, Provenance, Structure};
+use super::error::ModelError;
 
 /// By how much a dead time may miss a whole number of samples, in samples.
 const WHOLE: f64 = 1e-6;
-
-/// Why models cannot be joined.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MergeError {
-    /// No model.
-    #[error("there is nothing to merge: name at least two models")]
-    None,
-    /// One model.
-    #[error("there is only {0}: name at least two models")]
-    One(String),
-    /// Two models that do not go together: which, why, and what would be right.
-    #[error("{0}")]
-    Apart(String),
-}
 
 /// A merged model. It prints as a summary, and serialises to the model itself.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -62,11 +49,11 @@ impl std::fmt::Display for MergeReport<'_> {
 ///
 /// # Errors
 /// The models and what keeps them apart.
-pub fn merge(models: &[(String, Model)]) -> Result<Model, MergeError> {
+pub fn merge(models: &[(String, Model)]) -> Result<Model, ModelError> {
     let [(first_name, first), others @ ..] = models else {
-        return Err(MergeError::None);
+        return Err(model_error!("there is nothing to merge: name at least two models"));
     };
-    refuse_if!(others.is_empty(), MergeError::One(first_name.clone()));
+    refuse_if!(others.is_empty(), model_error!("there is only {first_name}: name at least two models"));
     let finest = models.iter().min_by(|a, b| a.1.sample_period_s.total_cmp(&b.1.sample_period_s));
     let sample_period_s = finest.map_or(first.sample_period_s, |(_, model)| model.sample_period_s);
     let mut inputs: Vec<String> = Vec::new();
@@ -88,15 +75,15 @@ pub fn merge(models: &[(String, Model)]) -> Result<Model, MergeError> {
         for pair in &model.pairs {
             let Pair { input, output, dead_time_samples: samples, .. } = pair;
             if let Some((_, of)) = pairs.iter().find(|(known, _)| known.input == *input && known.output == *output) {
-                return Err(MergeError::Apart(format!(
+                return Err(model_error!(
                     "{of} and {name} both have the pair {input} → {output}, which can come from one record only: identify one of them without `{input}`"
-                )));
+                ));
             }
             let own_period_s = model.sample_period_s;
             let dead_time_samples = in_samples(pair, own_period_s, sample_period_s).map_err(|exact| {
-                MergeError::Apart(format!(
+                model_error!(
                     "{name}: pair {input} → {output} answers {samples} samples of {own_period_s} s late, which is {exact:.4} samples of the finest period, {sample_period_s} s: identify it again from a record sampled like the others"
-                ))
+                )
             })?;
             pairs.push((Pair { dead_time_samples, ..pair.clone() }, name));
         }
@@ -132,27 +119,27 @@ pub fn merge(models: &[(String, Model)]) -> Result<Model, MergeError> {
 }
 
 /// Refuses a model whose answers cannot be added to the first's.
-fn alike(first_name: &str, first: &Model, name: &str, model: &Model) -> Result<(), MergeError> {
+fn alike(first_name: &str, first: &Model, name: &str, model: &Model) -> Result<(), ModelError> {
     if model.structure != Structure::Symbol {
-        return Err(MergeError::Apart(format!(
+        return Err(model_error!(
             "{name}: structure `conductance` cannot be merged, because its wind couples all elements: identify all of them from one record"
-        )));
+        ));
     }
     let sorted = |model: &Model| BTreeSet::from_iter(model.classes.clone());
     if sorted(first) != sorted(model) {
-        return Err(MergeError::Apart(format!(
+        return Err(model_error!(
             "{first_name} was identified for the classes {}, {name} for {}: identify them in the same conditions",
             first.classes.join(", "),
             model.classes.join(", ")
-        )));
+        ));
     }
     if first.event_column != model.event_column {
         let column = |model: &Model| model.event_column.clone().unwrap_or_else(|| "none".to_owned());
-        return Err(MergeError::Apart(format!(
+        return Err(model_error!(
             "{first_name} has the event column {}, {name} has {}: give the column one name in all records",
             column(first),
             column(model)
-        )));
+        ));
     }
     Ok(())
 }

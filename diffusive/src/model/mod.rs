@@ -19,7 +19,7 @@
 mod check;
 mod conditions;
 mod content;
-mod content_error;
+mod error;
 pub mod export;
 mod file;
 mod forward;
@@ -32,7 +32,6 @@ pub mod testing;
 
 pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
 pub use content::*;
-pub use content_error::ModelContentError;
-pub use file::ModelError;
+pub use error::ModelError;
 pub use forward::Forward;
-pub use pair_class::{CrossHeatingError, PairClass, PairClassError};
+pub use pair_class::PairClass;

@@ -1,42 +1,9 @@
 //! Which numbers of a model are meant: those of one pair of input and output, in one event class.
 
 use super::content::{Class, Model, Pair, Structure};
+use super::error::ModelError;
 use recording::is_pair;
 use recording::text::suggest;
-
-/// Why a model has no such pair or class.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum PairClassError {
-    /// A pair must be named.
-    #[error("the model has {} pairs: name one of {}", .0.len(), listed(.0))]
-    SeveralPairs(Vec<String>),
-    /// There is no such pair.
-    #[error("the model has no pair `{wanted}`; it has {}", listed(known))]
-    NoPair { wanted: String, known: Vec<String> },
-    /// A class must be named.
-    #[error("the model has {} classes: name one of {}", .0.len(), listed(.0))]
-    SeveralClasses(Vec<String>),
-    /// There is no such class.
-    #[error("the model has no class `{wanted}`; {hint}")]
-    NoClass { wanted: String, hint: String },
-    /// A pair without any class.
-    #[error("{0} has no class")]
-    Empty(String),
-    /// A class in which this pair was never seen.
-    #[error("{pair} has no class `{label}`: the record never showed it")]
-    Unseen { pair: String, label: String },
-}
-
-/// A pair of two elements, where a loop was requested.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("pair {input} → {output} is cross-heating: no loop measures here and heats there")]
-pub struct CrossHeatingError {
-    /// Column that heats.
-    pub input: String,
-    /// Column that is heated.
-    pub output: String,
-}
 
 /// One pair in one class.
 #[derive(Debug, Clone, Copy)]
@@ -61,27 +28,29 @@ impl<'a> PairClass<'a> {
     ///
     /// # Errors
     /// What there is to choose from.
-    pub fn find(model: &'a Model, pair: Option<&str>, label: Option<&str>) -> Result<Self, PairClassError> {
+    pub fn find(model: &'a Model, pair: Option<&str>, label: Option<&str>) -> Result<Self, ModelError> {
         let pair = find_pair(model, pair)?;
         let only = || match (&model.wind, &model.classes[..]) {
             (Some(wind), _) => Ok(wind.reference.as_str()),
             (None, [label]) => Ok(label.as_str()),
-            (None, labels) => Err(PairClassError::SeveralClasses(labels.to_vec())),
+            (None, labels) => {
+                Err(model_error!("the model has {} classes: name one of {}", labels.len(), listed(labels)))
+            }
         };
         let label = label.map_or_else(only, Ok)?;
         let Some(known) = model.classes.iter().find(|known| *known == label) else {
             let hint = suggest(label, model.classes.iter().map(String::as_str));
-            return Err(PairClassError::NoClass { wanted: label.to_owned(), hint });
+            return Err(model_error!("the model has no class `{label}`; {hint}"));
         };
         if let (Structure::Conductance, Some(wind)) = (model.structure, &model.wind) {
-            let class = pair.classes.values().next().ok_or_else(|| PairClassError::Empty(name(pair)))?;
+            let class = pair.classes.values().next().ok_or_else(|| model_error!("{} has no class", name(pair)))?;
             let element = model.inputs.iter().position(|input| *input == pair.input).unwrap_or(0);
             let conductance = wind.elements.get(element).and_then(|element| element.get(known)).map(|dg| dg.value);
             let wind_w_per_k = conductance.filter(|_| *known != wind.reference);
             return Ok(Self { model, pair, label: known, class, wind_w_per_k });
         }
         let class = pair.classes.get(known);
-        let class = class.ok_or_else(|| PairClassError::Unseen { pair: name(pair), label: label.to_owned() })?;
+        let class = class.ok_or_else(|| unseen(pair, label))?;
         Ok(Self { model, pair, label: known, class, wind_w_per_k: None })
     }
 
@@ -97,10 +66,22 @@ impl<'a> PairClass<'a> {
     ///
     /// # Errors
     /// If the pair is cross-heating.
-    pub fn refuse_cross_heating(&self) -> Result<(), CrossHeatingError> {
-        let Pair { input, output, .. } = self.pair;
-        let error = || CrossHeatingError { input: input.clone(), output: output.clone() };
-        if self.is_self_heating() { Ok(()) } else { Err(error()) }
+    pub fn refuse_cross_heating(&self) -> Result<(), ModelError> {
+        let pair = name(self.pair);
+        let sentence = "is cross-heating: no loop measures here and heats there";
+        if self.is_self_heating() { Ok(()) } else { Err(model_error!("{pair} {sentence}")) }
+    }
+
+    /// Refuses a class that is only the reference's symbol in a wind.
+    ///
+    /// # Errors
+    /// If the class has no symbol of its own.
+    pub fn refuse_wind(&self) -> Result<(), ModelError> {
+        let (Some(w_per_k), Some(wind)) = (self.wind_w_per_k, &self.model.wind) else { return Ok(()) };
+        let (label, reference) = (self.label, &wind.reference);
+        Err(model_error!(
+            "class `{label}` has no symbol of its own: it is that of `{reference}` with {w_per_k} W/K of wind in its input. Name class `{reference}`, or export the response or the netlist, which know the wind"
+        ))
     }
 
     /// Temperature of the output without heating, °C.
@@ -143,20 +124,25 @@ pub fn element(column: &str) -> &str {
     recording::element_of(column).unwrap_or(column)
 }
 
-fn find_pair<'a>(model: &'a Model, wanted: Option<&str>) -> Result<&'a Pair, PairClassError> {
+/// The error for a class in which a pair was never seen.
+pub fn unseen(pair: &Pair, label: &str) -> ModelError {
+    model_error!("{} has no class `{label}`: the record never showed it", name(pair))
+}
+
+fn find_pair<'a>(model: &'a Model, wanted: Option<&str>) -> Result<&'a Pair, ModelError> {
     let full = |pair: &Pair| format!("{}:{}", pair.input, pair.output);
     let all: Vec<String> = model.pairs.iter().map(full).collect();
     let Some(wanted) = wanted else {
         return match &model.pairs[..] {
             [only] => Ok(only),
-            _ => Err(PairClassError::SeveralPairs(all)),
+            _ => Err(model_error!("the model has {} pairs: name one of {}", all.len(), listed(&all))),
         };
     };
     let is_wanted = |pair: &&Pair| {
         is_pair(wanted, &pair.input, &pair.output) || is_pair(wanted, element(&pair.input), element(&pair.output))
     };
     let found = model.pairs.iter().find(is_wanted);
-    found.ok_or_else(|| PairClassError::NoPair { wanted: wanted.to_owned(), known: all })
+    found.ok_or_else(|| model_error!("the model has no pair `{wanted}`; it has {}", listed(&all)))
 }
 
 fn listed(names: &[String]) -> String {
@@ -228,7 +214,7 @@ mod tests {
         assert_eq!(PairClass::find(&model, None, None).unwrap().label, "still");
         let part = PairClass::find(&model, None, Some("gust")).unwrap();
         assert_eq!((part.wind_w_per_k, part.class.r_k_per_w[0]), (Some(0.2), 10.0));
-        let refused = super::super::export::ExportError::own_symbol(&part).unwrap_err().to_string();
+        let refused = part.refuse_wind().unwrap_err().to_string();
         assert!(refused.contains("that of `still` with 0.2 W/K of wind"));
     }
 

@@ -8,8 +8,8 @@ use serde::{Serialize, Serializer};
 
 use super::analysis::{Analysis, LoopConditions, SETTLED, analyse, change_between};
 use super::disturbance::WindChange;
-use super::loop_model::{LoopModel, LoopModelError, of_another_gas};
-use crate::model::{CrossHeatingError, Model, PairClass, PairClassError};
+use super::loop_model::{LoopModel, levels_descend, of_another_gas};
+use crate::model::{Model, ModelError, PairClass};
 use recording::text::four_digits as brief;
 
 /// Swings beyond this share of the rise are not small.
@@ -32,30 +32,6 @@ pub struct AnalysisRequest {
     pub sample_period_s: Option<f64>,
     /// Temperature of the gas, °C, where the wind is a conductance.
     pub gas_c: Option<f64>,
-}
-
-/// Why a loop cannot be analysed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum AnalyseError {
-    /// There is no such pair or class.
-    #[error(transparent)]
-    PairClass(#[from] PairClassError),
-    /// A pair of two elements.
-    #[error(transparent)]
-    CrossHeating(#[from] CrossHeatingError),
-    /// A class without a loop.
-    #[error(transparent)]
-    Loop(#[from] LoopModelError),
-    /// A sample period that is no time.
-    #[error("--sample-period is {0} s: it must be greater than zero")]
-    SamplePeriod(f64),
-    /// Levels in the wrong order.
-    #[error("the low level is {low_w} W and the high level {high_w} W: the high one must be above")]
-    Levels { low_w: f64, high_w: f64 },
-    /// A low level below zero.
-    #[error("--low is {0} W: a heater cannot cool")]
-    Cooling(f64),
 }
 
 /// What a closed loop will do. It prints as a summary, and serialises to the keys of `anemo analyse
@@ -83,7 +59,7 @@ impl AnalysisReport {
     ///
     /// # Errors
     /// If there is no such loop, or its levels make none.
-    pub fn new(model: &Model, request: &AnalysisRequest) -> Result<Self, AnalyseError> {
+    pub fn new(model: &Model, request: &AnalysisRequest) -> Result<Self, ModelError> {
         let mut notes = Vec::new();
         let pair = request.pair.as_deref();
         let reference = model.wind.as_ref().map_or(&model.classes[0], |wind| &wind.reference);
@@ -148,9 +124,12 @@ fn conditions(
     part: &PairClass<'_>,
     loop_model: &LoopModel,
     notes: &mut Vec<String>,
-) -> Result<Option<LoopConditions>, AnalyseError> {
+) -> Result<Option<LoopConditions>, ModelError> {
     let sample_period_s = request.sample_period_s.unwrap_or(part.model.sample_period_s);
-    refuse_if!(sample_period_s <= 0.0, AnalyseError::SamplePeriod(sample_period_s));
+    refuse_if!(
+        sample_period_s <= 0.0,
+        model_error!("--sample-period is {sample_period_s} s: it must be greater than zero")
+    );
     let input = part.model.inputs.iter().position(|input| *input == part.pair.input);
     let seen = input.and_then(|input| part.model.provenance.input_range.get(input));
     let low = request.power_low_w.or(seen.map(|range| range[0]));
@@ -165,8 +144,8 @@ fn conditions(
     if request.power_low_w.is_none() || request.power_high_w.is_none() {
         notes.push("levels are those of the model's record; --low and --high give others".to_owned());
     }
-    refuse_if!(power_low_w >= power_high_w, AnalyseError::Levels { low_w: power_low_w, high_w: power_high_w });
-    refuse_if!(power_low_w < 0.0, AnalyseError::Cooling(power_low_w));
+    refuse_if!(power_low_w >= power_high_w, levels_descend(power_low_w, power_high_w));
+    refuse_if!(power_low_w < 0.0, model_error!("--low is {power_low_w} W: a heater cannot cool"));
     let half_way_k = || {
         notes.push("the set-point is half-way between what the levels can hold; --target gives another".to_owned());
         loop_model.surface.steady_gain_k_per_w() * f64::midpoint(power_low_w, power_high_w)

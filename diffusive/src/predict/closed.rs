@@ -13,10 +13,9 @@ use dr_core::control::drive::{DriveInput, DriveState};
 use dr_core::sensor::Level;
 use nalgebra::DVector;
 
-use super::predict_error::PredictError;
 use super::scenario::{Heated, Heater, Scenario};
 use super::system::{Motion, System};
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 
 /// Secant steps towards a meeting with the surface.
 const STEPS: usize = 60;
@@ -89,7 +88,7 @@ struct Motions<'a> {
 }
 
 impl Motions<'_> {
-    fn of(&mut self, class: usize, mask: u32) -> Result<usize, PredictError> {
+    fn of(&mut self, class: usize, mask: u32) -> Result<usize, ModelError> {
         if let Some(at) = self.known.iter().position(|(key, _)| *key == (class, mask)) {
             return Ok(at);
         }
@@ -102,11 +101,10 @@ impl Motions<'_> {
 ///
 /// # Errors
 /// What the model lacks.
-pub fn predict(model: &Model, scenario: &Scenario, start: LoopStart) -> Result<Prediction, PredictError> {
+pub fn predict(model: &Model, scenario: &Scenario, start: LoopStart) -> Result<Prediction, ModelError> {
     let mut system = System::new(model, scenario.gas_c)?;
-    if scenario.elements.len() != system.elements() {
-        return Err(PredictError::Drives { inputs: system.elements(), drives: scenario.elements.len() });
-    }
+    let (inputs, drives) = (system.elements(), scenario.elements.len());
+    refuse_if!(inputs != drives, model_error!("the model has {inputs} inputs, and {drives} drives were given"));
     let z = match start {
         LoopStart::Rest => DVector::zeros(system.order()),
         LoopStart::Standby => standing_by(&system, scenario)?,
@@ -118,32 +116,26 @@ pub fn predict(model: &Model, scenario: &Scenario, start: LoopStart) -> Result<P
         .map(|heated| PredictedElement {
             name: heated.name.clone(),
             regulated: matches!(heated.drive, Drive::Temperature { .. } | Drive::Setpoints { .. }),
-            limit_w: Vec::with_capacity(scenario.ticks),
-            held: Vec::with_capacity(scenario.ticks),
-            sampled_w: Vec::with_capacity(scenario.ticks),
-            sampled_c: Vec::with_capacity(scenario.ticks),
-            target_c: Vec::with_capacity(scenario.ticks),
-            first_met_s: None,
+            ..PredictedElement::default()
         })
         .collect();
     for (_, class) in &scenario.winds {
         for (i, of) in elements.iter().enumerate().filter(|(_, of)| of.regulated) {
-            system.check_surface(*class, i).map_err(|error| PredictError::Element {
-                element: of.name.clone(),
-                label: model.classes[*class].clone(),
-                error,
-            })?;
+            let label = &model.classes[*class];
+            let named = |error| model_error!("the model of {}, class `{label}`, {error}", of.name);
+            system.check_surface(*class, i).map_err(named)?;
         }
     }
     sampled(&mut motions, scenario, &class, z.clone(), &mut elements)?;
     limit(&mut motions, scenario, &class, z, &mut elements)?;
     if let Some(bad) = elements.iter().find(|of| of.limit_w.iter().chain(&of.sampled_w).any(|w| !w.is_finite())) {
-        return Err(PredictError::Unstable(bad.name.clone()));
+        let name = &bad.name;
+        return Err(model_error!("the power of {name} grows without bounds: the model is unstable under this loop"));
     }
     Ok(Prediction { sample_period_s: scenario.sample_period_s, class, elements })
 }
 
-fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, PredictError> {
+fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, ModelError> {
     let first = scenario.winds.first().map_or(0, |(_, class)| *class);
     let mut z = DVector::zeros(system.order());
     // A resistor's power depends on its temperature, a little.
@@ -156,17 +148,16 @@ fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, Pre
 }
 
 /// Each drive's state at its start; the resistor's range is the instrument's to judge.
-fn drive_states(scenario: &Scenario) -> Result<Vec<DriveState>, PredictError> {
+fn drive_states(scenario: &Scenario) -> Result<Vec<DriveState>, ModelError> {
     let platinum = |heated: &Heated| match &heated.heater {
         Heater::Resistor(channel) => Ok(*channel.platinum()),
         Heater::Fixed { .. } => dr_core::sensor::Platinum::linear(100.0, 0.0031),
     };
-    let state = |heated| platinum(heated).and_then(|platinum| heated.drive.start(&platinum));
-    scenario
-        .elements
-        .iter()
-        .map(|heated| state(heated).map_err(|error| PredictError::Drive { element: heated.name.clone(), error }))
-        .collect()
+    let state = |heated: &Heated| {
+        let state = platinum(heated).and_then(|platinum| heated.drive.start(&platinum));
+        state.map_err(|error| model_error!("{}: {error}", heated.name))
+    };
+    scenario.elements.iter().map(state).collect()
 }
 
 fn sampled(
@@ -175,7 +166,7 @@ fn sampled(
     class: &[usize],
     mut z: DVector<f64>,
     elements: &mut [PredictedElement],
-) -> Result<(), PredictError> {
+) -> Result<(), ModelError> {
     let mut drives = drive_states(scenario)?;
     let mut scratch = z.clone();
     let mut power = vec![0.0; elements.len()];
@@ -183,11 +174,8 @@ fn sampled(
         for (i, of) in elements.iter_mut().enumerate() {
             let temperature_c = motions.system.temperature_c(&z, i);
             let heated = &scenario.elements[i];
-            let (low_w, high_w) = heated.heater.levels_w(temperature_c);
-            power[i] = match decide(&heated.drive, &mut drives[i], temperature_c, (low_w, high_w)) {
-                Level::High => high_w,
-                Level::Low => low_w,
-            };
+            let levels = heated.heater.levels_w(temperature_c);
+            power[i] = of_level(decide(&heated.drive, &mut drives[i], temperature_c, levels), levels);
             of.sampled_w.push(power[i]);
             of.sampled_c.push(temperature_c);
         }
@@ -221,7 +209,7 @@ fn limit(
     classes: &[usize],
     mut z: DVector<f64>,
     elements: &mut [PredictedElement],
-) -> Result<(), PredictError> {
+) -> Result<(), ModelError> {
     let system = motions.system;
     let count = elements.len();
     let mut drives = drive_states(scenario)?;
@@ -310,7 +298,7 @@ fn settle_modes(
     modes: &mut [ElementMode],
     power: &mut [f64],
     levels: &[(f64, f64)],
-) -> Result<usize, PredictError> {
+) -> Result<usize, ModelError> {
     loop {
         for (i, mode) in modes.iter().enumerate() {
             if let ElementMode::Under(level) = mode {
@@ -346,9 +334,9 @@ fn meeting(
     (before, i, target_c): (&DVector<f64>, usize, f64),
     within_s: f64,
     power: &[f64],
-) -> Result<f64, PredictError> {
+) -> Result<f64, ModelError> {
     let mut scratch = before.clone();
-    let mut distance_at = |time_s: f64| -> Result<f64, PredictError> {
+    let mut distance_at = |time_s: f64| -> Result<f64, ModelError> {
         let mut z = before.clone();
         system.motion(class, mask, time_s)?.advance(&mut z, power, &mut scratch);
         Ok(system.temperature_c(&z, i) - target_c)

@@ -4,8 +4,9 @@
 //! window, so that what it delays and smooths it does to both. An output counts if its whole
 //! response lies on the surface and in one wind: edges and reaching are left out.
 
-use dr_core::ConfigError;
 use dr_core::signal::{Decimator, DecimatorState};
+
+use crate::model::ModelError;
 
 /// Moving averages in a row.
 const ORDER: usize = 3;
@@ -38,18 +39,6 @@ pub struct Decimated {
     pub rows: Vec<DecimatedRow>,
 }
 
-/// Why a window cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum WindowError {
-    /// More ticks than a decimator counts.
-    #[error("a window of {0} ticks cannot be used: out of range integral type conversion attempted")]
-    Long(usize),
-    /// A window that the decimator refuses.
-    #[error("a window of {ratio} ticks cannot be used: {error}")]
-    Refused { ratio: usize, error: ConfigError },
-}
-
 /// Decimates both by windows of `ratio` ticks. `good` tells ticks on the surface, `class` the wind
 /// of each.
 ///
@@ -62,9 +51,10 @@ pub fn decimate(
     class: &[usize],
     ratio: usize,
     sample_period_s: f64,
-) -> Result<Decimated, WindowError> {
-    let ticks = u32::try_from(ratio).map_err(|_| WindowError::Long(ratio))?;
-    let decimator = Decimator::<ORDER>::new(ticks).map_err(|error| WindowError::Refused { ratio, error })?;
+) -> Result<Decimated, ModelError> {
+    let unusable = |error: &dyn std::fmt::Display| model_error!("a window of {ratio} ticks cannot be used: {error}");
+    let ticks = u32::try_from(ratio).map_err(|error| unusable(&error))?;
+    let decimator = Decimator::<ORDER>::new(ticks).map_err(|error| unusable(&error))?;
     // The decimator counts in steps for watts; any other unit is brought to that size.
     let scale = predicted_w.iter().chain(taken_w).fold(0.0_f64, |most, w| most.max(w.abs()));
     let scale = if scale > 0.0 { scale } else { 1.0 };

@@ -7,62 +7,11 @@
 //! the gas's.
 
 use super::secular;
-use super::sliding_surface::{SlidingSurface, SurfaceError};
+use super::sliding_surface::{SlidingSurface, feed_through};
 use crate::model::pair_class::{PairClass, name};
-use crate::model::{Model, ModelGas, ModelWind, SAME_TEMPERATURE_K};
+use crate::model::{Model, ModelError, ModelGas, ModelWind, SAME_TEMPERATURE_K};
 
 const ABSOLUTE_ZERO_C: f64 = -273.15;
-
-/// Why a class of a pair has no loop to analyse: a sentence that begins with the pair and the
-/// class.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{pair}, class `{label}`, {fault}")]
-pub struct LoopModelError {
-    /// What the pair is called in sentences.
-    pub pair: String,
-    /// Label of the class.
-    pub label: String,
-    /// What is wrong with it.
-    pub fault: LoopFault,
-}
-
-/// What is wrong with a class: the rest of a sentence that begins with it.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum LoopFault {
-    /// There is no sliding surface.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-    /// A gas temperature that nothing depends on.
-    #[error("does not know of a gas: its wind is no conductance, so leave --gas-temperature out")]
-    NoGas,
-    /// A gas temperature that is missing or impossible.
-    #[error(transparent)]
-    Gas(#[from] GasTemperatureError),
-    /// A wind whose poles need not be real.
-    #[error(
-        "is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all"
-    )]
-    BothSigns,
-    /// A wind that takes too much less than the reference.
-    #[error(
-        "takes {less_w_per_k:.3e} W/K less than the reference loses at all ({loss_w_per_k:.3e} W/K): its temperature would run away. ΔG must be above minus that"
-    )]
-    RunsAway { less_w_per_k: f64, loss_w_per_k: f64 },
-}
-
-/// Why the temperature of the gas is not known.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GasTemperatureError {
-    /// Below the absolute zero.
-    #[error("cannot be used in a gas of {0} °C: nothing is colder than {ABSOLUTE_ZERO_C} °C")]
-    TooCold(f64),
-    /// It stood in a column of a record.
-    #[error(
-        "takes the temperature of the gas from the column `{0}` of a record, and there is none here: give it with --gas-temperature"
-    )]
-    Column(String),
-}
 
 /// A class ready to be analysed.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,17 +38,14 @@ impl LoopModel {
     /// # Errors
     /// No sliding surface, a wind under which the element would run away, an unknown gas
     /// temperature.
-    pub fn of(part: &PairClass<'_>, gas_c: Option<f64>) -> Result<Self, LoopModelError> {
-        Self::build(part, gas_c).map_err(|fault| LoopModelError {
-            pair: name(part.pair),
-            label: part.label.to_owned(),
-            fault,
-        })
+    pub fn of(part: &PairClass<'_>, gas_c: Option<f64>) -> Result<Self, ModelError> {
+        let named = |fault| model_error!("{}, class `{}`, {fault}", name(part.pair), part.label);
+        Self::build(part, gas_c).map_err(named)
     }
 
-    fn build(part: &PairClass<'_>, gas_c: Option<f64>) -> Result<Self, LoopFault> {
+    fn build(part: &PairClass<'_>, gas_c: Option<f64>) -> Result<Self, ModelError> {
         let class = part.class;
-        refuse_if!(class.feed_through_k_per_w != 0.0, SurfaceError::FeedThrough(class.feed_through_k_per_w).into());
+        refuse_if!(class.feed_through_k_per_w != 0.0, feed_through(class.feed_through_k_per_w));
         let structure = SlidingSurface::new(&part.pair.mesh_rad_s, &class.r_k_per_w)?;
         let mut found = Self {
             label: part.label.to_owned(),
@@ -111,7 +57,11 @@ impl LoopModel {
             dead_time_s: part.dead_time_s(),
         };
         let Some(wind) = &part.model.wind else {
-            return if gas_c.is_some() { Err(LoopFault::NoGas) } else { Ok(found) };
+            refuse_if!(
+                gas_c.is_some(),
+                model_error!("does not know of a gas: its wind is no conductance, so leave --gas-temperature out")
+            );
+            return Ok(found);
         };
         found.conductance_w_per_k = part.wind_w_per_k.unwrap_or(0.0);
         found.gas_c = gas_temperature_c(wind, gas_c, found.conductance_w_per_k != 0.0)?;
@@ -131,22 +81,30 @@ impl LoopModel {
     }
 }
 
+/// The error for a low level in W that is not below the high one.
+pub fn levels_descend(low_w: f64, high_w: f64) -> ModelError {
+    model_error!("the low level is {low_w} W and the high level {high_w} W: the high one must be above")
+}
+
 /// The gas temperature that was given, or the model's own; `None` where nobody needs to know it.
-pub fn gas_temperature_c(
-    wind: &ModelWind,
-    given_c: Option<f64>,
-    needed: bool,
-) -> Result<Option<f64>, GasTemperatureError> {
+///
+/// # Errors
+/// If it is missing or impossible: the rest of a sentence that begins with the model.
+pub fn gas_temperature_c(wind: &ModelWind, given_c: Option<f64>, needed: bool) -> Result<Option<f64>, ModelError> {
     let own_c = match &wind.gas {
         ModelGas::ConstantC(constant_c) => Some(*constant_c),
         ModelGas::EstimatedC(estimate) => Some(estimate.value),
         ModelGas::Column(_) => wind.following.as_ref().map(|following| following.from_c),
     };
     if let Some(given_c) = given_c.filter(|given_c| *given_c <= ABSOLUTE_ZERO_C) {
-        return Err(GasTemperatureError::TooCold(given_c));
+        return Err(model_error!(
+            "cannot be used in a gas of {given_c} °C: nothing is colder than {ABSOLUTE_ZERO_C} °C"
+        ));
     }
     match (given_c.or(own_c), &wind.gas) {
-        (None, ModelGas::Column(column)) if needed => Err(GasTemperatureError::Column(column.clone())),
+        (None, ModelGas::Column(column)) if needed => Err(model_error!(
+            "takes the temperature of the gas from the column `{column}` of a record, and there is none here: give it with --gas-temperature"
+        )),
         (gas_c, _) => Ok(gas_c),
     }
 }
@@ -181,18 +139,23 @@ pub fn followed_k(model: &Model, output: &str, gas_c: Option<f64>) -> f64 {
 }
 
 /// H0/(1 + ΔG·H0) as a symbol, for resistances of one sign.
-fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<SlidingSurface, LoopFault> {
+fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<SlidingSurface, ModelError> {
     let (rates, eta): (Vec<f64>, Vec<f64>) = (structure.rates_rad_s().iter().zip(structure.eta_k_per_j()))
         .filter(|(_, eta)| **eta != 0.0)
         .map(|(rate, eta)| (*rate, *eta))
         .unzip();
-    refuse_if!(eta.iter().any(|eta| *eta < 0.0), LoopFault::BothSigns);
+    if eta.iter().any(|eta| *eta < 0.0) {
+        return Err(model_error!(
+            "is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all"
+        ));
+    }
     let loop_gain = conductance_w_per_k * structure.steady_gain_k_per_w();
     if loop_gain <= -1.0 {
-        return Err(LoopFault::RunsAway {
-            less_w_per_k: -conductance_w_per_k,
-            loss_w_per_k: 1.0 / structure.steady_gain_k_per_w(),
-        });
+        return Err(model_error!(
+            "takes {:.3e} W/K less than the reference loses at all ({:.3e} W/K): its temperature would run away. ΔG must be above minus that",
+            -conductance_w_per_k,
+            1.0 / structure.steady_gain_k_per_w()
+        ));
     }
     let roots = secular::roots(&rates, &eta, 1.0 / conductance_w_per_k);
     let poles: Vec<f64> = roots.iter().map(|root| root.value(&rates)).collect();
@@ -201,7 +164,7 @@ fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<Slidi
         1.0 / (conductance_w_per_k.powi(2) * squares * pole)
     };
     let resistances: Vec<f64> = roots.iter().zip(&poles).map(resistance).collect();
-    Ok(SlidingSurface::new(&poles, &resistances)?)
+    SlidingSurface::new(&poles, &resistances)
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ pub mod decays;
 pub mod disturbance;
 pub mod limited;
 pub mod loop_model;
-mod predict_error;
 pub mod prediction_report;
 pub mod reaching;
 pub mod scenario;
@@ -35,5 +34,4 @@ pub mod sliding_surface;
 pub mod system;
 pub mod zeros;
 
-pub use predict_error::PredictError;
-pub use sliding_surface::{SlidingSurface, SurfaceError};
+pub use sliding_surface::SlidingSurface;

@@ -11,36 +11,20 @@
 use dr_core::model::{Reachability, equivalent_control, reachability};
 use nalgebra::DMatrix;
 
-/// Why no loop can be analysed: the rest of a sentence that begins with what has the symbol.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum SurfaceError {
-    /// Rates and resistances that do not match.
-    #[error(
-        "has {rates} rates and {resistances} resistances: there must be one resistance for every rate, and one at least"
-    )]
-    Shape { rates: usize, resistances: usize },
-    /// A rate that does not ascend from above zero.
-    #[error(
-        "has the pole {rate_rad_s} rad/s after {before_rad_s} rad/s: rates must ascend from above zero, as what is heated cools down again"
-    )]
-    Rate { rate_rad_s: f64, before_rad_s: f64 },
-    /// A resistance that is no number.
-    #[error("has the resistance {0} K/W: it must be a number")]
-    Resistance(f64),
-    /// A pair that power does not begin by warming.
-    #[error(
-        "has the high-frequency gain Γ = {0} K/J: power does not begin by warming it, so there is no sliding surface. A self-heating pair has Γ > 0; is this a cross-heating pair?"
-    )]
-    NoSurface(f64),
-    /// A pair that held power does not end by warming.
-    #[error("has the steady gain ΣR = {0} K/W: power that is held must end by warming it")]
-    NoGain(f64),
-    /// An output that follows its input at once.
-    #[error(
-        "follows the power at once by {0} K/W (feed-through): the loop would switch without end, and there is no sliding surface. Identify it without feed-through"
-    )]
-    FeedThrough(f64),
+use crate::model::ModelError;
+
+/// The error for a symbol of this Γ in K/J, which power does not begin by warming.
+pub fn no_surface(gamma: f64) -> ModelError {
+    model_error!(
+        "has the high-frequency gain Γ = {gamma} K/J: power does not begin by warming it, so there is no sliding surface. A self-heating pair has Γ > 0; is this a cross-heating pair?"
+    )
+}
+
+/// The error for an output that follows its input at once, by so much.
+pub fn feed_through(k_per_w: f64) -> ModelError {
+    model_error!(
+        "follows the power at once by {k_per_w} K/W (feed-through): the loop would switch without end, and there is no sliding surface. Identify it without feed-through"
+    )
 }
 
 /// One symbol with a sliding surface. Immutable.
@@ -58,33 +42,39 @@ impl SlidingSurface {
     /// pole that this class does not heat) or negative, as long as Γ and ΣR are greater than zero.
     ///
     /// # Errors
-    /// What the symbol lacks, in words.
-    pub fn new(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Self, SurfaceError> {
+    /// What the symbol lacks: the rest of a sentence that begins with what has it.
+    pub fn new(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Self, ModelError> {
         let (rates, resistances) = (rates_rad_s.len(), r_k_per_w.len());
-        refuse_if!(rates == 0 || rates != resistances, SurfaceError::Shape { rates, resistances });
-        let mut before_rad_s = 0.0;
-        for &rate_rad_s in rates_rad_s {
-            if !(rate_rad_s.is_finite() && rate_rad_s > before_rad_s) {
-                return Err(SurfaceError::Rate { rate_rad_s, before_rad_s });
+        if rates == 0 || rates != resistances {
+            return Err(model_error!(
+                "has {rates} rates and {resistances} resistances: there must be one resistance for every rate, and one at least"
+            ));
+        }
+        let mut before = 0.0;
+        for &rate in rates_rad_s {
+            if !(rate.is_finite() && rate > before) {
+                return Err(model_error!(
+                    "has the pole {rate} rad/s after {before} rad/s: rates must ascend from above zero, as what is heated cools down again"
+                ));
             }
-            before_rad_s = rate_rad_s;
+            before = rate;
         }
         if let Some(r) = r_k_per_w.iter().find(|r| !r.is_finite()) {
-            return Err(SurfaceError::Resistance(*r));
+            return Err(model_error!("has the resistance {r} K/W: it must be a number"));
         }
         let eta_k_per_j: Vec<f64> = rates_rad_s.iter().zip(r_k_per_w).map(|(rate, r)| rate * r).collect();
         let gamma_k_per_j: f64 = eta_k_per_j.iter().sum();
-        refuse_if!(!(gamma_k_per_j.is_finite() && gamma_k_per_j > 0.0), SurfaceError::NoSurface(gamma_k_per_j));
-        let steady_gain_k_per_w: f64 = r_k_per_w.iter().sum();
-        if !(steady_gain_k_per_w.is_finite() && steady_gain_k_per_w > 0.0) {
-            return Err(SurfaceError::NoGain(steady_gain_k_per_w));
+        refuse_if!(!(gamma_k_per_j.is_finite() && gamma_k_per_j > 0.0), no_surface(gamma_k_per_j));
+        let gain: f64 = r_k_per_w.iter().sum();
+        if !(gain.is_finite() && gain > 0.0) {
+            return Err(model_error!("has the steady gain ΣR = {gain} K/W: power that is held must end by warming it"));
         }
         Ok(Self {
             rates_rad_s: rates_rad_s.to_vec(),
             r_k_per_w: r_k_per_w.to_vec(),
             eta_k_per_j,
             gamma_k_per_j,
-            steady_gain_k_per_w,
+            steady_gain_k_per_w: gain,
         })
     }
 
@@ -160,16 +150,24 @@ mod tests {
 
     #[test]
     fn what_has_no_sliding_surface_is_refused_in_words() {
-        let refusal = |rates: &[f64], r: &[f64]| SlidingSurface::new(rates, r).unwrap_err();
-        assert_eq!(refusal(&[], &[]), SurfaceError::Shape { rates: 0, resistances: 0 });
-        assert_eq!(refusal(&[0.0, 1.0], &[1.0, 1.0]), SurfaceError::Rate { rate_rad_s: 0.0, before_rad_s: 0.0 });
-        assert!(matches!(refusal(&[-1.0], &[1.0]), SurfaceError::Rate { .. }));
-        assert!(matches!(refusal(&[f64::NAN], &[1.0]), SurfaceError::Rate { .. }));
-        assert!(matches!(refusal(&[1.0, 1.0], &[1.0, 1.0]), SurfaceError::Rate { .. }));
-        assert_eq!(refusal(&[1.0, 10.0], &[5.0, -1.0]), SurfaceError::NoSurface(-5.0));
-        assert_eq!(refusal(&[1.0, 10.0], &[-5.0, 1.0]), SurfaceError::NoGain(-4.0));
-        assert_eq!(refusal(&[1.0], &[0.0]), SurfaceError::NoSurface(0.0));
-        assert!(refusal(&[1.0], &[f64::INFINITY]).to_string().contains("inf K/W"));
-        assert!(refusal(&[1.0], &[0.0]).to_string().contains("no sliding surface"));
+        let refusals: [(&[f64], &[f64], &str); 9] = [
+            (&[], &[], "has 0 rates and 0 resistances"),
+            (&[0.0, 1.0], &[1.0, 1.0], "has the pole 0 rad/s after 0 rad/s"),
+            (&[-1.0], &[1.0], "has the pole -1 rad/s"),
+            (&[f64::NAN], &[1.0], "has the pole NaN rad/s"),
+            (&[1.0, 1.0], &[1.0, 1.0], "has the pole 1 rad/s after 1 rad/s"),
+            (
+                &[1.0, 10.0],
+                &[5.0, -1.0],
+                "Γ = -5 K/J: power does not begin by warming it, so there is no sliding surface",
+            ),
+            (&[1.0, 10.0], &[-5.0, 1.0], "ΣR = -4 K/W"),
+            (&[1.0], &[0.0], "Γ = 0 K/J"),
+            (&[1.0], &[f64::INFINITY], "inf K/W"),
+        ];
+        for (rates, r, sentence) in refusals {
+            let refused = SlidingSurface::new(rates, r).unwrap_err().to_string();
+            assert!(refused.contains(sentence), "{refused}");
+        }
     }
 }

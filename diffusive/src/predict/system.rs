@@ -25,10 +25,9 @@ use nalgebra::{DMatrix, DVector};
 use dr_core::model::mesh;
 
 use super::loop_model::{followed_k, gas_temperature_c};
-use super::predict_error::PredictError;
-use super::sliding_surface::SurfaceError;
-use crate::model::pair_class::{element, name};
-use crate::model::{Model, Structure};
+use super::sliding_surface::{feed_through, no_surface};
+use crate::model::pair_class::{element, name, unseen};
+use crate::model::{Model, ModelError, Structure};
 
 /// Masks of held elements have so many bits.
 const MOST_ELEMENTS: usize = 16;
@@ -89,9 +88,12 @@ enum Advance {
 impl System {
     /// # Errors
     /// What this model has that cannot be predicted.
-    pub fn new(model: &Model, gas_c: Option<f64>) -> Result<Self, PredictError> {
+    pub fn new(model: &Model, gas_c: Option<f64>) -> Result<Self, ModelError> {
         let elements = model.inputs.len();
-        refuse_if!(elements > MOST_ELEMENTS, PredictError::TooManyElements { elements, most: MOST_ELEMENTS });
+        refuse_if!(
+            elements > MOST_ELEMENTS,
+            model_error!("the model has {elements} inputs; loops of {MOST_ELEMENTS} at most can be predicted")
+        );
         let output_of = |at: usize| {
             let same = |output: &crate::model::ModelOutput| element(&output.name) == element(&model.inputs[at]);
             model.outputs.iter().position(same).or((at < model.outputs.len()).then_some(at))
@@ -107,12 +109,14 @@ impl System {
             regulated_by: Vec::with_capacity(elements),
         };
         let gas = match &model.wind {
-            Some(wind) => gas_temperature_c(wind, gas_c, true).map_err(PredictError::Gas)?,
+            Some(wind) => gas_temperature_c(wind, gas_c, true).map_err(|error| model_error!("the model {error}"))?,
             None => gas_c,
         };
         system.gas_c = gas.unwrap_or(0.0);
         for at in 0..elements {
-            let output = output_of(at).ok_or_else(|| PredictError::NoOutput(model.inputs[at].clone()))?;
+            let input = &model.inputs[at];
+            let none = || model_error!("the model has no output that input `{input}` could be regulated by");
+            let output = output_of(at).ok_or_else(none)?;
             system.regulated_by.push(output);
             let of = &model.outputs[output];
             system.base_c.push(of.offset_c + followed_k(model, &of.name, gas));
@@ -126,7 +130,11 @@ impl System {
             let output = system.regulated_by.iter().position(|at| model.outputs[*at].name == pair.output);
             let (Some(input), Some(output)) = (input, output) else { continue };
             if pair.dead_time_samples > 0 {
-                return Err(PredictError::DeadTime { pair: name(pair), samples: pair.dead_time_samples });
+                return Err(model_error!(
+                    "{} has a dead time of {} samples, which a prediction of the loop leaves out: identify it without",
+                    name(pair),
+                    pair.dead_time_samples
+                ));
             }
             system.rates.extend(&pair.mesh_rad_s);
             system.input.extend(std::iter::repeat_n(input, pair.mesh_rad_s.len()));
@@ -136,10 +144,10 @@ impl System {
                     Structure::Symbol => pair.classes.get(label),
                     Structure::Conductance => pair.classes.values().next(),
                 };
-                let own = own.ok_or_else(|| PredictError::Unseen { pair: name(pair), label: label.clone() })?;
+                let own = own.ok_or_else(|| unseen(pair, label))?;
                 if own.feed_through_k_per_w != 0.0 {
-                    let error = SurfaceError::FeedThrough(own.feed_through_k_per_w);
-                    return Err(PredictError::Pair { pair: name(pair), label: label.clone(), error });
+                    let error = feed_through(own.feed_through_k_per_w);
+                    return Err(model_error!("{}, class `{label}`, {error}", name(pair)));
                 }
                 system.eta[at].extend(pair.mesh_rad_s.iter().zip(&own.r_k_per_w).map(|(rate, r)| rate * r));
             }
@@ -162,8 +170,10 @@ impl System {
     ///
     /// # Errors
     /// If the model does not hold them.
-    pub fn end(&mut self, model: &Model) -> Result<DVector<f64>, PredictError> {
-        let end = model.end.as_ref().ok_or(PredictError::NoEnd)?;
+    pub fn end(&mut self, model: &Model) -> Result<DVector<f64>, ModelError> {
+        let end = model.end.as_ref().ok_or_else(|| {
+            model_error!("the model does not hold the state at the end of its record: begin from standby or rest")
+        })?;
         let mut z = vec![0.0; self.order()];
         for (element, &output) in self.regulated_by.clone().iter().enumerate() {
             for &(rate, amplitude_k) in end.decays.get(output).into_iter().flatten() {
@@ -193,13 +203,13 @@ impl System {
 
     /// # Errors
     /// If an element has no surface to slide on in a wind.
-    pub fn check_surface(&self, class: usize, element: usize) -> Result<(), SurfaceError> {
+    pub fn check_surface(&self, class: usize, element: usize) -> Result<(), ModelError> {
         let own = (0..self.order()).filter(|&s| self.input[s] == element && self.output[s] == element);
         let gamma: f64 = own.map(|s| self.eta[class][s]).sum();
-        if gamma > 0.0 { Ok(()) } else { Err(SurfaceError::NoSurface(gamma)) }
+        if gamma > 0.0 { Ok(()) } else { Err(no_surface(gamma)) }
     }
 
-    fn injected(&self, class: usize, held: &[usize]) -> Result<Injected, PredictError> {
+    fn injected(&self, class: usize, held: &[usize]) -> Result<Injected, ModelError> {
         let (n, elements) = (self.order(), self.elements());
         let sums = DMatrix::from_fn(elements, n, |o, s| f64::from(u8::from(self.output[s] == o)));
         let mut gamma = DMatrix::zeros(elements, elements);
@@ -222,7 +232,9 @@ impl System {
             return Ok(injected);
         }
         let own = DMatrix::from_fn(held.len(), held.len(), |a, b| gamma[(held[a], held[b])]);
-        let inverse = own.try_inverse().ok_or(PredictError::Singular)?;
+        let inverse = own.try_inverse().ok_or_else(|| {
+            model_error!("the elements that are held cannot be told apart: their Γ matrix is singular")
+        })?;
         let cross =
             DMatrix::from_fn(held.len(), elements, |a, i| if held.contains(&i) { 0.0 } else { gamma[(held[a], i)] });
         let falling = DMatrix::from_fn(held.len(), n, |a, s| sums[(held[a], s)] * self.rates[s]);
@@ -255,7 +267,7 @@ impl System {
     ///
     /// # Errors
     /// If what is held has no sliding surface.
-    pub fn motion(&self, class: usize, mask: u32, time_s: f64) -> Result<Motion, PredictError> {
+    pub fn motion(&self, class: usize, mask: u32, time_s: f64) -> Result<Motion, ModelError> {
         let held: Vec<usize> = (0..self.elements()).filter(|element| mask >> element & 1 == 1).collect();
         let injected = self.injected(class, &held)?;
         let free = held.is_empty() && self.conductance[class].iter().all(|conductance| *conductance == 0.0);
@@ -302,10 +314,10 @@ impl System {
     }
 
     /// Where the states end in a wind if all elements are heated with constant powers in W.
-    pub fn steady_state(&self, class: usize, power_w: &[f64]) -> Result<DVector<f64>, PredictError> {
+    pub fn steady_state(&self, class: usize, power_w: &[f64]) -> Result<DVector<f64>, ModelError> {
         let (a, b, c) = self.coefficients(class, &self.injected(class, &[])?);
         let rest = a.lu().solve(&-(b * DVector::from_column_slice(power_w) + c));
-        rest.ok_or(PredictError::NoSteadyState)
+        rest.ok_or_else(|| model_error!("the model has no steady state in the first wind"))
     }
 }
 

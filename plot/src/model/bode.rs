@@ -39,7 +39,7 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
     let (mut magnitude, mut phase) = (axes("Magnitude", &unit).y(Scale::Log), axes("Phase", "°"));
     let (mut curves, mut cut) = (0, false);
     for (pair, class) in pairs.iter().flat_map(|pair| model.classes.iter().map(move |class| (pair, class))) {
-        let at = |omega: &f64| response_in_class(model, pair, class, *omega).map(|(re, im)| (*omega, re, im));
+        let at = |omega: &f64| response_in_class(model, pair, class, *omega).map(|value| (*omega, value.re, value.im));
         let response: Vec<(f64, f64, f64)> = frequencies.iter().filter_map(at).collect();
         if response.is_empty() {
             continue;

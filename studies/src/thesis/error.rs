@@ -1,8 +1,7 @@
 //! Why a study came to no end.
 
 use diffusive::identify::record::RecordError;
-use diffusive::model::merge::MergeError;
-use diffusive::predict::PredictError;
+use diffusive::model::ModelError;
 use host_sim::run::RunError;
 use plot::PlotError;
 use recording::toml_file::FileError;
@@ -21,12 +20,9 @@ pub enum StudyError {
     /// A record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Models do not go together.
+    /// Models do not go together, or a loop cannot be predicted.
     #[error(transparent)]
-    Merge(#[from] MergeError),
-    /// A loop cannot be predicted.
-    #[error(transparent)]
-    Predict(#[from] PredictError),
+    Model(#[from] ModelError),
     /// A picture cannot be drawn or written.
     #[error(transparent)]
     Plot(#[from] PlotError),

@@ -97,8 +97,7 @@ impl LoopPowers {
         let good: Vec<bool> = of.held.iter().enumerate().map(|(tick, held)| *held && tick >= first).collect();
         let decimated = |predicted: &[f64]| {
             let period_s = experiment.sample_period_s;
-            decimate(predicted, held.power_w(DIE)?, &good, &prediction.class, WINDOW, period_s)
-                .map_err(|error| StudyError::Other(error.to_string()))
+            Ok::<_, StudyError>(decimate(predicted, held.power_w(DIE)?, &good, &prediction.class, WINDOW, period_s)?)
         };
         Ok(Self { sampled: decimated(&of.sampled_w)?, limit: decimated(&of.limit_w)? })
     }

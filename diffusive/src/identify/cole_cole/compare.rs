@@ -2,8 +2,8 @@
 
 use super::case::ColeColeCase;
 use super::exact::{THESIS_ORDER, symbol, thesis_mesh_rad_s};
-use crate::model::export::{ExportError, continuous_symbol};
-use crate::model::{Forward, Model};
+use crate::model::export::continuous_symbol;
+use crate::model::{Forward, Model, ModelError};
 
 /// One rate of an identified symbol.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -40,7 +40,7 @@ pub struct ColeColeComparison {
 ///
 /// # Errors
 /// If the model has one rate only, which makes no continuous symbol.
-pub fn compare(model: &Model, case: &ColeColeCase) -> Result<ColeColeComparison, ExportError> {
+pub fn compare(model: &Model, case: &ColeColeCase) -> Result<ColeColeComparison, ModelError> {
     let mut symbol = Vec::new();
     if let Some(pair) = model.pairs.first()
         && let Some(class) = pair.classes.values().next()

@@ -36,27 +36,32 @@
 //!
 //! Only a passive pair has a ladder: all R_k ≥ 0.
 
-use super::error::ExportError;
+use serde::Serialize;
 
-/// A ladder: from the heater outwards.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ladder {
-    /// From node i to node i + 1, the last one to the surroundings, K/W.
-    pub resistance_k_per_w: Vec<f64>,
-    /// From node i to the surroundings, J/K.
-    pub capacitance_j_per_k: Vec<f64>,
+use crate::model::error::ModelError;
+
+/// A section of the ladder: a layer of matter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LadderSection {
+    /// From its node to the surroundings: heat capacity, J/K.
+    pub capacitance_j_per_k: f64,
+    /// From its node to the next one, or to the surroundings: thermal resistance, K/W.
+    pub resistance_k_per_w: f64,
 }
 
 /// The ladder of the impedance Σ R_k/(1 + s/ξ_k). Poles with R_k = 0 are left out.
 ///
 /// # Errors
 /// If a resistance is negative, or all are zero.
-pub fn cauer(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Ladder, ExportError> {
-    if let Some((k, &resistance_k_per_w)) = r_k_per_w.iter().enumerate().find(|(_, resistance)| **resistance < 0.0) {
-        return Err(ExportError::Negative { k, resistance_k_per_w });
+pub fn cauer(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<LadderSection>, ModelError> {
+    if let Some((k, r)) = r_k_per_w.iter().enumerate().find(|(_, resistance)| **resistance < 0.0) {
+        return Err(model_error!(
+            "R_{} = {r} K/W is negative, and a ladder of resistors and capacitors has none such: identify the pair with non-negative resistances, or export the Foster network",
+            k + 1
+        ));
     }
     let mut poles = mesh_rad_s.iter().zip(r_k_per_w).filter(|(_, resistance)| **resistance > 0.0).rev();
-    let (&fastest, &resistance) = poles.next().ok_or(ExportError::Nothing)?;
+    let (&fastest, &resistance) = poles.next().ok_or_else(no_network)?;
     // Rates are counted from the pole that came last, which so lies at 0: q_1 = 0.
     let (mut q, mut e, mut gamma, mut origin) = (vec![0.0], Vec::new(), fastest * resistance, fastest);
     for (&rate, &resistance) in poles {
@@ -66,17 +71,21 @@ pub fn cauer(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Ladder, ExportErro
         origin = rate;
     }
     move_up(origin, &mut q, &mut e);
-    let mut ladder = Ladder { resistance_k_per_w: Vec::new(), capacitance_j_per_k: Vec::new() };
-    let mut capacitance = 1.0 / gamma;
+    let mut capacitance_j_per_k = 1.0 / gamma;
+    let mut ladder = Vec::with_capacity(q.len());
     for (i, q) in q.iter().enumerate() {
-        let resistance = 1.0 / (q * capacitance);
-        ladder.capacitance_j_per_k.push(capacitance);
-        ladder.resistance_k_per_w.push(resistance);
+        let section = LadderSection { capacitance_j_per_k, resistance_k_per_w: 1.0 / (q * capacitance_j_per_k) };
+        ladder.push(section);
         if let Some(e) = e.get(i) {
-            capacitance = 1.0 / (e * resistance);
+            capacitance_j_per_k = 1.0 / (e * section.resistance_k_per_w);
         }
     }
     Ok(ladder)
+}
+
+/// The error for a pair that nothing heats.
+pub(super) fn no_network() -> ModelError {
+    model_error!("all resistances are zero: this pair has no network")
 }
 
 /// Adds `delta` to every rate.
@@ -115,16 +124,13 @@ fn add_at_zero(eta: f64, gamma: f64, q: &mut Vec<f64>, e: &mut Vec<f64>) {
 ///
 /// # Errors
 /// Those of [`cauer`].
-pub fn structure_function(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<(f64, f64)>, ExportError> {
-    let ladder = cauer(mesh_rad_s, r_k_per_w)?;
+pub fn structure_function(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<(f64, f64)>, ModelError> {
     let mut sum = (0.0, 0.0);
-    let sections = ladder.resistance_k_per_w.iter().zip(&ladder.capacitance_j_per_k);
-    Ok(sections
-        .map(|(resistance, capacitance)| {
-            sum = (sum.0 + resistance, sum.1 + capacitance);
-            sum
-        })
-        .collect())
+    let up_to = |section: LadderSection| {
+        sum = (sum.0 + section.resistance_k_per_w, sum.1 + section.capacitance_j_per_k);
+        sum
+    };
+    Ok(cauer(mesh_rad_s, r_k_per_w)?.into_iter().map(up_to).collect())
 }
 
 #[cfg(test)]

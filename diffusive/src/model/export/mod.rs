@@ -20,7 +20,6 @@
 //! [`PairClass`](super::PairClass) finds the pair and the class.
 
 pub mod cauer;
-mod error;
 pub mod foster;
 mod report;
 pub mod response;
@@ -30,7 +29,6 @@ pub mod symbol;
 pub mod table;
 
 pub use cauer::structure_function;
-pub use error::ExportError;
 pub use report::{ExportForm, ExportReport};
-pub use response::{response, response_in_class};
+pub use response::response_in_class;
 pub use symbol::continuous_symbol;

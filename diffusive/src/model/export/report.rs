@@ -5,10 +5,10 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::Serialize;
 
-use super::error::ExportError;
 use super::source::{Language, source};
 use super::spice::{SpiceNetwork, netlist};
 use super::table::{ExportTable, cauer_table, foster_table, response_table, structure_table, symbol_table};
+use crate::model::error::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// The forms of an export.
@@ -59,7 +59,7 @@ impl ExportReport {
     ///
     /// # Errors
     /// If it has no such form.
-    pub fn new(part: &PairClass, form: ExportForm, file: Option<String>) -> Result<Self, ExportError> {
+    pub fn new(part: &PairClass, form: ExportForm, file: Option<String>) -> Result<Self, ModelError> {
         let text = |text: String| ExportContent::Text { text };
         let content = match form {
             ExportForm::Foster => foster_table(part).map(ExportContent::Table),

@@ -17,18 +17,12 @@ use nalgebra::{Complex, DMatrix};
 
 use crate::model::content::{Class, Model, Pair, Structure};
 
-/// H(jω) of one pair and class as (real, imaginary) in K/W, without wind.
-pub fn response(model: &Model, pair: &Pair, class: &Class, omega_rad_s: f64) -> (f64, f64) {
-    let value = complex(model, pair, class, omega_rad_s);
-    (value.re, value.im)
-}
-
 /// H(jω) of one pair in the class called `label`, wind included; `None` if the model has no such
 /// class.
-pub fn response_in_class(model: &Model, pair: &Pair, label: &str, omega_rad_s: f64) -> Option<(f64, f64)> {
+pub fn response_in_class(model: &Model, pair: &Pair, label: &str, omega_rad_s: f64) -> Option<Complex<f64>> {
     let wind = match (model.structure, &model.wind) {
         (Structure::Conductance, Some(wind)) if label != wind.reference => wind,
-        _ => return pair.classes.get(label).map(|class| response(model, pair, class, omega_rad_s)),
+        _ => return pair.classes.get(label).map(|class| without_wind(model, pair, class, omega_rad_s)),
     };
     let conductance: Vec<f64> =
         wind.elements.iter().map(|element| element.get(label).map(|dg| dg.value)).collect::<Option<_>>()?;
@@ -36,7 +30,7 @@ pub fn response_in_class(model: &Model, pair: &Pair, label: &str, omega_rad_s: f
     let still = DMatrix::from_fn(elements, elements, |output, input| {
         let found = model.pair(&model.inputs[input], &model.outputs[output].name);
         let class = found.and_then(|pair| pair.classes.values().next().map(|class| (pair, class)));
-        class.map_or(Complex::ZERO, |(pair, class)| complex(model, pair, class, omega_rad_s))
+        class.map_or(Complex::ZERO, |(pair, class)| without_wind(model, pair, class, omega_rad_s))
     });
     let loop_gain = DMatrix::from_fn(elements, elements, |output, element| {
         let unit = if output == element { 1.0 } else { 0.0 };
@@ -45,11 +39,11 @@ pub fn response_in_class(model: &Model, pair: &Pair, label: &str, omega_rad_s: f
     let windy = loop_gain.lu().solve(&still)?;
     let output = model.outputs.iter().position(|output| output.name == pair.output)?;
     let input = model.inputs.iter().position(|name| *name == pair.input)?;
-    let value = windy[(output, input)];
-    Some((value.re, value.im))
+    Some(windy[(output, input)])
 }
 
-fn complex(model: &Model, pair: &Pair, class: &Class, omega_rad_s: f64) -> Complex<f64> {
+/// H(jω) of one pair and class in K/W.
+fn without_wind(model: &Model, pair: &Pair, class: &Class, omega_rad_s: f64) -> Complex<f64> {
     let poles = pair.mesh_rad_s.iter().zip(&class.r_k_per_w);
     let sum: Complex<f64> = poles.map(|(rate, resistance)| *resistance / Complex::new(1.0, omega_rad_s / rate)).sum();
     let dead_time_s = pair.dead_time_samples as f64 * model.sample_period_s;
@@ -76,8 +70,8 @@ mod tests {
     #[test]
     fn a_single_pole_falls_to_the_root_of_a_half_at_its_rate() {
         let model = testing::model(&[0.5], &[10.0]);
-        let (re, im) = response(&model, &model.pairs[0], &model.pairs[0].classes["all"], 0.5);
-        assert!((re - 5.0).abs() < 1e-14 && (im + 5.0).abs() < 1e-14);
+        let value = response_in_class(&model, &model.pairs[0], "all", 0.5).unwrap();
+        assert!((value.re - 5.0).abs() < 1e-14 && (value.im + 5.0).abs() < 1e-14);
     }
 
     #[test]
@@ -86,7 +80,7 @@ mod tests {
         model.pairs[0].dead_time_samples = 3;
         model.pairs[0].classes.get_mut("all").unwrap().feed_through_k_per_w = 2.0;
         let omega = 1e6 * std::f64::consts::TAU + 0.5;
-        let (re, im) = response(&model, &model.pairs[0], &model.pairs[0].classes["all"], omega);
+        let Complex { re, im } = response_in_class(&model, &model.pairs[0], "all", omega).unwrap();
         // 3 samples of 0.1 s; the pole is down to 1e-6
         let phase = -omega * 0.3;
         assert!((re - 2.0 * phase.cos()).abs() < 1e-5 && (im - 2.0 * phase.sin()).abs() < 1e-5, "{re} {im}");
@@ -97,12 +91,11 @@ mod tests {
         let mut model = testing::model(&[0.5, 4.0], &[10.0, 3.0]);
         testing::add_wind(&mut model, "gust", 0.2);
         let pair = &model.pairs[0];
-        let (re, im) = response_in_class(&model, pair, "gust", 0.7).unwrap();
+        let windy = response_in_class(&model, pair, "gust", 0.7).unwrap();
         let still = response_in_class(&model, pair, "still", 0.7).unwrap();
-        let still = Complex::new(still.0, still.1);
         // 1/H_wind = 1/H + ΔG
         let expected = (still.inv() + 0.2).inv();
-        assert!((Complex::new(re, im) - expected).norm() < 1e-13);
+        assert!((windy - expected).norm() < 1e-13);
         assert_eq!(response_in_class(&model, pair, "storm", 0.7), None);
     }
 

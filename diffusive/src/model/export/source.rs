@@ -9,11 +9,9 @@
 //! does it: they hold for the sample period in the table only. In f32 the sum of a slow pole must
 //! be compensated (Kahan), or it stalls before its goal.
 
-use std::fmt::Write as _;
-
 use dr_core::model::mesh;
 
-use super::error::ExportError;
+use crate::model::error::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// Language of the source text.
@@ -30,16 +28,48 @@ pub enum Language {
 /// # Errors
 /// If a number does not fit f32, or two rates are the same there; in a wind that has no symbol of
 /// its own.
-pub fn source(part: &PairClass, language: Language) -> Result<String, ExportError> {
-    ExportError::own_symbol(part)?;
+pub fn source(part: &PairClass, language: Language) -> Result<String, ModelError> {
+    part.refuse_wind()?;
     let period = single("sample_period_s", part.model.sample_period_s)?;
     let rates = singles("mesh_rad_s", &part.pair.mesh_rad_s)?;
-    refuse_if!(rates.windows(2).any(|two| two[0] >= two[1]), ExportError::SameRates);
-    let gain: Vec<f32> = rates.iter().map(|rate| mesh::gain(f64::from(*rate), f64::from(period)) as f32).collect();
+    refuse_if!(
+        rates.windows(2).any(|two| two[0] >= two[1]),
+        model_error!("two rates of the mesh are the same in f32: reduce the model first")
+    );
+    let gain = rates.iter().map(|rate| mesh::gain(f64::from(*rate), f64::from(period)) as f32).collect();
     let r = singles("r_k_per_w", &part.class.r_k_per_w)?;
     let feed_through = single("feed_through_k_per_w", part.class.feed_through_k_per_w)?;
     let offset = single("offset_c", part.offset_c())?;
-    let mut text = String::new();
+    let (order, dead) = (rates.len(), part.pair.dead_time_samples);
+    let constants = [
+        ("order", "Number of relaxations.", Constant::Count(order)),
+        ("dead_time_samples", "Whole sample periods by which the output is late.", Constant::Count(dead)),
+        ("sample_period_s", "Sample period for which the gains hold, s.", Constant::Number(period)),
+        ("feed_through_k_per_w", "What the output follows at once, K/W.", Constant::Number(feed_through)),
+        ("offset_c", "Output without heating, degrees Celsius.", Constant::Number(offset)),
+        ("mesh_rad_s", "Relaxation rates, rad/s.", Constant::Numbers(rates)),
+        ("gain", "Gains, for that sample period only.", Constant::Numbers(gain)),
+        ("r_k_per_w", "Thermal resistances, K/W.", Constant::Numbers(r)),
+    ];
+    let (mut text, start, end) = match language {
+        Language::Rust => (String::new(), "\n", ""),
+        Language::C => ("/*\n".to_owned(), " */\n#ifndef ANEMO_MODEL_H\n#define ANEMO_MODEL_H\n\n", "\n#endif\n"),
+    };
+    for line in about(part) {
+        let margin = if language == Language::Rust { "//" } else { " *" };
+        text.push_str(format!("{margin} {}", plain(&line)).trim_end());
+        text.push('\n');
+    }
+    text.push_str(start);
+    for (name, meaning, constant) in constants {
+        text.push_str(&constant.declared(name, meaning, language));
+    }
+    text.push_str(end);
+    Ok(text)
+}
+
+/// The lines above the constants.
+fn about(part: &PairClass) -> Vec<String> {
     let mut about = vec![
         format!("{} -> {}, class {}: diffusive model by anemo.", part.pair.input, part.pair.output, part.label),
         String::new(),
@@ -49,73 +79,48 @@ pub fn source(part: &PairClass, language: Language) -> Result<String, ExportErro
         "u is that of dead_time_samples earlier.".to_owned(),
     ];
     about.extend(part.warning().map(|warning| format!("Warning: {warning}")));
-    let vectors = [
-        ("mesh_rad_s", "Relaxation rates, rad/s.", &rates),
-        ("gain", "Gains, for that sample period only.", &gain),
-        ("r_k_per_w", "Thermal resistances, K/W.", &r),
-    ];
-    let scalars = [
-        ("sample_period_s", "Sample period for which the gains hold, s.", period),
-        ("feed_through_k_per_w", "What the output follows at once, K/W.", feed_through),
-        ("offset_c", "Output without heating, degrees Celsius.", offset),
-    ];
-    let (order, dead) = (rates.len(), part.pair.dead_time_samples);
-    // Writing to a String cannot fail.
-    match language {
-        Language::Rust => {
-            for line in about {
-                let _ = writeln!(text, "{}", format!("// {}", plain(&line)).trim_end());
-            }
-            let _ = writeln!(text, "\n/// Number of relaxations.\npub const ORDER: usize = {order};");
-            let _ = writeln!(
-                text,
-                "/// Whole sample periods by which the output is late.\npub const DEAD_TIME_SAMPLES: usize = {dead};"
-            );
-            for (name, meaning, value) in scalars {
-                let _ = writeln!(text, "/// {meaning}\npub const {}: f32 = {value:?};", name.to_uppercase());
-            }
-            for (name, meaning, values) in vectors {
-                let _ = writeln!(text, "/// {meaning}\npub const {}: [f32; ORDER] = {values:?};", name.to_uppercase());
-            }
-        }
-        Language::C => {
-            text.push_str("/*\n");
-            for line in about {
-                let _ = writeln!(text, "{}", format!(" * {}", plain(&line)).trim_end());
-            }
-            text.push_str(" */\n#ifndef ANEMO_MODEL_H\n#define ANEMO_MODEL_H\n\n");
-            let _ = writeln!(text, "/* Number of relaxations. */\n#define MODEL_ORDER {order}");
-            let _ = writeln!(
-                text,
-                "/* Whole sample periods by which the output is late. */\n#define MODEL_DEAD_TIME_SAMPLES {dead}"
-            );
-            for (name, meaning, value) in scalars {
-                let _ = writeln!(text, "/* {meaning} */\nstatic const float model_{name} = {value:?}f;");
-            }
-            for (name, meaning, values) in vectors {
-                let list: Vec<String> = values.iter().map(|value| format!("{value:?}f")).collect();
-                let _ = writeln!(
-                    text,
-                    "/* {meaning} */\nstatic const float model_{name}[MODEL_ORDER] = {{{}}};",
-                    list.join(", ")
-                );
-            }
-            text.push_str("\n#endif\n");
-        }
-    }
-    Ok(text)
+    about
 }
 
-fn single(key: &'static str, value: f64) -> Result<f32, ExportError> {
+/// A value of the source text.
+enum Constant {
+    Count(usize),
+    Number(f32),
+    /// As many as there are relaxations.
+    Numbers(Vec<f32>),
+}
+
+impl Constant {
+    fn declared(&self, name: &str, meaning: &str, language: Language) -> String {
+        let upper = name.to_uppercase();
+        match (language, self) {
+            (Language::Rust, Self::Count(value)) => format!("/// {meaning}\npub const {upper}: usize = {value};\n"),
+            (Language::Rust, Self::Number(value)) => format!("/// {meaning}\npub const {upper}: f32 = {value:?};\n"),
+            (Language::Rust, Self::Numbers(values)) => {
+                format!("/// {meaning}\npub const {upper}: [f32; ORDER] = {values:?};\n")
+            }
+            (Language::C, Self::Count(value)) => format!("/* {meaning} */\n#define MODEL_{upper} {value}\n"),
+            (Language::C, Self::Number(value)) => {
+                format!("/* {meaning} */\nstatic const float model_{name} = {value:?}f;\n")
+            }
+            (Language::C, Self::Numbers(values)) => {
+                let list: Vec<String> = values.iter().map(|value| format!("{value:?}f")).collect();
+                format!("/* {meaning} */\nstatic const float model_{name}[MODEL_ORDER] = {{{}}};\n", list.join(", "))
+            }
+        }
+    }
+}
+
+fn single(key: &str, value: f64) -> Result<f32, ModelError> {
     let rounded = value as f32;
     // What is not zero must not become it: a rate or gain of zero is another model.
     if rounded.is_finite() && (rounded != 0.0 || value == 0.0) {
         return Ok(rounded);
     }
-    Err(ExportError::Range { key, value })
+    Err(model_error!("`{key}`: {value:?} does not fit the range of f32, in which these tables are"))
 }
 
-fn singles(key: &'static str, values: &[f64]) -> Result<Vec<f32>, ExportError> {
+fn singles(key: &str, values: &[f64]) -> Result<Vec<f32>, ModelError> {
     values.iter().map(|value| single(key, *value)).collect()
 }
 

@@ -11,8 +11,9 @@
 
 use std::fmt::Write as _;
 
-use super::error::ExportError;
-use super::{cauer, foster};
+use super::cauer::{LadderSection, cauer, no_network};
+use super::foster::{Cell, foster};
+use crate::model::error::ModelError;
 use crate::model::pair_class::{PairClass, element};
 
 /// The network that a netlist holds.
@@ -28,9 +29,14 @@ pub enum SpiceNetwork {
 ///
 /// # Errors
 /// If the pair has no such network.
-pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ExportError> {
+pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelError> {
     let one_port = part.is_self_heating() && part.pair.dead_time_samples == 0;
-    refuse_if!(part.wind_w_per_k.is_some() && !one_port, ExportError::WindOnAll(part.label.to_owned()));
+    if part.wind_w_per_k.is_some() && !one_port {
+        return Err(model_error!(
+            "in class `{}` the wind acts on all elements at once, and a netlist of one pair with cross-heating or dead time cannot show it: export the response",
+            part.label
+        ));
+    }
     let name = subcircuit_name(part);
     let (nodes, heated) = match (one_port, part.wind_w_per_k) {
         (true, None) => ("junction ambient", "junction"),
@@ -84,39 +90,35 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, Export
         let _ = writeln!(text, "Rfeed {from} n0 {}", spice(part.class.feed_through_k_per_w));
         "n0".clone_into(&mut from);
     }
-    match network {
-        SpiceNetwork::Foster => foster_cells(part, &mut text, from)?,
-        SpiceNetwork::Cauer => cauer_sections(part, &mut text, from)?,
+    let sections = sections(part, network)?;
+    for (i, section) in sections.iter().enumerate() {
+        let n = i + 1;
+        let to = if n == sections.len() { "ambient".to_owned() } else { format!("n{n}") };
+        let resistor = format!("R{n} {from} {to} {}\n", spice(section.resistance_k_per_w));
+        let farad = spice(section.capacitance_j_per_k);
+        text.push_str(&match network {
+            SpiceNetwork::Foster => format!("{resistor}C{n} {from} {to} {farad}\n"),
+            SpiceNetwork::Cauer => format!("C{n} {from} ambient {farad}\n{resistor}"),
+        });
+        from = to;
     }
     let _ = writeln!(text, ".ends {name}");
     Ok(text)
 }
 
-fn foster_cells(part: &PairClass, text: &mut String, mut from: String) -> Result<(), ExportError> {
-    let cells = foster::foster(&part.pair.mesh_rad_s, &part.class.r_k_per_w);
-    refuse_if!(cells.is_empty(), ExportError::Nothing);
-    for (i, cell) in cells.iter().enumerate() {
-        let to = if i + 1 == cells.len() { "ambient".to_owned() } else { format!("n{}", i + 1) };
-        let n = i + 1;
-        let _ = writeln!(text, "R{n} {from} {to} {}", spice(cell.resistance_k_per_w));
-        let _ = writeln!(text, "C{n} {from} {to} {}", spice(cell.capacitance_j_per_k()));
-        from = to;
+/// Resistors and capacitors from the heater outwards.
+fn sections(part: &PairClass, network: SpiceNetwork) -> Result<Vec<LadderSection>, ModelError> {
+    let (mesh_rad_s, r_k_per_w) = (&part.pair.mesh_rad_s, &part.class.r_k_per_w);
+    if network == SpiceNetwork::Cauer {
+        return cauer(mesh_rad_s, r_k_per_w);
     }
-    Ok(())
-}
-
-fn cauer_sections(part: &PairClass, text: &mut String, mut from: String) -> Result<(), ExportError> {
-    let ladder = cauer::cauer(&part.pair.mesh_rad_s, &part.class.r_k_per_w)?;
-    let sections = ladder.resistance_k_per_w.len();
-    for (i, (resistance, capacitance)) in ladder.resistance_k_per_w.iter().zip(&ladder.capacitance_j_per_k).enumerate()
-    {
-        let to = if i + 1 == sections { "ambient".to_owned() } else { format!("n{}", i + 1) };
-        let n = i + 1;
-        let _ = writeln!(text, "C{n} {from} ambient {}", spice(*capacitance));
-        let _ = writeln!(text, "R{n} {from} {to} {}", spice(*resistance));
-        from = to;
-    }
-    Ok(())
+    let cells = foster(mesh_rad_s, r_k_per_w);
+    refuse_if!(cells.is_empty(), no_network());
+    let section = |cell: &Cell| LadderSection {
+        capacitance_j_per_k: cell.capacitance_j_per_k(),
+        resistance_k_per_w: cell.resistance_k_per_w,
+    };
+    Ok(cells.iter().map(section).collect())
 }
 
 /// Always with an exponent: SPICE takes letters behind a number for factors.

@@ -9,13 +9,13 @@
 //! the local spacing: half the distance between the two neighbours on the logarithmic axis, and at
 //! an edge the distance to the only one. Σ_k η(ξ_k) ln r is the steady gain again.
 
-use super::error::ExportError;
+use crate::model::error::ModelError;
 
 /// η(ξ_k) in K/W at every rate of an ascending mesh.
 ///
 /// # Errors
 /// If there is one rate only.
-pub fn continuous_symbol(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<f64>, ExportError> {
+pub fn continuous_symbol(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<f64>, ModelError> {
     let spacing = log_spacing(mesh_rad_s)?;
     Ok(r_k_per_w.iter().zip(spacing).map(|(resistance, spacing)| resistance / spacing).collect())
 }
@@ -24,8 +24,10 @@ pub fn continuous_symbol(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<Vec<f6
 ///
 /// # Errors
 /// If there is one rate only.
-pub fn log_spacing(mesh_rad_s: &[f64]) -> Result<Vec<f64>, ExportError> {
-    let last = mesh_rad_s.len().checked_sub(1).filter(|&last| last > 0).ok_or(ExportError::OneRate)?;
+pub fn log_spacing(mesh_rad_s: &[f64]) -> Result<Vec<f64>, ModelError> {
+    let last = mesh_rad_s.len().checked_sub(1).filter(|&last| last > 0).ok_or_else(|| {
+        model_error!("a single rate has no distance to a neighbour, by which the continuous symbol is weighted: it needs an order of 2 at least")
+    })?;
     let spacing = |k: usize| {
         let (below, above) = (k.saturating_sub(1), (k + 1).min(last));
         (mesh_rad_s[above] / mesh_rad_s[below]).ln() / (above - below) as f64
@@ -66,6 +68,6 @@ mod tests {
 
     #[test]
     fn a_single_rate_has_no_continuous_symbol() {
-        assert_eq!(continuous_symbol(&[1.0], &[2.0]), Err(ExportError::OneRate));
+        assert!(continuous_symbol(&[1.0], &[2.0]).unwrap_err().to_string().contains("a single rate"));
     }
 }

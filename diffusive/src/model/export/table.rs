@@ -3,9 +3,11 @@
 
 use std::fmt::Write as _;
 
-use super::cauer::structure_function;
-use super::error::ExportError;
-use super::{cauer, foster, response, symbol};
+use nalgebra::Complex;
+
+use super::cauer::{cauer, structure_function};
+use super::{foster, response, symbol};
+use crate::model::error::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// Named columns of numbers.
@@ -69,8 +71,8 @@ pub(super) fn number(value: f64) -> String {
 ///
 /// # Errors
 /// In a wind that has no symbol of its own.
-pub fn foster_table(part: &PairClass) -> Result<ExportTable, ExportError> {
-    ExportError::own_symbol(part)?;
+pub fn foster_table(part: &PairClass) -> Result<ExportTable, ModelError> {
+    part.refuse_wind()?;
     let rows = foster::foster(&part.pair.mesh_rad_s, &part.class.r_k_per_w).into_iter().map(|cell| {
         vec![
             cell.rate_rad_s,
@@ -88,11 +90,10 @@ pub fn foster_table(part: &PairClass) -> Result<ExportTable, ExportError> {
 ///
 /// # Errors
 /// If the pair has none.
-pub fn cauer_table(part: &PairClass) -> Result<ExportTable, ExportError> {
-    ExportError::own_symbol(part)?;
-    let ladder = cauer::cauer(&part.pair.mesh_rad_s, &part.class.r_k_per_w)?;
-    let sections = ladder.resistance_k_per_w.iter().zip(&ladder.capacitance_j_per_k);
-    let rows = sections.map(|(resistance, capacitance)| vec![*resistance, *capacitance]);
+pub fn cauer_table(part: &PairClass) -> Result<ExportTable, ModelError> {
+    part.refuse_wind()?;
+    let sections = cauer(&part.pair.mesh_rad_s, &part.class.r_k_per_w)?.into_iter();
+    let rows = sections.map(|section| vec![section.resistance_k_per_w, section.capacitance_j_per_k]);
     Ok(ExportTable::new(part, "cauer", &["resistance_k_per_w", "capacitance_j_per_k"], rows.collect()))
 }
 
@@ -100,8 +101,8 @@ pub fn cauer_table(part: &PairClass) -> Result<ExportTable, ExportError> {
 ///
 /// # Errors
 /// If the pair has none.
-pub fn structure_table(part: &PairClass) -> Result<ExportTable, ExportError> {
-    ExportError::own_symbol(part)?;
+pub fn structure_table(part: &PairClass) -> Result<ExportTable, ModelError> {
+    part.refuse_wind()?;
     let steps = structure_function(&part.pair.mesh_rad_s, &part.class.r_k_per_w)?;
     let rows = steps.into_iter().map(|(resistance, capacitance)| vec![resistance, capacitance]).collect();
     let columns = ["cumulative_resistance_k_per_w", "cumulative_capacitance_j_per_k"];
@@ -112,8 +113,8 @@ pub fn structure_table(part: &PairClass) -> Result<ExportTable, ExportError> {
 ///
 /// # Errors
 /// If there is one rate only, or in a wind that has no symbol of its own.
-pub fn symbol_table(part: &PairClass) -> Result<ExportTable, ExportError> {
-    ExportError::own_symbol(part)?;
+pub fn symbol_table(part: &PairClass) -> Result<ExportTable, ModelError> {
+    part.refuse_wind()?;
     let (mesh, class) = (&part.pair.mesh_rad_s, part.class);
     let spacing = symbol::log_spacing(mesh)?;
     let continuous = symbol::continuous_symbol(mesh, &class.r_k_per_w)?;
@@ -144,14 +145,14 @@ pub fn symbol_table(part: &PairClass) -> Result<ExportTable, ExportError> {
 ///
 /// # Errors
 /// If the class has none.
-pub fn response_table(part: &PairClass, points: usize) -> Result<ExportTable, ExportError> {
+pub fn response_table(part: &PairClass, points: usize) -> Result<ExportTable, ModelError> {
     let row = |omega: f64| {
-        let (re, im) = response::response_in_class(part.model, part.pair, part.label, omega)
-            .ok_or_else(|| ExportError::NoResponse(part.label.to_owned()))?;
+        let Complex { re, im } = response::response_in_class(part.model, part.pair, part.label, omega)
+            .ok_or_else(|| model_error!("class `{}` has no response", part.label))?;
         Ok(vec![omega / std::f64::consts::TAU, re.hypot(im), im.atan2(re).to_degrees(), re, im])
     };
     let frequencies = response::frequencies_rad_s(part.model, part.pair, points);
-    let rows = frequencies.into_iter().map(row).collect::<Result<_, ExportError>>()?;
+    let rows = frequencies.into_iter().map(row).collect::<Result<_, ModelError>>()?;
     let columns = ["frequency_hz", "magnitude_k_per_w", "phase_deg", "real_k_per_w", "imag_k_per_w"];
     Ok(ExportTable::new(part, "response", &columns, rows))
 }

@@ -6,44 +6,30 @@ use std::fmt::Write as _;
 use dr_core::model::ORDER;
 
 use crate::model::content::Model;
-use crate::model::pair_class::{PairClass, PairClassError, element};
-
-/// Why a model has no table for the board.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BoardTableError {
-    /// More rates than the board carries, or none.
-    #[error(
-        "the board's models have 1 to {ORDER} rates, and this one has {0}: `anemo reduce --order {ORDER}` makes one"
-    )]
-    Rates(usize),
-    /// A number that f32 does not hold.
-    #[error("a rate or resistance does not fit the range of f32")]
-    Range,
-    /// No element of the model heats itself.
-    #[error("no pair of the model is an element that heats itself, which is what the board has models for")]
-    NoSelfHeating,
-    /// A class must be named.
-    #[error("it holds for one class, and the model has {}; choose with --class", .0.join(", "))]
-    SeveralClasses(Vec<String>),
-    /// There is no such class.
-    #[error(transparent)]
-    PairClass(#[from] PairClassError),
-}
+use crate::model::error::ModelError;
+use crate::model::pair_class::{PairClass, element};
 
 /// Rates and resistances padded to the board's order: further rates, each twice the one before,
 /// that weigh nothing.
 ///
 /// # Errors
 /// If there are more than 8, or a number does not fit f32.
-pub fn padded(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<([f32; ORDER], [f32; ORDER]), BoardTableError> {
-    refuse_if!(rates_rad_s.is_empty() || rates_rad_s.len() > ORDER, BoardTableError::Rates(rates_rad_s.len()));
+pub fn padded(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<([f32; ORDER], [f32; ORDER]), ModelError> {
+    let has = rates_rad_s.len();
+    refuse_if!(
+        has == 0 || has > ORDER,
+        model_error!(
+            "the board's models have 1 to {ORDER} rates, and this one has {has}: `anemo reduce --order {ORDER}` makes one"
+        )
+    );
     let (mut rates, mut r) = ([0.0_f32; ORDER], [0.0_f32; ORDER]);
     for k in 0..ORDER {
         rates[k] = rates_rad_s.get(k).map_or_else(|| 2.0 * rates[k.saturating_sub(1)], |rate| *rate as f32);
         r[k] = r_k_per_w.get(k).map_or(0.0, |r| *r as f32);
     }
     let fits = rates.iter().all(|rate| rate.is_normal()) && r.iter().all(|r| r.is_finite());
-    if fits { Ok((rates, r)) } else { Err(BoardTableError::Range) }
+    let beyond = || model_error!("a rate or resistance does not fit the range of f32");
+    if fits { Ok((rates, r)) } else { Err(beyond()) }
 }
 
 /// The file that an experiment names as its `models`, for one class: a table an element that heats
@@ -51,7 +37,7 @@ pub fn padded(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<([f32; ORDER], [
 ///
 /// # Errors
 /// If a pair is no model for the board, or none is self-heating.
-pub fn toml(model: &Model, label: &str) -> Result<String, BoardTableError> {
+pub fn toml(model: &Model, label: &str) -> Result<String, ModelError> {
     let records = model.provenance.records.join(", ");
     let mut text = format!(
         "# T = reference_c + sum of r_k_per_w[k] x_k,  dx_k/dt = mesh_rad_s[k] (power - x_k). Identified from {records}, reduced by anemo.\n\n\
@@ -83,7 +69,10 @@ pub fn toml(model: &Model, label: &str) -> Result<String, BoardTableError> {
             let _ = writeln!(text, "# the last {} rates only fill the table", ORDER - pair.mesh_rad_s.len());
         }
     }
-    refuse_if!(elements == 0, BoardTableError::NoSelfHeating);
+    refuse_if!(
+        elements == 0,
+        model_error!("no pair of the model is an element that heats itself, which is what the board has models for")
+    );
     Ok(text)
 }
 
@@ -91,12 +80,15 @@ pub fn toml(model: &Model, label: &str) -> Result<String, BoardTableError> {
 ///
 /// # Errors
 /// Those of [`toml()`], or if a class must be named.
-pub fn table_of(model: &Model, class: Option<&str>) -> Result<String, BoardTableError> {
+pub fn table_of(model: &Model, class: Option<&str>) -> Result<String, ModelError> {
     let label = match (class, &model.wind, &model.classes[..]) {
         (Some(class), ..) => class,
         (None, Some(wind), _) => &wind.reference,
         (None, None, [only]) => only,
-        (None, None, several) => return Err(BoardTableError::SeveralClasses(several.to_vec())),
+        (None, None, several) => {
+            let has = several.join(", ");
+            return Err(model_error!("it holds for one class, and the model has {has}; choose with --class"));
+        }
     };
     let first = &model.pairs[0];
     let name = format!("{}:{}", first.input, first.output);

@@ -15,6 +15,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, Uniform};
 
+use crate::model::content::Model;
+use crate::model::error::ModelError;
+
 /// Under one input.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct Difference {
@@ -41,22 +44,20 @@ pub struct Loss {
     pub steady_gain_change: f64,
 }
 
+/// A smaller model and, for every pair and class, what it loses.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// The smaller model.
+    pub model: Model,
+    /// One a pair and class.
+    pub losses: Vec<Loss>,
+}
+
 /// Enough to see the slowest pole swing a few times; more only costs time.
 const SAMPLES: std::ops::RangeInclusive<f64> = 20_000.0..=400_000.0;
 
 /// One pole an entry: rate in rad/s and resistance in K/W.
 type PoleList<'a> = (&'a [f64], &'a [f64]);
-
-/// Why a loss cannot be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum LossError {
-    /// The core refuses the smaller model.
-    #[error(transparent)]
-    Core(#[from] dr_core::ConfigError),
-    /// The slowest rate leaves no range of random levels.
-    #[error(transparent)]
-    Levels(#[from] rand_distr::uniform::Error),
-}
 
 /// (bits, levels), or why the core refuses the smaller model.
 pub fn measure(
@@ -64,41 +65,44 @@ pub fn measure(
     rates_rad_s: &[f32; ORDER],
     r_k_per_w: &[f32; ORDER],
     period_s: f64,
-) -> Result<(Difference, Difference), LossError> {
+) -> Result<(Difference, Difference), ModelError> {
+    let small =
+        (Relaxations::new(rates_rad_s, period_s as f32).map_err(refused)?, Symbol::new(*r_k_per_w).map_err(refused)?);
     let slowest = whole.0.first().copied().unwrap_or(1.0) * period_s;
     let samples = (40.0 / slowest).clamp(*SAMPLES.start(), *SAMPLES.end()) as usize;
-    let mut prbs = Prbs::new(31, 0x0b5e_55ed)?;
+    let mut prbs = Prbs::new(31, 0x0b5e_55ed).map_err(refused)?;
     let mut bit = false;
-    let bits = run(whole, rates_rad_s, r_k_per_w, period_s, samples, |n| {
+    let bits = run(whole, &small, period_s, samples, |n| {
         if n % 2 == 0 {
             bit = prbs.step();
         }
         if bit { 1.0 } else { -1.0 }
-    })?;
+    });
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let spans = Uniform::new(2.0_f64.ln(), (3.0 / slowest).max(4.0).ln())?;
-    let levels = Uniform::new(-1.0_f32, 1.0)?;
+    let spans = Uniform::new(2.0_f64.ln(), (3.0 / slowest).max(4.0).ln()).map_err(refused)?;
+    let levels = Uniform::new(-1.0_f32, 1.0).map_err(refused)?;
     let (mut left, mut level) = (0, 0.0);
-    let levels = run(whole, rates_rad_s, r_k_per_w, period_s, samples, |_| {
+    let levels = run(whole, &small, period_s, samples, |_| {
         if left == 0 {
             (left, level) = (spans.sample(&mut random).exp() as usize, levels.sample(&mut random));
         }
         left -= 1;
         level
-    })?;
+    });
     Ok((bits, levels))
+}
+
+fn refused(error: impl std::fmt::Display) -> ModelError {
+    model_error!("the board refuses the reduced model: {error}")
 }
 
 fn run(
     (mesh_rad_s, whole): PoleList,
-    rates_rad_s: &[f32; ORDER],
-    r_k_per_w: &[f32; ORDER],
+    (relaxations, symbol): &(Relaxations<ORDER>, Symbol<ORDER>),
     period_s: f64,
     samples: usize,
     mut input: impl FnMut(usize) -> f32,
-) -> Result<Difference, LossError> {
-    let relaxations = Relaxations::new(rates_rad_s, period_s as f32)?;
-    let symbol = Symbol::new(*r_k_per_w)?;
+) -> Difference {
     let mut state = RelaxationState::default();
     let gain: Vec<f64> = mesh_rad_s.iter().map(|&rate| mesh::gain(rate, period_s)).collect();
     let mut x = vec![0.0; gain.len()];
@@ -117,7 +121,7 @@ fn run(
         largest = largest.max(difference.abs());
     }
     let rms_share = if energy > 0.0 { (lost / energy).sqrt() } else { 0.0 };
-    Ok(Difference { rms_share, largest_k_per_w: largest })
+    Difference { rms_share, largest_k_per_w: largest }
 }
 
 #[cfg(test)]

@@ -16,20 +16,18 @@ pub mod board;
 mod fit;
 mod least_squares;
 mod loss;
-mod reduced;
 mod report;
 mod target;
 
 use dr_core::model::ORDER;
 use nalgebra::DVector;
 
-use self::board::BoardTableError;
 use self::fit::{Fit, ReductionProblem, merged};
-pub use self::loss::{Difference, Loss, LossError};
-pub use self::reduced::Reduced;
+pub use self::loss::{Difference, Loss, Reduced};
 pub use self::report::ReductionReport;
 use self::target::ReductionTarget;
 use super::content::{Class, Model, Pair};
+use super::error::ModelError;
 use super::pair_class::name;
 
 /// How rates are placed.
@@ -41,41 +39,20 @@ pub enum Rates {
     Mesh,
 }
 
-/// Why a model cannot be made smaller.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
-pub enum ReduceError {
-    /// More poles than the board carries, or none.
-    #[error("a model for the board has 1 to {ORDER} poles a pair, not {0}")]
-    Order(usize),
-    /// A pair that cannot be reduced.
-    #[error("{pair}: {error}")]
-    Pair { pair: String, error: Box<ReduceError> },
-    /// Poles that are one in f32.
-    #[error("its poles cannot be told apart in f32: ask for a smaller --order")]
-    Indistinct,
-    /// A search without an end.
-    #[error("no model of {0} poles was found: ask for a smaller --order")]
-    NotFound(usize),
-    /// A reduced pair that the board has no table for.
-    #[error(transparent)]
-    Board(#[from] BoardTableError),
-    /// A reduced pair that the board's arithmetic refuses.
-    #[error("{pair}, class {label}: the board refuses the reduced model: {error}")]
-    Loss { pair: String, label: String, error: LossError },
-}
-
 /// Reduces every pair to at most `order` poles.
 ///
 /// # Errors
 /// If the order is not 1 to 8, or a pair cannot be reduced.
-pub fn reduce(model: &Model, order: usize, rates: Rates) -> Result<Reduced, ReduceError> {
-    refuse_if!(!(1..=ORDER).contains(&order), ReduceError::Order(order));
+pub fn reduce(model: &Model, order: usize, rates: Rates) -> Result<Reduced, ModelError> {
+    refuse_if!(
+        !(1..=ORDER).contains(&order),
+        model_error!("a model for the board has 1 to {ORDER} poles a pair, not {order}")
+    );
     let mut small = model.clone();
     let (mut losses, mut reasons) = (Vec::new(), Vec::new());
     for pair in &mut small.pairs {
-        let reduced = reduce_pair(pair, order, rates, model.sample_period_s)
-            .map_err(|error| ReduceError::Pair { pair: name(pair), error: Box::new(error) })?;
+        let reduced =
+            reduce_pair(pair, order, rates, model.sample_period_s).map_err(|error| error.about(name(pair)))?;
         for (label, class) in &pair.classes {
             losses.push(loss_of(pair, label, class, &reduced, model.sample_period_s)?);
         }
@@ -109,7 +86,7 @@ pub fn reduce(model: &Model, order: usize, rates: Rates) -> Result<Reduced, Redu
     Ok(Reduced { model: small, losses })
 }
 
-fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result<Pair, ReduceError> {
+fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result<Pair, ModelError> {
     let classes: Vec<&[f64]> = pair.classes.values().map(|class| &class.r_k_per_w[..]).collect();
     let target = ReductionTarget::new(&pair.mesh_rad_s, &classes, period_s);
     let poles = weights(&pair.mesh_rad_s, &classes);
@@ -123,7 +100,9 @@ fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result
     rounded.dedup();
     let problem =
         ReductionProblem { target: &target, non_negative: pair.non_negative, bounds_rad_s: (0.0, f64::INFINITY) };
-    let fit = problem.project(&rounded).ok_or(ReduceError::Indistinct)?;
+    let fit = problem
+        .project(&rounded)
+        .ok_or_else(|| model_error!("its poles cannot be told apart in f32: ask for a smaller --order"))?;
     let single = |r: f64| f64::from(r as f32);
     let mut classes = pair.classes.clone();
     for (n, class) in classes.values_mut().enumerate() {
@@ -141,7 +120,7 @@ pub fn free_rates(
     non_negative: bool,
     order: usize,
     period_s: f64,
-) -> Result<Vec<f64>, ReduceError> {
+) -> Result<Vec<f64>, ModelError> {
     let poles = weights(mesh_rad_s, symbols);
     if poles.is_empty() {
         return Ok(Vec::new());
@@ -157,7 +136,7 @@ fn search(
     period_s: f64,
     target: &ReductionTarget,
     poles: &[(f64, f64)],
-) -> Result<Fit, ReduceError> {
+) -> Result<Fit, ModelError> {
     let (slowest, fastest) = (poles[0].0, poles[poles.len() - 1].0);
     let nyquist = std::f64::consts::PI / period_s;
     let bounds_rad_s = (slowest / 10.0, 3.0 * fastest.max(nyquist));
@@ -178,7 +157,7 @@ fn search(
         Rates::Mesh => vec![problem.refine_mesh(slowest, fastest, order), problem.project(&geometric(order))],
     };
     let best = candidates.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    best.ok_or(ReduceError::NotFound(order))
+    best.ok_or_else(|| model_error!("no model of {order} poles was found: ask for a smaller --order"))
 }
 
 /// Rates with what they weigh in all classes; without those that weigh nothing.
@@ -205,11 +184,11 @@ fn propagated(target: &ReductionTarget, n: usize, pair: &Pair, class: &Class, ra
     variance.into_iter().map(f64::sqrt).collect()
 }
 
-fn loss_of(pair: &Pair, label: &str, class: &Class, reduced: &Pair, period_s: f64) -> Result<Loss, ReduceError> {
+fn loss_of(pair: &Pair, label: &str, class: &Class, reduced: &Pair, period_s: f64) -> Result<Loss, ModelError> {
     let small = &reduced.classes[label];
     let (rates, r) = board::padded(&reduced.mesh_rad_s, &small.r_k_per_w)?;
     let (bits, levels) = loss::measure((&pair.mesh_rad_s, &class.r_k_per_w), &rates, &r, period_s)
-        .map_err(|error| ReduceError::Loss { pair: name(pair), label: label.to_owned(), error })?;
+        .map_err(|error| error.about(format!("{}, class {label}", name(pair))))?;
     let gain = class.r_k_per_w.iter().sum::<f64>() + class.feed_through_k_per_w;
     let of = if gain == 0.0 { 1.0 } else { gain };
     Ok(Loss {

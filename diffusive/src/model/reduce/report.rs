@@ -4,10 +4,9 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::Serialize;
 
-use super::board::BoardTableError;
-use super::loss::Loss;
-use super::reduced::Reduced;
+use super::loss::{Loss, Reduced};
 use crate::model::content::{Class, Model, Pair};
+use crate::model::error::ModelError;
 
 /// What a reduction made and what it loses. It prints as a summary, and serialises to the keys of
 /// `anemo reduce --json`.
@@ -24,7 +23,7 @@ pub struct ReductionReport<'a> {
     #[serde(skip)]
     whole: &'a Model,
     #[serde(skip)]
-    no_table: Option<&'a BoardTableError>,
+    no_table: Option<&'a ModelError>,
     #[serde(skip)]
     table_file: Option<String>,
 }
@@ -35,7 +34,7 @@ impl<'a> ReductionReport<'a> {
     pub fn new(
         whole: &'a Model,
         (order, reduced): (usize, &'a Reduced),
-        table: &'a Result<String, BoardTableError>,
+        table: &'a Result<String, ModelError>,
         (file, table_file): (Option<String>, Option<String>),
     ) -> Self {
         let (pairs, losses) = (&reduced.model.pairs, &reduced.losses);
