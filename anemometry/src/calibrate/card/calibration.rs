@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use dr_core::wind::card_inverse::{Card, CardConfig, DICE, KNOTS, TERMS, anisotropy};
+use dr_core::wind::card_inverse::{Card, DICE, anisotropy};
 use dr_core::wind::{MeasuredConductance, QualityFlags};
 
 use super::super::compared::ComparedWind;
