@@ -80,7 +80,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(experiment) = &experiment {
         let setup = host_sim::run::setup_of(experiment)?;
         setup::configure(instrument.as_mut(), &setup).map_err(Failure::work)?;
-        known = Some((setup.sample_period_s, setup.elements.len()));
+        known = Some((experiment.sample_period_s as f32, experiment.head.elements.len()));
     }
     let least_s = known.map_or(0.0, |(sample_period_s, _)| PULSE_LEAST_TICKS as f32 * sample_period_s);
     let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();

@@ -25,7 +25,7 @@ const PLAN: SelfTestPlan = SelfTestPlan { pulse_s: Some(0.5), unix_s: Some(DATE_
 fn tested(experiment: &Experiment, instrument: &mut dyn InstrumentPort, plan: SelfTestPlan) -> Vec<SelfTestFinding> {
     let setup = run::setup_of(experiment).unwrap();
     setup::configure(instrument, &setup).unwrap();
-    let known = Some((setup.sample_period_s, setup.elements.len()));
+    let known = Some((experiment.sample_period_s as f32, experiment.head.elements.len()));
     let mut last = (0, 0);
     let report = self_test::run(instrument, plan, known, &mut |tick, of| {
         last = (tick, of.unwrap());
