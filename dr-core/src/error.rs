@@ -2,8 +2,6 @@
 //!
 //! The error is plain data, so that the board can send it as it stands and the host can word it.
 
-use core::fmt;
-
 /// A parameter of a configuration, by the name that users see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr)]
 #[strum(serialize_all = "snake_case")]
@@ -99,14 +97,17 @@ impl Parameter {
 }
 
 /// What is wrong with a value, said as what would be right.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ParameterProblem {
     /// NaN or infinite.
+    #[error("must be a finite number")]
     NotFinite,
     /// Zero or negative where only positive values make sense.
+    #[error("must be greater than zero")]
     NotPositive,
     /// Outside a closed interval.
+    #[error("must lie between {least} and {most}")]
     OutOfRange {
         /// Least value that is accepted.
         least: f32,
@@ -114,44 +115,32 @@ pub enum ParameterProblem {
         most: f32,
     },
     /// Not greater than the value before it (mesh rates, low and high of a pair).
+    #[error("must be greater than the value before it")]
     NotAscending,
     /// The all-ones word is the state from which a register with XNOR feedback never moves.
+    #[error("must not be all ones: the register would stand still")]
     LockUp,
     /// The hardware counts in steps of `of`.
+    #[error("must be a whole multiple of {of}")]
     NotAMultiple {
         /// The step.
         of: f32,
     },
     /// It has to be given before.
+    #[error("has to be given before")]
     Missing,
 }
 
 /// A refused configuration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[error("`{}` {problem}", parameter.name())]
 pub struct ConfigError {
     /// Which parameter.
     pub parameter: Parameter,
     /// What is wrong with it.
     pub problem: ParameterProblem,
 }
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.parameter.name();
-        match self.problem {
-            ParameterProblem::NotFinite => write!(f, "`{name}` must be a finite number"),
-            ParameterProblem::NotPositive => write!(f, "`{name}` must be greater than zero"),
-            ParameterProblem::OutOfRange { least, most } => write!(f, "`{name}` must lie between {least} and {most}"),
-            ParameterProblem::NotAscending => write!(f, "`{name}` must be greater than the value before it"),
-            ParameterProblem::LockUp => write!(f, "`{name}` must not be all ones: the register would stand still"),
-            ParameterProblem::Missing => write!(f, "`{name}` has to be given before"),
-            ParameterProblem::NotAMultiple { of } => write!(f, "`{name}` must be a whole multiple of {of}"),
-        }
-    }
-}
-
-impl core::error::Error for ConfigError {}
 
 /// The value, if it is finite.
 pub(crate) fn finite(parameter: Parameter, value: f32) -> Result<f32, ConfigError> {

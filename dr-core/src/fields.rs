@@ -1,8 +1,8 @@
 //! The fields of a value as 32-bit words in a fixed order: one visitor for the checksum, which
 //! protects memory, and for the digest, which compares runs.
 //!
-//! [`fields`] names the fields of a struct or the variants of an enum; one left out does not
-//! compile.
+//! Structs derive it, so that no field can be left out; for enums [`fields`] names the variants, and
+//! one left out does not compile.
 
 /// What is given the words of a value, one after the other.
 pub(crate) trait FieldVisitor {
@@ -24,17 +24,21 @@ pub(crate) trait Fields {
     }
 }
 
-/// Implements [`Fields`] over all fields of a struct, or all variants of an enum, each with its
-/// word.
-macro_rules! fields {
-    ($(@[$($generics:tt)*])? $type:ty { $($field:tt),* $(,)? }) => {
-        impl$(<$($generics)*>)? $crate::fields::Fields for $type {
+/// `#[derive(Fields!)]`: the fields of a struct, in the order in which they are declared.
+macro_rules! Fields {
+    ($(#[$of_struct:meta])* $shown:vis struct $type:ident $(<const $size:ident: usize>)? {
+        $($(#[$of_field:meta])* $open:vis $field:ident: $inside:ty),* $(,)?
+    }) => {
+        impl$(<const $size: usize>)? $crate::fields::Fields for $type$(<$size>)? {
             fn visit(&self, visitor: &mut impl $crate::fields::FieldVisitor) {
-                let Self { $($field: _),* } = self;
                 $($crate::fields::Fields::visit(&self.$field, visitor);)*
             }
         }
     };
+}
+
+/// Implements [`Fields`] for an enum: each variant with its word, and what is inside.
+macro_rules! fields {
     (enum $type:ty { $($word:literal $variant:ident $(($inside:ident))? $({ $($field:ident),* })?),* $(,)? }) => {
         impl $crate::fields::Fields for $type {
             fn visit(&self, visitor: &mut impl $crate::fields::FieldVisitor) {

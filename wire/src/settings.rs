@@ -23,7 +23,6 @@
 //! says itself what it is of: a value that is found under another key than its own is refused, as
 //! is one of another format.
 
-use core::fmt;
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestFinding};
 use dr_core::wind::WindCommand;
@@ -154,20 +153,25 @@ pub struct TestRecord {
 }
 
 /// Why a stored value is not used.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Unusable {
     /// It is of another format, by an older or a newer firmware.
+    #[error("it is of format {found}, and this firmware reads format {FORMAT}")]
     Format {
         /// Its.
         found: u8,
     },
     /// This firmware does not know its key.
+    #[error("this firmware does not know its key")]
     UnknownKey,
     /// It is no value.
+    #[error("it is damaged")]
     Damaged,
     /// It is a value, but of another key.
+    #[error("it is the value of another key")]
     Misplaced,
     /// The instrument refuses it.
+    #[error("the instrument refuses it: {0}")]
     Refused(Refusal),
 }
 
@@ -314,20 +318,25 @@ pub enum SettingsReply {
 }
 
 /// Why a request was not carried out.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum SettingsRefusal {
     /// Only possible in standby.
+    #[error("settings can only be changed in standby: stop the run, or acknowledge the trip")]
     NotInStandby,
     /// This firmware would not use such a value.
+    #[error("this value would not be used: {0}")]
     Unusable(Unusable),
     /// There is no room for it: so many bytes are free.
+    #[error("there is no room for it: {free} bytes are free")]
     Full {
         /// Bytes.
         free: u16,
     },
     /// The flash does not take it, does not give it back, or holds something else.
+    #[error("the flash of the settings cannot be read or written, or holds other data")]
     Flash,
     /// The stored settings are corrupt: values may be missing or out of date.
+    #[error("the settings in flash are corrupt: values may be missing or out of date")]
     NotWhole,
 }
 
@@ -343,36 +352,6 @@ impl Unusable {
         }
     }
 }
-
-impl fmt::Display for Unusable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Format { found } => write!(f, "it is of format {found}, and this firmware reads format {FORMAT}"),
-            Self::UnknownKey => write!(f, "this firmware does not know its key"),
-            Self::Damaged => write!(f, "it is damaged"),
-            Self::Misplaced => write!(f, "it is the value of another key"),
-            Self::Refused(refusal) => write!(f, "the instrument refuses it: {refusal}"),
-        }
-    }
-}
-
-impl fmt::Display for SettingsRefusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotInStandby => {
-                write!(f, "settings can only be changed in standby: stop the run, or acknowledge the trip")
-            }
-            Self::Unusable(why) => write!(f, "this value would not be used: {why}"),
-            Self::Full { free } => write!(f, "there is no room for it: {free} bytes are free"),
-            Self::Flash => write!(f, "the flash of the settings cannot be read or written, or holds other data"),
-            Self::NotWhole => {
-                write!(f, "the settings in flash are corrupt: values may be missing or out of date")
-            }
-        }
-    }
-}
-
-impl core::error::Error for SettingsRefusal {}
 
 #[cfg(test)]
 mod tests;

@@ -86,7 +86,7 @@ impl fmt::Display for Trip {
 }
 
 /// What is plausible for one element.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// Below it the resistor counts as shorted, Ω.
@@ -122,10 +122,8 @@ impl Limits {
     }
 }
 
-crate::fields::fields!(Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max });
-
 /// Limits of the guard, in ticks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GuardConfig {
     /// Ticks in a row without a fresh reading that are accepted; one more trips.
@@ -143,8 +141,6 @@ impl Default for GuardConfig {
         Self { missing_limit_ticks: 1, unreachable_limit_ticks: 200_000, stuck_limit_ticks: 0 }
     }
 }
-
-crate::fields::fields!(GuardConfig { missing_limit_ticks, unreachable_limit_ticks, stuck_limit_ticks });
 
 /// Judgement of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]

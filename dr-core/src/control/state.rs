@@ -62,7 +62,7 @@ impl Heaters {
 }
 
 /// An element's wiring and limits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ElementConfig {
     /// From code to resistance, temperature and power.
@@ -70,8 +70,6 @@ pub struct ElementConfig {
     /// Limits of plausible readings.
     pub limits: Limits,
 }
-
-crate::fields::fields!(ElementConfig { channel, limits });
 
 /// Result of one tick. In the lists only the first `elements` entries are valid.
 #[derive(Debug, Clone, Copy, PartialEq)]

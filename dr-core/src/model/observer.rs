@@ -45,7 +45,7 @@ pub const TIME_CONSTANT_S: f32 = 0.5;
 const LEAST_RESPONSE_K_PER_W: f64 = 1e-9;
 
 /// Gains of an observer of K relaxations at a fixed sample period. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Observer<const K: usize> {
     rates_rad_s: [f32; K],
     high_frequency_gain_k_per_j: f32,
@@ -56,7 +56,7 @@ pub struct Observer<const K: usize> {
 }
 
 /// State of an observer, apart from the states of the model.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Fields!)]
 pub struct ObserverState {
     /// s, W.
     pub added_w: f32,
@@ -115,9 +115,6 @@ impl<const K: usize> Observer<K> {
         ObservedPower { equivalent_power_w, correction_w }
     }
 }
-
-crate::fields::fields!(@[const K: usize] Observer<K> { rates_rad_s, high_frequency_gain_k_per_j, gain_w_per_k, adding_w_per_k });
-crate::fields::fields!(ObserverState { added_w });
 
 #[cfg(test)]
 mod tests;

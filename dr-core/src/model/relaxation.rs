@@ -18,13 +18,13 @@ use super::mesh;
 use crate::error::{self, ConfigError, Parameter};
 
 /// The gains g_k of K relaxations at a fixed sample period. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Relaxations<const K: usize> {
     gain: [f32; K],
 }
 
 /// States of K relaxations: a plain value that can be copied, compared, sent and restored.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct RelaxationState<const K: usize> {
     /// x_k, in the unit of the input.
     pub x: [f32; K],
@@ -59,15 +59,7 @@ impl<const K: usize> Relaxations<K> {
     /// One sample period with `input` held: afterwards the states are those at its end.
     #[inline]
     pub fn step(&self, state: &mut RelaxationState<K>, input: f32) {
-        let (gain, last_gain) = self.gain.as_chunks::<4>();
-        let (x, last_x) = state.x.as_chunks_mut::<4>();
-        let (excess, last_excess) = state.excess.as_chunks_mut::<4>();
-        for ((gain, x), excess) in gain.iter().zip(x).zip(excess) {
-            advance(gain, x, excess, &[input; 4]);
-        }
-        for ((gain, x), excess) in last_gain.iter().zip(last_x).zip(last_excess) {
-            advance(core::array::from_ref(gain), core::array::from_mut(x), core::array::from_mut(excess), &[input]);
-        }
+        self.step_each(state, &[input; K]);
     }
 
     /// One sample period in which every relaxation has an input of its own.
@@ -103,9 +95,6 @@ fn advance<const P: usize>(gain: &[f32; P], x: &mut [f32; P], excess: &mut [f32;
     let gone: [f32; P] = core::array::from_fn(|i| x[i] - before[i]);
     *excess = core::array::from_fn(|i| gone[i] - increment[i]);
 }
-
-crate::fields::fields!(@[const K: usize] Relaxations<K> { gain });
-crate::fields::fields!(@[const K: usize] RelaxationState<K> { x, excess });
 
 #[cfg(test)]
 mod tests {

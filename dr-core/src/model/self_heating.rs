@@ -26,7 +26,7 @@ pub struct SelfHeatingConfig {
 }
 
 /// A model prepared for one sample period. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct SelfHeating {
     mesh_rad_s: [f32; ORDER],
     sample_period_s: f32,
@@ -102,8 +102,6 @@ impl SelfHeating {
         reachability(self.symbol.steady_gain_k_per_w(), target_c - self.reference_c, power_low_w, power_high_w)
     }
 }
-
-crate::fields::fields!(SelfHeating { mesh_rad_s, sample_period_s, relaxations, symbol, reference_c });
 
 #[cfg(test)]
 mod tests {

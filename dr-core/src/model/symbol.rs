@@ -14,7 +14,7 @@ use super::relaxation::RelaxationState;
 use crate::error::{self, ConfigError, Parameter};
 
 /// Weights R_k in K/W of K relaxations.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Symbol<const K: usize> {
     r_k_per_w: [f32; K],
 }
@@ -76,8 +76,6 @@ pub(super) fn pairwise_sum<const K: usize>(mut terms: [f32; K]) -> f32 {
     }
     if K == 0 { 0.0 } else { terms[0] }
 }
-
-crate::fields::fields!(@[const K: usize] Symbol<K> { r_k_per_w });
 
 #[cfg(test)]
 mod tests {

@@ -25,7 +25,7 @@ const C: f32 = -4.183e-12;
 const NEWTON_STEPS: usize = 4;
 
 /// The characteristic of one platinum resistor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Platinum {
     resistance_0c_ohm: f32,
@@ -118,7 +118,6 @@ fn relative_rise(temperature_c: f32) -> (f32, f32) {
     }
 }
 
-crate::fields::fields!(Platinum { resistance_0c_ohm, law });
 crate::fields::fields!(enum Law { 0 Linear { coefficient_per_c }, 1 Iec60751 });
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ pub enum Level {
 
 /// How one element is wired: its resistor, its two currents and the ADC's scale. Checked when it is
 /// made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
     platinum: Platinum,
@@ -134,7 +134,6 @@ impl Channel {
 }
 
 crate::fields::fields!(enum Level { 0 Low, 1 High });
-crate::fields::fields!(Channel { platinum, volt_per_code, current_low_a, current_high_a });
 
 #[cfg(test)]
 mod tests {

@@ -59,7 +59,7 @@ const fn stages(list: [u32; 4]) -> u32 {
 }
 
 /// A running generator: its register, and the two words that make it an n-bit one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Fields!)]
 pub struct Prbs {
     register: u32,
     mask: u32,
@@ -101,8 +101,6 @@ impl Prbs {
         bit == 1
     }
 }
-
-crate::fields::fields!(Prbs { register, mask, taps });
 
 #[cfg(test)]
 mod tests {

@@ -55,7 +55,7 @@ const RAYS: usize = 36;
 pub const CONDUCTION: f32 = 2.256_758_3;
 
 /// The curves as they travel and are stored.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CardConfig {
     /// M at √Re from zero to that of the greatest Reynolds number.
@@ -75,7 +75,7 @@ pub struct CardConfig {
 }
 
 /// A curve, straight between its knots and beyond them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 struct CardCurve {
     value: [f32; KNOTS],
     /// Knots per unit of √Re.
@@ -109,7 +109,7 @@ impl CardCurve {
 }
 
 /// P, Q and √E in a direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 struct Ray {
     towards: [f32; 2],
     differences: [f32; 2],
@@ -130,7 +130,7 @@ struct Direction {
 }
 
 /// The inverse for the four dice of a card. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Card {
     mean: CardCurve,
     difference: CardCurve,
@@ -446,20 +446,3 @@ fn places(dice: &[SurfaceConfig; DICE], basis: &[[f32; 3]; 2]) -> Result<[[f32; 
 const fn not_a_square() -> ConfigError {
     ConfigError { parameter: Parameter::Corner, problem: ParameterProblem::NotPositive }
 }
-
-crate::fields::fields!(CardConfig { mean, difference, along, around, seen, mean_share, difference_share });
-crate::fields::fields!(CardCurve { value, per_root });
-crate::fields::fields!(Ray { towards, differences, root_seen });
-crate::fields::fields!(Card {
-    mean,
-    difference,
-    rays,
-    usual_seen,
-    basis,
-    places,
-    side_m,
-    most_root,
-    mean_share,
-    difference_share,
-    direction_error_max_rad,
-});

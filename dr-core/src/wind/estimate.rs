@@ -135,11 +135,8 @@ impl LeastSquaresSolution<'_> {
             covariance_m2_s2: self.frame.outward_matrix(&covariance),
             speed_error_m_s: sqrt(along),
             direction_error_rad: direction_error_rad.min(PI),
-            chi_square: 0.0,
-            degrees_of_freedom: 0,
-            steps: 0,
-            other_m_s: None,
             quality,
+            ..WindEstimate::none()
         })
     }
 }

@@ -17,7 +17,7 @@ pub const TERMS: usize = 7;
 const ZERO_CELSIUS_K: f32 = 273.15;
 
 /// A gas as it travels and is stored.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GasLawConfig {
     /// R_s, J/(kg·K).
@@ -33,7 +33,7 @@ pub struct GasLawConfig {
 }
 
 /// A gas, checked. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct GasLaw {
     config: GasLawConfig,
 }
@@ -69,9 +69,6 @@ impl GasLaw {
         )
     }
 }
-
-crate::fields::fields!(GasLawConfig { gas_constant_j_kg_k, least_c, most_c, viscosity_pa_s, conductivity_w_m_k });
-crate::fields::fields!(GasLaw { config });
 
 #[cfg(test)]
 mod tests {

@@ -14,7 +14,7 @@ use crate::arithmetic::{cross, dot, length, plus, scaled};
 const LEAST_SINE: f32 = 0.1;
 
 /// An orthonormal basis whose first vectors span the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct HeadFrame {
     basis: [[f32; 3]; 3],
     determined: usize,
@@ -84,8 +84,6 @@ impl HeadFrame {
         [0, 1, 2].map(|j| self.outward(half.map(|row| row[j])))
     }
 }
-
-crate::fields::fields!(HeadFrame { basis, determined });
 
 #[cfg(test)]
 mod tests {

@@ -54,7 +54,7 @@ pub struct Amplitudes {
 }
 
 /// The Nusselt number of a sphere, checked and made ready. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Nusselt {
     /// The points, with one more on either side on the parabola through the last three.
     rows: [[f32; ORDERS]; POINTS + 2],
@@ -198,14 +198,3 @@ fn with_neighbours(amplitudes: &[[f32; ORDERS]; POINTS]) -> [[f32; ORDERS]; POIN
     rows[POINTS + 1] = beyond([1, 2, 3].map(|k| &amplitudes[POINTS - k]));
     rows
 }
-
-crate::fields::fields!(Nusselt {
-    rows,
-    reynolds,
-    least_reynolds,
-    most_reynolds,
-    log2_least,
-    intervals_per_octave,
-    bend,
-    growth,
-});

@@ -81,7 +81,7 @@ pub struct WindState {
 }
 
 /// The inverse for a head of N surfaces. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct WindVector<const N: usize> {
     nusselt: Nusselt,
     surfaces: [SphereSurface; N],
@@ -298,5 +298,3 @@ fn consider<const N: usize>(
         }
     }
 }
-
-crate::fields::fields!(@[const N: usize] WindVector<N> { nusselt, surfaces, frame, diameter_m, direction_error_max_rad });

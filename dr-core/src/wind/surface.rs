@@ -31,7 +31,7 @@ use crate::arithmetic::{cross, dot, plus, scaled};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
 /// A part as it travels and is stored.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfaceConfig {
     /// Outward, of any length.
@@ -47,7 +47,7 @@ pub struct SurfaceConfig {
 }
 
 /// One part of a sphere, checked and made ready. Immutable.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct SphereSurface {
     axis: [f32; 3],
     corner: [f32; 3],
@@ -167,6 +167,3 @@ fn direction(parameter: Parameter, vector: [f32; 3]) -> Result<[f32; 3], ConfigE
     }
     Ok(vector.map(|x| (f64::from(x) / length) as f32))
 }
-
-crate::fields::fields!(SurfaceConfig { axis, corner, area_m2, means, threefold });
-crate::fields::fields!(SphereSurface { axis, corner, third, area_m2, means, threefold });

@@ -190,9 +190,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         // DIN stays low while data come out, hence a transfer of zeros and not a read, whose filler
         // is the bus' choice.
         let mut bytes = [0; FRAME_BYTES];
-        self.spi
-            .transaction(&mut [Operation::TransferInPlace(&mut bytes), Operation::DelayNs(DECODE_NS)])
-            .map_err(|_| AdcError::Spi)?;
+        self.transaction(&mut [Operation::TransferInPlace(&mut bytes), Operation::DelayNs(DECODE_NS)])?;
         let mut codes = parse(&bytes)?;
         for (code, offset) in codes.iter_mut().zip(&self.offsets) {
             if (CODE_MIN + 1..CODE_MAX).contains(code) {
@@ -247,55 +245,48 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
 
     fn read_on_demand(&mut self) -> Result<[i32; CHANNELS], AdcError> {
         let mut bytes = [0; FRAME_BYTES];
-        self.spi
-            .transaction(&mut [
-                Operation::Write(&[command::RDATA]),
-                Operation::DelayNs(DECODE_NS),
-                Operation::TransferInPlace(&mut bytes),
-                Operation::DelayNs(DECODE_NS),
-            ])
-            .map_err(|_| AdcError::Spi)?;
+        self.transaction(&mut [
+            Operation::Write(&[command::RDATA]),
+            Operation::DelayNs(DECODE_NS),
+            Operation::TransferInPlace(&mut bytes),
+            Operation::DelayNs(DECODE_NS),
+        ])?;
         parse(&bytes)
     }
 
     fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.spi
-            .transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)])
-            .map_err(|_| AdcError::Spi)?;
+        self.transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)])?;
         delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
     fn write_register(&mut self, register: Register, value: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.spi
-            .transaction(&mut [
-                Operation::Write(&[command::WREG | register.address()]),
-                Operation::DelayNs(DECODE_NS),
-                // Number of registers less one.
-                Operation::Write(&[0]),
-                Operation::DelayNs(DECODE_NS),
-                Operation::Write(&[value]),
-                Operation::DelayNs(DECODE_NS),
-            ])
-            .map_err(|_| AdcError::Spi)?;
-        delay.delay_us(DESELECTED_US);
-        Ok(())
+        self.access(command::WREG | register.address(), Operation::Write(&[value]), delay)
     }
 
     fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError> {
         let mut value = [0];
-        self.spi
-            .transaction(&mut [
-                Operation::Write(&[command::RREG | register.address()]),
-                Operation::DelayNs(DECODE_NS),
-                Operation::Write(&[0]),
-                Operation::DelayNs(DECODE_NS),
-                Operation::TransferInPlace(&mut value),
-                Operation::DelayNs(DECODE_NS),
-            ])
-            .map_err(|_| AdcError::Spi)?;
-        delay.delay_us(DESELECTED_US);
+        self.access(command::RREG | register.address(), Operation::TransferInPlace(&mut value), delay)?;
         Ok(value[0])
+    }
+
+    /// Reads or writes one register.
+    fn access(&mut self, opcode: u8, value: Operation<'_, u8>, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+        self.transaction(&mut [
+            Operation::Write(&[opcode]),
+            Operation::DelayNs(DECODE_NS),
+            // Number of registers less one.
+            Operation::Write(&[0]),
+            Operation::DelayNs(DECODE_NS),
+            value,
+            Operation::DelayNs(DECODE_NS),
+        ])?;
+        delay.delay_us(DESELECTED_US);
+        Ok(())
+    }
+
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), AdcError> {
+        self.spi.transaction(operations).map_err(|_| AdcError::Spi)
     }
 
     fn verify_register(&mut self, register: Register, written: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {

@@ -2,8 +2,7 @@
 //!
 //! Several flags are set at a time: every reset pulls the reset pin and so sets the pin's flag, and
 //! a rising supply sets that of the brown-out detector too (RM0090, "RCC clock control & status
-//! register"). The order below looks for the most particular first. The flags outlast a reset and
-//! are cleared by the firmware, so they speak of the last one only.
+//! register"). The flags outlast a reset and are cleared by the firmware, so they speak of the last one only.
 
 use wire::ResetCause;
 
@@ -14,24 +13,18 @@ const INDEPENDENT_WATCHDOG: u32 = 1 << 29;
 const WINDOW_WATCHDOG: u32 = 1 << 30;
 const BROWN_OUT: u32 = 1 << 25;
 
+/// The most particular first.
+const CAUSES: [(u32, ResetCause); 5] = [
+    (INDEPENDENT_WATCHDOG | WINDOW_WATCHDOG, ResetCause::Watchdog),
+    (SOFTWARE, ResetCause::Software),
+    (POWER_ON, ResetCause::PowerOn),
+    (BROWN_OUT, ResetCause::BrownOut),
+    (PIN, ResetCause::Pin),
+];
+
 /// The reset cause in RCC_CSR.
-pub const fn cause(csr: u32) -> ResetCause {
-    const fn any(csr: u32, flags: u32) -> bool {
-        csr & flags != 0
-    }
-    if any(csr, INDEPENDENT_WATCHDOG | WINDOW_WATCHDOG) {
-        ResetCause::Watchdog
-    } else if any(csr, SOFTWARE) {
-        ResetCause::Software
-    } else if any(csr, POWER_ON) {
-        ResetCause::PowerOn
-    } else if any(csr, BROWN_OUT) {
-        ResetCause::BrownOut
-    } else if any(csr, PIN) {
-        ResetCause::Pin
-    } else {
-        ResetCause::Unknown
-    }
+pub fn cause(csr: u32) -> ResetCause {
+    CAUSES.into_iter().find(|(flags, _)| csr & flags != 0).map_or(ResetCause::Unknown, |(_, cause)| cause)
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub struct NetworkSelfHeatingConfig {
 }
 
 /// Observer gains of one bandwidth.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GainsConfig {
     /// c_k, W/K.
@@ -86,5 +86,3 @@ pub struct NetworkCrossHeatingConfig {
     /// m_k of the surface of `from`.
     pub surface: [f32; CROSS_ORDER],
 }
-
-crate::fields::fields!(GainsConfig { correction_w_per_k, convection_w_per_k, weights, variance_w2 });

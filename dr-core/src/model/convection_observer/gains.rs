@@ -25,8 +25,10 @@ impl Default for InnovationMonitor {
 }
 
 /// Sets of gains, each with the number of ticks after an alarm until which it is used.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct GainSets([Option<(u32, GainsConfig)>; FASTER_SETS]);
+#[derive(Debug, Clone, Copy, PartialEq, Default, Fields!)]
+pub struct GainSets {
+    in_order: [Option<(u32, GainsConfig)>; FASTER_SETS],
+}
 
 impl GainSets {
     /// Sets the gains of a set; those before it must have been set, and those after it are cleared.
@@ -38,14 +40,14 @@ impl GainSets {
         let until_ticks = (error::positive(Parameter::UntilS, config.until_s)? / sample_period_s) as u32;
         let before = match set.checked_sub(1) {
             None => Some(0),
-            Some(before) => self.0.get(before).copied().flatten().map(|(until, _)| until),
+            Some(before) => self.in_order.get(before).copied().flatten().map(|(until, _)| until),
         };
         if before.is_none_or(|before| before >= until_ticks) {
             return Err(ConfigError { parameter: Parameter::UntilS, problem: ParameterProblem::NotAscending });
         }
         let gains = checked(&config.gains)?;
         // The sets after it were made for other times.
-        for (place, slot) in self.0.iter_mut().enumerate().skip(set) {
+        for (place, slot) in self.in_order.iter_mut().enumerate().skip(set) {
             *slot = (place == set).then_some((until_ticks, gains));
         }
         Ok(())
@@ -53,7 +55,7 @@ impl GainSets {
 }
 
 /// Gains of an element, checked and prepared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct AdaptiveGains {
     steady: GainsConfig,
     /// Share of a new innovation, and threshold in K.
@@ -93,7 +95,7 @@ impl AdaptiveGains {
         let Some((share, threshold_k)) = self.alarm else { return &self.steady };
         monitor.smoothed_k += share * (self.steady.weights[level] * error_k - monitor.smoothed_k);
         monitor.calm_ticks = monitor.calm_ticks.saturating_add(1);
-        let sets = || sets.into_iter().flat_map(|sets| sets.0.iter().map_while(Option::as_ref));
+        let sets = || sets.into_iter().flat_map(|sets| sets.in_order.iter().map_while(Option::as_ref));
         let is_fast = sets().any(|(until, _)| monitor.calm_ticks < *until);
         let threshold_k = if is_fast { ANOTHER * threshold_k } else { threshold_k };
         if monitor.smoothed_k > threshold_k || monitor.smoothed_k < -threshold_k {
@@ -120,9 +122,6 @@ fn checked(gains: &GainsConfig) -> Result<GainsConfig, ConfigError> {
     error::within(Parameter::VarianceW2, gains.variance_w2, 0.0, 1e6)?;
     Ok(*gains)
 }
-
-crate::fields::fields!(AdaptiveGains { steady, alarm, sets });
-crate::fields::fields!(GainSets { 0 });
 
 #[cfg(test)]
 mod tests {
@@ -164,7 +163,7 @@ mod tests {
         assert_eq!(sets.set(&config(16, 0.3), 0.001).unwrap_err().parameter, Parameter::GainSet);
         // The first again, beyond the time of the second.
         sets.set(&config(0, 0.5), 0.001).unwrap();
-        assert_eq!(sets.0.iter().flatten().count(), 1);
+        assert_eq!(sets.in_order.iter().flatten().count(), 1);
         assert!(sets.set(&config(1, 0.6), 0.001).is_ok());
         assert!(AdaptiveGains::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, 0.001).is_err());
     }

@@ -47,7 +47,7 @@ use super::self_heating::ORDER;
 use super::symbol::Symbol;
 use crate::checksum::Checksum;
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
-use crate::fields::{FieldVisitor, Fields, fields};
+use crate::fields::{FieldVisitor, Fields};
 use config::{
     CROSS_ORDER, FASTER_ELEMENTS, FasterGainsConfig, MOST_PAIRS, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
@@ -61,7 +61,7 @@ const ROUNDS: usize = 12;
 const RUN_AWAY: f32 = 1e6;
 
 /// Self-heating of an element, prepared for one sample period.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 struct NetworkSelfHeating {
     relaxations: Relaxations<ORDER>,
     symbol: Symbol<ORDER>,
@@ -73,7 +73,7 @@ struct NetworkSelfHeating {
 }
 
 /// Cross-heating of a pair, prepared for one sample period.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 struct NetworkCrossHeating {
     from: u8,
     to: u8,
@@ -419,9 +419,6 @@ impl NetworkCrossHeating {
         })
     }
 }
-
-fields!(NetworkSelfHeating { relaxations, symbol, surface_k_per_w, surface, rest_c, gains });
-fields!(NetworkCrossHeating { from, to, relaxations, symbol, surface_k_per_w, surface });
 
 #[cfg(test)]
 mod tests;

@@ -12,7 +12,7 @@ use crate::wind::surface::SurfaceConfig;
 pub const MOST_SURFACES: usize = 4;
 
 /// A surface of a head with the element that heats it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HeadSurface {
     /// Which element.
@@ -28,7 +28,7 @@ pub struct HeadSurface {
 }
 
 /// Output settings of the wind estimate.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindOutputConfig {
     /// 4 sectors, 2 hemispheres, or 4 dice of a card.
@@ -93,15 +93,3 @@ pub enum WindCommand {
     /// Calibration of a card with four dice, in place of Nusselt points.
     Card(CardConfig),
 }
-
-crate::fields::fields!(HeadSurface { element, surface, gain, windless_w_k });
-crate::fields::fields!(WindOutputConfig {
-    surfaces,
-    diameter_m,
-    reynolds,
-    direction_error_max_rad,
-    output_interval_ticks,
-    reference,
-    smoothing_s,
-    reference_gas_c,
-});

@@ -12,7 +12,7 @@ pub const SATURATED_S: f32 = 1.0;
 /// The estimate is `starting` for this many smoothing times of the raw power.
 pub const STARTING: f32 = 10.0;
 /// The checked output settings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct PreparedOutput {
     pub config: WindOutputConfig,
     pub head: Option<HeadInverse>,
@@ -24,14 +24,3 @@ pub struct PreparedOutput {
     pub saturated_ticks: u32,
     pub starting_ticks: u32,
 }
-
-crate::fields::fields!(PreparedOutput {
-    config,
-    head,
-    gas_share,
-    power_share,
-    reading_timeout_ticks,
-    reference_timeout_ticks,
-    saturated_ticks,
-    starting_ticks,
-});

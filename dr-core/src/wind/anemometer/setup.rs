@@ -12,7 +12,7 @@ use crate::wind::sphere_inverse::WindVector;
 use crate::wind::surface::{SphereSurface, SurfaceConfig};
 
 /// The settings so far.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Fields!)]
 pub struct AnemometerSetup {
     points: [[f32; ORDERS]; POINTS],
     /// Bit j is set once point j has been given.
@@ -117,5 +117,3 @@ impl AnemometerSetup {
         }))
     }
 }
-
-crate::fields::fields!(AnemometerSetup { points, given, card, surfaces, gas_law });
