@@ -24,14 +24,14 @@ pub fn run(options: &MutantsOptions) -> Result<()> {
     // Built in its copy of the workspace, and a little of it again for each mutant.
     mutants.env_remove("CARGO_TARGET_DIR").env("CARGO_INCREMENTAL", "1").env_remove("RUSTFLAGS");
     mutants.args(["mutants", "--package", "dr-core", "--no-shuffle"]);
+    let mut folder = shell::target_directory()?.join("mutants-found");
     if let Some(shard) = &options.shard {
         mutants.args(["--shard", shard]);
+        folder.push(shard.replace('/', "-of-"));
     }
     if options.list {
         return shell::run(mutants.arg("--list"));
     }
-    let folder = shell::target_directory()?.join("mutants-found");
-    let folder = options.shard.as_ref().map_or(folder.clone(), |shard| folder.join(shard.replace('/', "-of-")));
     std::fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
     shell::run(mutants.arg("--output").arg(&folder)).with_context(|| {
         format!("mutants survived, or could not be tried; all that was found is in {}", folder.display())
