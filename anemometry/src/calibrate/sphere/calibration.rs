@@ -129,7 +129,8 @@ impl SphereCalibration {
         }
     }
 
-    /// c (q + G0 a) / θ of a reading of surface `i`, as [`WindVector::step`](dr_core::wind::WindVector::step) takes it.
+    /// c (q + G0 a) / θ of a reading of surface `i`, as
+    /// [`WindVector::step`](dr_core::wind::WindVector::step) takes it.
     pub fn measured(&self, i: usize, reading: &SurfaceReading) -> MeasuredConductance {
         let surface = &self.surfaces[i];
         let per_watt = surface.gain / reading.overheat_k;
