@@ -1,5 +1,6 @@
 //! Report of a calibration, as text and as JSON.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -8,7 +9,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
-use super::sphere::calibration::{CalibratedSurface, SphereCalibration};
+use super::sphere::calibration::SphereCalibration;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
 
@@ -93,7 +94,8 @@ fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Resu
     map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;
     map.serialize_entry("mounting_deg", &calibration.rotation_rad.map(f64::to_degrees))?;
     map.serialize_entry("se_mounting_deg", &calibration.rotation_error_rad.map(f64::to_degrees))?;
-    map.serialize_entry("surfaces", &SurfacesByName(&calibration.surfaces))
+    let by_name: BTreeMap<_, _> = calibration.surfaces.iter().map(|of| (&of.name, of)).collect();
+    map.serialize_entry("surfaces", &by_name)
 }
 
 fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(), M::Error> {
@@ -106,14 +108,6 @@ fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(
     map.serialize_entry("seen_in_reverse", &calibration.seen_at(0.0))?;
     map.serialize_entry("gains", &calibration.gains)?;
     map.serialize_entry("quiescent_w_k", &calibration.quiescent_w_k)
-}
-
-struct SurfacesByName<'a>(&'a [CalibratedSurface]);
-
-impl Serialize for SurfacesByName<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|of| (&of.name, of)))
-    }
 }
 
 impl fmt::Display for CalibrationReport {

@@ -18,15 +18,8 @@ pub enum WindSetupError {
     /// The gas is not known at the temperatures.
     #[error(transparent)]
     Gas(#[from] GasError),
-    /// The output interval is no number of ticks that the board counts.
-    #[error(
-        "a wind estimate every {interval_s} s cannot be had from ticks of {sample_period_s} s: between one and {} of them",
-        u16::MAX
-    )]
-    Interval {
-        /// Requested interval, s.
-        interval_s: f64,
-        /// Sample period, s.
-        sample_period_s: f64,
-    },
+    /// The output interval is no number of ticks that the board counts: what it is, and of which
+    /// ticks.
+    #[error("a wind estimate every {0}: between one and {most} of them", most = u16::MAX)]
+    Interval(String),
 }

@@ -228,4 +228,16 @@ mod tests {
                 .contains("did you mean `temperature_max_c`?")
         );
     }
+
+    #[test]
+    fn a_platinum_characteristic_that_contradicts_itself_is_refused_with_its_line() {
+        for (from, to, said) in [
+            (", coefficient_per_c = 0.0031", "", "the key `coefficient_per_c` is missing"),
+            ("\"linear\"", "\"iec60751\"", "unknown key `coefficient_per_c`"),
+            ("\"linear\"", "\"linaer\"", "unknown choice `linaer`"),
+        ] {
+            let sentence = refused(from, to);
+            assert!(sentence.starts_with("b.toml, line ") && sentence.contains(said), "{sentence}");
+        }
+    }
 }

@@ -265,13 +265,9 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
         pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
     }
     let mut model = merge(&pairs).map_err(NetworkError::new)?;
-    let reasons: Vec<String> = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
     for (j, name) in elements.iter().enumerate() {
-        let Some(place) =
-            model.outputs.iter().position(|output| output.name == recording::column_name(TEMPERATURE, name))
-        else {
-            continue;
-        };
+        let column = recording::column_name(TEMPERATURE, name);
+        let Some(output) = model.outputs.iter_mut().find(|output| output.name == column) else { continue };
         let rests: Vec<f64> = rounds.iter().map(|round| round.models[j].outputs[0].offset_c).collect();
         let mean = rests.iter().sum::<f64>() / rests.len() as f64;
         let apart = rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max);
@@ -280,7 +276,6 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
             .filter(|round| round.driven != *name)
             .map(|round| round.models[j].outputs[0].residual_rms)
             .collect();
-        let output = &mut model.outputs[place];
         output.offset_c = mean;
         output.se_offset_c = apart;
         if !others.is_empty() {
@@ -289,7 +284,7 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
     }
     model.offset_c = model.outputs[0].offset_c;
     model.residual_rms = model.outputs[0].residual_rms;
-    model.chosen.reasons = reasons;
+    model.chosen.reasons = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
     // A record counts once, not once a pair.
     model.provenance.records = rounds.iter().map(|round| round.name.clone()).collect();
     let per_record =

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use diffusive::model::{SAME_PRESSURE, SAME_TEMPERATURE_K};
 use recording::{GAS_TEMPERATURE, Metadata};
-use serde::{Serialize, Serializer};
+use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::error::GasInputError;
 use super::moment::Moment;
@@ -126,8 +126,10 @@ impl GasInput {
 
     /// Metadata of a file of wind estimates.
     pub fn metadata(&self) -> Metadata {
-        let key = if self.constant_c().is_some() { GAS_TEMPERATURE } else { "gas_temperature_from" };
-        let value = self.constant_c().map(|celsius| celsius.to_string()).or_else(|| self.from()).unwrap_or_default();
+        let (key, value) = match self.constant_c() {
+            Some(celsius) => (GAS_TEMPERATURE, celsius.to_string()),
+            None => ("gas_temperature_from", self.from().unwrap_or_default()),
+        };
         let pairs =
             [("gas_species", self.species.to_owned()), ("gas_pressure_pa", self.pressure_pa.to_string()), (key, value)];
         pairs.map(|(key, value)| (key.to_owned(), value)).into()
@@ -148,16 +150,12 @@ impl GasInput {
 
 impl Serialize for GasInput {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct GasReport {
-            species: &'static str,
-            pressure_pa: f64,
-            temperature_c: Option<f64>,
-            temperature_from: Option<String>,
-        }
-        let (species, pressure_pa) = (self.species, self.pressure_pa);
-        let (temperature_c, temperature_from) = (self.constant_c(), self.from());
-        GasReport { species, pressure_pa, temperature_c, temperature_from }.serialize(serializer)
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("species", self.species)?;
+        map.serialize_entry("pressure_pa", &self.pressure_pa)?;
+        map.serialize_entry("temperature_c", &self.constant_c())?;
+        map.serialize_entry("temperature_from", &self.from())?;
+        map.end()
     }
 }
 

@@ -17,7 +17,9 @@ pub struct OffLineAnemometer<'a> {
     head: &'a Head,
     anemometer: Anemometer<MOST_ELEMENTS>,
     sample_period_s: f32,
-    fixed: Vec<String>,
+    /// Elements whose bandwidth stays fixed although it was to rise after a jump, and why: a
+    /// sentence for each reason.
+    pub fixed: Vec<String>,
 }
 
 impl<'a> OffLineAnemometer<'a> {
@@ -41,12 +43,6 @@ impl<'a> OffLineAnemometer<'a> {
         let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, fixed };
         head.set_up(&mut own.anemometer, &commands, sample_period_s)?;
         Ok(own)
-    }
-
-    /// Elements whose bandwidth stays fixed although it was to rise after a jump, and why: a
-    /// sentence for each reason.
-    pub fn fixed(&self) -> &[String] {
-        &self.fixed
     }
 
     /// Sets the gas; its temperature only where the head has no reference.

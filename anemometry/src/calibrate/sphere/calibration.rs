@@ -1,19 +1,23 @@
-//! What a calibration found, and dr-core's configurations of it.
+//! What a calibration found, as text and as dr-core's configurations.
 //!
 //! Standard errors are those of the equations at the solution. Where the readings scatter by more
 //! than their variances say, they are larger by √(χ² / degrees of freedom): what the model leaves
 //! over counts as noise.
 
+use std::fmt;
+
 use dr_core::wind::nusselt::POINTS;
-use dr_core::wind::{MeasuredConductance, SurfaceConfig, WindVector};
+use dr_core::wind::{MeasuredConductance, SurfaceConfig};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::super::error::{CalibrateError, WorstReading};
+use super::super::error::WorstReading;
 use super::super::steady_wind::SurfaceReading;
 use super::equations::SphereProblem;
 use super::fit::SphereFit;
 use crate::head::calibration::table::NusseltTable;
+use crate::wind::comparison::length;
+use recording::text::estimate;
 
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,20 +129,8 @@ impl SphereCalibration {
         }
     }
 
-    /// The inverse that the board runs.
-    ///
-    /// # Errors
-    /// If the head has not N surfaces, or the amplitudes are none that tell a wind; then the winds
-    /// did not determine them.
-    pub fn head<const N: usize>(&self, direction_error_max_rad: f32) -> Result<WindVector<N>, CalibrateError> {
-        let surfaces: Vec<SurfaceConfig> = self.surfaces.iter().map(|surface| surface.config).collect();
-        let surfaces: [SurfaceConfig; N] = surfaces.try_into().map_err(|surfaces: Vec<_>| {
-            CalibrateError::Head(format!("{} surfaces are calibrated; {N} are asked for", surfaces.len()))
-        })?;
-        Ok(WindVector::new(&self.curves.config(), &surfaces, self.diameter_m as f32, direction_error_max_rad)?)
-    }
-
-    /// c (q + G0 a) / θ of a reading of surface `i`, as [`WindVector::step`] takes it.
+    /// c (q + G0 a) / θ of a reading of surface `i`, as
+    /// [`WindVector::step`](dr_core::wind::WindVector::step) takes it.
     pub fn measured(&self, i: usize, reading: &SurfaceReading) -> MeasuredConductance {
         let surface = &self.surfaces[i];
         let per_watt = surface.gain / reading.overheat_k;
@@ -147,6 +139,47 @@ impl SphereCalibration {
             conductance_w_k: conductance as f32,
             variance_w2_k2: (per_watt * per_watt * reading.variance_w2) as f32,
         }
+    }
+}
+
+impl fmt::Display for SphereCalibration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, {} coefficients an amplitude",
+            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds, self.coefficients
+        )?;
+        writeln!(
+            f,
+            "residuals {:.3} % rms of the convective power; χ² {:.0} for {:.0} degrees of freedom; worst {} {} with {:+.1} σ",
+            100.0 * self.residual_rms,
+            self.chi_square,
+            self.degrees_of_freedom,
+            self.worst.label,
+            self.worst.surface,
+            self.worst.errors
+        )?;
+        let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
+        let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
+        writeln!(
+            f,
+            "mounting turned by {:.2}°: ({}, {}, {})°",
+            length(self.rotation_rad).to_degrees(),
+            estimate(x, ex),
+            estimate(y, ey),
+            estimate(z, ez)
+        )?;
+        writeln!(f, "{:<12} {:>23} {:>23}", "surface", "gain", "G0 mW/K")?;
+        for surface in &self.surfaces {
+            writeln!(
+                f,
+                "{:<12} {:>23} {:>23}",
+                surface.name,
+                estimate(surface.gain, surface.gain_error),
+                estimate(1e3 * surface.quiescent_w_k, 1e3 * surface.quiescent_error_w_k)
+            )?;
+        }
+        Ok(())
     }
 }
 

@@ -6,7 +6,7 @@
 //! | direction | angle between estimate and wind | difference of the angles to the axis |
 //! | speed | (estimate − wind) / wind | the same, of the whole speed |
 
-use dr_core::wind::{MeasuredConductance, QualityFlags, WindEstimate, WindState};
+use dr_core::wind::{MeasuredConductance, QualityFlags, SurfaceConfig, WindEstimate, WindState, WindVector};
 
 use super::super::compared::ComparedWind;
 use super::super::cross_validation::{CrossValidation, Scheme};
@@ -67,11 +67,14 @@ pub fn compare(calibration: &SphereCalibration, steady: &SteadyWind) -> Result<O
     }))
 }
 
+/// What the board makes of a reading by a calibration of N surfaces.
 fn estimate<const N: usize>(
     calibration: &SphereCalibration,
     steady: &SteadyWind,
 ) -> Result<WindEstimate, CalibrateError> {
-    let head = calibration.head::<N>(DIRECTION_ERROR_MAX_RAD)?;
+    let surfaces: [SurfaceConfig; N] = std::array::from_fn(|i| calibration.surfaces[i].config);
+    let (curves, diameter_m) = (calibration.curves.config(), calibration.diameter_m as f32);
+    let head = WindVector::new(&curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
     let measured: [Option<MeasuredConductance>; N] =
         std::array::from_fn(|i| steady.surfaces.get(i).map(|reading| calibration.measured(i, reading)));
     Ok(head.step(&mut WindState::default(), &steady.core_gas()?, &measured))

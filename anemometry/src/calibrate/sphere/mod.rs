@@ -18,7 +18,7 @@
 //! | [`mounting`] | the turn between tunnel and head |
 //! | [`equations`], [`fit`] | weighted least squares |
 //! | [`solve`] | all steps in order |
-//! | [`calibration`], [`report`] | the result, with errors, as text, and as dr-core's configurations |
+//! | [`calibration`] | the result, with errors, as text, and as dr-core's configurations |
 //! | [`folds`], [`cross_validation`] | errors in winds that were left out, through dr-core's inverse |
 //!
 //! *What no wind can tell.* A common factor of all gains is one of all amplitudes: the mean gain is
@@ -45,7 +45,6 @@ pub mod fit;
 pub mod folds;
 pub mod mounting;
 pub mod readings;
-pub mod report;
 pub mod solve;
 pub mod speeds;
 pub mod spline;

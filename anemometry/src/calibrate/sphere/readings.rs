@@ -19,6 +19,7 @@ use dr_core::wind::{SphereSurface, SurfaceConfig};
 
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
+use super::family::seen_orders;
 use crate::wind::comparison::length;
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
@@ -49,6 +50,8 @@ pub struct SphereGeometry<'a> {
     pub drawn: &'a DrawnSphere,
     /// Surfaces, checked by dr-core.
     pub surfaces: Vec<SphereSurface>,
+    /// The orders of amplitudes that at least one surface sees.
+    pub orders: Vec<usize>,
 }
 
 /// One wind, checked, in the numbers that the model takes.
@@ -101,7 +104,8 @@ pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry<'_>, CalibrateError> {
         .surfaces
         .iter()
         .map(|of| SphereSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
-    Ok(SphereGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()? })
+    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
+    Ok(SphereGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()?, orders })
 }
 
 /// Checks all readings of a sphere.

@@ -4,7 +4,7 @@ use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
 use super::calibration::SphereCalibration;
 use super::equations::SphereProblem;
-use super::family::{AmplitudeFamily, seen_orders};
+use super::family::AmplitudeFamily;
 use super::readings::{self, DrawnSphere};
 use super::{fit, speeds, spread};
 
@@ -20,8 +20,7 @@ const MOST_RESIDUAL_RMS: f64 = 0.1;
 pub fn calibrate(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibration, CalibrateError> {
     let ready = readings::ready(head)?;
     let winds = readings::winds(&ready, steady)?;
-    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
-    let lacking = spread::lacking(&ready, &winds, &orders);
+    let lacking = spread::lacking(&ready, &winds);
     if !lacking.is_empty() {
         return Err(CalibrateError::Spread(lacking));
     }
@@ -42,7 +41,6 @@ pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibrat
     if first.reynolds >= last.reynolds {
         return Err(CalibrateError::Spread(vec!["all winds have one speed".into()]));
     }
-    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
     // The middle of every speed, but the first and last wind themselves.
     let mut reynolds: Vec<f64> = speeds::distinct(&moving)
         .iter()
@@ -55,7 +53,7 @@ pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibrat
     let end = reynolds.len() - 1;
     (reynolds[0], reynolds[end]) = (first.reynolds, last.reynolds);
 
-    let family = AmplitudeFamily::new(&reynolds, orders, moving.len() * head.surfaces.len());
+    let family = AmplitudeFamily::new(&reynolds, ready.orders.clone(), moving.len() * head.surfaces.len());
     let problem = SphereProblem::new(&ready, &winds, family);
     let fitted = fit::fit(&problem)?;
     let calibration = SphereCalibration::of(&problem, &fitted);

@@ -44,9 +44,9 @@ const HALF_OCTAVES: f64 = 2.5;
 const SPEEDS: &str = "{speeds}";
 
 /// What is missing, a sentence each; nothing if the winds will do.
-pub fn lacking(head: &SphereGeometry<'_>, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+pub fn lacking(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let moving = ascending(winds);
-    let mut sentences = few(head, winds, orders);
+    let mut sentences = few(head, winds);
     if moving.is_empty() {
         sentences.push("all readings are of quiescent gas: winds are missing".into());
         return sentences;
@@ -82,9 +82,9 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
     runs.into_iter().map(|(range, _, sentence)| sentence.replace(SPEEDS, &range.to_string())).collect()
 }
 
-fn few(head: &SphereGeometry<'_>, winds: &[CheckedWind], orders: &[usize]) -> Vec<String> {
+fn few(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let n = head.surfaces.len();
-    let unknowns = spline::LEAST_COUNT * orders.len() + 2 * n - 1 + Mounting::drawn(&head.surfaces).turns.ncols();
+    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(&head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
         return Vec::new();
     }

@@ -64,7 +64,9 @@ impl Calibration {
     fn answer(&self, output: &WindOutput, sample_period_s: f64) -> Result<WindOutputConfig, WindSetupError> {
         let every = (output.interval_s / sample_period_s).round();
         if !(1.0..=f64::from(u16::MAX)).contains(&every) {
-            return Err(WindSetupError::Interval { interval_s: output.interval_s, sample_period_s });
+            let interval_s = output.interval_s;
+            let sentence = format!("{interval_s} s cannot be had from ticks of {sample_period_s} s");
+            return Err(WindSetupError::Interval(sentence));
         }
         let sphere = self.table.nusselt.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
         let card = self.table.card.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
