@@ -117,6 +117,17 @@ pub fn priors(mesh: &CandidateMesh, given: &Constraints) -> Vec<Prior> {
     priors
 }
 
+/// Initial states to try, the most cautious first. Where nothing drives the first row, settled is
+/// at rest.
+pub fn initial_states(given: Option<InitialState>, first_drives: &[f64]) -> Vec<InitialState> {
+    let drives = first_drives.iter().any(|&drive| drive != 0.0);
+    match given {
+        Some(initial_state) => vec![initial_state],
+        None if drives => vec![InitialState::Rest, InitialState::Settled, InitialState::Free],
+        None => vec![InitialState::Rest, InitialState::Free],
+    }
+}
+
 /// The parameters of a design with a given initial state. `first_drives` is what drove each bank in
 /// the first row.
 pub fn terms(roles: &[Role], initial_state: InitialState, feed_through: bool, first_drives: &[f64]) -> Vec<ModelTerm> {

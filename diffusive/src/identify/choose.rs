@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use super::candidates::{CandidateMesh, priors, terms};
+use super::candidates::{CandidateMesh, initial_states, priors, terms};
 use super::design::Role;
 use super::fitted::{FittedOutput, steady_gain};
 use super::folds::{FoldedEquations, Score, change};
@@ -99,18 +99,6 @@ impl CandidateSet<'_> {
         FoldedEquations::of(&self.reading.passed.folds[mesh], terms, outputs, self.output)
     }
 
-    fn initial_states(&self) -> Vec<InitialState> {
-        if let Some(initial_state) = self.options.constraints.initial_state {
-            return vec![initial_state];
-        }
-        let mut initial_states = vec![InitialState::Rest];
-        if self.reading.first_drives.iter().any(|&drive| drive != 0.0) {
-            initial_states.push(InitialState::Settled);
-        }
-        initial_states.push(InitialState::Free);
-        initial_states
-    }
-
     /// The choice for one output.
     pub fn choose(&self) -> Choice {
         let is_free = |&index: &usize| self.meshes()[index].free;
@@ -129,7 +117,7 @@ impl CandidateSet<'_> {
     /// All candidates of one mesh.
     fn tried(&self, index: usize) -> Vec<ScoredCandidate> {
         let mut trials = Vec::new();
-        for initial_state in self.initial_states() {
+        for initial_state in initial_states(self.options.constraints.initial_state, &self.reading.first_drives) {
             for &feed_through in self.reading.plan.feed_throughs(&self.options.constraints) {
                 self.try_priors(&mut trials, index, initial_state, feed_through);
             }

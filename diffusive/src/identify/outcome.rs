@@ -76,18 +76,17 @@ pub fn chosen_by(
     }
 }
 
-/// What cross-validation and standard errors say against an output's model.
+/// What cross-validation and standard errors say against an output's model. `spread` is the
+/// output's standard deviation.
 pub fn warnings(
     name: &str,
     score: &Score,
     gain_spread: &[GainSpread],
-    facts: &Facts,
-    output: usize,
+    spread: f64,
     duration_s: f64,
     pairs: &[Pair],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
-    let spread = facts.outputs[output].sd();
     let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
         warnings.push(format!(

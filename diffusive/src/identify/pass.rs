@@ -85,7 +85,8 @@ impl Facts {
         deviation(sum, squares, self.rows)
     }
 
-    /// How far what drives a bank moves. Losses and gates carry no parameters that a prior speaks of.
+    /// How far what drives a bank moves. Losses and gates carry no parameters that a prior speaks
+    /// of.
     pub fn drive_scale(&self, drive: BankDrive) -> f64 {
         match drive {
             BankDrive::Input(input) | BankDrive::Gated { input, .. } => self.input_scale(input),

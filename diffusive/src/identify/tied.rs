@@ -34,7 +34,7 @@ const WORSE: f64 = 1.1;
 /// The choices with shared resistances, why, and what speaks against it.
 pub struct Tied {
     pub choices: Vec<Choice>,
-    pub reason: String,
+    pub reason: Option<String>,
     pub warning: Option<String>,
 }
 
@@ -133,7 +133,7 @@ pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
             reason: None,
         });
     }
-    Tied { choices: tied, reason, warning }
+    Tied { choices: tied, reason: Some(reason), warning }
 }
 
 /// Every output's part for one trial.

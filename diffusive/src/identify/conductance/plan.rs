@@ -2,7 +2,7 @@
 
 use super::super::candidates::{self, CandidateMesh};
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::super::options::{GasGiven, IdentifyOptions, InitialState};
+use super::super::options::{GasGiven, IdentifyOptions};
 use super::super::pass::Passed;
 use super::super::prior::Prior;
 use super::super::record::Survey;
@@ -17,13 +17,6 @@ pub(super) fn meshes(duration_s: f64, sample_period_s: f64, options: &IdentifyOp
         .into_iter()
         .map(|(factor, per_decade)| candidates::dense(duration_s, sample_period_s, factor, per_decade))
         .collect()
-}
-
-pub(super) fn initial_states(options: &IdentifyOptions) -> Vec<InitialState> {
-    options
-        .constraints
-        .initial_state
-        .map_or_else(|| vec![InitialState::Rest, InitialState::Free], |initial_state| vec![initial_state])
 }
 
 pub(super) fn priors(options: &IdentifyOptions) -> Vec<Prior> {

@@ -1,6 +1,6 @@
 //! One reading of the record for one reference class, and every candidate solved on its sums.
 
-use super::super::candidates::CandidateMesh;
+use super::super::candidates::{CandidateMesh, initial_states};
 use super::super::design::{RegressionDesign, Role};
 use super::super::folds::{FOLDS, Score, score};
 use super::super::gas_source::GasSource;
@@ -135,7 +135,7 @@ impl WindSearch {
         let mut trials = Vec::new();
         for mesh in 0..self.meshes.len() {
             let total = Gram::total(&self.passed.folds[mesh]);
-            for initial_state in plan::initial_states(options) {
+            for initial_state in initial_states(options.constraints.initial_state, &[]) {
                 for follows in plan::followings(self.banks, &self.passed) {
                     let conductance = vec![vec![0.0; self.classes.len()]; self.survey.inputs.len()];
                     let gas_c = plan::gas_guess(options, &self.passed);

@@ -34,6 +34,7 @@ use self::columns::{Point, RefinedBank, Setup};
 use self::free_poles::{FreePoles, is_better, settled};
 use self::report::RefineContext;
 use self::search::{RateSearch, SearchState};
+use super::candidates::initial_states;
 use super::design::BankDrive;
 use super::folds::{FOLDS, FoldedEquations, Score};
 use super::gas_source::GasSource;
@@ -195,12 +196,7 @@ fn begin(setup: &Setup, rates_rad_s: &[f64], folds: &[Gram], scales: &Scales, fi
         let equations = FoldedEquations::of(folds, terms, setup.outputs, setup.output);
         (initial_state, equations.score(&equations.penalty(scales, setup.prior), None))
     };
-    let moves = first_drives.iter().any(|&drive| drive != 0.0);
-    let tried: Vec<(InitialState, Score)> = [InitialState::Rest, InitialState::Settled, InitialState::Free]
-        .into_iter()
-        .filter(|initial_state| *initial_state != InitialState::Settled || moves)
-        .map(scored)
-        .collect();
+    let tried: Vec<(InitialState, Score)> = initial_states(None, first_drives).into_iter().map(scored).collect();
     let best = tried.iter().min_by(|a, b| a.1.overall().total_cmp(&b.1.overall()));
     let good = best.and_then(|best| tried.iter().find(|tried| tried.1.is_as_good_as(&best.1, 1.01)).or(Some(best)));
     good.map_or(InitialState::Free, |good| good.0)

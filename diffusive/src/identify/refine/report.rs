@@ -46,9 +46,8 @@ pub fn model(
     }
     let mut warnings = support::warnings(survey, facts);
     let duration_s = facts.rows as f64 * survey.sample_period_s;
-    for (output, found) in found.iter().enumerate() {
-        let name = &outputs[output].name;
-        warnings.extend(outcome::warnings(name, &found.score, &[], facts, output, duration_s, &pairs));
+    for ((found, output), spread) in found.iter().zip(&outputs).zip(&facts.outputs) {
+        warnings.extend(outcome::warnings(&output.name, &found.score, &[], spread.sd(), duration_s, &pairs));
         warnings.extend(found.warnings.clone());
     }
     Ok(Model {

@@ -15,7 +15,7 @@ use super::labels::labels;
 use super::options::{FitObserver, IdentifyOptions, Progress};
 use super::record::{RecordError, RecordSource};
 use super::residual_pass::{ResidualPass, observed};
-use super::tied::tie;
+use super::tied::{Tied, tie};
 use super::whiteness::prefer_white;
 use crate::model::Model;
 use plan::{SymbolPlan, SymbolReading};
@@ -37,11 +37,8 @@ pub fn identify(
     let reading = SymbolPlan::of(source, survey, classes, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);
     let choices = choose(source, &reading, options, progress)?;
-    let tied = options.tie.then(|| tie(&reading, &choices));
-    let (choices, tie_reason, tie_warning) = match tied {
-        Some(tied) => (tied.choices, Some(tied.reason), tied.warning),
-        None => (choices, None, None),
-    };
+    let tied = if options.tie { tie(&reading, &choices) } else { Tied { choices, reason: None, warning: None } };
+    let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
     let fitted: Vec<FittedOutput> =
         choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
     let mut row = observed(progress, "residuals", reading.plan.survey.rows, observer);

@@ -47,16 +47,10 @@ impl SymbolResult<'_> {
         let survey = &plan.survey;
         let mut warnings = support::warnings(survey, facts);
         warnings.extend(tie_warning);
-        for ((output, name), choice) in survey.outputs.iter().enumerate().zip(self.choices) {
-            warnings.extend(outcome::warnings(
-                name,
-                &choice.trial.score,
-                &choice.gain_spread,
-                facts,
-                output,
-                survey.duration_s(),
-                pairs,
-            ));
+        let duration_s = survey.duration_s();
+        for ((name, choice), spread) in survey.outputs.iter().zip(self.choices).zip(&facts.outputs) {
+            let (score, gains) = (&choice.trial.score, &choice.gain_spread);
+            warnings.extend(outcome::warnings(name, score, gains, spread.sd(), duration_s, pairs));
         }
         for (name, residuals) in survey.outputs.iter().zip(&self.residuals.residuals) {
             if let Some((row, part)) = residuals.lonely_row() {
