@@ -1,8 +1,8 @@
 //! The fields of a value as 32-bit words in a fixed order: one visitor for the checksum, which
 //! protects memory, and for the digest, which compares runs.
 //!
-//! Structs derive it, so that no field can be left out; for enums [`fields`] names the variants, and
-//! one left out does not compile.
+//! Structs derive it, so that no field can be left out; for enums [`fields`] names the variants,
+//! and one left out does not compile.
 
 /// What is given the words of a value, one after the other.
 pub(crate) trait FieldVisitor {

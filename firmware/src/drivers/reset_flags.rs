@@ -2,7 +2,8 @@
 //!
 //! Several flags are set at a time: every reset pulls the reset pin and so sets the pin's flag, and
 //! a rising supply sets that of the brown-out detector too (RM0090, "RCC clock control & status
-//! register"). The flags outlast a reset and are cleared by the firmware, so they speak of the last one only.
+//! register"). The flags outlast a reset and are cleared by the firmware, so they speak of the last
+//! one only.
 
 use wire::ResetCause;
 
