@@ -34,38 +34,39 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     let times: Vec<f64> =
         (0..=POINTS).map(|n| 2.0 * end_s * 10_f64.powf(-DECADES * (1.0 - f64::from(n) / f64::from(POINTS)))).collect();
     let steady_w_per_k = 1.0 / analysis.steady_gain_k_per_w;
-    let lift: Vec<(f64, f64)> =
-        times.iter().map(|time_s| (*time_s, 1.0 + analysis.lift.at(*time_s) / steady_w_per_k)).collect();
-    let mut chart = Chart::new("Power after a step of the set-point", "of its steady value").x(Scale::Log, "s");
-    if lift.iter().all(|(_, share)| *share > 0.0) {
-        chart = chart.y(Scale::Log);
-    }
+    let lift = |time_s: &f64| (*time_s, 1.0 + analysis.lift.at(*time_s) / steady_w_per_k);
+    let lift: Vec<(f64, f64)> = times.iter().map(lift).collect();
     let held = analysis.held.as_ref();
     let levels_w = held.map_or(Vec::new(), |held| vec![held.conditions.power_low_w, held.conditions.power_high_w]);
-    let share = |power_w: f64| held.map_or(f64::NAN, |held| power_w / (held.rise_k * steady_w_per_k));
-    let in_the_way = within(&levels_w.iter().map(|level_w| share(*level_w)).collect::<Vec<_>>(), &[&lift]);
-    if !in_the_way.is_empty() {
-        chart = chart.note("if no level were in the way; dashed: 1, and the levels");
-    }
-    chart = in_the_way.into_iter().fold(chart.limit(1.0), Chart::limit);
+    let share = |power_w: &f64| held.map_or(f64::NAN, |held| power_w / (held.rise_k * steady_w_per_k));
+    let in_the_way = within(&levels_w.iter().map(share).collect::<Vec<_>>(), &[&lift]);
+    let note = "if no level were in the way; dashed: 1, and the levels";
+    let scale = if lift.iter().all(|(_, share)| *share > 0.0) { Scale::Log } else { Scale::Linear };
+    let chart = Chart::new("Power after a step of the set-point", "of its steady value")
+        .x(Scale::Log, "s")
+        .y(scale)
+        .notes((!in_the_way.is_empty()).then(|| note.to_owned()));
+    let chart = in_the_way.into_iter().fold(chart.limit(1.0), Chart::limit);
     figure = figure.row([chart.trace(Trace::line("closed loop", lift))]);
-    if !changes.is_empty() {
-        let mut chart = Chart::new(format!("Power after {} gives way", analysis.label), "W").x(Scale::Log, "s");
-        let power = |change: &WindChange| -> Vec<(f64, f64)> {
-            times.iter().map(|time_s| (*time_s, change.finally_w + change.decays.at(*time_s))).collect()
-        };
-        let curves: Vec<Vec<(f64, f64)>> = changes.iter().map(|(_, change)| power(change)).collect();
-        let in_the_way = within(&levels_w, &curves.iter().collect::<Vec<_>>());
-        let note = if in_the_way.is_empty() { "" } else { "; grey: levels, as if they were not in the way" };
-        for (colour, ((to, change), curve)) in changes.iter().zip(curves).enumerate() {
-            let ends = [times[0], times[times.len() - 1]].map(|time_s| (time_s, change.finally_w)).to_vec();
-            chart = chart.trace(Trace::line(format!("to {to}"), curve).colour(colour));
-            chart = chart.trace(Trace::dashed("", ends).colour(colour));
-        }
-        chart = in_the_way.into_iter().fold(chart, Chart::limit);
-        figure = figure.row([chart.note(format!("dashed: where it ends{note}"))]);
+    if changes.is_empty() {
+        return figure;
     }
-    figure
+    let power = |change: &WindChange| -> Vec<(f64, f64)> {
+        times.iter().map(|time_s| (*time_s, change.finally_w + change.decays.at(*time_s))).collect()
+    };
+    let curves: Vec<Vec<(f64, f64)>> = changes.iter().map(|(_, change)| power(change)).collect();
+    let in_the_way = within(&levels_w, &curves.iter().collect::<Vec<_>>());
+    let note = if in_the_way.is_empty() { "" } else { "; grey: levels, as if they were not in the way" };
+    let ends_s = [times[0], times[times.len() - 1]];
+    let lines = changes.iter().zip(curves).enumerate().flat_map(|(colour, ((to, change), curve))| {
+        let end = ends_s.map(|time_s| (time_s, change.finally_w)).to_vec();
+        [Trace::line(format!("to {to}"), curve).colour(colour), Trace::dashed("", end).colour(colour)]
+    });
+    let chart = Chart::new(format!("Power after {} gives way", analysis.label), "W")
+        .x(Scale::Log, "s")
+        .traces(lines)
+        .note(format!("dashed: where it ends{note}"));
+    figure.row([in_the_way.into_iter().fold(chart, Chart::limit)])
 }
 
 /// Those levels that lie within what curves reach.

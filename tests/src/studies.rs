@@ -20,6 +20,6 @@ pub fn study(name: &str, bars: usize, missed: &[&str]) -> StudyFindings {
     let own: Vec<&str> = found.findings.iter().filter(|of| of.met == Some(false)).map(|of| of.what.as_str()).collect();
     assert_eq!(own, missed, "{name}");
     assert_eq!(found.score().0, bars, "{name}");
-    assert!(found.figure.svg().starts_with("<svg") && !found.caption.is_empty(), "{name}");
+    assert!(found.figure.svg().starts_with("<svg"), "{name}");
     found
 }

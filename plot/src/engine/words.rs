@@ -83,39 +83,40 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
 
 /// Text in lines of at most `room` pixels, of which the first has less by `taken`.
 pub fn wrapped(text: &str, size: f64, room: f64, taken: f64) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let limit = if lines.len() == 1 { room - taken } else { room };
-        let Some(line) = lines.last_mut() else { continue };
-        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-        if width(&longer, size) <= limit {
-            *line = longer;
-        } else if line.is_empty() && limit >= room {
-            *line = shortened(word, size, room);
-        } else {
-            lines.push(shortened(word, size, room));
-        }
-    }
-    lines
+    filled(text.split(' ').map(str::to_owned), size, room, taken, |word| vec![shortened(word, size, room)])
 }
 
 /// Notes with commas between them, in lines of at most `room` pixels, of which the first has less
 /// by `taken`. A note stays in one line if it can.
 pub fn listed(notes: &[String], size: f64, room: f64, taken: f64) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for (i, note) in notes.iter().enumerate() {
-        let note = if i + 1 < notes.len() { format!("{note},") } else { note.clone() };
-        let limit = if lines.len() == 1 { room - taken } else { room };
-        let Some(line) = lines.last_mut() else { continue };
-        let longer = if line.is_empty() { note.clone() } else { format!("{line} {note}") };
+    let commas = notes.iter().enumerate().map(|(i, _)| if i + 1 < notes.len() { "," } else { "" });
+    let notes = notes.iter().zip(commas).map(|(note, comma)| format!("{note}{comma}"));
+    filled(notes, size, room, taken, |note| wrapped(note, size, room, 0.0))
+}
+
+/// Fills lines with pieces of a text; `split` makes lines of a piece that is longer than a line.
+fn filled(
+    pieces: impl Iterator<Item = String>,
+    size: f64,
+    room: f64,
+    taken: f64,
+    split: impl Fn(&str) -> Vec<String>,
+) -> Vec<String> {
+    let (mut lines, mut line, mut limit) = (Vec::new(), String::new(), room - taken);
+    for piece in pieces {
+        let longer = if line.is_empty() { piece.clone() } else { format!("{line} {piece}") };
         if width(&longer, size) <= limit {
-            *line = longer;
-        } else if width(&note, size) <= room {
-            lines.push(note);
-        } else {
-            lines.extend(wrapped(&note, size, room, 0.0));
+            line = longer;
+            continue;
         }
+        if !line.is_empty() || limit < room {
+            lines.push(line);
+        }
+        lines.extend(split(&piece));
+        line = lines.pop().unwrap_or_default();
+        limit = room;
     }
+    lines.push(line);
     lines
 }
 

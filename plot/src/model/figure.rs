@@ -5,10 +5,10 @@ use super::bode::bode;
 use super::fit::{FitSeries, autocorrelation};
 use super::spectrum::spectrum;
 use super::structure::structure;
-use crate::engine::chart::Figure;
+use crate::engine::chart::{Chart, Figure};
 use crate::engine::words::brief;
 use diffusive::model::pair_class::element;
-use diffusive::model::{Model, Structure};
+use diffusive::model::{Model, Structure, Whiteness};
 
 /// Outputs that get charts of their own.
 const OUTPUTS: usize = 6;
@@ -32,17 +32,15 @@ pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
     }
     let several = model.outputs.len() > 1;
     let name = |output: &str| if several { element(output).to_owned() } else { String::new() };
-    let mut small = Vec::new();
+    let mut small: Vec<Chart> = Vec::new();
+    let whiteness = |name_of: &str, whiteness: &Option<Whiteness>, rows| {
+        whiteness.as_ref().map(|whiteness| autocorrelation(&name(name_of), whiteness, rows))
+    };
     if fits.is_empty() {
-        for output in model.outputs.iter().take(OUTPUTS) {
-            let chart = |whiteness| autocorrelation(&name(&output.name), whiteness, model.provenance.rows);
-            small.extend(output.whiteness.as_ref().map(chart));
-        }
+        let rows = model.provenance.rows;
+        small.extend(model.outputs.iter().take(OUTPUTS).filter_map(|of| whiteness(&of.name, &of.whiteness, rows)));
     }
-    for fit in fits.iter().take(OUTPUTS) {
-        let chart = |whiteness| autocorrelation(&name(&fit.name), whiteness, fit.rows);
-        small.extend(fit.whiteness.as_ref().map(chart));
-    }
+    small.extend(fits.iter().take(OUTPUTS).filter_map(|of| whiteness(&of.name, &of.whiteness, of.rows)));
     small.extend(structure(model));
     for some in small.chunks(2) {
         figure = figure.row(some.iter().cloned());
@@ -82,10 +80,8 @@ fn subtitle(model: &Model, fits: usize) -> String {
     if source.rows > 0 {
         parts.push(format!("{} rows in {} s", source.rows, brief(source.duration_s)));
     }
-    parts.push(match model.structure {
-        Structure::Symbol => "structure symbol".to_owned(),
-        Structure::Conductance => "structure conductance".to_owned(),
-    });
+    let structure = if model.structure == Structure::Symbol { "symbol" } else { "conductance" };
+    parts.push(format!("structure {structure}"));
     let orders = model.pairs.iter().map(|pair| pair.mesh_rad_s.len());
     let (least, most) = (orders.clone().min().unwrap_or(0), orders.max().unwrap_or(0));
     parts.push(if least == most { format!("order {most}") } else { format!("orders {least} to {most}") });
@@ -94,26 +90,19 @@ fn subtitle(model: &Model, fits: usize) -> String {
     {
         parts.push(format!("dead time {} s", brief(pair.dead_time_samples as f64 * model.sample_period_s)));
     }
-    if model.outputs.len() == 1 {
-        parts.push(format!("fit {} %", brief(model.fit_percent)));
-    }
-    let drawn = model.outputs.len().min(OUTPUTS);
-    if drawn < model.outputs.len() {
-        parts.push(format!("left out: {}", rest(model.outputs.iter().map(|output| output.name.as_str()))));
-    }
-    if fits > OUTPUTS {
-        parts.push(format!("fits of the first {OUTPUTS} of {fits} outputs"));
-    }
+    let outputs: Vec<&str> = model.outputs.iter().map(|output| output.name.as_str()).collect();
+    parts.extend((outputs.len() == 1).then(|| format!("fit {} %", brief(model.fit_percent))));
+    parts.extend(outputs.get(OUTPUTS..).filter(|rest| !rest.is_empty()).map(rest));
+    parts.extend((fits > OUTPUTS).then(|| format!("fits of the first {OUTPUTS} of {fits} outputs")));
     parts.extend(model.warnings.iter().take(NAMES).cloned());
-    if model.warnings.len() > NAMES {
-        parts.push(format!("{} more warnings in the model", model.warnings.len() - NAMES));
-    }
+    let more = model.warnings.len().saturating_sub(NAMES);
+    parts.extend((more > 0).then(|| format!("{more} more warnings in the model")));
     parts.join("  ·  ")
 }
 
-/// The names beyond those that are drawn; of many, the first few.
-fn rest<'n>(names: impl Iterator<Item = &'n str>) -> String {
-    let names: Vec<&str> = names.skip(OUTPUTS).collect();
+/// The outputs beyond those that are drawn; of many, the first few.
+fn rest(names: &[&str]) -> String {
     let shown = names[..names.len().min(NAMES)].join(", ");
-    if names.len() > NAMES { format!("{shown} and {} more", names.len() - NAMES) } else { shown }
+    let more = names.len().saturating_sub(NAMES);
+    if more > 0 { format!("left out: {shown} and {more} more") } else { format!("left out: {shown}") }
 }

@@ -11,7 +11,7 @@ pub struct Study {
     pub name: &'static str,
     /// Template of its page, which begins with its title.
     pub(super) page: &'static str,
-    run: fn(&StudyLab) -> Result<StudyFindings, StudyError>,
+    run: fn(&StudyLab, &mut StudyFindings) -> Result<(), StudyError>,
 }
 
 /// All of them, in the order of the pages.
@@ -40,6 +40,8 @@ impl Study {
     /// # Errors
     /// What could not be read, run or identified.
     pub fn run(&self, lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-        (self.run)(lab)
+        let mut findings = StudyFindings::default();
+        (self.run)(lab, &mut findings)?;
+        Ok(findings)
     }
 }

@@ -55,8 +55,6 @@ pub struct StudyFindings {
     pub findings: Vec<StudyFinding>,
     /// The picture.
     pub figure: Figure,
-    /// What the picture shows, for those who cannot see it.
-    pub caption: String,
 }
 
 impl Serialize for StudyFindings {
@@ -74,8 +72,7 @@ impl Serialize for StudyFindings {
 
 impl StudyFindings {
     /// Draws rows of charts as the study's picture.
-    pub fn picture(&mut self, title: &str, caption: impl Into<String>, rows: impl IntoIterator<Item = Vec<Chart>>) {
-        self.caption = caption.into();
+    pub fn picture(&mut self, title: &str, rows: impl IntoIterator<Item = Vec<Chart>>) {
         self.figure = rows.into_iter().fold(Figure::new(title), Figure::row);
     }
 

@@ -103,7 +103,7 @@ impl PredictedRecord {
 /// class: from standby on.
 pub fn heating_k(model: &Model, record: &StudyRecord, from: &str, to: &str) -> Result<Vec<f64>, StudyError> {
     let own = pair(model, from, to)?.clone();
-    let standby_w = record.standby_w[record.place(from)?];
+    let standby_w = record.element(from)?.standby_w;
     let standby_k = own.classes.values().map(|class| class.steady_gain_k_per_w).sum::<f64>() * standby_w;
     let (input, output) = (own.input.clone(), own.output.clone());
     let alone = Model {
@@ -172,6 +172,7 @@ pub fn symbol_chart(caption: impl Into<String>) -> Chart {
 
 #[cfg(test)]
 mod tests {
+    use super::super::record::RecordedElement;
     use super::*;
     use diffusive::model::testing;
 
@@ -186,11 +187,10 @@ mod tests {
             (0..2).for_each(|k| x[k] += g[k] * (u - x[k]));
             y
         };
-        let temperature_c = vec![power_w.iter().map(step).collect()];
-        let names = vec!["a".to_owned()];
+        let temperature_c = power_w.iter().map(step).collect();
         let event = vec!["still".to_owned(); power_w.len()];
-        let power_w = vec![power_w];
-        (model, StudyRecord { sample_period_s: 0.1, names, standby_w: vec![0.005], power_w, temperature_c, event })
+        let element = RecordedElement { name: "a".to_owned(), standby_w: 0.005, power_w, temperature_c };
+        (model, StudyRecord { sample_period_s: 0.1, elements: vec![element], event })
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
     fn what_one_element_heats_by_is_its_temperature_over_no_power() {
         let (model, record) = heated();
         let heating = heating_k(&model, &record, "a", "a").unwrap();
-        for (k, c) in heating.iter().zip(&record.temperature_c[0]) {
+        for (k, c) in heating.iter().zip(&record.elements[0].temperature_c) {
             // rounding of some ten operations on 20 K
             assert!((k + 20.0 - c).abs() < 1e-12, "{k} K, {c} °C");
         }

@@ -32,17 +32,24 @@ pub fn rows(
 pub struct StudyRecord {
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// Names of the elements.
-    pub names: Vec<String>,
-    /// By element, what it took before the first tick: an instrument that stands by has long been
-    /// at its low levels.
-    pub standby_w: Vec<f64>,
-    /// By element, held over [t_n, t_{n+1}).
-    pub power_w: Vec<Vec<f64>>,
-    /// By element, at t_n.
-    pub temperature_c: Vec<Vec<f64>>,
+    /// In the order of the head.
+    pub elements: Vec<RecordedElement>,
     /// Label of the wind over [t_n, t_{n+1}).
     pub event: Vec<String>,
+}
+
+/// One element of such a record.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RecordedElement {
+    /// Its name.
+    pub name: String,
+    /// What it took before the first tick, W: an instrument that stands by has long been at its low
+    /// levels.
+    pub standby_w: f64,
+    /// Held over [t_n, t_{n+1}).
+    pub power_w: Vec<f64>,
+    /// At t_n.
+    pub temperature_c: Vec<f64>,
 }
 
 impl StudyRecord {
@@ -51,33 +58,22 @@ impl StudyRecord {
     /// # Errors
     /// What the run says, and a trip.
     pub fn of(experiment: &Experiment) -> Result<Self, StudyError> {
-        let names: Vec<String> = experiment.head.names().iter().map(|name| (*name).to_owned()).collect();
-        let mut record = Self {
-            sample_period_s: experiment.sample_period_s,
-            standby_w: Vec::new(),
-            power_w: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
-            temperature_c: vec![Vec::with_capacity(experiment.ticks as usize); names.len()],
-            event: Vec::with_capacity(experiment.ticks as usize),
-            names,
-        };
+        let element = |name: &&str| RecordedElement { name: (*name).to_owned(), ..RecordedElement::default() };
+        let mut elements: Vec<RecordedElement> = experiment.head.names().iter().map(element).collect();
+        let mut event = Vec::with_capacity(experiment.ticks as usize);
         rows(experiment, &mut |row| {
-            for (column, value) in record.power_w.iter_mut().zip(row.power_w) {
-                column.push(f64::from(*value));
+            for (place, element) in elements.iter_mut().enumerate() {
+                element.power_w.push(f64::from(row.power_w[place]));
+                element.temperature_c.push(f64::from(row.temperature_c[place]));
             }
-            for (column, value) in record.temperature_c.iter_mut().zip(row.temperature_c) {
-                column.push(f64::from(*value));
-            }
-            record.event.push(row.event.to_owned());
+            event.push(row.event.to_owned());
             Ok(())
         })?;
-        let begun = experiment.head.elements.iter().zip(&record.temperature_c);
-        record.standby_w = begun
-            .map(|(element, read_c)| {
-                let first_c = read_c.first().copied().unwrap_or(experiment.gas_temperature_c);
-                element.power_w(first_c, Level::Low)
-            })
-            .collect();
-        Ok(record)
+        for (recorded, element) in elements.iter_mut().zip(&experiment.head.elements) {
+            let first_c = recorded.temperature_c.first().copied().unwrap_or(experiment.gas_temperature_c);
+            recorded.standby_w = element.power_w(first_c, Level::Low);
+        }
+        Ok(Self { sample_period_s: experiment.sample_period_s, elements, event })
     }
 
     /// Sample periods.
@@ -85,9 +81,13 @@ impl StudyRecord {
         self.event.len()
     }
 
-    pub(super) fn place(&self, element: &str) -> Result<usize, StudyError> {
-        let place = self.names.iter().position(|name| name == element);
-        place.ok_or_else(|| StudyError::Other(format!("the record has no element `{element}`")))
+    /// An element by its name.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn element(&self, name: &str) -> Result<&RecordedElement, StudyError> {
+        let found = self.elements.iter().find(|element| element.name == name);
+        found.ok_or_else(|| StudyError::Other(format!("the record has no element `{name}`")))
     }
 
     /// Power of an element, W.
@@ -95,7 +95,7 @@ impl StudyRecord {
     /// # Errors
     /// If there is no such element.
     pub fn power_w(&self, element: &str) -> Result<&[f64], StudyError> {
-        Ok(&self.power_w[self.place(element)?])
+        Ok(&self.element(element)?.power_w)
     }
 
     /// Temperature of an element, °C.
@@ -103,7 +103,7 @@ impl StudyRecord {
     /// # Errors
     /// If there is no such element.
     pub fn temperature_c(&self, element: &str) -> Result<&[f64], StudyError> {
-        Ok(&self.temperature_c[self.place(element)?])
+        Ok(&self.element(element)?.temperature_c)
     }
 
     /// Means of the powers over `ratio` ticks, and the temperatures at their beginnings: a record
@@ -120,31 +120,33 @@ impl StudyRecord {
     }
 
     fn reduced(&self, ratio: usize, temperature: fn(&[f64]) -> f64) -> Self {
-        let columns = |columns: &[Vec<f64>], of: fn(&[f64]) -> f64| {
-            columns.iter().map(|values| values.chunks_exact(ratio).map(of).collect()).collect()
+        let element = |of: &RecordedElement| RecordedElement {
+            name: of.name.clone(),
+            standby_w: of.standby_w,
+            power_w: of.power_w.chunks_exact(ratio).map(mean).collect(),
+            temperature_c: of.temperature_c.chunks_exact(ratio).map(temperature).collect(),
         };
         Self {
             sample_period_s: self.sample_period_s * ratio as f64,
-            names: self.names.clone(),
-            standby_w: self.standby_w.clone(),
-            power_w: columns(&self.power_w, mean),
-            temperature_c: columns(&self.temperature_c, temperature),
+            elements: self.elements.iter().map(element).collect(),
             event: self.event.chunks_exact(ratio).map(|labels| labels[0].clone()).collect(),
         }
     }
 
     /// With one more element that stands for several: their summed power and mean temperature.
     pub fn lumped(mut self, name: &str, elements: &[&str]) -> Result<Self, StudyError> {
-        let places = elements.iter().map(|name| self.place(name)).collect::<Result<Vec<_>, _>>()?;
-        let sum = |columns: &[Vec<f64>]| -> Vec<f64> {
-            (0..self.ticks()).map(|tick| places.iter().map(|place| columns[*place][tick]).sum()).collect()
+        let parts = elements.iter().map(|name| self.element(name)).collect::<Result<Vec<_>, _>>()?;
+        let sum = |of: fn(&RecordedElement) -> &[f64]| -> Vec<f64> {
+            (0..self.ticks()).map(|tick| parts.iter().map(|part| of(part)[tick]).sum()).collect()
         };
-        let (power_w, mut temperature_c) = (sum(&self.power_w), sum(&self.temperature_c));
-        temperature_c.iter_mut().for_each(|sum| *sum /= places.len().max(1) as f64);
-        self.standby_w.push(places.iter().map(|place| self.standby_w[*place]).sum());
-        self.power_w.push(power_w);
-        self.temperature_c.push(temperature_c);
-        self.names.push(name.to_owned());
+        let mut lumped = RecordedElement {
+            name: name.to_owned(),
+            standby_w: parts.iter().map(|part| part.standby_w).sum(),
+            power_w: sum(|part| &part.power_w),
+            temperature_c: sum(|part| &part.temperature_c),
+        };
+        lumped.temperature_c.iter_mut().for_each(|sum| *sum /= elements.len().max(1) as f64);
+        self.elements.push(lumped);
         Ok(self)
     }
 
@@ -158,8 +160,8 @@ impl StudyRecord {
             (column_name(prefix, name), first.into_iter().chain(values.iter().copied()).collect::<Vec<_>>())
         };
         let inputs = inputs.iter().map(|name| {
-            let standby_w = self.standby_w[self.place(name)?];
-            Ok(column(POWER, name, Some(standby_w), self.power_w(name)?))
+            let of = self.element(name)?;
+            Ok(column(POWER, name, Some(of.standby_w), &of.power_w))
         });
         let outputs = outputs.iter().map(|name| {
             let read_c = self.temperature_c(name)?;
@@ -210,14 +212,15 @@ mod tests {
 
     /// Two elements in six ticks of 0.5 s.
     fn record() -> StudyRecord {
-        StudyRecord {
-            sample_period_s: 0.5,
-            names: vec!["a".to_owned(), "b".to_owned()],
-            standby_w: vec![0.01, 0.02],
-            power_w: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0], vec![0.5; 6]],
-            temperature_c: vec![vec![20.0, 22.0, 24.0, 26.0, 28.0, 30.0], vec![10.0; 6]],
-            event: ["calm", "calm", "calm", "gust", "gust", "gust"].map(str::to_owned).into(),
-        }
+        let element = |name: &str, standby_w, power_w: [f64; 6], temperature_c: [f64; 6]| RecordedElement {
+            name: name.to_owned(),
+            standby_w,
+            power_w: power_w.to_vec(),
+            temperature_c: temperature_c.to_vec(),
+        };
+        let a = element("a", 0.01, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [20.0, 22.0, 24.0, 26.0, 28.0, 30.0]);
+        let event = ["calm", "calm", "calm", "gust", "gust", "gust"].map(str::to_owned).into();
+        StudyRecord { sample_period_s: 0.5, elements: vec![a, element("b", 0.02, [0.5; 6], [10.0; 6])], event }
     }
 
     #[test]
@@ -234,9 +237,10 @@ mod tests {
     fn longer_ticks_have_mean_powers_and_the_temperature_they_begin_with_or_its_mean() {
         let every = record().every(2);
         assert_eq!((every.sample_period_s, every.ticks()), (1.0, 3));
-        assert_eq!((&every.power_w[0], &every.temperature_c[0]), (&vec![1.5, 3.5, 5.5], &vec![20.0, 24.0, 28.0]));
+        let a = &every.elements[0];
+        assert_eq!((&a.power_w, &a.temperature_c), (&vec![1.5, 3.5, 5.5], &vec![20.0, 24.0, 28.0]));
         assert_eq!(every.event, ["calm", "calm", "gust"]);
-        assert_eq!(record().means(3).temperature_c[0], [22.0, 28.0]);
+        assert_eq!(record().means(3).elements[0].temperature_c, [22.0, 28.0]);
         // What does not fill a tick is left out.
         assert_eq!(record().every(4).ticks(), 1);
     }
@@ -246,7 +250,7 @@ mod tests {
         let lumped = record().lumped("both", &["a", "b"]).unwrap();
         assert_eq!(lumped.power_w("both").unwrap()[..2], [1.5, 2.5]);
         assert_eq!(lumped.temperature_c("both").unwrap()[..2], [15.0, 16.0]);
-        assert!((lumped.standby_w[2] - 0.03).abs() < 1e-15);
+        assert!((lumped.elements[2].standby_w - 0.03).abs() < 1e-15);
         let error = record().lumped("both", &["a", "c"]).unwrap_err();
         assert_eq!(error.to_string(), "the record has no element `c`");
     }

@@ -26,18 +26,13 @@ const END_S: f64 = 600.0;
 /// The card has settled by then, with its 87 s, and the dice on it at their set-point, s.
 const WARM_S: f64 = 300.0;
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
-    let (model, mut rows) = setpoints(lab, &mut findings)?;
-    rows.push(vec![switched(lab, &model, &mut findings)?]);
-    rows.push(held(lab, &mut findings)?);
-    rows.push(heated(lab, &mut findings)?);
-    findings.picture(
-        "REMS: the boom",
-        "The boom's symbol, its temperature under four dice measured and predicted, and what the boom does to the dice when it is heated",
-        rows,
-    );
-    Ok(findings)
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+    let (model, mut rows) = setpoints(lab, findings)?;
+    rows.push(vec![switched(lab, &model, findings)?]);
+    rows.push(held(lab, findings)?);
+    rows.push(heated(lab, findings)?);
+    findings.picture("REMS: the boom", rows);
+    Ok(())
 }
 
 /// 20 h of random set-points: the symbol, its poles, and the rise for a given overheat.

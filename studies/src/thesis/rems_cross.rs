@@ -24,8 +24,7 @@ const NO_DEPENDENCE: f64 = 5.0;
 /// A stretch of the record that a chart can show bit by bit, s.
 const SHOWN_S: (f64, f64) = (1800.0, 1920.0);
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let (_, still) = lab.run("rems-cross-still")?;
     let model = on_mesh_of_any_sign(still.table(&[HEATED], &OTHERS, false)?, CROSS_MESH)?;
     let at_rest = peaks(&model)?;
@@ -44,7 +43,7 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let largest = peak(pair(&model, HEATED, OTHERS[2])?, label, (0.0, f64::INFINITY))?;
     let own = format!("{} Hz ({})", brief(largest.frequency_hz), in_unit(largest.r_k_per_w, "K/W"));
     findings.reported("largest point of the diagonal die by itself", own);
-    mesh_or_poles(&still, &model, &mut findings)?;
+    mesh_or_poles(&still, &model, findings)?;
 
     let (_, windy) = lab.run("rems-cross-wind")?;
     let in_wind_model = on_mesh_of_any_sign(windy.table(&[HEATED], &OTHERS, false)?, CROSS_MESH)?;
@@ -58,16 +57,13 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     }
     findings.picture(
         "REMS: cross-heating between dice",
-        format!(
-            "Symbols from {HEATED} to its neighbours in still air and in wind, whose points at 0.1 Hz are compared, and two minutes of an adjacent die"
-        ),
         [
             vec![symbols("Still air", &model)?],
             vec![symbols("Wind from ahead, 7.5 m/min", &in_wind_model)?],
             vec![stretch(&still, &model)?],
         ],
     );
-    Ok(findings)
+    Ok(())
 }
 
 /// Of each of [`OTHERS`], the place of the first one's: what is compared is one pole.

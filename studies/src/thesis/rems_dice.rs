@@ -20,8 +20,7 @@ const WARM_S: f64 = 600.0;
 /// A stretch of the record that a chart can show bit by bit, s.
 const SHOWN_S: (f64, f64) = (1800.0, 1860.0);
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let base = lab.experiment("rems-four-dice")?;
     let together = lab.record(&base)?;
     let (mut models, mut lonely_c) = (Vec::new(), Vec::new());
@@ -37,7 +36,7 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     let error = format!("{} mK rms", brief(1e3 * predicted.worst_rmse_k()));
     findings.reported("its error", error);
 
-    let heating = cross_heating(&model, &together, &mut findings)?;
+    let heating = cross_heating(&model, &together, findings)?;
     let differences = (0..DICE.len()).map(|place| {
         let mean_c = together.mean_temperature_c(DICE[place], WARM_S, together.duration_s())?;
         Ok(mean_c - lonely_c[place])
@@ -52,17 +51,13 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     findings.compared("the same with the meshes of the thesis", "matches", words);
     findings.picture(
         "REMS: four dice at once",
-        format!(
-            "A minute of {} measured and predicted, their difference over the hour, and what its neighbours heat it by",
-            DICE[0]
-        ),
         [
             vec![minute(&together, &predicted)?],
             vec![difference(&together, &predicted)?],
             vec![neighbours(&together, &heating)],
         ],
     );
-    Ok(findings)
+    Ok(())
 }
 
 /// What each of the other three heats the first die by; findings are of all four.

@@ -17,16 +17,11 @@ const WIND_MESH: ThesisMesh = ThesisMesh { order: 8, edges_rad_s: (0.0111, 75.0)
 const DIE_HZ: (f64, f64) = (0.05, 2.0);
 const WINDS: [&str; 3] = ["rest", "back 7.5 m/min", "forward 7.5 m/min"];
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
-    let still = still(lab, &mut findings)?;
-    let wind = wind(lab, &mut findings)?;
-    findings.picture(
-        "REMS: self-heating of a die",
-        "Symbols of four dice in still air, and of one die in three winds: one peak each, lower in wind",
-        [vec![still], vec![wind]],
-    );
-    Ok(findings)
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+    let still = still(lab, findings)?;
+    let wind = wind(lab, findings)?;
+    findings.picture("REMS: self-heating of a die", [vec![still], vec![wind]]);
+    Ok(())
 }
 
 fn still(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyError> {

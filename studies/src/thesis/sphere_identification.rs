@@ -79,8 +79,7 @@ struct IdentifiedLoop {
     points: Vec<(f64, f64)>,
 }
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let spheres = [IdentifiedSphere::of(lab, &A)?, IdentifiedSphere::of(lab, &B)?];
     findings.fill("poles_and_zeros", poles_and_zeros(&spheres));
     let names = [["wind_a", "verdict_a", "front_verdict_a"], ["wind_b", "verdict_b", "front_verdict_b"]];
@@ -89,12 +88,12 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
         findings.fill(verdict, of.fastest().together.analysis.verdict(&[]));
         findings.fill(front, of.fastest().front.analysis.verdict(&[]));
     }
-    judge(&mut findings, &spheres);
+    judge(findings, &spheres);
     let slow_period_s = lab.experiment(A.step)?.sample_period_s;
     let fast = of_b_repeated(lab, &lab.experiment(B.step)?, FAST_PERIOD_S)?;
     let measured = [(of_a(lab)?, slow_period_s), (fast, FAST_PERIOD_S)];
     for (of, (measured, period_s)) in spheres.iter().zip(&measured) {
-        predicted(&mut findings, of, measured, *period_s);
+        predicted(findings, of, measured, *period_s);
     }
     let charts = |what: fn(&ThesisSphere) -> &'static str, of: fn(&SphereInWind) -> &IdentifiedLoop| {
         let chart = |IdentifiedSphere { sphere, winds }: &IdentifiedSphere| {
@@ -106,10 +105,9 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     };
     findings.picture(
         "Spheres A and B: why one is slow and one is fast",
-        "Thermal resistances over frequency: sphere A with three poles between 2 mHz and 20 Hz, sphere B with one near 1.5 mHz and a weak one at 70 Hz; and below, the same of the front part by itself",
         [charts(|_| "parts together", |wind| &wind.together), charts(|sphere| sphere.parts[0], |wind| &wind.front)],
     );
-    Ok(findings)
+    Ok(())
 }
 
 impl IdentifiedSphere {

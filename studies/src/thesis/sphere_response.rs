@@ -32,8 +32,7 @@ struct StepCase {
     from_s: f64,
 }
 
-pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
-    let mut findings = StudyFindings::default();
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let (b_closed, b_long) = of_b(lab, "sphere-b-step")?;
     let (b_off, b_off_long) = of_b(lab, "sphere-b-cores-off")?;
     let b_slow = lab.experiment("sphere-b-step")?;
@@ -55,7 +54,7 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
     {
         findings.fill(name, brief(case.response.resolution_s));
     }
-    judge(&mut findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
+    judge(findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
     let chart = |caption: &str, of: fn(f64) -> f64| {
         let lines = cases.iter().map(|case| {
             let points = case.response.points(case.from_s, 1e4).into_iter();
@@ -71,12 +70,8 @@ pub fn run(lab: &StudyLab) -> Result<StudyFindings, StudyError> {
         .limit(10.0)
         .limit(5.0)
         .limit(2.0);
-    findings.picture(
-        "Spheres A and B: a step of the wind from 2 to 6 m/s",
-        "Share of the change that the front part has answered, and what is missing, over time after the step: sphere B in closed loop within a second, sphere A in a minute and a half, sphere B in open loop in up to eleven minutes",
-        [vec![answered], vec![missing]],
-    );
-    Ok(findings)
+    findings.picture("Spheres A and B: a step of the wind from 2 to 6 m/s", [vec![answered], vec![missing]]);
+    Ok(())
 }
 
 fn absolute(missing: f64) -> f64 {
