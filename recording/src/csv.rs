@@ -127,7 +127,7 @@ pub(crate) struct CsvReader {
 
 impl CsvReader {
     /// The reader, and the names of the columns.
-    pub(crate) fn open(file: File, path: &Path) -> Result<(Self, Vec<String>), RecordingError> {
+    pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
         let file = Uncommented {
             file: BufReader::with_capacity(1 << 16, file),
             line: Vec::new(),
@@ -152,8 +152,9 @@ impl CsvReader {
         if names.iter().all(|name| name.parse::<f64>().is_ok()) {
             return refuse("begins with numbers: a line with the columns' names belongs first");
         }
-        let record = csv::StringRecord::new();
-        Ok((Self { csv, record, text: None, forced: Vec::new(), pending: false, rows: 0 }, names))
+        let reader =
+            Self { csv, record: csv::StringRecord::new(), text: None, forced: Vec::new(), pending: false, rows: 0 };
+        Ok((Box::new(reader), names))
     }
 
     /// Takes the next row into `record`.

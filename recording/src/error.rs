@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::text::one_line;
 
 /// Why a recording cannot be read or written: the file, what is wrong with it and where, and what
-/// would be right. Nobody handles one cause differently from another, so that there are no variants.
+/// would be right. Nobody handles one cause differently from another, so that there are no
+/// variants.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct RecordingError(String);

@@ -30,16 +30,10 @@ impl RecordingReader {
         if path.is_dir() {
             return Err(RecordingError::io(path, "read", "it is a folder"));
         }
-        let (source, mut names): (Box<dyn ChunkSource>, Vec<String>) = match format {
+        let (source, mut names) = match format {
             #[cfg(feature = "parquet")]
-            FileFormat::Parquet => {
-                let (source, names) = crate::parquet::ParquetReader::open(file, path)?;
-                (Box::new(source), names)
-            }
-            FileFormat::Csv => {
-                let (source, names) = CsvReader::open(file, path)?;
-                (Box::new(source), names)
-            }
+            FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
+            FileFormat::Csv => CsvReader::open(file, path)?,
         };
         rename_columns(&mut names, &source.metadata());
         if let Some(name) = duplicate(names.iter().map(String::as_str)) {

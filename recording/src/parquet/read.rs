@@ -33,7 +33,7 @@ struct RowGroup {
 
 impl ParquetReader {
     /// The reader, and the names of the columns.
-    pub(crate) fn open(file: File, path: &Path) -> Result<(Self, Vec<String>), RecordingError> {
+    pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
         let damaged = |reason: &dyn std::fmt::Display| RecordingError::damaged(path, reason);
         let length = file.metadata().map_err(|error| RecordingError::io(path, "read", error))?.len() as i64;
         let file = without_panic(move || SerializedFileReader::new_with_options(file, frugal()))
@@ -60,7 +60,7 @@ impl ParquetReader {
         if groups.iter().any(|group| group.num_rows() < 0) {
             return Err(damaged(&"its table of contents tells of fewer than no rows"));
         }
-        Ok((Self { file, group: 0, open: RowGroup::default() }, names))
+        Ok((Box::new(Self { file, group: 0, open: RowGroup::default() }), names))
     }
 
     fn open_group(&mut self, selected: &[usize]) -> Result<(), ParquetError> {
