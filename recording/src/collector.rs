@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::column::{ColumnKind, ColumnValues, ColumnWords, Metadata, RecordingColumn, RowCell};
+use crate::column::{ColumnKind, ColumnValues, Metadata, RecordingColumn};
 use crate::error::RecordingError;
 use crate::recording::Recording;
 use crate::row::{RecordingLayout, RecordingRow};
@@ -18,12 +18,8 @@ pub struct Collector {
 impl Collector {
     /// Starts a recording with what is known of it beforehand.
     pub fn new(layout: RecordingLayout, metadata: &Metadata) -> Self {
-        let empty = |kind| match kind {
-            ColumnKind::Text => ColumnValues::Words(ColumnWords::default()),
-            _ => ColumnValues::Numbers(Vec::new()),
-        };
-        let columns =
-            layout.columns().into_iter().map(|(name, kind)| RecordingColumn { name, values: empty(kind) }).collect();
+        let empty = |(name, kind)| RecordingColumn { name, values: ColumnValues::empty(kind == ColumnKind::Text) };
+        let columns = layout.columns().into_iter().map(empty).collect();
         let recording = Recording { path: PathBuf::from("this run"), metadata: with_format(metadata), columns };
         Self { layout, recording }
     }
@@ -40,12 +36,7 @@ impl Collector {
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
         for (column, cell) in self.recording.columns.iter_mut().zip(row.cells()) {
-            match (&mut column.values, cell) {
-                (ColumnValues::Numbers(values), RowCell::Number(number)) => values.push(number),
-                (ColumnValues::Words(values), RowCell::Text(word)) => values.push(word),
-                // The cells are of the layout's kinds.
-                _ => {}
-            }
+            column.values.push(cell);
         }
         Ok(())
     }

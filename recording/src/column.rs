@@ -1,7 +1,8 @@
 //! Columns in memory, and what every format of file can do with them.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::io;
+use std::path::PathBuf;
 
 use crate::error::RecordingError;
 
@@ -107,6 +108,19 @@ impl ColumnValues {
         self.len() == 0
     }
 
+    pub(crate) fn empty(holds_text: bool) -> Self {
+        if holds_text { Self::Words(ColumnWords::default()) } else { Self::Numbers(Vec::new()) }
+    }
+
+    /// Adds a cell of the column's kind.
+    pub(crate) fn push(&mut self, cell: RowCell<'_>) {
+        match (self, cell) {
+            (Self::Numbers(numbers), RowCell::Number(number)) => numbers.push(number),
+            (Self::Words(words), RowCell::Text(word)) => words.push(word),
+            (Self::Numbers(_), RowCell::Text(_)) | (Self::Words(_), RowCell::Number(_)) => {}
+        }
+    }
+
     pub(crate) fn append(&mut self, more: Self) -> Result<(), ()> {
         match (self, more) {
             (Self::Numbers(all), Self::Numbers(more)) => all.extend(more),
@@ -141,19 +155,31 @@ pub(crate) enum RowCell<'a> {
 
 /// The writer of a format: rows go in, cell by cell in the order of the columns.
 pub(crate) trait RowSink {
-    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>, path: &Path) -> Result<(), RecordingError>;
-    fn finish(self: Box<Self>, metadata: &Metadata, path: &Path) -> Result<(), RecordingError>;
+    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()>;
+    fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()>;
+}
+
+/// What a reader knows of its file, whatever the format.
+pub(crate) struct TableHead {
+    pub path: PathBuf,
+    /// Names of the columns, in the file's order.
+    pub names: Vec<String>,
+    /// The columns that are handed out, in their order.
+    pub selected: Vec<usize>,
+}
+
+impl TableHead {
+    pub fn damaged(&self, reason: impl std::fmt::Display) -> RecordingError {
+        RecordingError::damaged(&self.path, reason)
+    }
 }
 
 /// The reader of a format: what [`crate::RecordingReader`] says of each of these holds here.
 pub(crate) trait ChunkSource {
-    fn names(&self) -> &[String];
-    fn names_mut(&mut self) -> &mut [String];
     fn metadata(&self) -> Metadata;
     fn rows(&self) -> Option<u64>;
-    fn holds_text(&mut self, path: &Path) -> Result<Vec<bool>, RecordingError>;
-    fn select(&mut self, columns: &[usize]);
+    fn holds_text(&mut self, head: &TableHead) -> Result<Vec<bool>, RecordingError>;
     fn read_as_text(&mut self, column: usize);
-    fn skip(&mut self, rows: u64, path: &Path) -> Result<u64, RecordingError>;
-    fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<RecordingColumn>>, RecordingError>;
+    fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError>;
+    fn next_chunk(&mut self, head: &TableHead) -> Result<Option<Vec<ColumnValues>>, RecordingError>;
 }

@@ -5,12 +5,10 @@
 //! `\\`.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Write as _};
+use std::io::{self, BufRead, BufReader, BufWriter, Write as _};
 use std::path::Path;
 
-use crate::column::{
-    CHUNK, ChunkSource, ColumnKind, ColumnValues, ColumnWords, Metadata, RecordingColumn, RowCell, RowSink,
-};
+use crate::column::{CHUNK, ChunkSource, ColumnKind, ColumnValues, Metadata, RowCell, RowSink, TableHead};
 use crate::error::RecordingError;
 use crate::names::{EVENT, STATE};
 
@@ -22,25 +20,18 @@ pub(crate) struct CsvWriter {
 }
 
 impl CsvWriter {
-    pub(crate) fn new(
-        file: File,
-        columns: &[(String, ColumnKind)],
-        metadata: &Metadata,
-        path: &Path,
-    ) -> Result<Self, RecordingError> {
-        let failed = |error: &dyn std::fmt::Display| RecordingError::io(path, "written", error);
+    pub(crate) fn new(file: File, columns: &[(String, ColumnKind)], metadata: &Metadata) -> io::Result<Self> {
         let mut file = BufWriter::new(file);
-        write_metadata(&mut file, metadata).map_err(|error| failed(&error))?;
+        write_metadata(&mut file, metadata)?;
         let mut csv = csv::Writer::from_writer(file);
-        csv.write_record(columns.iter().map(|(name, _)| name)).map_err(|error| failed(&error))?;
-        Ok(Self {
-            csv,
-            field: String::new(),
-            wide: columns.iter().map(|(_, kind)| *kind == ColumnKind::Wide).collect(),
-        })
+        csv.write_record(columns.iter().map(|(name, _)| name))?;
+        let wide = columns.iter().map(|(_, kind)| *kind == ColumnKind::Wide).collect();
+        Ok(Self { csv, field: String::new(), wide })
     }
+}
 
-    fn write(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> csv::Result<()> {
+impl RowSink for CsvWriter {
+    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()> {
         use std::fmt::Write as _;
         for (&wide, cell) in self.wide.iter().zip(cells) {
             self.field.clear();
@@ -53,23 +44,17 @@ impl CsvWriter {
             };
             self.csv.write_field(&self.field)?;
         }
-        self.csv.write_record(None::<&[u8]>)
+        Ok(self.csv.write_record(None::<&[u8]>)?)
+    }
+
+    fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()> {
+        let mut file = self.csv.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+        write_metadata(&mut file, metadata)?;
+        file.flush()
     }
 }
 
-impl RowSink for CsvWriter {
-    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>, path: &Path) -> Result<(), RecordingError> {
-        self.write(cells).map_err(|error| RecordingError::io(path, "written", &error))
-    }
-
-    fn finish(self: Box<Self>, metadata: &Metadata, path: &Path) -> Result<(), RecordingError> {
-        let failed = |error: &dyn std::fmt::Display| RecordingError::io(path, "written", error);
-        let mut file = self.csv.into_inner().map_err(|error| failed(error.error()))?;
-        write_metadata(&mut file, metadata).and_then(|()| file.flush()).map_err(|error| failed(&error))
-    }
-}
-
-fn write_metadata(file: &mut impl std::io::Write, metadata: &Metadata) -> std::io::Result<()> {
+fn write_metadata(file: &mut impl io::Write, metadata: &Metadata) -> io::Result<()> {
     for (key, value) in metadata {
         writeln!(file, "# {key}: {}", value.replace('\\', "\\\\").replace('\r', "\\r").replace('\n', "\\n"))?;
     }
@@ -102,11 +87,11 @@ struct Uncommented {
     taken: usize,
     /// A line break inside quotes does not start a line.
     quoted: bool,
-    metadata: std::rc::Rc<std::cell::RefCell<Metadata>>,
+    metadata: Metadata,
 }
 
-impl std::io::Read for Uncommented {
-    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+impl io::Read for Uncommented {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         while self.taken == self.line.len() {
             self.line.clear();
             self.taken = 0;
@@ -114,9 +99,8 @@ impl std::io::Read for Uncommented {
                 return Ok(0);
             }
             if !self.quoted && self.line.starts_with(b"#") {
-                self.metadata
-                    .borrow_mut()
-                    .extend(metadata_of(String::from_utf8_lossy(&self.line).trim_end_matches(['\r', '\n'])));
+                let line = String::from_utf8_lossy(&self.line);
+                self.metadata.extend(metadata_of(line.trim_end_matches(['\r', '\n'])));
                 self.line.clear();
             } else {
                 self.quoted ^= self.line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1;
@@ -138,91 +122,66 @@ pub(crate) struct CsvReader {
     forced: Vec<usize>,
     /// The first row was looked at and has not been handed out.
     pending: bool,
-    names: Vec<String>,
-    /// The columns that are handed out, in their order.
-    selected: Vec<usize>,
     rows: u64,
-    metadata: std::rc::Rc<std::cell::RefCell<Metadata>>,
 }
 
 impl CsvReader {
-    pub(crate) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
-        let metadata = std::rc::Rc::default();
+    /// The reader, and the names of the columns.
+    pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
         let file = Uncommented {
             file: BufReader::with_capacity(1 << 16, file),
             line: Vec::new(),
             taken: 0,
             quoted: false,
-            metadata: std::rc::Rc::clone(&metadata),
+            metadata: Metadata::new(),
         };
         let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
-        let names: Vec<String> = csv
-            .headers()
-            .map_err(|error| RecordingError::damaged(path, &reworded(&error)))?
-            .iter()
-            .map(str::to_owned)
-            .collect();
+        let header = csv.headers().map_err(|error| RecordingError::damaged(path, reworded(&error)))?;
+        let names: Vec<String> = header.iter().map(str::to_owned).collect();
+        let refuse = |sentence: &str| Err(RecordingError::new(path, sentence));
         if names.is_empty() {
-            return Err(RecordingError::content(path, "is empty: a line with the columns' names belongs first"));
+            return refuse("is empty: a line with the columns' names belongs first");
         }
         if let ([only], Some(separator)) = (names.as_slice(), names[0].find([';', '\t'])) {
-            let sentence = format!("separates its columns by {:?}: commas belong there", &only[separator..=separator]);
-            return Err(RecordingError::content(path, sentence));
+            let separator = &only[separator..=separator];
+            return refuse(&format!("separates its columns by {separator:?}: commas belong there"));
         }
         if let Some(at) = names.iter().position(String::is_empty) {
-            return Err(RecordingError::content(path, format!("column {} has no name", at + 1)));
+            return refuse(&format!("column {} has no name", at + 1));
         }
         if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(RecordingError::content(
-                path,
-                "begins with numbers: a line with the columns' names belongs first",
-            ));
+            return refuse("begins with numbers: a line with the columns' names belongs first");
         }
-        let selected = (0..names.len()).collect();
-        let record = csv::StringRecord::new();
-        Ok(Self { csv, record, text: None, forced: Vec::new(), pending: false, names, selected, rows: 0, metadata })
+        let reader =
+            Self { csv, record: csv::StringRecord::new(), text: None, forced: Vec::new(), pending: false, rows: 0 };
+        Ok((Box::new(reader), names))
     }
 
     /// Takes the next row into `record`.
-    fn next_row(&mut self, path: &Path) -> Result<bool, RecordingError> {
+    fn next_row(&mut self, head: &TableHead) -> Result<bool, RecordingError> {
         if std::mem::take(&mut self.pending) {
             return Ok(true);
         }
-        let more =
-            self.csv.read_record(&mut self.record).map_err(|error| RecordingError::damaged(path, &reworded(&error)))?;
-        if more {
-            self.rows += 1;
-        }
+        let more = self.csv.read_record(&mut self.record).map_err(|error| head.damaged(reworded(&error)))?;
+        self.rows += u64::from(more);
         if more && self.text.is_none() {
             let is_text = |(at, (name, field)): (usize, (&String, &str))| {
                 [EVENT, STATE].contains(&name.as_str()) || self.forced.contains(&at) || number(field).is_none()
             };
-            self.text = Some(self.names.iter().zip(&self.record).enumerate().map(is_text).collect());
+            self.text = Some(head.names.iter().zip(&self.record).enumerate().map(is_text).collect());
         }
         Ok(more)
     }
 }
 
 impl ChunkSource for CsvReader {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn names_mut(&mut self) -> &mut [String] {
-        &mut self.names
-    }
-
     fn rows(&self) -> Option<u64> {
         None
     }
 
     /// What has been met so far; complete after the last chunk.
     fn metadata(&self) -> Metadata {
-        self.metadata.borrow().clone()
-    }
-
-    fn select(&mut self, columns: &[usize]) {
-        self.selected = columns.to_vec();
+        self.csv.get_ref().metadata.clone()
     }
 
     fn read_as_text(&mut self, column: usize) {
@@ -231,55 +190,44 @@ impl ChunkSource for CsvReader {
     }
 
     /// Whether each column holds text, as far as the first row tells.
-    fn holds_text(&mut self, path: &Path) -> Result<Vec<bool>, RecordingError> {
+    fn holds_text(&mut self, head: &TableHead) -> Result<Vec<bool>, RecordingError> {
         if self.text.is_none() {
-            self.pending = self.next_row(path)?;
+            self.pending = self.next_row(head)?;
         }
-        Ok(self.text.clone().unwrap_or_else(|| vec![false; self.names.len()]))
+        Ok(self.text.clone().unwrap_or_else(|| vec![false; head.names.len()]))
     }
 
     /// Passes over rows; fewer than asked for when the table ends before.
-    fn skip(&mut self, rows: u64, path: &Path) -> Result<u64, RecordingError> {
+    fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError> {
         for skipped in 0..rows {
-            if !self.next_row(path)? {
+            if !self.next_row(head)? {
                 return Ok(skipped);
             }
         }
         Ok(rows)
     }
 
-    fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
-        let mut chunk: Vec<RecordingColumn> = Vec::new();
+    fn next_chunk(&mut self, head: &TableHead) -> Result<Option<Vec<ColumnValues>>, RecordingError> {
+        let mut chunk: Vec<ColumnValues> = Vec::new();
         for _ in 0..CHUNK {
-            if !self.next_row(path)? {
+            if !self.next_row(head)? {
                 break;
             }
             if chunk.is_empty() {
                 let text = self.text.as_deref().unwrap_or_default();
-                let empty = |&at: &usize| RecordingColumn {
-                    name: self.names[at].clone(),
-                    values: if text[at] {
-                        ColumnValues::Words(ColumnWords::default())
-                    } else {
-                        ColumnValues::Numbers(Vec::new())
-                    },
-                };
-                chunk = self.selected.iter().map(empty).collect();
+                chunk = head.selected.iter().map(|&at| ColumnValues::empty(text[at])).collect();
             }
-            let record = &self.record;
-            for (column, &at) in chunk.iter_mut().zip(&self.selected) {
-                let field = record.get(at).unwrap_or_default();
-                match &mut column.values {
-                    ColumnValues::Words(words) => words.push(field),
-                    ColumnValues::Numbers(numbers) => numbers.push(number(field).ok_or_else(|| {
-                        let line = record.position().map_or(0, csv::Position::line);
-                        let (row, name) = (self.rows, &column.name);
-                        RecordingError::content(
-                            path,
-                            format!("row {row}{}, column `{name}`: `{field}` is not a number", at_line(line)),
-                        )
+            for (column, &at) in chunk.iter_mut().zip(&head.selected) {
+                let field = self.record.get(at).unwrap_or_default();
+                let cell = match column {
+                    ColumnValues::Words(_) => RowCell::Text(field),
+                    ColumnValues::Numbers(_) => RowCell::Number(number(field).ok_or_else(|| {
+                        let (row, name, line) = (self.rows, &head.names[at], at_line(self.record.position()));
+                        let sentence = format!("row {row}{line}, column `{name}`: `{field}` is not a number");
+                        RecordingError::new(&head.path, sentence)
                     })?),
-                }
+                };
+                column.push(cell);
             }
         }
         Ok((!chunk.is_empty()).then_some(chunk))
@@ -288,8 +236,9 @@ impl ChunkSource for CsvReader {
 
 /// `#` lines are not counted by the parser, so its line numbers are those of the table only;
 /// without such lines they are the file's.
-fn at_line(line: u64) -> String {
-    if line == 0 { String::new() } else { format!(" (line {line} of the table)") }
+fn at_line(position: Option<&csv::Position>) -> String {
+    let line = position.map(csv::Position::line).filter(|&line| line > 0);
+    line.map_or(String::new(), |line| format!(" (line {line} of the table)"))
 }
 
 /// A field's number; an empty field is a missing one.
@@ -300,13 +249,10 @@ fn number(field: &str) -> Option<f64> {
 fn reworded(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
-            format!("a row has {len} fields where the header names {expected_len} columns{}", at_line(line))
+            let line = at_line(pos.as_ref());
+            format!("a row has {len} fields where the header names {expected_len} columns{line}")
         }
-        csv::ErrorKind::Utf8 { pos, .. } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
-            format!("a row is not UTF-8 text{}", at_line(line))
-        }
+        csv::ErrorKind::Utf8 { pos, .. } => format!("a row is not UTF-8 text{}", at_line(pos.as_ref())),
         _ => error.to_string(),
     }
 }

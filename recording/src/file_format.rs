@@ -18,9 +18,12 @@ impl FileFormat {
             #[cfg(feature = "parquet")]
             "parquet" => Ok(Self::Parquet),
             #[cfg(not(feature = "parquet"))]
-            "parquet" => Err(RecordingError::NoParquet(path.to_owned())),
+            "parquet" => Err(RecordingError::new(
+                path,
+                "this program was built without Parquet: use a .csv file, or build it with the feature `parquet`",
+            )),
             "csv" => Ok(Self::Csv),
-            _ => Err(RecordingError::Extension(path.to_owned())),
+            _ => Err(RecordingError::new(path, "a recording's name ends in .parquet or .csv")),
         }
     }
 }

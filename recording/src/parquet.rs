@@ -8,19 +8,18 @@
 mod read;
 
 use std::fs::File;
-use std::path::Path;
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
-use crate::column::{ColumnKind, Metadata, RowCell, RowSink};
-use crate::error::RecordingError;
+use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell, RowSink};
 
 pub(crate) use read::ParquetReader;
 
@@ -28,31 +27,15 @@ pub(crate) use read::ParquetReader;
 /// table of contents grow, which has a line for every group and column.
 const GROUP: usize = 65_536;
 
-enum ColumnBuffer {
-    Wide(Vec<f64>),
-    Numbers(Vec<f32>),
-    Bits(Vec<i32>),
-    /// The flags that are there, and for each row whether they are.
-    Flags(Vec<i32>, Vec<i16>),
-    Text(Vec<ByteArray>),
-}
-
 pub(crate) struct ParquetWriter {
     file: SerializedFileWriter<File>,
-    buffers: Vec<ColumnBuffer>,
+    /// The rows that wait for their group, column by column.
+    buffers: Vec<(ColumnKind, ColumnValues)>,
     rows: usize,
-    /// The texts in use: they repeat for thousands of rows, and a clone is a counter.
-    texts: Vec<ByteArray>,
 }
 
 impl ParquetWriter {
-    pub(crate) fn new(
-        file: File,
-        columns: &[(String, ColumnKind)],
-        metadata: &Metadata,
-        path: &Path,
-    ) -> Result<Self, RecordingError> {
-        let failed = |error: ParquetError| RecordingError::io(path, "written", &error);
+    pub(crate) fn new(file: File, columns: &[(String, ColumnKind)], metadata: &Metadata) -> Result<Self, ParquetError> {
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
@@ -65,36 +48,11 @@ impl ParquetWriter {
                 properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![name.clone()]), true);
             }
         }
-        let schema = columns
-            .iter()
-            .map(|(name, kind)| field(name, *kind).map(Arc::new))
-            .collect::<Result<_, _>>()
-            .map_err(failed)?;
-        let schema = Type::group_type_builder("recording").with_fields(schema).build().map_err(failed)?;
-        let file = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build())).map_err(failed)?;
-        let buffers = columns
-            .iter()
-            .map(|(_, kind)| match kind {
-                ColumnKind::Wide => ColumnBuffer::Wide(Vec::with_capacity(GROUP)),
-                ColumnKind::Number => ColumnBuffer::Numbers(Vec::with_capacity(GROUP)),
-                ColumnKind::Bit => ColumnBuffer::Bits(Vec::with_capacity(GROUP)),
-                ColumnKind::Flags => ColumnBuffer::Flags(Vec::new(), Vec::with_capacity(GROUP)),
-                ColumnKind::Text => ColumnBuffer::Text(Vec::with_capacity(GROUP)),
-            })
-            .collect();
-        Ok(Self { file, buffers, rows: 0, texts: Vec::new() })
-    }
-
-    fn text(texts: &mut Vec<ByteArray>, text: &str) -> ByteArray {
-        if let Some(known) = texts.iter().find(|known| known.data() == text.as_bytes()) {
-            return known.clone();
-        }
-        // Labels are few; a stream of ever new ones must not pile up.
-        if texts.len() == 64 {
-            texts.clear();
-        }
-        texts.push(ByteArray::from(text));
-        ByteArray::from(text)
+        let fields = columns.iter().map(|(name, kind)| field(name, *kind).map(Arc::new)).collect::<Result<_, _>>()?;
+        let schema = Type::group_type_builder("recording").with_fields(fields).build()?;
+        let file = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))?;
+        let empty = |kind| (kind, ColumnValues::empty(kind == ColumnKind::Text));
+        Ok(Self { file, buffers: columns.iter().map(|(_, kind)| empty(*kind)).collect(), rows: 0 })
     }
 
     fn flush(&mut self) -> Result<(), ParquetError> {
@@ -102,18 +60,10 @@ impl ParquetWriter {
             return Ok(());
         }
         let mut group = self.file.next_row_group()?;
-        for buffer in &mut self.buffers {
+        for (kind, buffer) in &mut self.buffers {
             let Some(mut column) = group.next_column()? else { break };
-            match buffer {
-                ColumnBuffer::Wide(values) => write_all::<DoubleType>(&mut column, values, None)?,
-                ColumnBuffer::Numbers(values) => write_all::<FloatType>(&mut column, values, None)?,
-                ColumnBuffer::Bits(values) => write_all::<Int32Type>(&mut column, values, None)?,
-                ColumnBuffer::Flags(values, present) => {
-                    write_all::<Int32Type>(&mut column, values, Some(present))?;
-                    present.clear();
-                }
-                ColumnBuffer::Text(values) => write_all::<ByteArrayType>(&mut column, values, None)?,
-            }
+            write_column(&mut column, *kind, buffer)?;
+            *buffer = ColumnValues::empty(*kind == ColumnKind::Text);
             column.close()?;
         }
         group.close()?;
@@ -123,46 +73,53 @@ impl ParquetWriter {
 }
 
 impl RowSink for ParquetWriter {
-    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>, path: &Path) -> Result<(), RecordingError> {
-        for (buffer, cell) in self.buffers.iter_mut().zip(cells) {
-            match (buffer, cell) {
-                (ColumnBuffer::Wide(values), RowCell::Number(number)) => values.push(number),
-                (ColumnBuffer::Numbers(values), RowCell::Number(number)) => values.push(number as f32),
-                (ColumnBuffer::Bits(bits), RowCell::Number(bit)) => bits.push(bit as i32),
-                (ColumnBuffer::Flags(values, present), RowCell::Number(flags)) => {
-                    present.push(i16::from(!flags.is_nan()));
-                    values.extend((!flags.is_nan()).then_some(flags as i32));
-                }
-                (ColumnBuffer::Text(values), RowCell::Text(text)) => values.push(Self::text(&mut self.texts, text)),
-                // The cells are of the columns' kinds.
-                _ => {}
-            }
+    fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()> {
+        for ((_, buffer), cell) in self.buffers.iter_mut().zip(cells) {
+            buffer.push(cell);
         }
         self.rows += 1;
-        if self.rows == GROUP {
-            self.flush().map_err(|error| RecordingError::io(path, "written", &error))?;
-        }
-        Ok(())
+        if self.rows == GROUP { self.flush().map_err(io::Error::other) } else { Ok(()) }
     }
 
-    fn finish(mut self: Box<Self>, metadata: &Metadata, path: &Path) -> Result<(), RecordingError> {
-        let failed = |error: ParquetError| RecordingError::io(path, "written", &error);
-        self.flush().map_err(failed)?;
+    fn finish(mut self: Box<Self>, metadata: &Metadata) -> io::Result<()> {
+        self.flush().map_err(io::Error::other)?;
         for (key, value) in metadata {
             self.file.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
-        self.file.close().map(|_| ()).map_err(failed)
+        self.file.close().map(|_| ()).map_err(io::Error::other)
     }
 }
 
-fn write_all<T: DataType>(
-    column: &mut parquet::file::writer::SerializedColumnWriter<'_>,
-    values: &mut Vec<T::T>,
-    present: Option<&[i16]>,
+fn write_column(
+    column: &mut SerializedColumnWriter<'_>,
+    kind: ColumnKind,
+    values: &ColumnValues,
 ) -> Result<(), ParquetError> {
-    column.typed::<T>().write_batch(values, present, None)?;
-    values.clear();
-    Ok(())
+    let whole = |numbers: &[f64]| numbers.iter().map(|number| *number as i32).collect::<Vec<_>>();
+    match (kind, values) {
+        (_, ColumnValues::Words(words)) => {
+            // A clone of a text is a counter.
+            let known: Vec<ByteArray> = words.dictionary().iter().map(|word| word.as_str().into()).collect();
+            let texts: Vec<ByteArray> = words.codes().iter().map(|&code| known[code as usize].clone()).collect();
+            column.typed::<ByteArrayType>().write_batch(&texts, None, None)
+        }
+        (ColumnKind::Bit, ColumnValues::Numbers(bits)) => {
+            column.typed::<Int32Type>().write_batch(&whole(bits), None, None)
+        }
+        (ColumnKind::Flags, ColumnValues::Numbers(flags)) => {
+            let present: Vec<i16> = flags.iter().map(|flags| i16::from(!flags.is_nan())).collect();
+            let flags: Vec<f64> = flags.iter().copied().filter(|flags| !flags.is_nan()).collect();
+            column.typed::<Int32Type>().write_batch(&whole(&flags), Some(&present), None)
+        }
+        (ColumnKind::Wide, ColumnValues::Numbers(numbers)) => {
+            column.typed::<DoubleType>().write_batch(numbers, None, None)
+        }
+        (ColumnKind::Number | ColumnKind::Text, ColumnValues::Numbers(numbers)) => {
+            let numbers: Vec<f32> = numbers.iter().map(|number| *number as f32).collect();
+            column.typed::<FloatType>().write_batch(&numbers, None, None)
+        }
+    }
+    .map(|_| ())
 }
 
 fn field(name: &str, kind: ColumnKind) -> Result<Type, ParquetError> {

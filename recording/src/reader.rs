@@ -1,9 +1,9 @@
 //! Reading a recording in chunks.
 
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::column::{ChunkSource, Metadata, RecordingColumn};
+use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead};
 use crate::csv::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::FileFormat;
@@ -12,7 +12,7 @@ use crate::names::duplicate;
 
 /// A recording that is read chunk by chunk, in memory that does not grow with its length.
 pub struct RecordingReader {
-    path: PathBuf,
+    head: TableHead,
     source: Box<dyn ChunkSource>,
 }
 
@@ -24,28 +24,28 @@ impl RecordingReader {
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let format = FileFormat::of(path)?;
         let file = File::open(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => RecordingError::Missing(path.to_owned()),
-            _ => RecordingError::io(path, "read", &error),
+            std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
+            _ => RecordingError::io(path, "read", error),
         })?;
         if path.is_dir() {
-            return Err(RecordingError::io(path, "read", &"it is a folder"));
+            return Err(RecordingError::io(path, "read", "it is a folder"));
         }
-        let mut source: Box<dyn ChunkSource> = match format {
+        let (source, mut names) = match format {
             #[cfg(feature = "parquet")]
-            FileFormat::Parquet => Box::new(crate::parquet::ParquetReader::open(file, path)?),
-            FileFormat::Csv => Box::new(CsvReader::open(file, path)?),
+            FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
+            FileFormat::Csv => CsvReader::open(file, path)?,
         };
-        let metadata = source.metadata();
-        rename_columns(source.names_mut(), &metadata);
-        if let Some(name) = duplicate(source.names().iter().map(String::as_str)) {
-            return Err(RecordingError::content(path, format!("two columns are named `{name}`: rename one of them")));
+        rename_columns(&mut names, &source.metadata());
+        if let Some(name) = duplicate(names.iter().map(String::as_str)) {
+            return Err(RecordingError::new(path, format!("two columns are named `{name}`: rename one of them")));
         }
-        Ok(Self { path: path.to_owned(), source })
+        let selected = (0..names.len()).collect();
+        Ok(Self { head: TableHead { path: path.to_owned(), names, selected }, source })
     }
 
     /// Names of the columns, in the file's order.
     pub fn names(&self) -> &[String] {
-        self.source.names()
+        &self.head.names
     }
 
     /// What the file says of itself. A CSV file may say more below its last row: complete after the
@@ -61,13 +61,13 @@ impl RecordingReader {
 
     /// Whether each column holds text: by its type, or by its first row in a CSV file.
     pub fn holds_text(&mut self) -> Result<Vec<bool>, RecordingError> {
-        self.source.holds_text(&self.path)
+        self.source.holds_text(&self.head)
     }
 
     /// Hands out only these columns (as they stand in [`RecordingReader::names`]), in this order,
     /// and spares itself the others. Before the first chunk.
     pub fn select(&mut self, columns: &[usize]) {
-        self.source.select(columns);
+        self.head.selected = columns.to_vec();
     }
 
     /// Takes a column of a CSV file for text even if its first row looks like a number. Parquet's
@@ -78,12 +78,15 @@ impl RecordingReader {
 
     /// Passes over rows before the first chunk; returns how many there were.
     pub fn skip(&mut self, rows: u64) -> Result<u64, RecordingError> {
-        self.source.skip(rows, &self.path)
+        self.source.skip(rows, &self.head)
     }
 
     /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after
     /// the last.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
-        self.source.next_chunk(&self.path)
+        let head = &self.head;
+        let named = |(&at, values): (&usize, _)| RecordingColumn { name: head.names[at].clone(), values };
+        let chunk = self.source.next_chunk(head)?;
+        Ok(chunk.map(|columns| head.selected.iter().zip(columns).map(named).collect()))
     }
 }

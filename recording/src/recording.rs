@@ -34,12 +34,12 @@ impl Recording {
             }
             for (all, more) in columns.iter_mut().zip(chunk) {
                 all.values.append(more.values).map_err(|()| {
-                    RecordingError::content(path, format!("column `{}` is partly numbers and partly text", all.name))
+                    RecordingError::new(path, format!("column `{}` is partly numbers and partly text", all.name))
                 })?;
             }
         }
         if columns.is_empty() {
-            return Err(RecordingError::content(path, "has columns but no rows"));
+            return Err(RecordingError::new(path, "has columns but no rows"));
         }
         Ok(Self { path: path.to_owned(), metadata: reader.metadata(), columns })
     }
@@ -69,7 +69,7 @@ impl Recording {
         match &self.column(name)?.values {
             ColumnValues::Numbers(numbers) => Ok(numbers),
             ColumnValues::Words(_) => {
-                Err(RecordingError::content(&self.path, format!("column `{name}` holds text where numbers belong")))
+                Err(RecordingError::new(&self.path, format!("column `{name}` holds text where numbers belong")))
             }
         }
     }
@@ -84,7 +84,7 @@ impl Recording {
                 let sentence = format!(
                     "row {row}, column `{name}`: {value} is no value to work with; cut the record there or fill the gap"
                 );
-                Err(RecordingError::content(&self.path, sentence))
+                Err(RecordingError::new(&self.path, sentence))
             }
         }
     }
@@ -94,7 +94,7 @@ impl Recording {
         match &self.column(name)?.values {
             ColumnValues::Words(words) => Ok(words),
             ColumnValues::Numbers(_) => {
-                Err(RecordingError::content(&self.path, format!("column `{name}` holds numbers where text belongs")))
+                Err(RecordingError::new(&self.path, format!("column `{name}` holds numbers where text belongs")))
             }
         }
     }
@@ -129,7 +129,7 @@ impl Recording {
             Some(at) => {
                 let (row, before, after) = (at + 2, time_s[at], time_s[at + 1]);
                 let sentence = format!("row {row}: `{name}` goes from {before} s to {after} s, but time must ascend");
-                Err(RecordingError::content(&self.path, sentence))
+                Err(RecordingError::new(&self.path, sentence))
             }
         }
     }
@@ -142,7 +142,7 @@ impl Recording {
         let time_s = self.time_s()?;
         let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         if steps.is_empty() {
-            return Err(RecordingError::content(&self.path, "has one row: a sample period takes at least two"));
+            return Err(RecordingError::new(&self.path, "has one row: a sample period takes at least two"));
         }
         let middle = steps.len() / 2;
         let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -153,7 +153,7 @@ impl Recording {
                 tidy(step),
                 tidy(median)
             );
-            return Err(RecordingError::content(&self.path, sentence));
+            return Err(RecordingError::new(&self.path, sentence));
         }
         Ok((time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64)
     }
@@ -161,7 +161,7 @@ impl Recording {
     fn column(&self, name: &str) -> Result<&RecordingColumn, RecordingError> {
         self.columns.iter().find(|column| column.name == name).ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
-            RecordingError::content(&self.path, format!("there is no column `{name}`; {}", suggest(name, names)))
+            RecordingError::new(&self.path, format!("there is no column `{name}`; {}", suggest(name, names)))
         })
     }
 }

@@ -102,33 +102,29 @@ impl RecordingLayout {
             count @ 17.. => Some(format!("{count} elements do not fit: 16 do at most")),
             _ => shared_column(self.elements.iter().map(String::as_str)),
         };
-        fault.map_or(Ok(()), |sentence| Err(RecordingError::content(path, sentence)))
+        fault.map_or(Ok(()), |sentence| Err(RecordingError::new(path, sentence)))
     }
 
     pub(crate) fn check(&self, row: &RecordingRow) -> Result<(), RecordingError> {
-        let refuse = |sentence: String| Err(RecordingError::Row { time_s: row.time_s, sentence });
-        let wanted = self.elements.len();
-        for (what, given) in [("temperatures", row.temperature_c.len()), ("powers", row.power_w.len())] {
-            if given != wanted {
-                return refuse(format!("{given} {what} for {wanted} elements"));
-            }
-        }
-        let (given, wanted) = (row.equivalent_power_w.len(), self.observed.len());
-        if given != wanted {
-            return refuse(format!("{given} equivalent powers for {wanted} observed elements"));
+        let (elements, estimates) = (self.elements.len(), wind::columns(&self.estimates).len());
+        let counts = [
+            (row.temperature_c.len(), "temperatures for", elements, "elements"),
+            (row.power_w.len(), "powers for", elements, "elements"),
+            (row.equivalent_power_w.len(), "equivalent powers for", self.observed.len(), "observed elements"),
+            (row.estimate.len(), "numbers of a wind estimate where", estimates, "belong"),
+        ];
+        let refuse = |sentence: &str| Err(RecordingError::row(row.time_s, sentence));
+        if let Some((given, what, wanted, of)) = counts.into_iter().find(|(given, _, wanted, _)| given != wanted) {
+            return refuse(&format!("{given} {what} {wanted} {of}"));
         }
         if row.true_wind_m_s.is_some() != self.true_wind {
-            return refuse("the wind belongs in every row or in none".to_owned());
+            return refuse("the wind belongs in every row or in none");
         }
         if row.gas_temperature_c.is_some() != self.gas {
-            return refuse("the temperature of the gas belongs in every row or in none".to_owned());
-        }
-        let (given, wanted) = (row.estimate.len(), wind::columns(&self.estimates).len());
-        if given != wanted {
-            return refuse(format!("{given} numbers of a wind estimate where {wanted} belong"));
+            return refuse("the temperature of the gas belongs in every row or in none");
         }
         if !row.time_s.is_finite() {
-            return refuse("its time is not finite".to_owned());
+            return refuse("its time is not finite");
         }
         Ok(())
     }

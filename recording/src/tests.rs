@@ -248,7 +248,7 @@ fn missing_and_damaged_files_are_told_apart() {
     for length in [0, 3, 8, whole.len() / 2, whole.len() - 9, whole.len() - 1] {
         std::fs::write(&cut, &whole[..length]).unwrap();
         let error = Recording::read(&cut).unwrap_err();
-        assert!(matches!(error, RecordingError::Damaged { .. }), "{length}: {error}");
+        assert!(error.to_string().contains("is damaged or cut short"), "{length}: {error}");
         assert!(!error.to_string().contains('\n'));
     }
 }

@@ -23,23 +23,30 @@ struct TableWriter {
 impl TableWriter {
     fn create(path: &Path, columns: &[(String, ColumnKind)], metadata: &Metadata) -> Result<Self, RecordingError> {
         let format = FileFormat::of(path)?;
-        let (temporary, file) = Temporary::create(path).map_err(|error| RecordingError::io(path, "written", &error))?;
+        let (temporary, file) = Temporary::create(path).map_err(unwritten(path))?;
         let sink: Box<dyn RowSink + Send> = match format {
             #[cfg(feature = "parquet")]
-            FileFormat::Parquet => Box::new(crate::parquet::ParquetWriter::new(file, columns, metadata, path)?),
-            FileFormat::Csv => Box::new(CsvWriter::new(file, columns, metadata, path)?),
+            FileFormat::Parquet => {
+                let sink = crate::parquet::ParquetWriter::new(file, columns, metadata);
+                Box::new(sink.map_err(std::io::Error::other).map_err(unwritten(path))?)
+            }
+            FileFormat::Csv => Box::new(CsvWriter::new(file, columns, metadata).map_err(unwritten(path))?),
         };
         Ok(Self { path: path.to_owned(), sink, temporary })
     }
 
     fn push<'a>(&mut self, mut cells: impl Iterator<Item = RowCell<'a>>) -> Result<(), RecordingError> {
-        self.sink.push(&mut cells, &self.path)
+        self.sink.push(&mut cells).map_err(unwritten(&self.path))
     }
 
     fn finish(self, metadata: &Metadata) -> Result<(), RecordingError> {
-        self.sink.finish(metadata, &self.path)?;
-        self.temporary.keep().map_err(|error| RecordingError::io(&self.path, "written", &error))
+        self.sink.finish(metadata).and_then(|()| self.temporary.keep()).map_err(unwritten(&self.path))
     }
+}
+
+/// Makes the error for a file that the system does not let be written.
+fn unwritten(path: &Path) -> impl Fn(std::io::Error) -> RecordingError {
+    move |error| RecordingError::io(path, "written", error)
 }
 
 /// A recording that is being written. Dropped before [`RecordingWriter::finish`], it leaves no

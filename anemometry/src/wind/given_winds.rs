@@ -29,7 +29,7 @@ impl GivenWinds {
 /// # Errors
 /// If it cannot be read, lacks a column, or gives a label twice.
 pub fn read(path: &Path) -> Result<GivenWinds, RecordingError> {
-    let refuse = |sentence: String| RecordingError::Content { path: path.to_owned(), sentence };
+    let refuse = |sentence: String| RecordingError::new(path, sentence);
     let table = Recording::read(path)?;
     let labels = table.words(EVENT).map_err(|_| {
         refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", TRUE_WIND.join(", ")))

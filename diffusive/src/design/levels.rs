@@ -13,7 +13,7 @@ pub const BEYOND_ABOVE: f64 = 1.05;
 fn powers(winds: &[LoopModel], rise_k: f64) -> impl Iterator<Item = (&str, f64)> {
     let target_c = winds[0].unheated_c + rise_k;
     winds.iter().map(move |loop_model| {
-        (loop_model.label.as_str(), (target_c - loop_model.unheated_c) / loop_model.surface.steady_gain_k_per_w())
+        (loop_model.label.as_str(), (target_c - loop_model.unheated_c) / loop_model.surface.steady_gain_k_per_w)
     })
 }
 
@@ -53,7 +53,7 @@ fn held_k(winds: &[LoopModel], wanted: &Requirements) -> (f64, f64) {
     let reference_c = winds[0].unheated_c;
     winds.iter().fold((0.0, f64::INFINITY), |(least_k, most_k), loop_model| {
         let rise_k =
-            |power_w: f64| power_w * loop_model.surface.steady_gain_k_per_w() + loop_model.unheated_c - reference_c;
+            |power_w: f64| power_w * loop_model.surface.steady_gain_k_per_w + loop_model.unheated_c - reference_c;
         let low_w = wanted.power_low_w.map_or(0.0, |low_w| low_w / (1.0 - wanted.margin));
         let high_w = wanted.power_high_w.map_or(f64::INFINITY, |high_w| high_w / (1.0 + wanted.margin));
         (f64::max(least_k, rise_k(low_w)), f64::min(most_k, rise_k(high_w)))

@@ -55,7 +55,7 @@ pub fn design(winds: &[LoopModel], wanted: &Requirements) -> Result<LoopDesign, 
         let held = analyse(loop_model, Some(conditions)).held.ok_or_else(never)?;
         Ok(DesignInWind {
             label: loop_model.label.clone(),
-            steady_power_w: held.rise_k / loop_model.surface.steady_gain_k_per_w(),
+            steady_power_w: held.rise_k / loop_model.surface.steady_gain_k_per_w,
             margins_w: held.margins_w,
             reaching_time_s: held.reaching_time_s.ok_or_else(never)?,
             chatter_k: held.chatter.ok_or_else(never)?.peak_to_peak_k(),

@@ -31,12 +31,12 @@ struct SampledElement<'a> {
 
 impl<'a> SampledElement<'a> {
     fn new(surface: &'a SlidingSurface, power_w: f64, sample_period_s: f64) -> Self {
-        let gain = surface.rates_rad_s().iter().map(|&rate| mesh::gain(rate, sample_period_s)).collect();
+        let gain = surface.rates_rad_s.iter().map(|&rate| mesh::gain(rate, sample_period_s)).collect();
         Self { surface, gain, x: vec![power_w; surface.order()] }
     }
 
     fn rise_k(&self) -> f64 {
-        self.x.iter().zip(self.surface.r_k_per_w()).map(|(x, r)| x * r).sum()
+        self.x.iter().zip(&self.surface.r_k_per_w).map(|(x, r)| x * r).sum()
     }
 
     fn step(&mut self, power_w: f64) {
@@ -56,7 +56,7 @@ pub fn run(loop_model: &LoopModel, conditions: &LoopConditions) -> LoopTrial {
     }
     let reaching_time_s = (ticks < MOST_TICKS).then(|| f64::from(ticks) * sample_period_s);
 
-    let mut body = SampledElement::new(surface, rise_k / surface.steady_gain_k_per_w(), sample_period_s);
+    let mut body = SampledElement::new(surface, rise_k / surface.steady_gain_k_per_w, sample_period_s);
     let (mut energy, mut counted, mut lowest_k, mut highest_k) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
     for tick in 0..TICKS {
         let reading_k = body.rise_k();

@@ -135,15 +135,15 @@ impl Forward {
             gas.x = Some(vec![0.0; gas.gain.len()]);
         }
         let longest = forward.past.len();
-        for (slot, at) in (0..longest).enumerate() {
+        for at in 0..longest {
             for (input, values) in end.pending.iter().enumerate() {
                 let skipped = values.len().saturating_sub(longest);
                 if let Some(&value) = values.get(skipped + at) {
-                    forward.past[slot].0[input] = value;
+                    forward.past[at].0[input] = value;
                 }
             }
             let skipped = end.pending_class.len().saturating_sub(longest);
-            forward.past[slot].1 = end.pending_class.get(skipped + at).copied().unwrap_or(0);
+            forward.past[at].1 = end.pending_class.get(skipped + at).copied().unwrap_or(0);
         }
         forward
     }

@@ -91,21 +91,21 @@ pub struct LoopAtSetPoint {
 /// Analyses one class; the loop itself only where conditions are given.
 pub fn analyse(loop_model: &LoopModel, conditions: Option<LoopConditions>) -> Analysis {
     let surface = &loop_model.surface;
-    let steady_w_per_k = 1.0 / surface.steady_gain_k_per_w();
+    let steady_w_per_k = 1.0 / surface.steady_gain_k_per_w;
     let lift = decays_of_a_lift(surface);
     let mut open = Decays::default();
-    for (rate, r) in surface.rates_rad_s().iter().zip(surface.r_k_per_w()) {
+    for (rate, r) in surface.rates_rad_s.iter().zip(&surface.r_k_per_w) {
         open.push((*rate).into(), (*r).into());
     }
-    let heated = surface.rates_rad_s().iter().zip(surface.r_k_per_w()).filter(|(_, r)| **r != 0.0);
+    let heated = surface.rates_rad_s.iter().zip(&surface.r_k_per_w).filter(|(_, r)| **r != 0.0);
     Analysis {
         label: loop_model.label.clone(),
         poles_rad_s: heated.map(|(rate, _)| *rate).collect(),
         zeros: lift.terms().iter().map(|(rate, weight)| (*rate, weight / steady_w_per_k)).collect(),
-        steady_gain_k_per_w: surface.steady_gain_k_per_w(),
-        gamma_k_per_j: surface.gamma_k_per_j(),
+        steady_gain_k_per_w: surface.steady_gain_k_per_w,
+        gamma_k_per_j: surface.gamma_k_per_j,
         unheated_c: loop_model.unheated_c,
-        open_settling_s: open.settled_s(SETTLED * surface.steady_gain_k_per_w()),
+        open_settling_s: open.settled_s(SETTLED * surface.steady_gain_k_per_w),
         closed_settling_s: lift.settled_s(SETTLED * steady_w_per_k),
         lift,
         held: conditions.map(|conditions| held(loop_model, conditions)),
@@ -117,11 +117,11 @@ fn held(loop_model: &LoopModel, conditions: LoopConditions) -> LoopAtSetPoint {
     let surface = &loop_model.surface;
     let rise_k = target_c - loop_model.unheated_c;
     let verdict = surface.reachability(rise_k, low_w, high_w);
-    let steady_w = rise_k / surface.steady_gain_k_per_w();
+    let steady_w = rise_k / surface.steady_gain_k_per_w;
     let reachable = matches!(verdict, Reachability::Reachable { .. });
     let met_s = if reachable { reaching_time_s(surface, rise_k, high_w) } else { None };
     let arrival = met_s.map(|time_s| -> Vec<f64> {
-        let poles = surface.rates_rad_s().iter().zip(surface.r_k_per_w());
+        let poles = surface.rates_rad_s.iter().zip(&surface.r_k_per_w);
         poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect()
     });
     let after_s = arrival
@@ -144,7 +144,7 @@ fn held(loop_model: &LoopModel, conditions: LoopConditions) -> LoopAtSetPoint {
 /// From one class to another of the same pair at a temperature in °C; `None` where their rates
 /// differ, as they do not in one model.
 pub fn change_between(from: &LoopModel, to: &LoopModel, target_c: f64) -> Option<WindChange> {
-    if from.structure.rates_rad_s() != to.structure.rates_rad_s() {
+    if from.structure.rates_rad_s != to.structure.rates_rad_s {
         return None;
     }
     if from.gas_c.is_some() || to.gas_c.is_some() {
@@ -159,7 +159,7 @@ pub fn change_between(from: &LoopModel, to: &LoopModel, target_c: f64) -> Option
 /// What a class of a conductance has without heating and without its wind: T_w = T_0 − G ΔG (T_0 −
 /// T_gas) turned round, by 1 − G ΔG = 1/(1 + ΔG·ΣR).
 fn reference_c(loop_model: &LoopModel) -> f64 {
-    let share = 1.0 - loop_model.surface.steady_gain_k_per_w() * loop_model.conductance_w_per_k;
+    let share = 1.0 - loop_model.surface.steady_gain_k_per_w * loop_model.conductance_w_per_k;
     loop_model.gas_c.map_or(loop_model.unheated_c, |gas_c| gas_c + (loop_model.unheated_c - gas_c) / share)
 }
 
@@ -366,7 +366,7 @@ mod tests {
         // The same from the other side, and as the steady power of the class by itself.
         let back = change_between(&gust, &still, 30.0).unwrap();
         assert!((back.before_w - change.finally_w).abs() < 1e-12);
-        let steady = |loop_model: &LoopModel| (30.0 - loop_model.unheated_c) / loop_model.surface.steady_gain_k_per_w();
+        let steady = |loop_model: &LoopModel| (30.0 - loop_model.unheated_c) / loop_model.surface.steady_gain_k_per_w;
         assert!((steady(&gust) - change.finally_w).abs() < 1e-12);
         let verdict = analyse(&still, None).verdict(&[("gust".to_owned(), change)]);
         assert!(

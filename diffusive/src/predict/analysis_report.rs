@@ -148,7 +148,7 @@ fn conditions(
     refuse_if!(power_low_w < 0.0, model_error!("--low is {power_low_w} W: a heater cannot cool"));
     let half_way_k = || {
         notes.push("the set-point is half-way between what the levels can hold; --target gives another".to_owned());
-        loop_model.surface.steady_gain_k_per_w() * f64::midpoint(power_low_w, power_high_w)
+        loop_model.surface.steady_gain_k_per_w * f64::midpoint(power_low_w, power_high_w)
     };
     let rise_k = request.target_k.unwrap_or_else(half_way_k);
     let target_c = loop_model.unheated_c + rise_k;

@@ -44,7 +44,7 @@ pub fn chatter(
     power_low_w: f64,
     power_high_w: f64,
 ) -> Chatter {
-    let poles = surface.rates_rad_s().iter().zip(surface.r_k_per_w());
+    let poles = surface.rates_rad_s.iter().zip(&surface.r_k_per_w);
     let k_per_w: f64 = poles.map(|(&rate, r)| r * mesh::gain(rate, sample_period_s)).sum();
     let (above_low_w, below_high_w) = sliding_margins_w(equivalent_w, power_low_w, power_high_w);
     Chatter { below_k: k_per_w * above_low_w, above_k: k_per_w * below_high_w }
@@ -59,7 +59,7 @@ mod tests {
         let (rates, r) = ([0.05, 0.4, 3.0, 25.0], [300.0, 80.0, 25.0, 4.0]);
         let surface = SlidingSurface::new(&rates, &r).unwrap();
         let (rise_k, low, high, period_s) = (5.0, 0.0015, 0.04, 0.01);
-        let mut x = [rise_k / surface.steady_gain_k_per_w(); 4];
+        let mut x = [rise_k / surface.steady_gain_k_per_w; 4];
         let (mut lowest, mut highest, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         for tick in 0..100_000 {
             let y: f64 = x.iter().zip(r).map(|(x, r)| x * r).sum();
@@ -70,7 +70,7 @@ mod tests {
             let u = if y >= rise_k { low } else { high };
             x.iter_mut().zip(rates).for_each(|(x, rate)| *x += mesh::gain(rate, period_s) * (u - *x));
         }
-        let bound = chatter(&surface, period_s, rise_k / surface.steady_gain_k_per_w(), low, high);
+        let bound = chatter(&surface, period_s, rise_k / surface.steady_gain_k_per_w, low, high);
         // ξ_K Ts = 0.25: the first order is right to some ten per cent.
         assert!(-lowest < 1.1 * bound.below_k && -lowest > 0.5 * bound.below_k, "{lowest} {bound:?}");
         let mean_k = sum / 98_999.0;

@@ -81,16 +81,16 @@ impl WindChange {
 
 /// From a steady state that holds `rise_k` in one class to another on the same rates.
 pub fn change(from: &SlidingSurface, to: &SlidingSurface, rise_k: f64) -> WindChange {
-    let before_w = rise_k / from.steady_gain_k_per_w();
+    let before_w = rise_k / from.steady_gain_k_per_w;
     let z = from.steady_state_k(before_w);
     let disturbance: Vec<f64> =
-        from.eta_k_per_j().iter().zip(to.eta_k_per_j()).map(|(from, to)| (to - from) * before_w).collect();
+        from.eta_k_per_j.iter().zip(&to.eta_k_per_j).map(|(from, to)| (to - from) * before_w).collect();
     let chi: f64 = disturbance.iter().sum();
-    let matched: Vec<f64> = to.eta_k_per_j().iter().map(|eta| eta / to.gamma_k_per_j() * chi).collect();
+    let matched: Vec<f64> = to.eta_k_per_j.iter().map(|eta| eta / to.gamma_k_per_j * chi).collect();
     WindChange {
         before_w,
         at_once_w: to.equivalent_control_w(&z),
-        finally_w: rise_k / to.steady_gain_k_per_w(),
+        finally_w: rise_k / to.steady_gain_k_per_w,
         mismatched_k_per_s: disturbance.iter().zip(&matched).map(|(all, matched)| all - matched).collect(),
         matched_k_per_s: matched,
         decays: decays_of(to, &z),
@@ -104,8 +104,8 @@ pub fn change(from: &SlidingSurface, to: &SlidingSurface, rise_k: f64) -> WindCh
 /// Such a disturbance Ξ = −η·Δ(taken) enters where the power does: all of it is matched, no pole
 /// notices it, and the power answers at once.
 pub fn change_of_conductance(structure: &SlidingSurface, rise_k: f64, taken_w: (f64, f64)) -> WindChange {
-    let into_the_structure_w = rise_k / structure.steady_gain_k_per_w();
-    let matched = structure.eta_k_per_j().iter().map(|eta| -eta * (taken_w.1 - taken_w.0)).collect();
+    let into_the_structure_w = rise_k / structure.steady_gain_k_per_w;
+    let matched = structure.eta_k_per_j.iter().map(|eta| -eta * (taken_w.1 - taken_w.0)).collect();
     WindChange {
         before_w: into_the_structure_w + taken_w.0,
         at_once_w: into_the_structure_w + taken_w.1,
@@ -151,12 +151,12 @@ mod tests {
         assert!(change.mismatched_k_per_s.iter().sum::<f64>().abs() < 1e-15);
         // The matched part is what the power changes by at once, and the mismatched one the drift
         // that is left.
-        let gamma = to.gamma_k_per_j();
+        let gamma = to.gamma_k_per_j;
         let chi: f64 = change.matched_k_per_s.iter().sum();
         assert!((change.at_once_w - change.before_w + chi / gamma).abs() < 1e-12);
         for k in 0..3 {
-            let z_k = from.r_k_per_w()[k] * change.before_w;
-            let drift = to.eta_k_per_j()[k] * change.at_once_w - to.rates_rad_s()[k] * z_k;
+            let z_k = from.r_k_per_w[k] * change.before_w;
+            let drift = to.eta_k_per_j[k] * change.at_once_w - to.rates_rad_s[k] * z_k;
             assert!((change.mismatched_k_per_s[k] - drift).abs() < 1e-12, "{k}");
         }
         assert!(change.settled_s(0.02).unwrap() > 1.0);

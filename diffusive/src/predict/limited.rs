@@ -70,7 +70,7 @@ pub fn settle(
             continue;
         };
         let Some(away_s) = meeting_s(surface, &z, 0.0, level) else { return Limited::NEVER };
-        for ((z, rate), r) in z.iter_mut().zip(surface.rates_rad_s()).zip(surface.r_k_per_w()) {
+        for ((z, rate), r) in z.iter_mut().zip(&surface.rates_rad_s).zip(&surface.r_k_per_w) {
             *z += mesh::gain(*rate, away_s) * (r * level.1 - *z);
         }
         off_s += away_s;
@@ -81,7 +81,7 @@ pub fn settle(
 
 /// The first moment of a search at which a power that begins between the levels is beyond one.
 fn leaves_s(surface: &SlidingSurface, power_w: &dyn Fn(f64) -> f64, (low_w, high_w): (f64, f64)) -> Option<f64> {
-    let end_s = 40.0 / surface.rates_rad_s()[0];
+    let end_s = 40.0 / surface.rates_rad_s[0];
     let moment = |n: u32| end_s * 10_f64.powf(-DECADES * (1.0 - f64::from(n) / f64::from(POINTS)));
     (0..=POINTS).map(moment).find(|time_s| !(low_w..=high_w).contains(&power_w(*time_s)))
 }
@@ -96,8 +96,8 @@ mod tests {
     fn change() -> (SlidingSurface, Vec<f64>, f64) {
         let from = SlidingSurface::new(&RATES, &[30.0, 8.0, 2.5]).unwrap();
         let to = SlidingSurface::new(&RATES, &[30.0, 4.0, 1.0]).unwrap();
-        let z = from.steady_state_k(10.0 / from.steady_gain_k_per_w());
-        let finally_w = 10.0 / to.steady_gain_k_per_w();
+        let z = from.steady_state_k(10.0 / from.steady_gain_k_per_w);
+        let finally_w = 10.0 / to.steady_gain_k_per_w;
         (to, z, finally_w)
     }
 
@@ -125,7 +125,7 @@ mod tests {
                 back_s = Some(period_s * f64::from(tick));
             }
             let power_w = if y < 10.0 { high_w } else { 0.0 };
-            for ((z, rate), r) in z.iter_mut().zip(RATES).zip(to.r_k_per_w()) {
+            for ((z, rate), r) in z.iter_mut().zip(RATES).zip(&to.r_k_per_w) {
                 *z += mesh::gain(rate, period_s) * (r * power_w - *z);
             }
         }

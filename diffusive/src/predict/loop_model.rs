@@ -69,7 +69,7 @@ impl LoopModel {
         if let (true, Some(gas_c)) = (found.conductance_w_per_k != 0.0, found.gas_c) {
             found.surface = in_wind(&found.structure, found.conductance_w_per_k)?;
             found.unheated_c -=
-                found.surface.steady_gain_k_per_w() * found.conductance_w_per_k * (found.unheated_c - gas_c);
+                found.surface.steady_gain_k_per_w * found.conductance_w_per_k * (found.unheated_c - gas_c);
         }
         Ok(found)
     }
@@ -140,7 +140,7 @@ pub fn followed_k(model: &Model, output: &str, gas_c: Option<f64>) -> f64 {
 
 /// H0/(1 + ΔG·H0) as a symbol, for resistances of one sign.
 fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<SlidingSurface, ModelError> {
-    let (rates, eta): (Vec<f64>, Vec<f64>) = (structure.rates_rad_s().iter().zip(structure.eta_k_per_j()))
+    let (rates, eta): (Vec<f64>, Vec<f64>) = (structure.rates_rad_s.iter().zip(&structure.eta_k_per_j))
         .filter(|(_, eta)| **eta != 0.0)
         .map(|(rate, eta)| (*rate, *eta))
         .unzip();
@@ -149,12 +149,12 @@ fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<Slidi
             "is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all"
         ));
     }
-    let loop_gain = conductance_w_per_k * structure.steady_gain_k_per_w();
+    let loop_gain = conductance_w_per_k * structure.steady_gain_k_per_w;
     if loop_gain <= -1.0 {
         return Err(model_error!(
             "takes {:.3e} W/K less than the reference loses at all ({:.3e} W/K): its temperature would run away. ΔG must be above minus that",
             -conductance_w_per_k,
-            1.0 / structure.steady_gain_k_per_w()
+            1.0 / structure.steady_gain_k_per_w
         ));
     }
     let roots = secular::roots(&rates, &eta, 1.0 / conductance_w_per_k);
@@ -180,8 +180,8 @@ mod tests {
             let loop_model = in_wind(&structure, conductance).unwrap();
             // H(0) = H0(0)/(1 + ΔG·H0(0)); Γ stays, as a wind needs time to be felt.
             let exact = 40.9 / (1.0 + conductance * 40.9);
-            assert!((loop_model.steady_gain_k_per_w() / exact - 1.0).abs() < 1e-12, "{conductance}");
-            assert!((loop_model.gamma_k_per_j() / structure.gamma_k_per_j() - 1.0).abs() < 1e-12);
+            assert!((loop_model.steady_gain_k_per_w / exact - 1.0).abs() < 1e-12, "{conductance}");
+            assert!((loop_model.gamma_k_per_j / structure.gamma_k_per_j - 1.0).abs() < 1e-12);
             for (a, b) in zeros(&structure).iter().zip(zeros(&loop_model)) {
                 assert!((a.rate_rad_s / b.rate_rad_s - 1.0).norm() < 1e-10, "{conductance} {a:?} {b:?}");
             }
@@ -198,7 +198,7 @@ mod tests {
         let loop_model = LoopModel::of(&part, Some(15.0)).unwrap();
         assert!((loop_model.unheated_c - (20.0 - 10.0 / 3.0)).abs() < 1e-12);
         assert_eq!(loop_model.taken_w(25.0), 2.0);
-        assert!((loop_model.surface.rates_rad_s()[0] - 0.5 * 3.0).abs() < 1e-12);
+        assert!((loop_model.surface.rates_rad_s[0] - 0.5 * 3.0).abs() < 1e-12);
     }
 
     #[test]

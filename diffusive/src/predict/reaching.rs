@@ -44,15 +44,15 @@ pub fn meeting_s(
     };
     // How far on the other side it still is.
     let short_k = |time_s: f64| -> f64 {
-        let poles = surface.rates_rad_s().iter().zip(surface.r_k_per_w()).zip(weighted_k);
+        let poles = surface.rates_rad_s.iter().zip(&surface.r_k_per_w).zip(weighted_k);
         let moved: f64 = poles.map(|((&rate, r), z)| (r * power_w - z) * mesh::gain(rate, time_s)).sum();
         -side * (above_k + moved)
     };
-    let finally_k = above_k + surface.steady_gain_k_per_w() * power_w - weighted_k.iter().sum::<f64>();
+    let finally_k = above_k + surface.steady_gain_k_per_w * power_w - weighted_k.iter().sum::<f64>();
     if side * finally_k <= 0.0 {
         return None;
     }
-    let (slowest, fastest) = (surface.rates_rad_s()[0], surface.rates_rad_s()[surface.order() - 1]);
+    let (slowest, fastest) = (surface.rates_rad_s[0], surface.rates_rad_s[surface.order() - 1]);
     let (mut from_s, mut to_s) = (0.0, FIRST / fastest);
     if above_k == 0.0 && short_k(to_s) <= 0.0 {
         return Some(0.0);

@@ -27,14 +27,20 @@ pub fn feed_through(k_per_w: f64) -> ModelError {
     )
 }
 
-/// One symbol with a sliding surface. Immutable.
+/// One symbol with a sliding surface, as [`SlidingSurface::new`] has checked it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SlidingSurface {
-    rates_rad_s: Vec<f64>,
-    r_k_per_w: Vec<f64>,
-    eta_k_per_j: Vec<f64>,
-    gamma_k_per_j: f64,
-    steady_gain_k_per_w: f64,
+    /// ξ_k, rad/s.
+    pub rates_rad_s: Vec<f64>,
+    /// R_k, K/W.
+    pub r_k_per_w: Vec<f64>,
+    /// η_k = ξ_k R_k, K/J.
+    pub eta_k_per_j: Vec<f64>,
+    /// Γ, K/J.
+    pub gamma_k_per_j: f64,
+    /// ΣR_k, K/W.
+    pub steady_gain_k_per_w: f64,
 }
 
 impl SlidingSurface {
@@ -81,31 +87,6 @@ impl SlidingSurface {
     /// Number of rates K.
     pub fn order(&self) -> usize {
         self.rates_rad_s.len()
-    }
-
-    /// ξ_k, rad/s.
-    pub fn rates_rad_s(&self) -> &[f64] {
-        &self.rates_rad_s
-    }
-
-    /// R_k, K/W.
-    pub fn r_k_per_w(&self) -> &[f64] {
-        &self.r_k_per_w
-    }
-
-    /// η_k = ξ_k R_k, K/J.
-    pub fn eta_k_per_j(&self) -> &[f64] {
-        &self.eta_k_per_j
-    }
-
-    /// Γ, K/J.
-    pub fn gamma_k_per_j(&self) -> f64 {
-        self.gamma_k_per_j
-    }
-
-    /// ΣR_k, K/W.
-    pub fn steady_gain_k_per_w(&self) -> f64 {
-        self.steady_gain_k_per_w
     }
 
     /// u_eq in W of the states z_k in K.

@@ -38,9 +38,9 @@ pub struct Zero {
 /// The zeros of the poles that this symbol heats, ascending by their real part; one less than there
 /// are such poles.
 pub fn zeros(surface: &SlidingSurface) -> Vec<Zero> {
-    let heated: Vec<usize> = (0..surface.order()).filter(|&k| surface.eta_k_per_j()[k] != 0.0).collect();
-    let rates: Vec<f64> = heated.iter().map(|&k| surface.rates_rad_s()[k]).collect();
-    let eta: Vec<f64> = heated.iter().map(|&k| surface.eta_k_per_j()[k]).collect();
+    let heated: Vec<usize> = (0..surface.order()).filter(|&k| surface.eta_k_per_j[k] != 0.0).collect();
+    let rates: Vec<f64> = heated.iter().map(|&k| surface.rates_rad_s[k]).collect();
+    let eta: Vec<f64> = heated.iter().map(|&k| surface.eta_k_per_j[k]).collect();
     let spread = |gap: &dyn Fn(usize) -> Complex<f64>| {
         let mut gaps = vec![Complex::new(0.0, 0.0); surface.order()];
         heated.iter().enumerate().for_each(|(at, &k)| gaps[k] = gap(at));
@@ -96,7 +96,7 @@ fn eigenvalues(rates: &[f64], eta: &[f64]) -> Vec<Complex<f64>> {
 /// What u_eq does beyond its steady value from the states z_k in K: its decays, one for every zero
 /// and, if anything is stored in them, for the poles that this symbol does not heat. Weights in W.
 pub fn decays_of(surface: &SlidingSurface, weighted_k: &[f64]) -> Decays {
-    let (rates, eta) = (surface.rates_rad_s(), surface.eta_k_per_j());
+    let (rates, eta) = (&surface.rates_rad_s, &surface.eta_k_per_j);
     let mut decays = Decays::default();
     for zero in zeros(surface) {
         let (mut above, mut below) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
@@ -123,7 +123,7 @@ pub fn decays_of(surface: &SlidingSurface, weighted_k: &[f64]) -> Decays {
 /// The states are then z_k = η_k/Γ, and a_j = 1/(μ_j Σ η_k/(ξ_k − μ_j)²): all greater than zero for
 /// η > 0.
 pub fn decays_of_a_lift(surface: &SlidingSurface) -> Decays {
-    let lifted: Vec<f64> = surface.eta_k_per_j().iter().map(|eta| eta / surface.gamma_k_per_j()).collect();
+    let lifted: Vec<f64> = surface.eta_k_per_j.iter().map(|eta| eta / surface.gamma_k_per_j).collect();
     decays_of(surface, &lifted)
 }
 
@@ -154,7 +154,7 @@ mod tests {
             let surface = random_plane(2 + n % 11, 4.0, random);
             // D is similar to a symmetric matrix, whose eigenvalues are right to 1e-16 of the
             // largest rate: 1e-12 of the least.
-            let (rates, eta) = (surface.rates_rad_s(), surface.eta_k_per_j());
+            let (rates, eta) = (&surface.rates_rad_s, &surface.eta_k_per_j);
             let scale: Vec<f64> = rates.iter().zip(eta).map(|(rate, eta)| (rate / eta).sqrt()).collect();
             let d = surface.sliding_matrix();
             let symmetric = DMatrix::from_fn(surface.order(), surface.order(), |i, j| scale[i] * d[(i, j)] / scale[j]);
@@ -176,7 +176,7 @@ mod tests {
             let surface = random_plane(40, 8.0, random);
             let zeros = zeros(&surface);
             assert_eq!(zeros.len(), 39);
-            for (zero, edges) in zeros.iter().zip(surface.rates_rad_s().windows(2)) {
+            for (zero, edges) in zeros.iter().zip(surface.rates_rad_s.windows(2)) {
                 assert!(edges[0] < zero.rate_rad_s.re && zero.rate_rad_s.re < edges[1]);
             }
         }
@@ -187,7 +187,7 @@ mod tests {
         let random = &mut ChaCha8Rng::seed_from_u64(3);
         for n in 0..200 {
             let surface = random_plane(2 + n % 11, 4.0, random);
-            let mut general = eigenvalues(surface.rates_rad_s(), surface.eta_k_per_j());
+            let mut general = eigenvalues(&surface.rates_rad_s, &surface.eta_k_per_j);
             general.sort_by(|a, b| a.re.total_cmp(&b.re));
             for (zero, general) in zeros(&surface).iter().zip(general) {
                 assert!((zero.rate_rad_s - general).norm() < 1e-12 * general.norm(), "{zero:?} {general}");
@@ -211,11 +211,11 @@ mod tests {
         for n in 0..100 {
             let full = random_plane(3 + n % 10, 3.0, random);
             // One pole that the wind of this class does not reach, but that is warm.
-            let mut r = full.r_k_per_w().to_vec();
+            let mut r = full.r_k_per_w.to_vec();
             r[n % 3] = 0.0;
-            let surface = SlidingSurface::new(full.rates_rad_s(), &r).unwrap();
+            let surface = SlidingSurface::new(&full.rates_rad_s, &r).unwrap();
             let z: Vec<f64> = (0..surface.order()).map(|_| fraction(random)).collect();
-            let steady = z.iter().sum::<f64>() / surface.steady_gain_k_per_w();
+            let steady = z.iter().sum::<f64>() / surface.steady_gain_k_per_w;
             let decays = decays_of(&surface, &z);
             for time_s in [0.0, 0.03, 1.0, 20.0] {
                 let later = (surface.sliding_matrix() * -time_s).exp() * nalgebra::DVector::from_vec(z.clone());

@@ -14,14 +14,11 @@ use parquet::file::metadata::ParquetStatisticsPolicy;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::file::serialized_reader::{ReadOptions, ReadOptionsBuilder};
 
-use crate::column::{CHUNK, ChunkSource, ColumnValues, ColumnWords, Metadata, RecordingColumn};
+use crate::column::{CHUNK, ChunkSource, ColumnValues, ColumnWords, Metadata, TableHead};
 use crate::error::RecordingError;
 
 pub(crate) struct ParquetReader {
     file: SerializedFileReader<File>,
-    names: Vec<String>,
-    /// The columns that are handed out, in their order.
-    selected: Vec<usize>,
     /// The next row group to open.
     group: usize,
     open: RowGroup,
@@ -35,19 +32,19 @@ struct RowGroup {
 }
 
 impl ParquetReader {
-    pub(crate) fn open(file: File, path: &Path) -> Result<Self, RecordingError> {
-        let length = file.metadata().map_err(|error| RecordingError::io(path, "read", &error))?.len() as i64;
+    /// The reader, and the names of the columns.
+    pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+        let damaged = |reason: &dyn std::fmt::Display| RecordingError::damaged(path, reason);
+        let length = file.metadata().map_err(|error| RecordingError::io(path, "read", error))?.len() as i64;
         let file = without_panic(move || SerializedFileReader::new_with_options(file, frugal()))
-            .map_err(|error| RecordingError::damaged(path, &error))?;
+            .map_err(|error| damaged(&error))?;
         let schema = file.metadata().file_metadata().schema_descr();
         let mut names = Vec::new();
         for column in schema.columns() {
             let name = column.path().string();
             if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
-                return Err(RecordingError::content(
-                    path,
-                    format!("column `{name}` is nested: a recording is a flat table"),
-                ));
+                let sentence = format!("column `{name}` is nested: a recording is a flat table");
+                return Err(RecordingError::new(path, sentence));
             }
             names.push(column.name().to_owned());
         }
@@ -57,38 +54,26 @@ impl ParquetReader {
             let offsets =
                 [Some(column.data_page_offset()), column.dictionary_page_offset(), Some(column.compressed_size())];
             if column.num_values() < 0 || offsets.into_iter().flatten().any(|bytes| !(0..=length).contains(&bytes)) {
-                return Err(RecordingError::damaged(path, &"its table of contents points outside of the file"));
+                return Err(damaged(&"its table of contents points outside of the file"));
             }
         }
         if groups.iter().any(|group| group.num_rows() < 0) {
-            return Err(RecordingError::damaged(path, &"its table of contents tells of fewer than no rows"));
+            return Err(damaged(&"its table of contents tells of fewer than no rows"));
         }
-        let selected = (0..names.len()).collect();
-        Ok(Self { file, names, selected, group: 0, open: RowGroup::default() })
+        Ok((Box::new(Self { file, group: 0, open: RowGroup::default() }), names))
     }
 
-    fn open_group(&mut self) -> Result<(), ParquetError> {
+    fn open_group(&mut self, selected: &[usize]) -> Result<(), ParquetError> {
         let group = self.file.get_row_group(self.group)?;
         self.group += 1;
         self.open.rows_left = group.metadata().num_rows().unsigned_abs();
-        self.open.columns = self
-            .selected
-            .iter()
-            .map(|&index| without_panic(|| group.get_column_reader(index)))
-            .collect::<Result<_, _>>()?;
+        let column = |&index: &usize| without_panic(|| group.get_column_reader(index));
+        self.open.columns = selected.iter().map(column).collect::<Result<_, _>>()?;
         Ok(())
     }
 }
 
 impl ChunkSource for ParquetReader {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn names_mut(&mut self) -> &mut [String] {
-        &mut self.names
-    }
-
     fn metadata(&self) -> Metadata {
         let pairs = self.file.metadata().file_metadata().key_value_metadata();
         pairs.into_iter().flatten().map(|pair| (pair.key.clone(), pair.value.clone().unwrap_or_default())).collect()
@@ -99,20 +84,16 @@ impl ChunkSource for ParquetReader {
         Some(groups.iter().fold(0, |rows, group| rows.saturating_add(group.num_rows().unsigned_abs())))
     }
 
-    fn holds_text(&mut self, _path: &Path) -> Result<Vec<bool>, RecordingError> {
+    fn holds_text(&mut self, _head: &TableHead) -> Result<Vec<bool>, RecordingError> {
         let schema = self.file.metadata().file_metadata().schema_descr();
         Ok(schema.columns().iter().map(|column| column.physical_type() == Physical::BYTE_ARRAY).collect())
-    }
-
-    fn select(&mut self, columns: &[usize]) {
-        self.selected = columns.to_vec();
     }
 
     /// Columns have their types.
     fn read_as_text(&mut self, _column: usize) {}
 
     /// Passes over rows before the first chunk, whole row groups and pages at a time.
-    fn skip(&mut self, rows: u64, path: &Path) -> Result<u64, RecordingError> {
+    fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError> {
         let mut left = rows;
         while left > 0 && self.group < self.file.num_row_groups() {
             let here = self.file.metadata().row_group(self.group).num_rows().unsigned_abs();
@@ -121,12 +102,12 @@ impl ChunkSource for ParquetReader {
                 left -= here;
                 continue;
             }
-            self.open_group().map_err(|error| RecordingError::damaged(path, &error))?;
+            self.open_group(&head.selected).map_err(|error| head.damaged(error))?;
             for column in &mut self.open.columns {
-                let skipped = without_panic(|| skip_records(column, left as usize))
-                    .map_err(|error| RecordingError::damaged(path, &error))?;
+                let skipped = without_panic(|| skip_records(column, left as usize));
+                let skipped = skipped.map_err(|error| head.damaged(error))?;
                 if skipped as u64 != left {
-                    return Err(RecordingError::damaged(path, &format!("{skipped} of {here} rows are there")));
+                    return Err(head.damaged(format!("{skipped} of {here} rows are there")));
                 }
             }
             self.open.rows_left -= left;
@@ -135,18 +116,17 @@ impl ChunkSource for ParquetReader {
         Ok(rows - left)
     }
 
-    fn next_chunk(&mut self, path: &Path) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
+    fn next_chunk(&mut self, head: &TableHead) -> Result<Option<Vec<ColumnValues>>, RecordingError> {
         while self.open.rows_left == 0 {
             if self.group == self.file.num_row_groups() {
                 return Ok(None);
             }
-            self.open_group().map_err(|error| RecordingError::damaged(path, &error))?;
+            self.open_group(&head.selected).map_err(|error| head.damaged(error))?;
         }
         let rows = self.open.rows_left.min(CHUNK as u64) as usize;
         self.open.rows_left -= rows as u64;
-        let mut columns = Vec::with_capacity(self.selected.len());
-        for (column, &index) in self.open.columns.iter_mut().zip(&self.selected) {
-            let name = &self.names[index];
+        let mut columns = Vec::with_capacity(head.selected.len());
+        for (column, &index) in self.open.columns.iter_mut().zip(&head.selected) {
             let scale = seconds(self.file.metadata().file_metadata().schema_descr().column(index).logical_type_ref());
             let values = without_panic(|| {
                 Ok(Some(match column {
@@ -159,11 +139,11 @@ impl ChunkSource for ParquetReader {
                     _ => return Ok(None),
                 }))
             });
-            let values = values.map_err(|error| RecordingError::damaged(path, &error))?.ok_or_else(|| {
+            columns.push(values.map_err(|error| head.damaged(error))?.ok_or_else(|| {
+                let name = &head.names[index];
                 let sentence = format!("column `{name}` is of a type that is neither number nor text");
-                RecordingError::content(path, sentence)
-            })?;
-            columns.push(RecordingColumn { name: name.clone(), values });
+                RecordingError::new(&head.path, sentence)
+            })?);
         }
         Ok(Some(columns))
     }
@@ -191,12 +171,11 @@ fn seconds(logical: Option<&LogicalType>) -> f64 {
     }
 }
 
-/// The next rows of a column: the values that are there, and for each row whether one is (empty:
-/// all are).
+/// The next rows of a column; `None` for a null.
 fn read_records<T: DataType>(
     column: &mut ColumnReaderImpl<T>,
     rows: usize,
-) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
+) -> Result<impl Iterator<Item = Option<T::T>>, ParquetError> {
     let (mut values, mut levels) = (Vec::with_capacity(rows), Vec::new());
     let mut read = 0;
     while read < rows {
@@ -206,10 +185,10 @@ fn read_records<T: DataType>(
         }
         read += records;
     }
-    if values.len() == rows {
-        levels.clear();
-    }
-    Ok((values, levels))
+    let is_whole = values.len() == rows;
+    let mut values = values.into_iter();
+    Ok((0..rows)
+        .map(move |row| if is_whole || levels.get(row).is_some_and(|level| *level > 0) { values.next() } else { None }))
 }
 
 fn numbers<T: DataType>(
@@ -217,27 +196,14 @@ fn numbers<T: DataType>(
     rows: usize,
     convert: impl Fn(T::T) -> f64,
 ) -> Result<ColumnValues, ParquetError> {
-    let (values, levels) = read_records(column, rows)?;
-    let mut values = values.into_iter().map(convert);
-    if levels.is_empty() {
-        return Ok(ColumnValues::Numbers(values.collect()));
-    }
-    let value = |&level: &i16| if level > 0 { values.next().unwrap_or(f64::NAN) } else { f64::NAN };
-    Ok(ColumnValues::Numbers(levels.iter().map(value).collect()))
+    let records = read_records(column, rows)?;
+    Ok(ColumnValues::Numbers(records.map(|value| value.map_or(f64::NAN, &convert)).collect()))
 }
 
 fn words(column: &mut ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<ColumnValues, ParquetError> {
-    let (values, levels) = read_records(column, rows)?;
     let mut words = ColumnWords::default();
-    if levels.is_empty() {
-        for value in &values {
-            words.push(value.as_utf8()?);
-        }
-        return Ok(ColumnValues::Words(words));
-    }
-    let mut values = values.iter();
-    for level in levels {
-        match if level > 0 { values.next() } else { None } {
+    for value in read_records(column, rows)? {
+        match &value {
             Some(value) => words.push(value.as_utf8()?),
             None => words.push(""),
         }

@@ -1,5 +1,5 @@
 //! Errors that are texts: `Result<_, String>` and `Result<_, &str>` in the code of libraries.
-//! Whoever calls cannot tell them apart.
+//! Whoever calls cannot tell them from any other text.
 
 use super::parsed::ParsedFile;
 use syn::visit::{self, Visit};
@@ -13,7 +13,10 @@ pub fn find(files: &[ParsedFile]) -> Vec<String> {
         .flat_map(|file| {
             let mut lines = ResultsOfText(Vec::new());
             lines.visit_file(&file.syntax);
-            lines.0.into_iter().map(|line| format!("{}:{line}: make the error an enum, with thiserror", file.path))
+            lines
+                .0
+                .into_iter()
+                .map(|line| format!("{}:{line}: give the error a type of its own, with thiserror", file.path))
         })
         .collect()
 }

@@ -38,10 +38,10 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelE
         ));
     }
     let name = subcircuit_name(part);
-    let (nodes, heated) = match (one_port, part.wind_w_per_k) {
-        (true, None) => ("junction ambient", "junction"),
-        (true, Some(_)) => ("junction ambient gas", "junction"),
-        (false, _) => ("heater temperature ambient", "temperature"),
+    let (nodes, heated, input, instance) = match (one_port, part.wind_w_per_k) {
+        (true, None) => ("junction ambient", "junction", "t", "t amb"),
+        (true, Some(_)) => ("junction ambient gas", "junction", "t", "t amb amb"),
+        (false, _) => ("heater temperature ambient", "temperature", "p", "p t amb"),
     };
     let mut text = format!(
         "* {} -> {}, class {}: thermal model by anemo\n\
@@ -58,11 +58,6 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelE
         let _ = writeln!(text, "* Warning: {}", ascii(&warning));
     }
     let _ = writeln!(text, "* Try it:  Vambient amb 0 {}", spice(part.offset_c()));
-    let (input, instance) = match (one_port, part.wind_w_per_k) {
-        (true, None) => ("t", "t amb"),
-        (true, Some(_)) => ("t", "t amb amb"),
-        (false, _) => ("p", "p t amb"),
-    };
     let _ = writeln!(text, "*          Iheat 0 {input} 1\n*          Xmodel {instance} {name}");
     let slowest = part.pair.mesh_rad_s.first().map_or(1.0, |rate| 5.0 / rate);
     let _ = writeln!(

@@ -12,7 +12,7 @@ fn one_held_element_moves_as_its_zeros_say() {
     let surface = SlidingSurface::new(&RATES, &R).unwrap();
     let motion = system.motion(0, 1, 0.1).unwrap();
     let mut z = DVector::from_column_slice(&[3.0, 2.0, 1.0, 0.5]);
-    let steady = 6.5 / surface.steady_gain_k_per_w();
+    let steady = 6.5 / surface.steady_gain_k_per_w;
     let decays = decays_of(&surface, z.as_slice());
     let mut scratch = z.clone();
     for n in 0..500 {
