@@ -110,10 +110,10 @@ impl SteadyWindSearch<'_> {
     /// If it cannot be read, does not name its gas or its winds, or the network cannot be observed.
     pub fn of(&self, path: &Path, each: &mut dyn FnMut(u64)) -> Result<SteadyWinds, RecordingError> {
         let mut replay = Replay::open(path, self.observed.head, None)?;
-        let conditions = replay.conditions.clone().ok_or_else(|| RecordingError::Content {
-            path: path.to_owned(),
-            sentence: "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)".to_owned(),
-        })?;
+        let conditions = replay.conditions.clone().ok_or_else(|| RecordingError::new(
+            path,
+            "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)",
+        ))?;
         let mut looking = self.begin(path, conditions, replay.sample_period_s)?;
         let mut rows = 0;
         while let Some(moment) = replay.next_moment()? {
@@ -136,7 +136,7 @@ impl SteadyWindSearch<'_> {
         conditions: Conditions,
         period_s: f64,
     ) -> Result<SteadyWindCollector<'_>, RecordingError> {
-        let refuse = |sentence: String| RecordingError::Content { path: recording.to_owned(), sentence };
+        let refuse = |sentence: String| RecordingError::new(recording, sentence);
         let differences = self.observed.quiescent.of_another_network(&conditions);
         if !differences.is_empty() {
             return Err(refuse(format!(
@@ -196,7 +196,7 @@ impl SteadyWindCollector<'_> {
                 }
                 None => (recording, format!("does not tell the wind of `{label}`: give a table of winds with --winds")),
             };
-            RecordingError::Content { path: path.clone(), sentence }
+            RecordingError::new(path, sentence)
         })?;
         let same = |sums: &WindSums| {
             sums.label == moment.event && (0..3).all(|k| (sums.wind_m_s[k] - wind_m_s[k]).abs() < SAME_M_S)
@@ -252,10 +252,7 @@ impl SteadyWindCollector<'_> {
         let rows = sums.rows as f64;
         let gas_c = sums.gas_c / rows;
         let gas = IdealGas::new(self.search.observed.species, self.conditions.pressure_pa, gas_c + ZERO_CELSIUS_K)
-            .map_err(|error| RecordingError::Content {
-                path: self.recording.clone(),
-                sentence: format!("`{}`: {error}", sums.label),
-            })?;
+            .map_err(|error| RecordingError::new(&self.recording, format!("`{}`: {error}", sums.label)))?;
         let observed = self.search.observed;
         let surfaces: Vec<SurfaceReading> = (observed.surfaces.iter().enumerate())
             .map(|(p, &i)| {

@@ -229,7 +229,7 @@ fn free(
     }
     let (from, to) = (record.driven_name(), &record.elements[output]);
     let sentence = format!("how `{from}` heats `{to}` cannot be told: {why}");
-    Err(RecordingError::Content { path: record.name.clone().into(), sentence }.into())
+    Err(RecordingError::new(Path::new(&record.name), sentence).into())
 }
 
 /// Why the rates of a pair are not resolved; `None` if they are.

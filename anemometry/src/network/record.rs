@@ -55,7 +55,7 @@ impl QuiescentRecord {
     /// # Errors
     /// As [`QuiescentRecord::read`].
     pub fn of(recording: &Recording) -> Result<Self, RecordingError> {
-        let refuse = |sentence| Err(RecordingError::Content { path: recording.path.clone(), sentence });
+        let refuse = |sentence| Err(RecordingError::new(&recording.path, sentence));
         if let Some(problem) = wind(recording)? {
             return refuse(problem);
         }
@@ -111,7 +111,7 @@ impl QuiescentRecord {
     /// # Errors
     /// If an element is unknown, or the driven one is not among them.
     pub fn only(self, wanted: &[String]) -> Result<Self, RecordingError> {
-        let refuse = |sentence| Err(RecordingError::Content { path: self.name.clone().into(), sentence });
+        let refuse = |sentence| Err(RecordingError::new(Path::new(&self.name), sentence));
         let wanted: Vec<String> = wanted.iter().map(|name| recording::in_columns(name)).collect();
         if let Some(element) = wanted.iter().find(|name| !self.elements.contains(name)) {
             let hint = recording::text::suggest(element, self.elements.iter().map(String::as_str));

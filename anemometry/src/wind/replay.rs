@@ -273,7 +273,7 @@ fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
 
 /// The error for a recording that is whole, but cannot be replayed.
 fn content(path: &Path, sentence: String) -> RecordingError {
-    RecordingError::Content { path: path.to_owned(), sentence }
+    RecordingError::new(path, sentence)
 }
 
 /// The requested head, or the one that the recording carries.

@@ -1,5 +1,5 @@
-//! Setting an instrument up for a run, command by command in the order that it needs: sample period,
-//! guard, elements with their models and drives, and what the anemometer has to know.
+//! Setting an instrument up for a run, command by command in the order that it needs: sample
+//! period, guard, elements with their models and drives, and what the anemometer has to know.
 
 use super::error::InstrumentError;
 use super::port::InstrumentPort;

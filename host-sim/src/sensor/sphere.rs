@@ -1,4 +1,4 @@
-//! A sphere as a thermal network: silver surfaces with an element on each, two core heaters, a stem.
+//! A sphere as a thermal network: silver surfaces with an element each, two core heaters, a stem.
 //! The prototypes are in [`sphere_a`](super::sphere_a) and [`sphere_b`](super::sphere_b).
 //!
 //! ```text

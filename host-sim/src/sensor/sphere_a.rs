@@ -36,8 +36,8 @@
 //! [`reference`](mod@reference) where the head has one. Surfaces: the two hemispheres, looking
 //! along +x and −x; the stem is along −z.
 //!
-//! Limits: those of every [sphere](super::sphere); the silver has no gradient (0.6 mm at 429 W/(m·K)
-//! against some 2 mW/K to the gas).
+//! Limits: those of every [sphere](super::sphere); the silver has no gradient (0.6 mm at
+//! 429 W/(m·K) against some 2 mW/K to the gas).
 
 use super::convection::sphere_surfaces::SphereDivision;
 use super::rod::SupportRod;

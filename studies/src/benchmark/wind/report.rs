@@ -5,7 +5,6 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use anemometry::calibrate::report::ConductanceNoise;
 use super::coherence::Band;
 use super::directions::Directions;
 use super::findings::findings;
@@ -13,6 +12,7 @@ use super::measure::MeasuredSphere;
 use super::page::page;
 use super::sphere::WindMode;
 use super::steps::{Drift, Way};
+use anemometry::calibrate::report::ConductanceNoise;
 
 /// The spheres that were measured.
 pub struct BenchmarkReport<'a>(pub &'a [MeasuredSphere]);
