@@ -10,10 +10,11 @@ use crate::sources::{self, RustFile};
 use anyhow::{Result, bail};
 use std::collections::BTreeMap;
 
-/// More lines of code than this are refused.
-const MOST_LINES: usize = 41_000;
-/// Whether they are refused, or only shown.
-const IS_REFUSED: bool = false;
+/// What the project means to come down to.
+const BAR_LINES: usize = 41_000;
+/// What it has come down to: more lines of code are refused. Lower it with every deletion; raise it
+/// only for what somebody can do with the new lines.
+const MOST_LINES: usize = 43_800;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct LineCount {
@@ -36,20 +37,16 @@ pub fn run() -> Result<()> {
         all.tests += count.tests;
     }
     line("all", &all);
-    judge(all.code, IS_REFUSED)
+    judge(all.code)
 }
 
-fn judge(code: usize, is_refused: bool) -> Result<()> {
-    if code <= MOST_LINES {
-        return Ok(());
+fn judge(code: usize) -> Result<()> {
+    if code > MOST_LINES {
+        bail!(
+            "{code} lines of code, {MOST_LINES} are allowed (`MOST_LINES` in xtask/src/lines.rs); delete what is superseded"
+        );
     }
-    let fault = format!(
-        "{code} lines of code, {MOST_LINES} are allowed (`MOST_LINES` in xtask/src/lines.rs); delete what is superseded"
-    );
-    if is_refused {
-        bail!("{fault}");
-    }
-    println!("{fault}");
+    println!("{code} lines of code; {BAR_LINES} are the bar, {MOST_LINES} are allowed");
     Ok(())
 }
 
@@ -92,9 +89,8 @@ mod tests {
 
     #[test]
     fn one_line_too_many_is_refused() {
-        assert!(judge(MOST_LINES, true).is_ok());
-        assert!(judge(MOST_LINES + 1, false).is_ok());
-        let error = judge(MOST_LINES + 1, true).expect_err("one too many").to_string();
-        assert!(error.starts_with("41001 lines of code, 41000 are allowed"), "{error}");
+        assert!(judge(MOST_LINES).is_ok());
+        let error = judge(MOST_LINES + 1).expect_err("one too many").to_string();
+        assert!(error.starts_with(&format!("{} lines of code, {MOST_LINES} are allowed", MOST_LINES + 1)), "{error}");
     }
 }

@@ -1,8 +1,9 @@
-//! Everything that is checked by reading: format, clippy on both sides, documentation, links.
+//! Everything that is checked by reading: links, structure, lines, format, clippy on both sides,
+//! documentation.
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
 use crate::install::{self, TARGET};
-use crate::{links, shell, structure};
+use crate::{lines, links, shell, structure};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -11,6 +12,8 @@ pub fn run() -> Result<()> {
     shell::announce("links between pages");
     links::run()?;
     structure::run()?;
+    shell::announce("lines of code");
+    lines::run()?;
     shell::announce("format");
     shell::run(shell::cargo().args(["fmt", "--all", "--check"])).context("files are not formatted; type: cargo fmt")?;
     shell::announce("clippy, host");

@@ -87,7 +87,7 @@ impl Scales {
                 Role::Relaxation { bank, k, .. } => Some((bank, k)),
                 _ => None,
             };
-            let at: std::collections::HashMap<(usize, usize), usize> =
+            let at: std::collections::BTreeMap<(usize, usize), usize> =
                 terms.iter().enumerate().filter_map(|(i, term)| Some((place(term)?, i))).collect();
             for &(bank, k) in at.keys() {
                 let power = weight * problem.rows * self.drive[bank].powi(2);

@@ -128,14 +128,11 @@ fn from_still_records_to_the_conductance_of_a_wind() {
         }
     }
     let mean = |of: &[[f64; 2]], i: usize| of.iter().map(|row| row[i]).sum::<f64>() / of.len() as f64;
-    for i in 0..2 {
+    for (i, element) in ELEMENTS.iter().enumerate() {
         let sd_w = observer.noise_w(i).unwrap();
         let still_w = mean(&q_w[40..120], i);
         let (early, late) = (mean(&g_w_k[130..150], i), mean(&g_w_k[500..600], i));
-        println!(
-            "{}: still {still_w:.2e} W, ΔG {early:.4e} W/K early and {late:.4e} late, noise {sd_w:.1e} W",
-            ELEMENTS[i]
-        );
+        println!("{element}: still {still_w:.2e} W, ΔG {early:.4e} W/K early and {late:.4e} late, noise {sd_w:.1e} W");
         // Of 30 mW, and of 3 K by 659 K/W.
         assert!(still_w.abs() < 1e-4, "{still_w}");
         // The sphere goes on cooling for minutes; what the wind takes by the kelvin is there at
