@@ -228,7 +228,7 @@ fn free(
         }
     }
     let (from, to) = (record.driven_name(), &record.elements[output]);
-    let sentence = format!("how `{from}` heats `{to}` cannot be told: {why}");
+    let sentence = format!("how `{from}` heats `{to}` cannot be identified: {why}");
     Err(RecordingError::new(Path::new(&record.name), sentence).into())
 }
 

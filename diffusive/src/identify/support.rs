@@ -74,7 +74,7 @@ pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
             let correlation = facts.correlation(i, j);
             if correlation.abs() > 0.999 {
                 warnings.push(format!(
-                    "inputs `{}` and `{}` move together (correlation {correlation:.4}): their effects cannot be told apart; drive them by different sequences, or name one of them with --input",
+                    "inputs `{}` and `{}` move together (correlation {correlation:.4}): their effects cannot be distinguished; drive them by different sequences, or name one of them with --input",
                     survey.inputs[j], survey.inputs[i]
                 ));
             }

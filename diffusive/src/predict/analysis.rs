@@ -242,12 +242,12 @@ impl Analysis {
         let free = if winds { String::new() } else { self.without_levels() };
         let answers = match self.worst_s(changes) {
             Some(worst_s) if self.is_fast(changes) => format!(
-                "Answers fast: after {what} the power is within 2 % of the whole change in {}{free}, where the structure's own temperature takes {open} after a step of power.{}",
+                "Responds fast: after {what} the power is within 2 % of the whole change in {}{free}, where the structure's own temperature takes {open} after a step of power.{}",
                 seconds(Some(worst_s)),
                 self.set_point_too(winds)
             ),
             worst_s => format!(
-                "Answers with a tail: after {what} the power takes {} to within 2 % of the whole change{free}, and the structure's own temperature {open} after a step of power; the slowest time constant of the loop is {} s.",
+                "Responds with a slow tail: after {what} the power takes {} to within 2 % of the whole change{free}, and the structure's own temperature {open} after a step of power; the slowest time constant of the loop is {} s.",
                 seconds(worst_s),
                 three_digits(1.0 / self.zeros.iter().map(|(rate, _)| rate.re).fold(f64::INFINITY, f64::min))
             ),
@@ -349,9 +349,9 @@ mod tests {
     #[test]
     fn a_weak_slow_pole_leaves_a_tail_and_weak_fast_ones_do_not() {
         let slow = analyse(&loop_model(&[0.01, 1.0], &[5.0, 10.0]), None);
-        assert!(slow.verdict(&[]).starts_with("Answers with a tail"), "{}", slow.verdict(&[]));
+        assert!(slow.verdict(&[]).starts_with("Responds with a slow tail"), "{}", slow.verdict(&[]));
         let fast = analyse(&loop_model(&[0.01, 100.0], &[10.0, 1e-4]), None);
-        assert!(fast.verdict(&[]).starts_with("Answers fast"), "{}", fast.verdict(&[]));
+        assert!(fast.verdict(&[]).starts_with("Responds fast"), "{}", fast.verdict(&[]));
     }
 
     #[test]
@@ -370,7 +370,7 @@ mod tests {
         assert!((steady(&gust) - change.finally_w).abs() < 1e-12);
         let verdict = analyse(&still, None).verdict(&[("gust".to_owned(), change)]);
         assert!(
-            verdict.starts_with("Answers fast") && verdict.contains("set-point from rest there is a tail"),
+            verdict.starts_with("Responds fast") && verdict.contains("set-point from rest there is a tail"),
             "{verdict}"
         );
     }
@@ -402,7 +402,7 @@ mod tests {
         let (met_s, settled_s) = (held.reaching_time_s.unwrap(), held.settled_s.unwrap());
         assert!(found.closed_settling_s.unwrap() < 0.2 && settled_s >= met_s && met_s > 60.0, "{held:?}");
         let verdict = found.verdict(&[]);
-        assert!(verdict.starts_with("Answers fast") && verdict.contains("under the high level"), "{verdict}");
+        assert!(verdict.starts_with("Responds fast") && verdict.contains("under the high level"), "{verdict}");
         assert!(verdict.contains("times the steady power at once"), "{verdict}");
         // With levels as far apart as it needs, both are the same.
         let wide = analyse(&loop_model, Some(LoopConditions { power_high_w: 1e6, ..CONDITIONS }));

@@ -107,7 +107,7 @@ impl PredictedElementReport {
     fn write(&self, f: &mut Formatter<'_>, what: &str) -> fmt::Result {
         writeln!(f, "\n{}", self.name)?;
         if !self.regulated {
-            return writeln!(f, "  heated as its drive says: nothing is predicted");
+            return writeln!(f, "  heated as its operating mode sets: nothing is predicted");
         }
         match self.first_met_s {
             Some(0.0) => writeln!(f, "  meets its set-point at once")?,

@@ -233,7 +233,7 @@ impl System {
         }
         let own = DMatrix::from_fn(held.len(), held.len(), |a, b| gamma[(held[a], held[b])]);
         let inverse = own.try_inverse().ok_or_else(|| {
-            model_error!("the elements that are held cannot be told apart: their Γ matrix is singular")
+            model_error!("the elements that are held cannot be distinguished: their Γ matrix is singular")
         })?;
         let cross =
             DMatrix::from_fn(held.len(), elements, |a, i| if held.contains(&i) { 0.0 } else { gamma[(held[a], i)] });

@@ -152,13 +152,13 @@ impl fmt::Display for CheckReport<'_> {
         let conditions = self.models.unwrap_or_default();
         match (judged, unjudged) {
             (0, 0) => Ok(()),
-            (judged, 0) => writeln!(f, "\n{} can be held, say the models for {conditions}", set_points(judged)),
+            (judged, 0) => writeln!(f, "\n{} can be held according to the models for {conditions}", set_points(judged)),
             (0, unjudged) => {
                 writeln!(f, "\nno model of the experiment's judges {}", set_points(unjudged))
             }
             (judged, unjudged) => writeln!(
                 f,
-                "\n{} can be held, say the models for {conditions}; no model judges {}",
+                "\n{} can be held according to the models for {conditions}; no model judges {}",
                 set_points(judged),
                 set_points(unjudged)
             ),

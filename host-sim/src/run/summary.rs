@@ -101,7 +101,7 @@ impl fmt::Display for RunSummary {
             let what = if unjudged == 1 { "set-point" } else { "set-points" };
             writeln!(
                 f,
-                "whether {unjudged} {what} can be held was not judged beforehand: the experiment names no `models` of these elements"
+                "whether {unjudged} {what} can be held was not judged before the run: the experiment names no `models` of these elements"
             )?;
         }
         for element in &self.unreached {

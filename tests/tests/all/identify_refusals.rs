@@ -173,7 +173,7 @@ fn inputs_that_move_together_are_marked() {
     let rows: Vec<Vec<String>> =
         sound(1000).iter().map(|[t, u, y]| [*t, *u, 2.0 * u + 0.01, *y].map(|v| v.to_string()).to_vec()).collect();
     Table::new(&text("time_s,first,second,temperature", &rows))
-        .is_doubted(&[], &["`first` and `second`", "cannot be told apart"]);
+        .is_doubted(&[], &["`first` and `second`", "cannot be distinguished"]);
 }
 
 #[test]

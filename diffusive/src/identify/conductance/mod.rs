@@ -91,7 +91,7 @@ fn named_reference(
 ) -> Result<Option<usize>, RecordError> {
     if let [label] = classes {
         return Err(survey.refuse(format!(
-            "has one event class (`{label}`): conductances are told from one another by at least two; name their column with --event"
+            "has one event class (`{label}`): conductances need at least two; name their column with --event"
         )));
     }
     let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());

@@ -76,7 +76,7 @@ pub fn settled(
     }
     for rate in rates.iter().filter(|rate| **rate > nyquist_rad_s) {
         warnings.push(format!(
-            "`{name}`: the pole at {rate:.4e} rad/s is faster than samples of this period tell, {nyquist_rad_s:.4e} rad/s: its resistance is real, its rate and capacitance are not known from this record; sample faster, or ask for --feed-through yes and one pole less"
+            "`{name}`: the pole at {rate:.4e} rad/s is faster than samples of this period resolve, {nyquist_rad_s:.4e} rad/s: its R is resolved, its rate and capacitance are not; sample faster, or ask for --feed-through yes and one pole less"
         ));
     }
     for k in 0..poles - 1 {

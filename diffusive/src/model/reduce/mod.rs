@@ -102,7 +102,7 @@ fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result
         ReductionProblem { target: &target, non_negative: pair.non_negative, bounds_rad_s: (0.0, f64::INFINITY) };
     let fit = problem
         .project(&rounded)
-        .ok_or_else(|| model_error!("its poles cannot be told apart in f32: ask for a smaller --order"))?;
+        .ok_or_else(|| model_error!("its poles cannot be distinguished in f32: ask for a smaller --order"))?;
     let single = |r: f64| f64::from(r as f32);
     let mut classes = pair.classes.clone();
     for (n, class) in classes.values_mut().enumerate() {

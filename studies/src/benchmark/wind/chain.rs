@@ -1,5 +1,5 @@
-//! From the experiments of a head to its calibration, in memory: what `anemo run`, `anemo network`
-//! and `anemo calibrate` do with files.
+//! From the experiments of a head to its calibration, in memory: what `anemo run`,
+//! `anemo head identify` and `anemo calibrate` do with files.
 
 use crate::thesis::record::rows;
 use crate::thesis::{StudyError, StudyLab};
