@@ -152,7 +152,10 @@ fn a_recording_that_is_not_of_the_experiment_is_remarked_upon_or_refused() {
 fn what_is_not_held_is_not_compared_and_why_it_is_not_is_said() {
     let (driven, _) = desk(&[("sector1 = { temperature_c = -43.15 }", "sector1 = { level = \"high\" }")]);
     let text = said(&driven, &["predict", "model.json", "e.toml"]);
-    assert!(text.contains("heated as its operating mode sets: nothing is predicted") && !text.contains("rms"), "{text}");
+    assert!(
+        text.contains("heated as its operating mode sets: nothing is predicted") && !text.contains("rms"),
+        "{text}"
+    );
     let (cold, _) = desk(&[("temperature_c = -43.15 }", "temperature_c = -13.15 }")]);
     let text = said(&cold, &["predict", "model.json", "e.toml"]);
     assert!(text.contains("NEVER MEETS ITS SET-POINT of -13.15 °C: under the high level it comes to"), "{text}");
