@@ -1,4 +1,4 @@
-//! Steady winds of calibration recordings: means of what the windless observer reads off, once
+//! Steady winds of calibration recordings: means of what the quiescent-gas observer reads off, once
 //! each wind has settled.
 
 use std::path::{Path, PathBuf};

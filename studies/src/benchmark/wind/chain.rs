@@ -20,7 +20,7 @@ const SETTLE_S: f64 = 20.0;
 /// Directions that are more uncertain are none, °.
 const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
 
-/// The windless network from a record of each element, of which each lasts as its file says, or so
+/// The quiescent-gas network from a record of each element, each as long as its file says, or so
 /// many seconds.
 ///
 /// # Errors

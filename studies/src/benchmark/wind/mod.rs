@@ -3,7 +3,7 @@
 //!
 //! | module | measures |
 //! |---|---|
-//! | [`chain`] | runs the records, identifies the windless network, calibrates the head |
+//! | [`chain`] | runs the records, identifies the quiescent-gas network, calibrates the head |
 //! | [`blown`] | a run, with anemometers of several bandwidths beside the same ticks |
 //! | [`directions`] | errors of speed and direction in 500 winds that no calibration has seen |
 //! | [`steps`] | the answer to sudden steps, and what drifts after one |
