@@ -6,10 +6,11 @@ use crate::choice::choice;
 use crate::output::Failure;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
 use diffusive::model::Model;
-use diffusive::predict::closed::{LoopStart, Prediction, predict};
-use diffusive::predict::compare::{decimate, fits};
+use diffusive::predict::closed::{LoopStart, PredictedElement, Prediction, predict};
+use diffusive::predict::compare::{Decimated, decimate, fits};
 use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
 use host_sim::experiment::Experiment;
+use plot::closed_loop::PredictedCharts;
 use plot::{Canvas, closed_loop};
 use recording::text::four_digits as brief;
 
@@ -83,7 +84,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let against = arguments.against.as_deref();
     let taken = against.map(|path| ComparedRecording::read(path, &model, &experiment)).transpose()?;
     let mut of_recording = taken.as_ref().map_or(Vec::new(), |taken| taken.notes.clone());
-    let (mut charts, mut elements, mut means_w) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut powers, mut elements, mut means_w) = (Vec::new(), Vec::new(), Vec::new());
     for (at, of) in prediction.elements.iter().enumerate() {
         let mut good = if of.regulated { of.held.clone() } else { vec![false; of.held.len()] };
         if let (Some(taken), true) = (&taken, of.regulated) {
@@ -105,7 +106,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         means_w.push(compared.as_ref().map(|of| (of.mean_w, of.mean_w - of.bias_w)));
         elements.push(PredictedElementReport::new(of, compared.as_ref(), scenario.sample_period_s));
-        charts.push((of.name.as_str(), decimated));
+        powers.push(decimated);
     }
     of_recording.extend(of_milliwatts(&prediction, &means_w));
     if let Some(path) = against {
@@ -115,9 +116,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         write(path, &prediction)?;
     }
     if let Some(canvas) = canvas {
-        let charts = charts.iter().map(|(name, decimated)| (*name, decimated.rows.as_slice()));
-        let what = if taken.is_some() { "recorded" } else { "one-bit rule on the model" };
-        let figure = closed_loop::prediction_figure(&experiment.title, what, charts, &spans(&prediction, &model));
+        let what = if taken.is_some() { "recorded" } else { "one-bit rule" };
+        let charts = |(of, decimated): (&PredictedElement, &Decimated)| PredictedCharts {
+            name: &of.name,
+            powers: &decimated.rows,
+            temperatures_c: [
+                taken.as_ref().and_then(|taken| taken.temperature_of(of, &model)),
+                Some(of.sampled_c.as_slice()),
+            ],
+            target_c: &of.target_c,
+        };
+        let charts: Vec<_> = prediction.elements.iter().zip(&powers).map(charts).collect();
+        let spans = spans(&prediction, &model);
+        let figure = closed_loop::prediction_figure(&experiment.title, what, &charts, scenario.sample_period_s, &spans);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
     let against = against.map(|path| path.display().to_string());

@@ -9,6 +9,7 @@ use crate::output::Failure;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::model::{Model, ModelError, ModelGas};
+use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
 ///
@@ -35,7 +36,7 @@ pub struct Arguments {
         ("rest", "All states zero, the model's own offset", ValidationStart::Rest),
     ]))]
     start: ValidationStart,
-    /// Draw measured and predicted, residuals, and the model into this .svg file.
+    /// Draw measured and predicted, and residuals, into this .svg file.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Print one JSON object instead of the summary.
@@ -66,6 +67,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
     let validated = validate(&model, &mut stream, arguments.start, &mut |seen| fits.see(seen))?;
     let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| validation_figure(&model, fits, &arguments.record, &arguments.model))?;
     crate::output::print_report(&validated, arguments.json)
 }

@@ -10,7 +10,8 @@ use crate::engine::chart::Chart;
 use crate::engine::reduce::{Bin, Reach};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened, unit};
-use diffusive::model::Whiteness;
+use diffusive::model::pair_class::element;
+use diffusive::model::{Model, Whiteness};
 
 /// Bins are merged in pairs when there are so many: between one and two for two pixels remain.
 const MOST_BINS: usize = 1460;
@@ -104,7 +105,7 @@ impl FitSeries {
         (self.good > 0.0).then(|| (self.squares / self.good).sqrt())
     }
 
-    fn fit_percent(&self) -> Option<f64> {
+    pub(super) fn fit_percent(&self) -> Option<f64> {
         (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()))
     }
 
@@ -118,6 +119,11 @@ impl FitSeries {
         let stretches = || self.bins.chunk_by(|a, b| a.class == b.class).map(|stretch| stretch[0]);
         let ends = stretches().skip(1).map(|next| next.from_s).chain([self.end_s()]);
         stretches().zip(ends).map(|(first, to_s)| (first.from_s, to_s, first.class)).collect()
+    }
+
+    /// Of its residuals, if they were looked at.
+    pub(super) fn autocorrelation(&self, model: &Model) -> Option<Chart> {
+        whiteness(model, &self.name, self.whiteness.as_ref(), self.rows)
     }
 
     /// Measured and predicted, then what is left, over the ground of the event classes.
@@ -160,8 +166,14 @@ impl FitSeries {
     }
 }
 
+/// Autocorrelation of an output's residuals, by its name where there are several.
+pub fn whiteness(model: &Model, name: &str, of: Option<&Whiteness>, rows: u64) -> Option<Chart> {
+    let name = if model.outputs.len() > 1 { element(name) } else { "" };
+    Some(autocorrelation(name, of?, rows))
+}
+
 /// Autocorrelation of `rows` residuals.
-pub fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
+fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
     let lags = whiteness.autocorrelation.iter().enumerate();
     let limit = NORMAL_95 / (rows.max(1) as f64).sqrt();
     let p = if whiteness.p_value < 1e-4 { "< 0.0001".to_owned() } else { format!("= {}", brief(whiteness.p_value)) };
