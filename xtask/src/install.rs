@@ -11,12 +11,14 @@ use std::process::Command;
 
 /// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12" };
+const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12", features: "" };
 /// The program that builds fuzz targets and runs them.
-pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2" };
+pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2", features: "" };
 /// What changes code to see whether a test finds it. Always this version: what it changes differs
 /// from one to the next.
-pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0" };
+pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0", features: "" };
+/// What finds the licences of all that is linked.
+pub const CARGO_ABOUT: Tool = Tool { name: "cargo-about", version: "0.9.3", features: "cli" };
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
@@ -26,6 +28,7 @@ pub const QEMU: &str = "qemu-system-arm";
 pub struct Tool {
     name: &'static str,
     version: &'static str,
+    features: &'static str,
 }
 
 /// A system's package manager and what it is told before the name of a package. The lists of
@@ -52,15 +55,20 @@ const PYTHON_REQUIREMENTS: &str = "xtask/python-requirements.txt";
 
 /// The thumb target's core library, for building firmware.
 pub fn thumb_target() -> Result<()> {
-    if printed_by_rustc("sysroot")?.join("lib/rustlib").join(TARGET).join("lib").is_dir() {
+    target(TARGET)
+}
+
+/// The library of a target.
+pub fn target(triple: &str) -> Result<()> {
+    if printed_by_rustc("sysroot")?.join("lib/rustlib").join(triple).join("lib").is_dir() {
         return Ok(());
     }
-    shell::announce(&format!("installing the Rust target {TARGET}"));
-    shell::run(rustup(&format!("the Rust target {TARGET}"))?.args(["target", "add", TARGET]))
+    shell::announce(&format!("installing the Rust target {triple}"));
+    shell::run(rustup(&format!("the Rust target {triple}"))?.args(["target", "add", triple]))
 }
 
 /// A folder that the compiler names.
-fn printed_by_rustc(what: &str) -> Result<PathBuf> {
+pub fn printed_by_rustc(what: &str) -> Result<PathBuf> {
     let folder = shell::output_of("rustc", &["--print", what]);
     folder.map(PathBuf::from).context("rustc does not run; install Rust by https://rustup.rs and start again")
 }
@@ -94,13 +102,14 @@ pub fn flip_link() -> Result<PathBuf> {
 
 /// A program that cargo installs among the build's products, if it is not there yet. Gives where it
 /// is.
-pub fn tool(&Tool { name, version }: &Tool) -> Result<PathBuf> {
+pub fn tool(&Tool { name, version, features }: &Tool) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
     let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     if !installed.is_file() {
         shell::announce(&format!("installing {name} {version} into {}", tools.display()));
         let mut cargo = shell::cargo();
-        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--root"]).arg(&tools);
+        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--features", features, "--root"]);
+        cargo.arg(&tools);
         shell::run(&mut cargo)
             .with_context(|| format!("{name} is missing; type: cargo install {name} --locked --version {version}"))?;
     }

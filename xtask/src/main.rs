@@ -6,6 +6,7 @@ mod ci;
 mod cost;
 mod coverage;
 mod demo;
+mod dist;
 mod emulator;
 mod flash;
 mod fuzz;
@@ -18,6 +19,7 @@ mod miri;
 mod mutants;
 mod overflow;
 mod pages;
+mod reference;
 mod safety;
 mod same_results;
 mod shell;
@@ -59,6 +61,11 @@ enum Job {
     /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
     /// compare the results to the bit
     SameResults(same_results::SameResultsOptions),
+    /// Write the pages of the command-line reference, or check them
+    Reference(reference::ReferenceOptions),
+    /// Pack a release: a small `anemo`, completions, man pages, licences, and what a user begins
+    /// with
+    Dist,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,
     /// Show on both boards' images that no task can panic and that the stack suffices, and that an
@@ -90,6 +97,8 @@ fn main() -> ExitCode {
         Job::Structure => structure::run(),
         Job::Lines => lines::run(),
         Job::SameResults(options) => same_results::run(&options),
+        Job::Reference(options) => reference::run(&options),
+        Job::Dist => dist::run(),
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),
