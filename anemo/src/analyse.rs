@@ -15,10 +15,6 @@ use plot::{Canvas, closed_loop};
 /// analysed, and every change of the wind from it to another.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Levels and set-point may be left out. The levels are then the least and the greatest input of the \
-record from which the model was identified, and the set-point lies half-way between the temperatures \
-that they can hold.
-
 The weight of a zero is its share of the power above the steady value, in units of the steady value, \
 right after the temperature was lifted to the set-point at once. The weights of a change of the wind \
 depend on the change; `changes` of --json has them.
@@ -44,13 +40,14 @@ pub struct Arguments {
     /// The event class to analyse: the reference, or the first, if not given.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
-    /// The set-point, in K above the temperature without heating.
+    /// The set-point, in K above the temperature without heating; by default half-way between the
+    /// temperatures that the levels can hold.
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     target: Option<f64>,
-    /// Power of the low level, W.
+    /// Power of the low level, W; by default the least input of the identified record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     low: Option<f64>,
-    /// Power of the high level, W.
+    /// Power of the high level, W; by default the greatest input of that record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     high: Option<f64>,
     /// Sample period of the loop, s: that of the model if not given.

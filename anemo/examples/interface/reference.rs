@@ -37,14 +37,9 @@ const PAGES: [Page; 3] = [
 ];
 
 const CONVENTIONS: &str = "\
-`anemo COMMAND --help` prints what stands here, `-h` a summary. A summary of the work goes to stdout, with `--json` as \
-one JSON object ([keys](json.md)); all commands have this option but {without}. Errors go to stderr, one sentence that begins with `anemo:`.
-
-exit code| meaning
----|---
-0| done
-1| what was asked for makes sense, but failed
-2| the command, or a file that it names, is wrong; nothing was started
+`anemo COMMAND --help` prints what stands here, `-h` a summary. With `--json` a command prints one JSON object \
+([keys](json.md)) in place of its summary; all have this option but {without}. Codes and sentences of errors: \
+[messages](messages.md).
 
 A file is written in whole or not at all. The line below a command's name has what it cannot do without: `<…>` stands \
 for a word of yours, `[…]` may be left out, what `...` follows may be repeated.
@@ -173,6 +168,7 @@ fn in_markdown(paragraph: &str) -> String {
 /// An option in a table.
 #[derive(Clone, PartialEq)]
 struct Row {
+    name: String,
     option: String,
     meaning: String,
     default: String,
@@ -213,7 +209,8 @@ impl Row {
         let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
         let default =
             if takes_value && !default.is_empty() { format!("`{}`", default.join(" ")) } else { String::new() };
-        Some(Self { option, meaning: meaning.trim_start_matches(". ").to_owned(), default })
+        let name = argument.get_long().map_or(values.join(" "), |long| format!("--{long}"));
+        Some(Self { name, option, meaning: meaning.trim_start_matches(". ").to_owned(), default })
     }
 }
 
@@ -239,14 +236,7 @@ fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
     for row in rows {
         match said.iter().find(|(known, _)| *known == row) {
             Some((_, place)) => {
-                let name = format!(
-                    "`{}`",
-                    row.option
-                        .split(['`', ' '])
-                        .rfind(|word| word.starts_with("--"))
-                        .unwrap_or(&row.option)
-                        .trim_matches('`')
-                );
+                let name = format!("`{}`", row.name);
                 match again.iter_mut().find(|(known, _)| known == place) {
                     Some((_, names)) => names.push(name),
                     None => again.push((place.clone(), vec![name])),
@@ -258,7 +248,7 @@ fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
     // The bars stand close, so that they are not counted as words.
     let defaults = new.iter().any(|row| !row.default.is_empty());
     *text += if defaults { "\noption| meaning| default\n---|---|---\n" } else { "\noption| meaning\n---|---\n" };
-    for Row { option, meaning, default } in &new {
+    for Row { option, meaning, default, .. } in &new {
         *text += &if defaults { format!("{option}| {meaning}| {default}") } else { format!("{option}| {meaning}") };
         *text = text.trim_end().to_owned() + "\n";
     }
