@@ -14,9 +14,11 @@ mod install;
 mod lines;
 mod links;
 mod lint;
+mod markdown;
 mod miri;
 mod mutants;
 mod overflow;
+mod pages;
 mod reference;
 mod safety;
 mod same_results;
@@ -26,7 +28,7 @@ mod sources;
 mod structure;
 mod test;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -43,6 +45,9 @@ enum Job {
     /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole
     /// experiments
     Test,
+    /// Run every command that README.md, CONTRIBUTING.md and docs show, and compare what it prints
+    /// with what they show
+    Pages(pages::PagesOptions),
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
@@ -86,6 +91,7 @@ fn main() -> ExitCode {
     let outcome = match Job::parse() {
         Job::Demo => demo::run(),
         Job::Test => test::run(),
+        Job::Pages(options) => pages::run(&options, Job::command()),
         Job::Lint => lint::run(),
         Job::Ci => ci::run(),
         Job::Structure => structure::run(),
