@@ -38,7 +38,8 @@ pub struct Arguments {
     /// The quiescent-gas network: a model file of `anemo head identify`.
     #[arg(long, value_name = "MODEL")]
     network: PathBuf,
-    /// The head that is calibrated; by default the one that the first recording carries.
+    /// The head that is calibrated; by default the one that the first recording carries. Elements
+    /// with a `normal` are its surfaces: four sectors or two hemispheres.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// The calibrated head to write, a .toml file; without it, the calibration is only summarised.

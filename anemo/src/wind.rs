@@ -57,7 +57,7 @@ pub struct Arguments {
     /// True winds by the label of the conditions, a .csv or .parquet file, for the errors.
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
-    /// Estimates before this time do not count in the summary, s.
+    /// Estimates before this time do not count in the summary, s. File and picture have all.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     from: f64,
     /// Of every stretch of one label, so many seconds do not count in the summary.
