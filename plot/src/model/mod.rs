@@ -12,4 +12,4 @@ pub use figure::figure;
 pub use fit::FitSeries;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
