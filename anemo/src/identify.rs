@@ -27,12 +27,14 @@ use diffusive::model::Structure;
 Examples:
   anemo identify prbs.parquet -o model.json
   anemo identify heater.csv --input power --output temperature -o model.json
-  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 \\
+      --ridge 1e-6
   anemo identify heater.csv -o small.json --free-poles 3
   anemo identify heads.csv --input power_w_0 power_w_1 \\
       --output temperature_c_0 temperature_c_1 --tie -o model.json
   anemo identify winds.csv --event wind -o model.json --plot model.svg
-  anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
+  anemo identify winds.csv --event wind --structure conductance \\
+      --gas-temperature 18.0 -o model.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
 pub struct Arguments {

@@ -31,12 +31,13 @@ const MOST_TICKS: usize = 1 << 12;
 /// out. The picture shows the compared powers.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Labels of the experiment's winds must be classes of the model. Elements that the model does not know
+Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
 are left out. Only elements that are regulated are predicted and compared.
 
 Examples:
   anemo predict model.json experiment.toml
-  anemo predict model.json experiment.toml --against recording.parquet --plot compared.svg
+  anemo predict model.json experiment.toml --against recording.parquet \\
+      --plot compared.svg
   anemo predict model.json experiment.toml --from rest -o power.csv")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
