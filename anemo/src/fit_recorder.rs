@@ -1,9 +1,8 @@
 //! Collects measured and predicted values of every row for a picture, for `identify` and
 //! `validate`.
 
-use std::path::Path;
-
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::FitRow;
 use diffusive::identify::record::Survey;
 use diffusive::model::Whiteness;
@@ -19,11 +18,11 @@ pub struct FitRecorder {
 }
 
 impl FitRecorder {
-    /// The file is tried at once: a wrong name should be reported before long work, not after it.
-    pub fn new(path: Option<&Path>, survey: &Survey) -> Result<Self, Failure> {
+    /// The file is tried at once.
+    pub fn new(picture: &PictureArguments, survey: &Survey) -> Result<Self, Failure> {
         let unit = |name: &String| if name.starts_with("temperature_c") { "°C" } else { "" };
         Ok(Self {
-            canvas: path.map(Canvas::create).transpose().map_err(Failure::usage)?,
+            canvas: picture.canvas()?,
             series: survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect(),
             first_time_s: survey.first_time_s,
             sample_period_s: survey.sample_period_s,

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use crate::choice::choice;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
 use diffusive::model::Model;
 use diffusive::predict::closed::{LoopStart, PredictedElement, Prediction, predict};
 use diffusive::predict::compare::{Decimated, decimate, fits};
 use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
 use host_sim::experiment::Experiment;
+use plot::closed_loop;
 use plot::closed_loop::PredictedCharts;
-use plot::{Canvas, closed_loop};
 use recording::text::four_digits as brief;
 
 /// Window of the comparison in s, if none is given.
@@ -28,7 +29,7 @@ const MOST_TICKS: usize = 1 << 12;
 /// regulated element is the equivalent control, and the same model under the one-bit rule at the
 /// experiment's sample period. The second or, with --against, a recording is compared with the
 /// first. Both are decimated alike; changes of the wind and approaches to the set-point are left
-/// out.
+/// out. The picture shows the compared powers.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
@@ -61,9 +62,8 @@ pub struct Arguments {
     /// file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Draw the compared powers into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -72,14 +72,14 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     let (scenario, mut notes) = host_sim::experiment::scenario(&experiment, &model)
         .map_err(|error| Failure::in_file(&arguments.experiment, error))?;
     notes.extend(model.support_warning(None));
     let ratio = ratio(arguments.window, scenario.sample_period_s)?;
-    let canvas = arguments.plot.as_deref().map(Canvas::create).transpose().map_err(Failure::usage)?;
+    let canvas = arguments.picture.canvas()?;
     let prediction =
         predict(&model, &scenario, arguments.from).map_err(|error| Failure::in_file(&arguments.model, error))?;
     let against = arguments.against.as_deref();

@@ -16,7 +16,7 @@ fn bins(figure: &Figure, caption: &str, label: &str) -> Vec<Bin> {
 }
 
 /// A run in which everything is as noisy as can be, so that no neighbours can be merged.
-fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
+pub(crate) fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
     noisy_in(rows, metadata, false)
 }
 
@@ -184,7 +184,7 @@ fn panels_without_columns_are_left_out_and_a_foreign_table_is_refused() {
 
 /// Estimates of 400 winds that go round once, with the true wind; `metadata` are lines before the
 /// header.
-fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Recording {
+pub(crate) fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Recording {
     let named = |prefix: &str| parts.iter().map(|part| format!(",{prefix}{part}")).collect::<String>();
     let mut text = format!("{metadata}time_s,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,");
     text += "wind_speed_u_m_s,wind_direction_u_deg,wind_gas_temperature_c";
@@ -202,7 +202,7 @@ fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Re
     read(&text)
 }
 
-const SECTORS: [&str; 4] = ["sector1", "sector2", "sector3", "sector4"];
+pub(crate) const SECTORS: [&str; 4] = ["sector1", "sector2", "sector3", "sector4"];
 
 #[test]
 fn wind_estimates_by_themselves_have_a_figure_of_their_own() {
@@ -311,7 +311,8 @@ fn errors_against_the_true_wind_are_drawn_over_time_and_in_all() {
     // Estimates without any error.
     assert!(bins(&figure, "Error of the speed", "error").iter().all(|bin| bin.mean.abs() < 1e-9));
     let svg = figure.svg();
-    for title in ["Error of the speed (m/s)", "Error of the direction (°)", "True speed (m/s)", "Estimated speed (m/s)"] {
+    for title in ["Error of the speed (m/s)", "Error of the direction (°)", "True speed (m/s)", "Estimated speed (m/s)"]
+    {
         assert!(svg.contains(title), "{title}");
     }
 }

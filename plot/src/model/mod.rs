@@ -13,4 +13,4 @@ pub use figure::{figure, validation_figure};
 pub use fit::FitSeries;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -102,7 +102,7 @@ fn mesh(order: usize) -> Vec<f64> {
 }
 
 /// One input and output, `order` poles of a rod's like.
-fn single(order: usize) -> Model {
+pub(crate) fn single(order: usize) -> Model {
     let rates = mesh(order);
     let resistances: Vec<f64> = rates.iter().map(|rate| 200.0 / order as f64 * rate.sqrt() / (0.1 + rate)).collect();
     let mut model = testing::model(&rates, &resistances);
@@ -112,7 +112,7 @@ fn single(order: usize) -> Model {
 }
 
 /// `count` elements that heat each other, in the classes of `labels`.
-fn network(count: usize, labels: &[&str], order: usize) -> Model {
+pub(crate) fn network(count: usize, labels: &[&str], order: usize) -> Model {
     let mut model = single(order);
     let (pair, output) = (model.pairs.remove(0), model.outputs.remove(0));
     model.classes = labels.iter().map(|label| (*label).to_owned()).collect();
@@ -147,7 +147,7 @@ fn whiteness() -> Whiteness {
     }
 }
 
-fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
+pub(crate) fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
     let mut fit = FitSeries::new(name, "°C");
     for n in 0..rows {
         let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
@@ -327,7 +327,9 @@ fn a_validation_names_the_record_and_the_model_and_shows_what_was_measured() {
     let figure =
         validation_figure(&single(8), &fits, Path::new("records/other-day.parquet"), Path::new("models/sphere.json"));
     assert_eq!(figure.title, "other-day.parquet as predicted by sphere.json");
-    assert!(figure.subtitle.starts_with("3600 rows") && figure.subtitle.ends_with("identified from prbs_first.parquet"));
+    assert!(
+        figure.subtitle.starts_with("3600 rows") && figure.subtitle.ends_with("identified from prbs_first.parquet")
+    );
     let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
     assert_eq!(captions, ["temperature_c_a", "Residuals", "Autocorrelation of the residuals"]);
 }
