@@ -311,7 +311,8 @@ fn errors_against_the_true_wind_are_drawn_over_time_and_in_all() {
     // Estimates without any error.
     assert!(bins(&figure, "Error of the speed", "error").iter().all(|bin| bin.mean.abs() < 1e-9));
     let svg = figure.svg();
-    for title in ["Error of the speed (m/s)", "Error of the direction (°)", "True speed (m/s)", "Estimated speed (m/s)"] {
+    for title in ["Error of the speed (m/s)", "Error of the direction (°)", "True speed (m/s)", "Estimated speed (m/s)"]
+    {
         assert!(svg.contains(title), "{title}");
     }
 }

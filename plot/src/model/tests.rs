@@ -327,7 +327,9 @@ fn a_validation_names_the_record_and_the_model_and_shows_what_was_measured() {
     let figure =
         validation_figure(&single(8), &fits, Path::new("records/other-day.parquet"), Path::new("models/sphere.json"));
     assert_eq!(figure.title, "other-day.parquet as predicted by sphere.json");
-    assert!(figure.subtitle.starts_with("3600 rows") && figure.subtitle.ends_with("identified from prbs_first.parquet"));
+    assert!(
+        figure.subtitle.starts_with("3600 rows") && figure.subtitle.ends_with("identified from prbs_first.parquet")
+    );
     let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
     assert_eq!(captions, ["temperature_c_a", "Residuals", "Autocorrelation of the residuals"]);
 }
