@@ -22,7 +22,8 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     let mut figure = Figure::new(format!("Closed loop of {pair}")).subtitle(words);
     let poles = analysis.poles_rad_s.iter().map(|rate| (*rate, 1.0)).collect();
     let zeros = analysis.zeros.iter().map(|(rate, weight)| (rate.re, weight.re)).collect();
-    let chart = Chart::new("Poles and zeros", "weight in the power, of its steady value")
+    let chart = Chart::new("Poles and zeros", "of the steady value")
+        .y_title("Weight in the power")
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
         .time_constants()
@@ -117,6 +118,7 @@ pub fn prediction_figure(
         let powers =
             |value: fn(&DecimatedRow) -> f64| of.powers.iter().map(|row| (row.0, factor * value(row))).collect();
         let power = Chart::new(format!("Power of {}", of.name), unit)
+            .y_title("Heating power")
             .note("decimated")
             .trace(Trace::line(what, powers(|row| row.2)).colour(7).width(1.6))
             .trace(Trace::line("predicted", powers(|row| row.1)).colour(0));
@@ -146,7 +148,10 @@ impl PredictedCharts<'_> {
         };
         let held: Vec<(f64, f64)> =
             self.target_c.iter().enumerate().step_by(every).map(|(n, c)| (n as f64 * sample_period_s, *c)).collect();
-        let chart = Chart::new(format!("Temperature of {}", self.name), "°C").height(25.0).note("set-point dashed");
+        let chart = Chart::new(format!("Temperature of {}", self.name), "°C")
+            .y_title("Temperature")
+            .height(25.0)
+            .note("set-point dashed");
         // On the way to the first set-point it goes through all that it can.
         let arrived = own.or(taken).map_or(0, |own| arrival(own, self.target_c));
         let shown: Vec<f64> =

@@ -34,8 +34,8 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
     let (low, high) = (rates().fold(slowest, f64::min) / 3.0, rates().fold(nyquist, f64::max) * 3.0);
     let frequencies: Vec<f64> = (0..POINTS).map(|n| mesh::rate_rad_s(low, high, n, POINTS)).collect();
     let axes = |caption: &str, unit: &str| {
-        let caption = format!("{caption}{}", of(model, output));
-        let chart = Chart::new(caption, unit).x(Scale::Log, "Hz").height(38.0);
+        let of_output = format!("{caption}{}", of(model, output));
+        let chart = Chart::new(of_output, unit).y_title(caption).x(Scale::Log, "Hz").height(38.0);
         chart.shading(slowest / TAU, nyquist / TAU, 5, "band of the record")
     };
     let (mut magnitude, mut phase) = (axes("Magnitude", &unit).y(Scale::Log), axes("Phase", "°"));

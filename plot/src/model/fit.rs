@@ -135,6 +135,9 @@ impl FitSeries {
             .trace(Trace::bins("measured", self.bins(0)).colour(7).width(1.6))
             .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(0.7));
         let residuals = self.bins(2);
+        if self.unit == "°C" {
+            fit = fit.y_title("Temperature");
+        }
         let mut left = Chart::new("Residuals", left_unit)
             .height(20.0)
             .notes(self.rms().map(|rms| format!("rms {}", with_unit(rms, left_unit))))

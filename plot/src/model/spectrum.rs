@@ -36,6 +36,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     let by = inflation(model, output);
     let is_log = hides(parts.iter().flat_map(|(_, _, class)| &class.r_k_per_w));
     let mut chart = Chart::new(format!("Time-constant spectrum{}", of(model, output)), &unit)
+        .y_title(if unit == "K/W" { "Thermal resistance" } else { "Weight" })
         .x(Scale::Log, "rad/s")
         .time_constants()
         .height(36.0)
@@ -109,6 +110,7 @@ pub fn impedances(model: &Model, output: &str) -> Chart {
     let (first_s, last_s) = (1.0 / (BEYOND * fastest), BEYOND / slowest);
     let is_known = |class: &Class| class.covariance.is_some();
     let mut chart = Chart::new(format!("{what}{}", of(model, output)), &unit)
+        .y_title(what)
         .x(Scale::Log, "s")
         .height(36.0)
         .note(if parts.iter().any(|(.., class)| is_known(class)) { "after a step; bands: 95 %" } else { NO_BAND });
