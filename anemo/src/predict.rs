@@ -55,7 +55,8 @@ pub struct Arguments {
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
     from: LoopStart,
-    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are longer.
+    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are
+    /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick into this .csv or .parquet
