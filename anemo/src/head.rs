@@ -57,10 +57,10 @@ pub struct IdentifyArguments {
     /// which only measure, count as part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
-    /// Most free rates of the self-heating of an element.
+    /// Most free rates of the self-heating of an element, 1 to 8.
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=8))]
     own_poles: u8,
-    /// Most free rates of the cross-heating of one element by another.
+    /// Most free rates of the cross-heating of one element by another, 1 to 4.
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=4))]
     cross_poles: u8,
     /// Print one JSON object instead of the summary.

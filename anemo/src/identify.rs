@@ -25,12 +25,14 @@ use diffusive::model::Structure;
 Examples:
   anemo identify prbs.parquet -o model.json
   anemo identify heater.csv --input power --output temperature -o model.json
-  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 \\
+      --ridge 1e-6
   anemo identify heater.csv -o small.json --free-poles 3
   anemo identify heads.csv --input power_w_0 power_w_1 \\
       --output temperature_c_0 temperature_c_1 --tie -o model.json
   anemo identify winds.csv --event wind -o model.json --plot model.svg
-  anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
+  anemo identify winds.csv --event wind --structure conductance \\
+      --gas-temperature 18.0 -o model.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
 pub struct Arguments {
@@ -62,14 +64,15 @@ pub struct Arguments {
     /// element (self-heating), and so on.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     cross_order: Option<usize>,
-    /// Edges of the grid of cross-heating pairs, rad/s.
+    /// Edges of the grid of cross-heating pairs, rad/s; number and edges are those of the others if
+    /// not given.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     cross_mesh: Option<(f64, f64)>,
     /// Ridge on columns of unit norm; 0 for plain least squares.
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
-    /// Which resistances may not be negative: `auto` (none, of structure `conductance`), `all`,
-    /// `none`, or pairs as INPUT:OUTPUT,….
+    /// Which resistances may not be negative: `auto` (those that cross-validation does not reject;
+    /// none, of structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
     /// Initial state of the record.
@@ -107,13 +110,16 @@ pub struct Arguments {
 #[derive(clap::Args)]
 pub struct Columns {
     /// Input columns, or elements' names; by default those between the time and the last column
-    /// that change.
+    /// that change, and of a recording the powers that vary.
     #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
     pub input: Vec<String>,
-    /// Output columns, or elements' names; by default the last column.
+    /// Output columns, or elements' names; by default the last column, and of a recording the
+    /// temperatures of these elements.
     #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
     pub output: Vec<String>,
-    /// The column with the labels of the conditions (winds).
+    /// The column with the labels of the conditions (winds); by default a text column `event`, or
+    /// in another table than a recording a column called `event`, `class`, `wind`, `condition`,
+    /// `phase` or `label`.
     #[arg(long, value_name = "COLUMN")]
     pub event: Option<String>,
 }

@@ -30,12 +30,13 @@ const MOST_TICKS: usize = 1 << 12;
 /// out.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Labels of the experiment's winds must be classes of the model. Elements that the model does not know
+Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
 are left out. Only elements that are regulated are predicted and compared.
 
 Examples:
   anemo predict model.json experiment.toml
-  anemo predict model.json experiment.toml --against recording.parquet --plot compared.svg
+  anemo predict model.json experiment.toml --against recording.parquet \\
+      --plot compared.svg
   anemo predict model.json experiment.toml --from rest -o power.csv")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
@@ -52,7 +53,7 @@ pub struct Arguments {
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
     from: LoopStart,
-    /// Window of the decimator, s: 1 s, or 20 sample periods if those are longer.
+    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick into this .csv or .parquet

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Initial state of the model.
     #[arg(long, default_value = "estimate", value_parser = choice([
         ("estimate", "Offset and stored heat estimated from the record", ValidationStart::Estimate),
-        ("continue", "End of the identified record; nothing is estimated from the outputs", ValidationStart::Continue),
+        ("continue", "End of the identified record, for the rows that follow it; nothing is estimated from the outputs", ValidationStart::Continue),
         ("rest", "All states zero, the model's own offset", ValidationStart::Rest),
     ]))]
     start: ValidationStart,

@@ -18,9 +18,6 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_
 /// conductances, wind vector with standard uncertainty, and quality flags. The bandwidth is free to
 /// choose: low is smooth. Where the true wind is known (simulated tunnels, or --winds), the errors
 /// are reported.
-///
-/// The head is the one that the recording carries, of a run with a calibrated head; --head names
-/// another, whose elements have the same names.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -35,7 +32,8 @@ of 1, 2, 4, 8 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`); by default the one that the recording carries.
+    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by default
+    /// the one that the recording carries, of a run with a calibrated head.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Bandwidth of the convective losses, 0.5 to 50 Hz.
@@ -57,13 +55,13 @@ pub struct Arguments {
     /// True winds by the label of the conditions, a .csv or .parquet file, for the errors.
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
-    /// Estimates before this time do not count in the summary, s.
+    /// Estimates before this time do not count in the summary, s. File and picture have all.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     from: f64,
     /// Of every stretch of one label, so many seconds do not count in the summary.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
-    /// Write the estimates to this file; its name ends in .parquet or .csv.
+    /// Write the estimates to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Draw them into this .svg file.

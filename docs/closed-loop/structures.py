@@ -1,4 +1,4 @@
-"""Records of two structures, for docs/closed-loop.md: an hour of random heat in a steady wind from rest, 20 Hz, 2 mK of noise.
+"""Records of two structures, for docs/explanation/closed-loop.md: an hour of random heat in a steady wind from rest, 20 Hz, 2 mK of noise.
 
 a: the resistor sits in a package, glued to the silver; the silver sees the wind and is fixed to a core of 5 J/K.
 b: a bare chip glued to the silver, and a thin support.

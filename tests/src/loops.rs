@@ -31,6 +31,7 @@ pub fn symbol_model() -> Model {
     let class = |r: [f64; 8]| Class {
         r_k_per_w: r.to_vec(),
         se_k_per_w: vec![0.0; 8],
+        covariance: None,
         steady_gain_k_per_w: r.iter().sum(),
         se_steady_gain_k_per_w: 0.0,
         feed_through_k_per_w: 0.0,

@@ -4,7 +4,8 @@
 //! The image `firmware/src/bin/cost.rs` calls every kernel of the table below, each an uninlined
 //! function of that name, with inputs that cover its paths. QEMU runs it one instruction at a time
 //! and logs each; `trace` adds up what lies between call and return. The counts depend on the
-//! pinned compiler alone, so they are asserted and stand in the README exactly as printed.
+//! pinned compiler alone, so they are asserted and stand in `docs/reference/numbers.md` exactly as
+//! printed.
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{emulator, install, shell};
@@ -56,7 +57,7 @@ const KERNELS: [Kernel; 14] = [
 
 const CLOCK_HZ: f64 = 168e6;
 const TICK_HZ: f64 = 1000.0;
-const README: &str = "README.md";
+const PAGE: &str = "docs/reference/numbers.md";
 const BEGIN: &str = "<!-- cost:begin -->";
 const END: &str = "<!-- cost:end -->";
 /// A run takes some seconds; an image that never ends is stopped.
@@ -64,10 +65,10 @@ const TIME_LIMIT: Duration = Duration::from_secs(180);
 
 #[derive(clap::Args, Default)]
 pub struct CostOptions {
-    /// Fail when a budget is exceeded or the README shows other numbers
+    /// Fail when a budget is exceeded or the page of numbers shows others
     #[arg(long, conflicts_with = "write")]
     pub check: bool,
-    /// Put the table into the README, where no budget is exceeded
+    /// Put the table into the page of numbers, where no budget is exceeded
     #[arg(long)]
     pub write: bool,
     /// Count in this image instead of building one
@@ -93,13 +94,13 @@ pub fn run(options: &CostOptions) -> Result<()> {
     print!("{table}");
     if options.check || options.write {
         check_budgets(&tallies)?;
-        let path = shell::root().join(README);
-        let readme = std::fs::read_to_string(&path).with_context(|| format!("{README} cannot be read"))?;
-        let updated = with_table(&readme, &table)?;
+        let path = shell::root().join(PAGE);
+        let page = std::fs::read_to_string(&path).with_context(|| format!("{PAGE} cannot be read"))?;
+        let updated = with_table(&page, &table)?;
         if options.write {
-            std::fs::write(path, updated).with_context(|| format!("{README} cannot be written"))?;
-        } else if updated != readme {
-            bail!("the cost table of {README} is not what was measured; type: cargo xtask cost --write");
+            std::fs::write(path, updated).with_context(|| format!("{PAGE} cannot be written"))?;
+        } else if updated != page {
+            bail!("the cost table of {PAGE} is not what was measured; type: cargo xtask cost --write");
         }
     }
     Ok(())
@@ -171,11 +172,11 @@ fn check_budgets(tallies: &[KernelTally]) -> Result<()> {
     Ok(())
 }
 
-/// The README with this table between its marks.
-fn with_table(readme: &str, table: &str) -> Result<String> {
-    let marked = readme.split_once(BEGIN).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
+/// The page of numbers with this table between its marks.
+fn with_table(page: &str, table: &str) -> Result<String> {
+    let marked = page.split_once(BEGIN).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
     let (before, after) = marked.with_context(|| {
-        format!("{README} has no place for the cost table; put {BEGIN} and {END} on lines of their own")
+        format!("{PAGE} has no place for the cost table; put {BEGIN} and {END} on lines of their own")
     })?;
     Ok(format!("{before}{BEGIN}\n{table}{END}{after}"))
 }
@@ -194,9 +195,9 @@ mod tests {
 
     #[test]
     fn the_table_is_put_between_its_marks() {
-        let readme = |table: &str| format!("before\n{BEGIN}\n{table}{END}\nafter\n");
-        let updated = with_table(&readme("| x |\n"), "| y |\n").expect("both marks are there");
-        assert_eq!(updated, readme("| y |\n"));
+        let page = |table: &str| format!("before\n{BEGIN}\n{table}{END}\nafter\n");
+        let updated = with_table(&page("| x |\n"), "| y |\n").expect("both marks are there");
+        assert_eq!(updated, page("| y |\n"));
         assert!(with_table(&format!("{END} {BEGIN}"), "").is_err());
     }
 

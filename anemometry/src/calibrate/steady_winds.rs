@@ -112,7 +112,7 @@ impl SteadyWindSearch<'_> {
         let mut replay = Replay::open(path, self.observed.head, None)?;
         let conditions = replay.conditions.clone().ok_or_else(|| RecordingError::new(
             path,
-            "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (Recordings in docs/manual.md)",
+            "does not tell its gas: `gas_species`, `gas_pressure_pa`, `gas_temperature_c` and `support_temperature_c` belong into its metadata (docs/reference/recordings.md)",
         ))?;
         let mut looking = self.begin(path, conditions, replay.sample_period_s)?;
         let mut rows = 0;

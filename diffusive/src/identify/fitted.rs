@@ -1,6 +1,8 @@
 //! One output's model as parameters of a design's columns, whatever its structure, and what a model
 //! file says of it.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{RegressionDesign, Role};
@@ -37,13 +39,20 @@ impl FittedOutput<'_> {
         }
     }
 
-    /// Resistances of one bank with their standard errors.
-    pub fn class(&self, bank: usize) -> Class {
+    /// Resistances of one bank with their standard errors. `log_rates` are the parameters that stand
+    /// for the logarithms of its rates; none where those are given.
+    pub fn class(&self, bank: usize, log_rates: Range<usize>) -> Class {
         let its = (0..self.terms.len()).filter(|&term| self.terms[term].role.bank() == Some(bank));
         let (feed, relaxations): (Vec<usize>, Vec<usize>) =
             its.partition(|&term| matches!(self.terms[term].role, Role::FeedThrough { .. }));
         let (gain, variance) = steady_gain(self.terms, self.theta, self.covariance, bank);
+        // A feed-through that the model does not have is known to be none.
+        let known: Vec<Option<usize>> =
+            (relaxations.iter().copied().map(Some)).chain([feed.first().copied()]).chain(log_rates.map(Some)).collect();
+        let triangle = (0..known.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let covariance = triangle.map(|(i, j)| known[i].zip(known[j]).map_or(0.0, |at| self.covariance[at]));
         Class {
+            covariance: Some(covariance.collect()),
             r_k_per_w: relaxations.iter().map(|&term| self.theta[term]).collect(),
             se_k_per_w: relaxations.iter().map(|&term| self.se(term)).collect(),
             steady_gain_k_per_w: gain,

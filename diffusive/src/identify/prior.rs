@@ -13,8 +13,8 @@
 //! may take any resistance and explain drift by it, and then go on drifting beyond the record.
 //! `Tapered` judges resistances, not columns, and trusts poles (and initial decays) slower than the
 //! record by as much less as they are slower. On held-out halves of measured records it is what
-//! makes a model carry on (docs/identification.md). The second difference of R_k over a geometric
-//! mesh is that of η(ξ): R_k = η(ξ_k) ln r (theory of the thesis, 2.18).
+//! makes a model carry on (docs/explanation/identification.md). The second difference of R_k over a
+//! geometric mesh is that of η(ξ): R_k = η(ξ_k) ln r (theory of the thesis, 2.18).
 
 use nalgebra::DMatrix;
 

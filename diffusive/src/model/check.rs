@@ -64,6 +64,14 @@ impl Model {
                     "{name}, class `{label}`: `r_k_per_w` and `se_k_per_w` must have one value for each of the {rates} rates"
                 ));
             }
+            let known = class.covariance.as_ref().map(Vec::len);
+            let free = if pair.se_rate_rad_s.is_some() { rates } else { 0 };
+            let triangle = (rates + 1 + free) * (rates + 2 + free) / 2;
+            if let Some(has) = known.filter(|has| *has != triangle) {
+                return Err(model_error!(
+                    "{name}, class `{label}`: `covariance` must have {triangle} values, the lower triangle, and has {has}"
+                ));
+            }
             let mut values = class.r_k_per_w.iter().chain([&class.feed_through_k_per_w, &class.steady_gain_k_per_w]);
             if let Some(value) = values.find(|value| !value.is_finite()) {
                 return Err(model_error!("{name}, class `{label}`: {value} is no resistance"));

@@ -16,6 +16,7 @@
 //! Row n of a record holds y at t_n and u over [t_n, t_{n+1}): x at row n has seen u up to row n
 //! − 1.
 
+pub mod certainty;
 mod check;
 mod conditions;
 mod content;

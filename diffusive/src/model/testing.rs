@@ -59,6 +59,7 @@ pub fn class(r_k_per_w: &[f64]) -> Class {
         se_steady_gain_k_per_w: 0.02,
         feed_through_k_per_w: 0.0,
         se_feed_through_k_per_w: 0.0,
+        covariance: None,
     }
 }
 

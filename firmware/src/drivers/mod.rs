@@ -6,7 +6,7 @@
 //! [`dr_core::sensor::reading::Reading`] an element and tick of the conversions that [`tick_plan`]
 //! has counted, and [`heater_pins`] puts the controller's decision on the current sources.
 //! [`circle`] finds the host's bytes in the receiver's buffer, [`reset_flags`] says why the board
-//! started. The circuit around them is in `docs/hardware.md`.
+//! started. The circuit around them is in `docs/reference/board.md`.
 
 pub mod ads131e06;
 pub mod circle;

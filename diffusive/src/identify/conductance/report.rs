@@ -48,7 +48,7 @@ pub(super) fn model(
                 se_rate_rad_s: None,
                 dead_time_samples: 0,
                 non_negative: options.signs.asks(input, output),
-                classes: BTreeMap::from([(reference.clone(), fitted[output].class(input))]),
+                classes: BTreeMap::from([(reference.clone(), fitted[output].class(input, 0..0))]),
             });
         }
     }
@@ -109,7 +109,7 @@ fn following(solver: &Solver<'_>, fitted: &[FittedOutput<'_>], passed: &Passed) 
     let bank = solver.places.gas_bank();
     let outputs = fitted.iter().map(|fitted| {
         // The same sums as those of resistances, of a bank whose drive is in kelvins.
-        let class = fitted.class(bank);
+        let class = fitted.class(bank, 0..0);
         Followed {
             f_k_per_k: class.r_k_per_w,
             se_k_per_k: class.se_k_per_w,

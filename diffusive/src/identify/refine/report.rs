@@ -41,7 +41,9 @@ pub fn model(
         for (bank, part) in found.search.setup.parts.iter().enumerate() {
             let of = &mut pairs[part.pair];
             (of.mesh_rad_s, of.se_rate_rad_s) = (rates.clone(), Some(se.clone()));
-            of.classes.insert(mesh.classes[part.class].clone(), fitted.class(bank));
+            let first = found.point.theta.len();
+            let class = fitted.class(bank, first..first + rates.len());
+            of.classes.insert(mesh.classes[part.class].clone(), class);
         }
     }
     let mut warnings = support::warnings(survey, facts);

@@ -74,7 +74,7 @@ impl SymbolResult<'_> {
                 let is_its = |part: &BankPart| part.input == input && part.is_seen_by(output);
                 for (bank, part) in parts.iter().enumerate().filter(|(_, part)| is_its(part)) {
                     mesh_rad_s.clone_from(&designs[choice.trial.mesh].banks[bank].rates_rad_s);
-                    let mut class = self.fitted[output].class(bank);
+                    let mut class = self.fitted[output].class(bank, 0..0);
                     let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
                     class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(spread);
                     classes.insert(labels[part.class].clone(), class);

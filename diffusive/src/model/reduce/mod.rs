@@ -108,6 +108,7 @@ fn reduce_pair(pair: &Pair, order: usize, rates: Rates, period_s: f64) -> Result
     for (n, class) in classes.values_mut().enumerate() {
         class.se_k_per_w = propagated(&target, n, pair, class, &rounded, &fit.r_k_per_w[n]);
         class.r_k_per_w = fit.r_k_per_w[n].iter().map(|r| single(*r)).collect();
+        class.covariance = None;
         class.steady_gain_k_per_w = class.r_k_per_w.iter().sum::<f64>() + class.feed_through_k_per_w;
     }
     Ok(Pair { mesh_rad_s: rounded, se_rate_rad_s: None, classes, ..pair.clone() })

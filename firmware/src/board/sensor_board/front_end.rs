@@ -17,7 +17,7 @@
 //!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
-//! (`docs/hardware.md`, "One tick").
+//! (`docs/reference/board.md`, "One tick").
 
 use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
 use super::dead_man::DeadManTimer;

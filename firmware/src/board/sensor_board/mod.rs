@@ -1,5 +1,5 @@
 //! The sensor board: STM32F405, six heated elements, an ADS131E06, the host on USART2. Its circuit
-//! is in `docs/hardware.md`.
+//! is in `docs/reference/board.md`.
 //!
 //! | file | what |
 //! |---|---|
