@@ -7,8 +7,8 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
 use diffusive::model::Model;
-use diffusive::predict::closed::{LoopStart, PredictedElement, Prediction, predict};
-use diffusive::predict::compare::{Decimated, decimate, fits};
+use diffusive::predict::closed::{LoopStart, Prediction, predict};
+use diffusive::predict::compare::{decimate, fits};
 use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
 use host_sim::experiment::Experiment;
 use plot::closed_loop;
@@ -119,16 +119,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(canvas) = canvas {
         let what = if taken.is_some() { "recorded" } else { "one-bit rule" };
-        let charts = |(of, decimated): (&PredictedElement, &Decimated)| PredictedCharts {
+        let elements = prediction.elements.iter().zip(&powers);
+        let charts = elements.map(|(of, decimated)| PredictedCharts {
             name: &of.name,
             powers: &decimated.rows,
-            temperatures_c: [
-                taken.as_ref().and_then(|taken| taken.temperature_of(of, &model)),
-                Some(of.sampled_c.as_slice()),
-            ],
+            temperatures_c: [taken.as_ref().and_then(|taken| taken.temperature_of(of, &model)), Some(&of.sampled_c)],
             target_c: &of.target_c,
-        };
-        let charts: Vec<_> = prediction.elements.iter().zip(&powers).map(charts).collect();
+        });
+        let charts: Vec<_> = charts.collect();
         let spans = spans(&prediction, &model);
         let figure = closed_loop::prediction_figure(&experiment.title, what, &charts, scenario.sample_period_s, &spans);
         canvas.draw(&figure).map_err(Failure::work)?;

@@ -305,14 +305,13 @@ fn errors_against_the_true_wind_are_drawn_over_time_and_in_all() {
     let recording = estimates(&SECTORS, "", |_| 0);
     let figure = run::figure(&recording).unwrap();
     let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
-    for caption in ["Error of the speed", "Error of the direction", "Estimate over truth"] {
+    for caption in ["Speed error", "Direction error", "Estimate over truth"] {
         assert!(captions.contains(&caption), "{captions:?}");
     }
     // Estimates without any error.
-    assert!(bins(&figure, "Error of the speed", "error").iter().all(|bin| bin.mean.abs() < 1e-9));
+    assert!(bins(&figure, "Speed error", "error").iter().all(|bin| bin.mean.abs() < 1e-9));
     let svg = figure.svg();
-    for title in ["Error of the speed (m/s)", "Error of the direction (°)", "True speed (m/s)", "Estimated speed (m/s)"]
-    {
+    for title in ["Speed error (m/s)", "Direction error (°)", "True speed (m/s)", "Estimated speed (m/s)"] {
         assert!(svg.contains(title), "{title}");
     }
 }
@@ -336,7 +335,7 @@ fn many_winds_are_drawn_by_wind() {
     let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
     assert!(!captions.contains(&"Azimuth") && captions.contains(&"Quality flags"), "{captions:?}");
     let of = |caption: &str| figure.charts().filter(|chart| chart.caption() == caption).collect::<Vec<_>>();
-    let speed = of("Error of the speed");
+    let speed = of("Speed error");
     assert_eq!(speed.iter().map(|chart| chart.x_name()).collect::<Vec<_>>(), ["True speed", "True azimuth"]);
     assert!(speed.iter().all(|chart| chart.traces[0].points.len() == 100));
     assert!(speed[0].traces[0].points.iter().all(|(_, percent)| (percent - 5.0).abs() < 1e-6));

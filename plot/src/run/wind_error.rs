@@ -123,8 +123,8 @@ pub fn over_time(times_s: &[f64], all: &[Option<ComparedWind>]) -> [Chart; 2] {
     let around = |bin: Bin| Bin { least: -bin.mean, most: bin.mean, ..bin };
     let above = |bin: Bin| Bin { least: 0.0, most: bin.mean, ..bin };
     [
-        chart("Error of the speed", "m/s", speed, speed_u.into_iter().map(around).collect()),
-        chart("Error of the direction", "°", angle, angle_u.into_iter().map(above).collect()),
+        chart("Speed error", "m/s", speed, speed_u.into_iter().map(around).collect()),
+        chart("Direction error", "°", angle, angle_u.into_iter().map(above).collect()),
     ]
 }
 
@@ -144,8 +144,8 @@ pub fn summary(all: &[ComparedWind]) -> Vec<Chart> {
     let speeds: Vec<f64> = all.iter().map(ComparedWind::error_m_s).collect();
     let angles: Vec<f64> = all.iter().map(|of| of.angle_deg).filter(|angle| angle.is_finite()).collect();
     let mut charts = vec![scatter];
-    charts.extend(histogram("Errors of the speed", "m/s", &speeds, |error| Some(stated(all, error))));
-    charts.extend(histogram("Errors of the direction", "°", &angles, |_| None));
+    charts.extend(histogram("Speed errors", "m/s", &speeds, |error| Some(stated(all, error))));
+    charts.extend(histogram("Direction errors", "°", &angles, |_| None));
     charts
 }
 
@@ -221,7 +221,7 @@ pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
         let air = 0.1 * (high - low);
         let values = points.iter().map(|(x, y, _)| (*x, *y)).collect();
         let bars = points.iter().map(|(.., u)| *u).collect();
-        Chart::new(format!("Error of the {of}"), unit)
+        Chart::new(format!("{of} error"), unit)
             .x(crate::Scale::Linear, over[1])
             .x_title(over[0])
             .height(OTHERS)
@@ -239,9 +239,9 @@ pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             points
         };
-        let speed = chart("speed", "% of true speed", [over, unit], points(&percent));
-        let direction = chart("direction", "°", [over, unit], points(&angle));
-        [speed.note("a dot a wind, with its stated uncertainty"), direction]
+        let speed = chart("Speed", "%", [over, unit], points(&percent));
+        let direction = chart("Direction", "°", [over, unit], points(&angle));
+        [speed.note("of the true speed; bars: stated uncertainty"), direction]
     })
 }
 
