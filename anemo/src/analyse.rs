@@ -86,7 +86,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let report = AnalysisReport::new(&model, &request).map_err(|error| Failure::in_file(&arguments.model, error))?;
     if let Some(canvas) = arguments.picture.canvas()? {
-        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes, &report.verdict);
+        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
     crate::output::print_report(&report, arguments.json)

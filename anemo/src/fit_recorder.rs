@@ -5,9 +5,9 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::FitRow;
 use diffusive::identify::record::Survey;
-use diffusive::model::{Model, Whiteness};
-use plot::Canvas;
-use plot::model::{FitSeries, figure};
+use diffusive::model::Whiteness;
+use plot::model::FitSeries;
+use plot::{Canvas, Figure};
 
 /// One series an output, and the file that they will be drawn into.
 pub struct FitRecorder {
@@ -42,10 +42,14 @@ impl FitRecorder {
         }
     }
 
-    /// Draws the model's page with them, if a file was named.
-    pub fn draw(mut self, model: &Model, whiteness: &[Option<Whiteness>]) -> Result<(), Failure> {
+    /// Draws them, if a file was named; `figure` makes a picture of them.
+    pub fn draw(
+        mut self,
+        whiteness: &[Option<Whiteness>],
+        figure: impl FnOnce(&[FitSeries]) -> Figure,
+    ) -> Result<(), Failure> {
         let Some(canvas) = self.canvas else { return Ok(()) };
         self.series.iter_mut().zip(whiteness).for_each(|(series, white)| series.whiteness.clone_from(white));
-        canvas.draw(&figure(model, &self.series)).map_err(Failure::work)
+        canvas.draw(&figure(&self.series)).map_err(Failure::work)
     }
 }

@@ -14,6 +14,7 @@ use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
+use plot::model::figure;
 
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
 /// (diffusive mesh), with standard errors.
@@ -269,7 +270,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         model.write(path).map_err(Failure::work)?;
     }
     let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| figure(&model, fits))?;
     let notes = &stream.survey().notes;
     crate::output::print_report(
         &IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() },

@@ -209,6 +209,32 @@ mod tests {
         CommandLine::command().debug_assert();
     }
 
+    /// What stands behind the options in the help of a command and of all below it.
+    fn texts(command: &clap::Command) -> Vec<String> {
+        let own = command.get_after_help().map(ToString::to_string);
+        own.into_iter().chain(command.get_subcommands().flat_map(texts)).collect()
+    }
+
+    #[test]
+    fn examples_and_tables_of_the_help_fit_80_columns_and_examples_parse() {
+        let (mut wide, mut refused, mut examples) = (Vec::new(), Vec::new(), 0);
+        for text in texts(&command()) {
+            wide.extend(
+                text.lines().filter(|line| line.starts_with("  ") && line.chars().count() > 80).map(str::to_owned),
+            );
+            for line in text.replace("\\\n", " ").lines().filter(|line| line.starts_with("  ")) {
+                let words = shlex::split(line.trim_end_matches("; done")).unwrap_or_default();
+                if let Some(begin) = words.iter().position(|word| word == "anemo") {
+                    examples += 1;
+                    refused.extend(refusal(&words[begin + 1..]).map(|reason| format!("{line}: {reason}")));
+                }
+            }
+        }
+        assert!(wide.is_empty(), "{wide:#?}");
+        assert!(refused.is_empty(), "{refused:#?}");
+        assert!(examples > 50, "{examples}");
+    }
+
     #[test]
     fn an_older_name_is_answered_with_the_new_one() {
         let said = |words: &[&str]| renamed(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());

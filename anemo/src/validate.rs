@@ -10,6 +10,7 @@ use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::model::{Model, ModelError, ModelGas};
+use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
 ///
@@ -67,6 +68,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
     let validated = validate(&model, &mut stream, arguments.start, &mut |seen| fits.see(seen))?;
     let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| validation_figure(&model, fits, &arguments.record, &arguments.model))?;
     crate::output::print_report(&validated, arguments.json)
 }
