@@ -27,6 +27,7 @@ mod head;
 mod identify;
 mod merge;
 mod output;
+mod picture;
 mod plot;
 mod predict;
 mod predict_against;

@@ -5,7 +5,8 @@ use super::axis::Scale;
 use super::chart::{Chart, ChartFrame, Figure, Shading, Shown};
 use super::colour::{INK, QUIET};
 use super::head::{ChartHead, LegendEntry, Sample, TEXT};
-use super::pen::Pen;
+use super::line_ends::{END_GAP, LineEnd};
+use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
 use super::svg::{Anchor, MM, Rect, Svg};
 use super::trace::{Trace, TraceStyle};
@@ -17,6 +18,8 @@ const EDGE: f64 = 4.0;
 const RIGHT: f64 = 12.0;
 /// Charts side by side are at least so wide, with their labels.
 const LEAST_WIDTH: f64 = 55.0 * MM;
+/// From this width on, names stand beside the ends of lines.
+const LEAST_NAMED: f64 = 120.0 * MM;
 /// Names of rows take at most this share of the page.
 const NAMES: f64 = 0.25;
 /// Labels under a chart, and the title under them.
@@ -31,7 +34,7 @@ const STRIP_GAP: f64 = 2.0;
 const TITLE: f64 = 10.0;
 const SUBTITLE: f64 = 7.0;
 pub const LABEL: f64 = 6.5;
-pub const SHADING_LABEL: f64 = 6.0;
+pub const SHADING_LABEL: f64 = 6.2;
 /// From line to line of the title, of the subtitle, and of an axis title.
 const TITLE_LINE: f64 = 12.5;
 const SUBTITLE_LINE: f64 = 9.5;
@@ -51,6 +54,7 @@ impl Figure {
         let wide = self.width.points();
         let rows: Vec<&[Chart]> = self.rows.iter().flat_map(|row| row.chunks(abreast(row.len(), wide))).collect();
         let left = self.charts().map(|chart| chart.left_room(wide)).fold(EDGE, f64::max);
+        let names = self.charts().map(|chart| chart.right_room(wide)).fold(RIGHT, f64::max);
         let mut svg = Svg::default();
         let room = wide - 2.0 * EDGE;
         let mut y = EDGE;
@@ -64,13 +68,17 @@ impl Figure {
             y += SUBTITLE_LINE;
         }
         let mut above: Option<ChartLayout> = None;
-        for row in rows {
+        for (i, row) in rows.iter().enumerate() {
+            let has_close_up = rows.get(i + 1).is_some_and(|next| next[0].frame == ChartFrame::CloseUp);
             let share = wide / row.len() as f64;
-            let place = |(i, chart)| ChartLayout::of(chart, share * i as f64 + left, share - left - RIGHT);
+            let place = |(i, chart)| ChartLayout::of(chart, share * i as f64 + left, share - left - names);
             let mut charts: Vec<ChartLayout> = row.iter().enumerate().map(place).collect();
             let top = y + charts.iter().map(ChartLayout::room_above).fold(0.0, f64::max);
             y = top;
             for layout in &mut charts {
+                // The close-up has the same axis, and its title.
+                layout.has_end_names = wide >= LEAST_NAMED;
+                layout.has_x_title = layout.chart.x_labels && !has_close_up;
                 (layout.rect.top, layout.rect.bottom) = (top, top + layout.chart.height);
                 y = y.max(layout.rect.bottom + layout.room_below());
                 layout.draw(&mut svg, wide - 1.0);
@@ -115,7 +123,17 @@ impl Chart {
         EDGE + labels + LABEL_GAP
     }
 
-    fn y_axis(&self) -> ScaledAxis {
+    /// Room that names at the ends of its lines take at the right.
+    fn right_room(&self, wide: f64) -> f64 {
+        if wide < LEAST_NAMED {
+            return 0.0;
+        }
+        let name = |(i, _): LineEnd| width(&self.traces[i].label, LABEL) + END_GAP + EDGE;
+        self.line_ends(&self.y_axis()).into_iter().map(name).fold(0.0, f64::max)
+    }
+
+    /// Its vertical axis.
+    pub(crate) fn y_axis(&self) -> ScaledAxis {
         let ticks = (self.height / Y_LABELS_APART).round().max(2.0) as usize;
         match self.shown {
             Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, ticks, &self.unit),
@@ -137,6 +155,8 @@ pub struct ChartLayout<'c> {
     pub x: ScaledAxis,
     pub y: ScaledAxis,
     pub y_title: Vec<String>,
+    pub has_x_title: bool,
+    pub has_end_names: bool,
     head: ChartHead,
 }
 
@@ -148,14 +168,22 @@ impl<'c> ChartLayout<'c> {
             None => chart.traces.iter().flat_map(Trace::places).collect(),
         };
         // Lines go from edge to edge; dots need air.
-        let dots = |trace: &Trace| matches!(trace.style, TraceStyle::Points | TraceStyle::Stems);
-        let tight = chart.x_range.is_some() || !chart.traces.iter().any(dots);
+        let tight = chart.x_range.is_some() || !chart.traces.iter().any(Trace::is_dotted);
         let x_ticks = (wide / if chart.x == Scale::Log { DECADES_APART } else { X_LABELS_APART }) as usize;
         let x = ScaledAxis::around(&places, chart.x, x_ticks.max(2), &chart.x_unit, tight);
         let y = chart.y_axis();
         let rect = Rect { left, right: left + wide, ..Rect::default() };
         let y_title = chart.y_title_lines(&y);
-        let mut layout = Self { chart, rect, x, y, y_title, head: ChartHead::default() };
+        let mut layout = Self {
+            chart,
+            rect,
+            x,
+            y,
+            y_title,
+            has_x_title: chart.x_labels,
+            has_end_names: false,
+            head: ChartHead::default(),
+        };
         if chart.frame != ChartFrame::CloseUp {
             layout.head = ChartHead::new(&chart.caption, &layout.notes(chart.reach().1), layout.legend(), wide);
         }
@@ -171,10 +199,11 @@ impl<'c> ChartLayout<'c> {
     }
 
     fn room_below(&self) -> f64 {
-        match (self.chart.x_labels, self.chart.time_constants) {
-            (false, _) => 0.0,
-            (true, false) => LABELS + X_TITLE,
-            (true, true) => 2.0 * (LABELS + X_TITLE),
+        match (self.chart.x_labels, self.has_x_title, self.chart.time_constants) {
+            (false, ..) => 0.0,
+            (true, false, _) => LABELS,
+            (true, true, false) => LABELS + X_TITLE,
+            (true, true, true) => 2.0 * (LABELS + X_TITLE),
         }
     }
 
@@ -255,8 +284,15 @@ impl<'c> ChartLayout<'c> {
     /// The pen of a trace.
     pub fn pen(&self, i: usize) -> Pen {
         let trace = &self.chart.traces[i];
-        let pen = trace.pen.unwrap_or(Pen::numbered(i));
-        if trace.is_whole { Pen { dashes: "", ..pen } } else { pen }
+        let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
+        if trace.is_whole {
+            pen.dashes = "";
+        }
+        // Nothing else to be told from.
+        if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
+            pen.marker = Marker::Circle;
+        }
+        pen
     }
 
     /// A name of a row, as far as there is room for it at the left.

@@ -6,6 +6,7 @@ pub mod chart;
 pub mod colour;
 pub mod head;
 pub mod layout;
+pub mod line_ends;
 pub mod paint;
 pub mod pen;
 pub mod reduce;

@@ -5,6 +5,7 @@ use super::chart::{ChartFrame, Shading};
 use super::colour::{ALARM, Colour, FAINT, GRID, INK, PAPER, QUIET};
 use super::head::TEXT;
 use super::layout::{AXIS_TITLE_LINE, ChartLayout, LABEL, LABEL_GAP, SHADING_LABEL};
+use super::line_ends::END_GAP;
 use super::pen::{DASHED, Pen};
 use super::reduce::{Bin, columns};
 use super::svg::{Anchor, Rect, Svg};
@@ -67,6 +68,12 @@ impl ChartLayout<'_> {
                 TraceStyle::Points | TraceStyle::Stems => self.dots(svg, trace, pen, shifts[i]),
                 TraceStyle::Band => {}
                 TraceStyle::Bars => self.bars(svg, i, pen.colour),
+            }
+        }
+        if self.has_end_names {
+            for (i, above) in self.chart.line_ends(&self.y) {
+                let place = (self.rect.right + END_GAP, self.rect.bottom - above);
+                svg.text(&self.chart.traces[i].label, place, LABEL, INK, Anchor::Start);
             }
         }
         self.marks(svg);
@@ -141,7 +148,9 @@ impl ChartLayout<'_> {
             let x = x.min(page - width(words, LABEL) / 2.0);
             svg.text(words, (x, self.below(row)), LABEL, QUIET, Anchor::Middle);
         };
-        title(svg, &self.x_title(), 1);
+        if self.has_x_title {
+            title(svg, &self.x_title(), 1);
+        }
         if self.chart.time_constants {
             title(svg, "Time constant (s)", 3);
         }
