@@ -3,33 +3,32 @@
 use std::path::PathBuf;
 
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
-use plot::{Canvas, closed_loop};
+use plot::closed_loop;
 
 /// Analyse a closed loop from a model: whether it can hold a set-point, and how fast its power
 /// responds.
 ///
 /// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
 /// zeros of the model. The analysis therefore needs no closed loop. One class of one pair is
-/// analysed, and every change of the wind from it to another.
+/// analysed, and every change of the wind from it to another. The picture shows poles, zeros and the
+/// response of the power to a step.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Levels and set-point may be left out. The levels are then the least and the greatest input of the
-record from which the model was identified, and the set-point lies half-way between the temperatures
-that they can hold.
-
-The weight of a zero is its share of the power above the steady value, in units of the steady value,
-right after the temperature was lifted to the set-point at once. The weights of a change of the wind
+The weight of a zero is its share of the power above the steady value, in units of the steady value, \
+right after the temperature was lifted to the set-point at once. The weights of a change of the wind \
 depend on the change; `changes` of --json has them.
 
-Settling after a change of the wind lasts until the power stays within 2 % of the whole change;
-where a level limited the power, the temperature has to be back at its set-point, too. Settling
+Settling after a change of the wind lasts until the power stays within 2 % of the whole change; \
+where a level limited the power, the temperature has to be back at its set-point, too. Settling \
 after a step of the set-point begins at rest: first at the high level, then between the levels.
 
 Examples:
   anemo analyse model.json
-  anemo analyse model.json --class still --target 30 --low 0.0015 --high 0.042 --sample-period 0.01
+  anemo analyse model.json --class still --target 30 --low 0.0015 \\
+      --high 0.042 --sample-period 0.01
   anemo analyse model.json --pair sector1:sector1 --json --plot loop.svg")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
@@ -43,13 +42,14 @@ pub struct Arguments {
     /// The event class to analyse: the reference, or the first, if not given.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
-    /// The set-point, in K above the temperature without heating.
+    /// The set-point, in K above the temperature without heating; by default half-way between the
+    /// temperatures that the levels can hold.
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     target: Option<f64>,
-    /// Power of the low level, W.
+    /// Power of the low level, W; by default the least input of the identified record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     low: Option<f64>,
-    /// Power of the high level, W.
+    /// Power of the high level, W; by default the greatest input of that record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     high: Option<f64>,
     /// Sample period of the loop, s: that of the model if not given.
@@ -58,9 +58,8 @@ pub struct Arguments {
     /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
     #[arg(long, value_name = "°C", allow_negative_numbers = true)]
     gas_temperature: Option<f64>,
-    /// Draw poles, zeros and the response of the power to a step into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -86,9 +85,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         gas_c: arguments.gas_temperature,
     };
     let report = AnalysisReport::new(&model, &request).map_err(|error| Failure::in_file(&arguments.model, error))?;
-    if let Some(path) = &arguments.plot {
-        let canvas = Canvas::create(path).map_err(Failure::usage)?;
-        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes, &report.verdict);
+    if let Some(canvas) = arguments.picture.canvas()? {
+        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
     crate::output::print_report(&report, arguments.json)

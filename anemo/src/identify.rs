@@ -7,30 +7,35 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
 use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
+use plot::model::figure;
 
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
 /// (diffusive mesh), with standard errors.
 ///
 /// Any uniformly sampled table can be identified: a recording of `anemo run`, or a CSV or Parquet
 /// file of yours with a time column first. Options that are not given are chosen by block
-/// cross-validation inside the record, and the reasons are printed.
+/// cross-validation inside the record, and the reasons are printed. The picture shows time-constant
+/// spectrum (diffusive symbol), fit, residuals, frequency response and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo identify prbs.parquet -o model.json
   anemo identify heater.csv --input power --output temperature -o model.json
-  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 --ridge 1e-6
+  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 \\
+      --ridge 1e-6
   anemo identify heater.csv -o small.json --free-poles 3
   anemo identify heads.csv --input power_w_0 power_w_1 \\
       --output temperature_c_0 temperature_c_1 --tie -o model.json
   anemo identify winds.csv --event wind -o model.json --plot model.svg
-  anemo identify winds.csv --event wind --structure conductance --gas-temperature 18.0 -o model.json
+  anemo identify winds.csv --event wind --structure conductance \\
+      --gas-temperature 18.0 -o model.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
 pub struct Arguments {
@@ -87,10 +92,8 @@ pub struct Arguments {
     /// Samples by which the output is late; searched for, unless both --order and --mesh are given.
     #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
-    /// Draw time-constant spectrum (diffusive symbol), fit, residuals, frequency response and
-    /// structure function into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Number of free rates of an output, 1 to 8, for a small model. The fit starts from the
     /// solution on the grid.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
@@ -257,17 +260,17 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.plot.as_deref()])?;
+    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.picture.path()])?;
     let (selection, gas) = arguments.selection();
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;
-    let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
+    let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
     let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
     if let Some(path) = &arguments.output_file {
         model.write(path).map_err(Failure::work)?;
     }
     let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| figure(&model, fits))?;
     let notes = &stream.survey().notes;
     crate::output::print_report(
         &IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() },

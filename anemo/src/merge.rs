@@ -14,8 +14,10 @@ use diffusive::model::merge::{MergeReport, merge};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo identify head0.csv --input power_w_0 --output temperature_c_0 temperature_c_1 -o 0.json
-  anemo identify head1.csv --input power_w_1 --output temperature_c_0 temperature_c_1 -o 1.json
+  anemo identify head0.csv --input power_w_0 \\
+      --output temperature_c_0 temperature_c_1 -o 0.json
+  anemo identify head1.csv --input power_w_1 \\
+      --output temperature_c_0 temperature_c_1 -o 1.json
   anemo merge 0.json 1.json -o both.json
   anemo validate both.json together.csv")]
 pub struct Arguments {

@@ -57,5 +57,24 @@ fn write(folder: &Path) -> std::io::Result<()> {
     for shell in clap_complete::Shell::value_variants() {
         clap_complete::generate_to(*shell, &mut anemo::command(), "anemo", &completions)?;
     }
-    clap_mangen::generate_to(anemo::command(), man)
+    clap_mangen::generate_to(anemo::command(), &man)?;
+    for page in std::fs::read_dir(man)? {
+        let page = page?.path();
+        std::fs::write(&page, as_it_is(&std::fs::read_to_string(&page)?))?;
+    }
+    Ok(())
+}
+
+/// A man page whose indented lines, examples and tables, are neither filled nor justified.
+fn as_it_is(page: &str) -> String {
+    let (mut text, mut is_open) = (String::new(), false);
+    for line in page.replace(".SH EXTRA", ".SH NOTES").lines() {
+        if line.starts_with("  ") != is_open {
+            is_open = !is_open;
+            text += if is_open { ".nf\n" } else { ".fi\n" };
+        }
+        text += line;
+        text.push('\n');
+    }
+    text
 }

@@ -6,10 +6,11 @@
 
 use clap::{Arg, ArgAction, Command};
 
-/// A page: its file, its title, what it is about, its commands in order.
+/// A page, its commands in order.
 struct Page {
     file: &'static str,
-    title: &'static str,
+    /// What its commands are about, in a word.
+    kind: &'static str,
     about: &'static str,
     commands: &'static [&'static str],
 }
@@ -17,37 +18,31 @@ struct Page {
 const PAGES: [Page; 3] = [
     Page {
         file: "command-line.md",
-        title: "Command line: instruments",
+        kind: "instruments",
         about: "Commands that run a simulated or real instrument, and look at what it is and what it recorded.",
         commands: &["check", "run", "self-test", "settings", "plot"],
     },
     Page {
         file: "command-line-models.md",
-        title: "Command line: thermal models",
+        kind: "thermal models",
         about: "Commands that identify thermal models, judge and convert them, and predict closed loops with them.",
         commands: &["identify", "merge", "validate", "export", "reduce", "analyse", "design", "predict", "example"],
     },
     Page {
         file: "command-line-wind.md",
-        title: "Command line: wind",
+        kind: "wind",
         about: "Commands that calibrate a head and estimate the wind, and those that measure how well this does.",
         commands: &["head", "calibrate", "wind", "benchmark", "thesis"],
     },
 ];
 
 const CONVENTIONS: &str = "\
-`anemo COMMAND --help` prints what stands here, `-h` a summary of it, `anemo --version` the version. A summary of the \
-work goes to stdout. With `--json` it is one JSON object ([keys](json.md)); all commands have this option but {without}. \
-Errors go to stderr, one sentence that begins with `anemo:`.
+`anemo COMMAND --help` prints what stands here, `-h` a summary. With `--json` a command prints one JSON object \
+([keys](json.md)) in place of its summary; all have this option but {without}. Codes and sentences of errors: \
+[messages](messages.md).
 
-exit code | meaning
----|---
-0 | done
-1 | what was asked for makes sense, but failed
-2 | the command, or a file that it names, is wrong; nothing was started
-
-A file is written in whole or not at all. In a synopsis, `<…>` stands for a word of yours, `[…]` may be left out, and \
-what `...` follows may be repeated.
+A file is written in whole or not at all. The line below a command's name has what it cannot do without: `<…>` stands \
+for a word of yours, `[…]` may be left out, what `...` follows may be repeated.
 ";
 
 /// What an option that prints JSON says if it only says so.
@@ -65,26 +60,31 @@ pub fn pages(mut root: Command) -> Vec<(&'static str, String)> {
 
 impl Page {
     fn text(&self, root: &Command) -> String {
-        let mut text = format!("# {}\n\n<!-- Written by `cargo xtask reference`. -->\n\n{}\n", self.title, self.about);
+        let mut text = format!(
+            "# Command line: {}\n\n<!-- Written by `cargo xtask reference`. -->\n\n{}\n",
+            self.kind, self.about
+        );
         if self.file == PAGES[0].file {
             let without: Vec<String> = leaves(root).into_iter().filter(|leaf| !prints_json(leaf)).map(name).collect();
             text += &format!("\n{}", CONVENTIONS.replace("{without}", &without.join(", ")));
-            text += "\ncommand | what it does\n---|---\n";
-            for (page, command) in PAGES.iter().flat_map(|page| page.commands.iter().map(move |name| (page, *name))) {
+            text += "\n";
+            for page in &PAGES {
                 let file = if page.file == self.file { "" } else { page.file };
-                text += &format!("[{command}]({file}#anemo-{command}) | {}\n", about(find(root, command)));
+                text += &format!("- {}: {}\n", page.kind, page.links(file));
             }
         } else {
-            let links = self.commands.iter().map(|name| format!("[{name}](#anemo-{name})"));
-            text += &format!(
-                "\n{}. Conventions of all commands and their list: [command line](command-line.md).\n",
-                links.collect::<Vec<_>>().join(", ")
-            );
+            text += &format!("\n{}. [Conventions of all commands](command-line.md)\n", self.links(""));
         }
+        let mut said = Said::default();
         for name in self.commands {
-            command(find(root, name), 2, &[], &mut text);
+            command(find(root, name), 2, &[], &mut said, &mut text);
         }
         text
+    }
+
+    fn links(&self, file: &str) -> String {
+        let links = self.commands.iter().map(|name| format!("[{name}]({file}#anemo-{name})"));
+        links.collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -116,16 +116,19 @@ fn about(command: &Command) -> String {
     command.get_about().map(ToString::to_string).unwrap_or_default()
 }
 
+/// Rows that stand on the page already, and the command where.
+type Said = Vec<(Row, String)>;
+
 /// A command and its subcommands, whose `shared` rows stand with the group.
-fn command(command_: &Command, level: usize, shared: &[Row], text: &mut String) {
+fn command(command_: &Command, level: usize, shared: &[Row], said: &mut Said, text: &mut String) {
     *text += &format!("\n{} {}\n", "#".repeat(level), command_.get_bin_name().unwrap_or_default());
     let whole = command_.get_long_about().map(ToString::to_string).unwrap_or_else(|| about(command_) + ".");
     *text += &format!("\n{}\n", whole.trim_end().replace("..", "."));
     let rows: Vec<Row> = command_.get_arguments().filter_map(Row::of).filter(|row| !shared.contains(row)).collect();
     if !command_.has_subcommands() {
-        let usage = command_.clone().render_usage().to_string();
-        *text += &format!("\n```text\n{}\n```\n", usage.trim_start_matches("Usage: ").trim_end());
-        table(&rows, text);
+        let usage = command_.clone().render_usage().to_string().replace(" [OPTIONS]", "");
+        *text += &format!("\n`{}`\n", usage.trim_start_matches("Usage: ").trim_end());
+        table(rows, command_, said, text);
     }
     let groups: Vec<&Command> = subcommands(command_).collect();
     let common = match groups.as_slice() {
@@ -138,17 +141,19 @@ fn command(command_: &Command, level: usize, shared: &[Row], text: &mut String) 
     };
     if !common.is_empty() {
         *text += "\nOptions of all its commands:\n";
-        table(&common, text);
+        table(common.clone(), command_, said, text);
     }
     if let Some(after) = command_.get_after_help() {
         after
             .to_string()
+            // Lines below an empty one still belong to the examples.
+            .replace("\n\n  ", "\n  ")
             .trim()
             .split("\n\n")
             .for_each(|paragraph| *text += &format!("\n{}\n", in_markdown(paragraph)));
     }
     for subcommand in groups {
-        command(subcommand, level + 1, &common, text);
+        command(subcommand, level + 1, &common, said, text);
     }
 }
 
@@ -163,8 +168,9 @@ fn in_markdown(paragraph: &str) -> String {
 }
 
 /// An option in a table.
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq)]
 struct Row {
+    name: String,
     option: String,
     meaning: String,
     default: String,
@@ -205,7 +211,8 @@ impl Row {
         let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
         let default =
             if takes_value && !default.is_empty() { format!("`{}`", default.join(" ")) } else { String::new() };
-        Some(Self { option, meaning: meaning.trim_start_matches(". ").to_owned(), default })
+        let name = argument.get_long().map_or(values.join(" "), |long| format!("--{long}"));
+        Some(Self { name, option, meaning: meaning.trim_start_matches(". ").to_owned(), default })
     }
 }
 
@@ -220,14 +227,40 @@ fn uncapitalised(text: &str) -> String {
     }
 }
 
-fn table(rows: &[Row], text: &mut String) {
+/// A row that stands on the page already is told by its name and where.
+fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
     if rows.is_empty() {
         return;
     }
-    let defaults = rows.iter().any(|row| !row.default.is_empty());
-    *text += if defaults { "\noption | meaning | default\n---|---|---\n" } else { "\noption | meaning\n---|---\n" };
-    for Row { option, meaning, default } in rows {
-        *text += &if defaults { format!("{option} | {meaning} | {default}") } else { format!("{option} | {meaning}") };
+    let of = of.get_bin_name().unwrap_or_default();
+    let mut again: Vec<(String, Vec<String>)> = Vec::new();
+    let mut new = Vec::new();
+    for row in rows {
+        match said.iter().find(|(known, _)| *known == row) {
+            Some((_, place)) => {
+                let name = format!("`{}`", row.name);
+                match again.iter_mut().find(|(known, _)| known == place) {
+                    Some((_, names)) => names.push(name),
+                    None => again.push((place.clone(), vec![name])),
+                }
+            }
+            None => new.push(row),
+        }
+    }
+    // The bars stand close, so that they are not counted as words.
+    let defaults = new.iter().any(|row| !row.default.is_empty());
+    *text += if defaults { "\noption| meaning| default\n---|---|---\n" } else { "\noption| meaning\n---|---\n" };
+    for Row { option, meaning, default, .. } in &new {
+        *text += &if defaults { format!("{option}| {meaning}| {default}") } else { format!("{option}| {meaning}") };
         *text = text.trim_end().to_owned() + "\n";
     }
+    for (place, names) in again {
+        *text += &format!(
+            "{}| as of [{}](#{})\n",
+            names.join(" "),
+            place.trim_start_matches("anemo "),
+            place.replace(' ', "-")
+        );
+    }
+    said.extend(new.into_iter().map(|row| (row, of.to_owned())));
 }

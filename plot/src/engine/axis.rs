@@ -44,15 +44,17 @@ impl Axis {
 
     /// A given range.
     pub fn exactly(low: f64, high: f64, ticks: usize) -> Self {
-        Self { low, high, scale: Scale::Linear, step: step(high - low, ticks) }
+        let with = |ticks| Self { low, high, scale: Scale::Linear, step: step(high - low, ticks) };
+        // A single label would leave the scale open.
+        (ticks..ticks + 5).map(with).find(|axis| axis.tick_count() > 1).unwrap_or_else(|| with(ticks + 5))
     }
 
     /// A given range of angles in degrees; where it is wide, ticks are parts of a right angle.
     pub fn degrees(low: f64, high: f64, ticks: usize) -> Self {
         let rough = (high - low) / ticks.max(1) as f64;
         let round = [10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| *step >= 0.7 * rough);
-        let step = if rough > 8.0 { round.unwrap_or(90.0) } else { step(high - low, ticks) };
-        Self { low, high, scale: Scale::Linear, step }
+        let axis = Self { low, high, scale: Scale::Linear, step: round.unwrap_or(90.0) };
+        if rough > 8.0 && axis.tick_count() > 1 { axis } else { Self::exactly(low, high, ticks) }
     }
 
     /// A logarithmic range around all values that it can hold, with a little air: a decade at
@@ -108,6 +110,10 @@ impl Axis {
                 (tick, format!("{tick:.decimals$}").replace('-', "−"))
             })
             .collect()
+    }
+
+    fn tick_count(&self) -> i64 {
+        ((self.high / self.step + 1e-6).floor() - (self.low / self.step - 1e-6).ceil()) as i64 + 1
     }
 
     fn logarithmic_ticks(&self) -> Vec<(f64, String)> {

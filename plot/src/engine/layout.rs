@@ -1,67 +1,86 @@
-//! Where the charts of a figure are, and what each of them needs: axes, and words above it.
+//! What a chart of some width needs: axes, words above it, room at its sides. All lengths are in
+//! points.
 
 use super::axis::Scale;
-use super::chart::{Chart, ChartFrame, Figure, Shading, Shown};
-use super::colour::{Colour, INK, QUIET};
-use super::head::{ChartHead, LegendEntry};
+use super::chart::{Chart, ChartFrame, Shading, Shown};
+use super::head::{ChartHead, LegendEntry, LegendSample, TEXT};
+use super::line_ends::{END_GAP, LineEnd};
+use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
-use super::svg::{Anchor, Rect, Svg};
+use super::svg::{MM, Rect, Svg};
 use super::trace::{Trace, TraceStyle};
-use super::words::{shortened, width, wrapped};
+use super::words::{self, two_lines, width};
 
-/// Width of every figure, pixels.
-const WIDTH: f64 = 1200.0;
-/// Room to the left of the charts; longer names of rows take more.
-const LEFT: f64 = 86.0;
-const RIGHT: f64 = 32.0;
-/// Labels under a chart, and those of the time constants.
-const LABELS: f64 = 20.0;
+/// At the edges of the page.
+pub const EDGE: f64 = 4.0;
+/// From this width on, names stand beside the ends of lines.
+pub const LEAST_NAMED: f64 = 120.0 * MM;
+/// Names of rows take at most this share of the page.
+const NAMES: f64 = 0.25;
+/// Labels under a chart, and the title under them.
+const LABELS: f64 = 11.0;
+const X_TITLE: f64 = 10.0;
 /// From the labels of a chart to its close-up.
-const CLOSE_UP_GAP: f64 = 46.0;
+const CLOSE_UP_GAP: f64 = 24.0;
 /// Above a bare chart without words.
-const STRIP_GAP: f64 = 4.0;
-/// Sizes of letters.
-const TITLE: f64 = 22.0;
-const SUBTITLE: f64 = 12.5;
-/// Of labels at the axes, and of those at the top of a chart.
-pub const LABEL: f64 = 12.0;
-pub const SHADING_LABEL: f64 = 11.0;
+const STRIP_GAP: f64 = 2.0;
+/// Sizes of letters: of labels at the axes, and of those at the top of a chart.
+pub const LABEL: f64 = 6.5;
+pub const SHADING_LABEL: f64 = 6.2;
+/// From line to line of an axis title.
+pub const AXIS_TITLE_LINE: f64 = 8.5;
+/// From the labels of an axis to its line.
+pub const LABEL_GAP: f64 = 4.0;
+/// Least distance of labels along a vertical axis.
+const Y_LABELS_APART: f64 = 17.0;
+/// About the distance of labels along a horizontal axis.
+const X_LABELS_APART: f64 = 45.0;
+const DECADES_APART: f64 = 30.0;
 
-impl Figure {
-    /// Draws it as SVG. The same figure always makes the same text.
-    pub fn svg(&self) -> String {
-        let bars = self.charts().flat_map(|chart| &chart.traces).filter(|trace| trace.style == TraceStyle::Bars);
-        let left = bars.map(|trace| width(&trace.label, LABEL) + 18.0).fold(LEFT, f64::max);
-        let room = WIDTH - left - RIGHT;
-        let mut svg = Svg::default();
-        svg.bold(&shortened(&self.title, TITLE, room), (left, 26.0), TITLE, INK, Anchor::Start);
-        let subtitle = wrapped(&self.subtitle, SUBTITLE, room, 0.0);
-        for (i, line) in subtitle.iter().enumerate().filter(|(_, line)| !line.is_empty()) {
-            svg.text(line, (left, 49.0 + 17.0 * i as f64), SUBTITLE, QUIET, Anchor::Start);
+/// Quantity and unit of an axis.
+fn titled(quantity: &str, unit: &str) -> String {
+    match (quantity, unit) {
+        ("", unit) => unit.to_owned(),
+        (quantity, "") => quantity.to_owned(),
+        _ => format!("{quantity} ({unit})"),
+    }
+}
+
+impl Chart {
+    /// Room that axis title, labels, and names of rows take at the left.
+    pub(crate) fn left_room(&self, wide: f64) -> [f64; 3] {
+        let bars = self.traces.iter().filter(|trace| trace.style == TraceStyle::Bars);
+        let names = bars.map(|trace| width(&trace.label, LABEL).min(NAMES * wide)).fold(0.0, f64::max);
+        if self.frame != ChartFrame::Axes {
+            return [0.0, 0.0, names + LABEL_GAP];
         }
-        let mut y = 46.0 + 17.0 * subtitle.len() as f64;
-        let mut above: Option<ChartLayout> = None;
-        for row in &self.rows {
-            let gap = left + 16.0;
-            let wide = (room - gap * (row.len() - 1) as f64) / row.len() as f64;
-            let mut charts: Vec<ChartLayout> = row
-                .iter()
-                .enumerate()
-                .map(|(i, chart)| ChartLayout::of(chart, left + (wide + gap) * i as f64, wide))
-                .collect();
-            let top = y + charts.iter().map(ChartLayout::room_above).fold(0.0, f64::max);
-            y = top;
-            for layout in &mut charts {
-                (layout.rect.top, layout.rect.bottom) = (top, top + layout.chart.height);
-                y = y.max(layout.rect.bottom + layout.room_below());
-                layout.draw(&mut svg);
-                if let Some(above) = above.as_ref().filter(|_| layout.chart.frame == ChartFrame::CloseUp) {
-                    layout.lead_here(above, &mut svg);
-                }
-            }
-            above = charts.pop();
+        let axis = self.y_axis();
+        let labels = axis.axis.ticks().iter().map(|(_, label)| width(label, LABEL)).fold(0.0, f64::max);
+        [AXIS_TITLE_LINE * self.y_title_lines(&axis).len() as f64, labels + LABEL_GAP + 2.0, 0.0]
+    }
+
+    /// Room that names at the ends of its lines take at the right.
+    pub(crate) fn right_room(&self, wide: f64) -> f64 {
+        if wide < LEAST_NAMED {
+            return 0.0;
         }
-        svg.finish(WIDTH, y + 16.0)
+        let name = |(i, _): LineEnd| width(&self.traces[i].label, LABEL) + END_GAP + EDGE;
+        self.line_ends(&self.y_axis()).into_iter().map(name).fold(0.0, f64::max)
+    }
+
+    /// Its vertical axis.
+    pub(crate) fn y_axis(&self) -> ScaledAxis {
+        let ticks = (self.height / Y_LABELS_APART).round().max(2.0) as usize;
+        match self.shown {
+            Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, ticks, &self.unit),
+            Shown::All | Shown::Around(..) => ScaledAxis::around(&self.reach().0, self.y, ticks, &self.unit, false),
+        }
+    }
+
+    /// The title of the y axis, which may be longer than the axis is.
+    fn y_title_lines(&self, axis: &ScaledAxis) -> Vec<String> {
+        let title = titled(self.y_name(), &axis.unit);
+        if title.is_empty() { Vec::new() } else { two_lines(&title, TEXT, self.height + 8.0) }
     }
 }
 
@@ -71,36 +90,46 @@ pub struct ChartLayout<'c> {
     pub rect: Rect,
     pub x: ScaledAxis,
     pub y: ScaledAxis,
+    pub y_title: Vec<String>,
+    /// From its title to the axis, the same for all charts of a figure.
+    pub labels_room: f64,
+    pub has_x_title: bool,
+    pub has_end_names: bool,
     head: ChartHead,
 }
 
 impl<'c> ChartLayout<'c> {
     /// Lays a chart out for a width; its vertical place comes later.
-    fn of(chart: &'c Chart, left: f64, wide: f64) -> Self {
+    pub fn of(chart: &'c Chart, left: f64, wide: f64) -> Self {
         let places: Vec<f64> = match chart.x_range {
             Some((from, to)) => vec![from, to],
             None => chart.traces.iter().flat_map(Trace::places).collect(),
         };
         // Lines go from edge to edge; dots need air.
-        let dots = |trace: &Trace| matches!(trace.style, TraceStyle::Points | TraceStyle::Stems);
-        let tight = chart.x_range.is_some() || !chart.traces.iter().any(dots);
-        let x_ticks = (wide / if chart.x == Scale::Log { 70.0 } else { 110.0 }) as usize;
-        let x = ScaledAxis::around(&places, chart.x, x_ticks, &chart.x_unit, tight);
-        let (values, cut) = chart.reach();
-        let y_ticks = (chart.height / 28.0).round().max(2.0) as usize;
-        let y = match chart.shown {
-            Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, y_ticks, &chart.unit),
-            Shown::All | Shown::Around(..) => ScaledAxis::around(&values, chart.y, y_ticks, &chart.unit, false),
-        };
+        let tight = chart.x_range.is_some() || !chart.traces.iter().any(Trace::is_dotted);
+        let x_ticks = (wide / if chart.x == Scale::Log { DECADES_APART } else { X_LABELS_APART }) as usize;
+        let x = ScaledAxis::around(&places, chart.x, x_ticks.max(2), &chart.x_unit, tight);
+        let y = chart.y_axis();
         let rect = Rect { left, right: left + wide, ..Rect::default() };
-        let mut layout = Self { chart, rect, x, y, head: ChartHead::default() };
+        let y_title = chart.y_title_lines(&y);
+        let mut layout = Self {
+            chart,
+            rect,
+            x,
+            y,
+            y_title,
+            labels_room: 0.0,
+            has_x_title: chart.x_labels,
+            has_end_names: false,
+            head: ChartHead::default(),
+        };
         if chart.frame != ChartFrame::CloseUp {
-            layout.head = ChartHead::new(&chart.caption, &layout.notes(cut), layout.legend(), wide);
+            layout.head = ChartHead::new(&chart.caption, &layout.notes(chart.reach().1), layout.legend(), wide);
         }
         layout
     }
 
-    fn room_above(&self) -> f64 {
+    pub fn room_above(&self) -> f64 {
         match self.chart.frame {
             ChartFrame::CloseUp => CLOSE_UP_GAP,
             ChartFrame::Bare if self.chart.caption.is_empty() => STRIP_GAP,
@@ -108,11 +137,12 @@ impl<'c> ChartLayout<'c> {
         }
     }
 
-    fn room_below(&self) -> f64 {
-        match (self.chart.x_labels, self.chart.time_constants) {
-            (false, _) => 0.0,
-            (true, false) => LABELS,
-            (true, true) => 2.0 * LABELS,
+    pub fn room_below(&self) -> f64 {
+        match (self.chart.x_labels, self.has_x_title, self.chart.time_constants) {
+            (false, ..) => 0.0,
+            (true, false, _) => LABELS,
+            (true, true, false) => LABELS + X_TITLE,
+            (true, true, true) => 2.0 * (LABELS + X_TITLE),
         }
     }
 
@@ -123,10 +153,19 @@ impl<'c> ChartLayout<'c> {
         }
     }
 
-    /// Unit and notes, and what has to be said of axes that do not show the values as they are.
+    /// Where rows of labels and titles under the chart have their middle.
+    pub fn below(&self, row: usize) -> f64 {
+        self.rect.bottom + [7.0, 16.5, 28.0, 37.5][row.min(3)]
+    }
+
+    /// The title of the x axis.
+    pub fn x_title(&self) -> String {
+        titled(self.chart.x_name(), &self.x.unit)
+    }
+
+    /// The notes, and what has to be said of axes that do not show the values as they are.
     fn notes(&self, cut: bool) -> Vec<String> {
-        let mut notes = vec![self.y.unit.clone()];
-        notes.extend(self.y.from.iter().map(|from| format!("from {from}")));
+        let mut notes: Vec<String> = self.y.from.iter().map(|from| format!("from {from}")).collect();
         notes.extend(self.x.from.iter().filter(|_| self.chart.x_labels).map(|from| match self.chart.x_unit.as_str() {
             "s" => format!("time from {from} s"),
             unit => format!("{unit} axis from {from}"),
@@ -147,10 +186,9 @@ impl<'c> ChartLayout<'c> {
     /// The traces, and those shadings whose label has no room in any of their stretches.
     fn legend(&self) -> Vec<LegendEntry> {
         let traces = self.chart.traces.iter().enumerate().filter(|(_, trace)| trace.style != TraceStyle::Bars);
-        let entry = |(i, trace)| LegendEntry {
-            label: Trace::clone(trace).label,
-            colour: self.colour(i),
-            style: Some(trace.style),
+        let entry = |(i, trace): (usize, &Trace)| LegendEntry {
+            label: trace.label.clone(),
+            sample: LegendSample::Trace(trace.style, self.pen(i), trace.width),
         };
         let mut entries: Vec<LegendEntry> = traces.map(entry).collect();
         let of_traces = entries.len();
@@ -160,7 +198,7 @@ impl<'c> ChartLayout<'c> {
                 let listed = entries[of_traces..].iter().any(|entry| entry.label == shading.label);
                 if !listed && !alike.any(|other| self.has_room(other)) {
                     let Shading { label, colour, .. } = shading.clone();
-                    entries.push(LegendEntry { label, colour, style: None });
+                    entries.push(LegendEntry { label, sample: LegendSample::Shading(colour) });
                 }
             }
         }
@@ -170,7 +208,7 @@ impl<'c> ChartLayout<'c> {
     /// Whether the label of a shading fits in its stretch.
     pub fn has_room(&self, shading: &Shading) -> bool {
         let (left, right) = self.edges(shading.from, shading.to);
-        width(&shading.label, SHADING_LABEL) + 6.0 <= right - left
+        width(&shading.label, SHADING_LABEL) + 3.0 <= right - left
     }
 
     /// The edges of a stretch of the x axis, within the chart.
@@ -182,9 +220,26 @@ impl<'c> ChartLayout<'c> {
         (edge(from), edge(to))
     }
 
-    /// The colour of a trace.
-    pub fn colour(&self, i: usize) -> Colour {
-        self.chart.traces[i].colour.unwrap_or(Colour::numbered(i))
+    /// The pen of a trace.
+    pub fn pen(&self, i: usize) -> Pen {
+        let trace = &self.chart.traces[i];
+        let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
+        if trace.is_whole {
+            pen.dashes = "";
+        }
+        // Nothing else to be told from.
+        if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
+            pen.marker = Marker::Circle;
+        }
+        if self.chart.traces.iter().filter(|trace| trace.style == TraceStyle::Line).count() == 1 {
+            pen.dashes = "";
+        }
+        pen
+    }
+
+    /// A name of a row, as far as there is room for it at the left.
+    pub fn row_name(&self, name: &str) -> String {
+        words::shortened(name, LABEL, self.rect.left - EDGE - LABEL_GAP)
     }
 
     /// Where a value lies across; NaN if it has no place.
