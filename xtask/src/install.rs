@@ -11,14 +11,19 @@ use std::process::Command;
 
 /// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12", features: "" };
+const FLIP_LINK: Tool = Tool::new("flip-link", "0.1.12");
 /// The program that builds fuzz targets and runs them.
-pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2", features: "" };
+pub const CARGO_FUZZ: Tool = Tool::new("cargo-fuzz", "0.13.2");
 /// What changes code to see whether a test finds it. Always this version: what it changes differs
 /// from one to the next.
-pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0", features: "" };
+pub const CARGO_MUTANTS: Tool = Tool::new("cargo-mutants", "27.1.0");
 /// What finds the licences of all that is linked.
-pub const CARGO_ABOUT: Tool = Tool { name: "cargo-about", version: "0.9.3", features: "cli" };
+pub const CARGO_ABOUT: Tool = Tool { options: &["--features", "cli"], ..Tool::new("cargo-about", "0.9.3") };
+/// What makes the book, without its server.
+pub const MDBOOK: Tool =
+    Tool { options: &["--no-default-features", "--features", "search"], ..Tool::new("mdbook", "0.5.4") };
+/// What makes MathML of the book's equations.
+pub const MATHCORE: Tool = Tool { program: "mathcore", ..Tool::new("math-core-cli", "0.7.0") };
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
@@ -28,7 +33,16 @@ pub const QEMU: &str = "qemu-system-arm";
 pub struct Tool {
     name: &'static str,
     version: &'static str,
-    features: &'static str,
+    /// Its file's name.
+    program: &'static str,
+    /// Options of its installation.
+    options: &'static [&'static str],
+}
+
+impl Tool {
+    const fn new(name: &'static str, version: &'static str) -> Self {
+        Self { name, version, program: name, options: &[] }
+    }
 }
 
 /// A system's package manager and what it is told before the name of a package. The lists of
@@ -102,14 +116,14 @@ pub fn flip_link() -> Result<PathBuf> {
 
 /// A program that cargo installs among the build's products, if it is not there yet. Gives where it
 /// is.
-pub fn tool(&Tool { name, version, features }: &Tool) -> Result<PathBuf> {
+pub fn tool(&Tool { name, version, program, options }: &Tool) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
-    let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    let installed = tools.join("bin").join(format!("{program}{}", std::env::consts::EXE_SUFFIX));
     if !installed.is_file() {
         shell::announce(&format!("installing {name} {version} into {}", tools.display()));
         let mut cargo = shell::cargo();
-        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--features", features, "--root"]);
-        cargo.arg(&tools);
+        cargo.args(["install", "--quiet", name, "--locked", "--version", version]);
+        cargo.args(options).arg("--root").arg(&tools);
         shell::run(&mut cargo)
             .with_context(|| format!("{name} is missing; type: cargo install {name} --locked --version {version}"))?;
     }

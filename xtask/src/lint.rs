@@ -3,7 +3,7 @@
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
 use crate::install::{self, TARGET};
-use crate::{lines, links, shell, structure};
+use crate::{limits, lines, links, shell, structure};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -11,6 +11,8 @@ pub fn run() -> Result<()> {
     install::lint_tools()?;
     shell::announce("links between pages");
     links::run()?;
+    shell::announce("length of pages, and whether the book lists them");
+    limits::run()?;
     structure::run()?;
     shell::announce("lines of code");
     lines::run()?;

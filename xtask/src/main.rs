@@ -2,6 +2,7 @@
 //! `cargo xtask <job>`.
 
 mod artefacts;
+mod book;
 mod ci;
 mod cost;
 mod coverage;
@@ -11,6 +12,7 @@ mod emulator;
 mod flash;
 mod fuzz;
 mod install;
+mod limits;
 mod lines;
 mod links;
 mod lint;
@@ -48,6 +50,8 @@ enum Job {
     /// Run every command that README.md, CONTRIBUTING.md and docs show, and compare what it prints
     /// with what they show
     Pages(pages::PagesOptions),
+    /// Build the pages of docs as a book in target/book, with its links checked
+    Book(book::BookOptions),
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
@@ -92,6 +96,7 @@ fn main() -> ExitCode {
         Job::Demo => demo::run(),
         Job::Test => test::run(),
         Job::Pages(options) => pages::run(&options, Job::command()),
+        Job::Book(options) => book::run(&options),
         Job::Lint => lint::run(),
         Job::Ci => ci::run(),
         Job::Structure => structure::run(),
