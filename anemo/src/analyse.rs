@@ -13,8 +13,8 @@ use plot::closed_loop;
 ///
 /// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
 /// zeros of the model. The analysis therefore needs no closed loop. One class of one pair is
-/// analysed, and every change of the wind from it to another. The picture shows poles, zeros and the
-/// response of the power to a step.
+/// analysed, and every change of the wind from it to another. The picture shows poles, zeros and
+/// the response of the power to a step.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The weight of a zero is its share of the power above the steady value, in units of the steady value, \

@@ -123,8 +123,8 @@ impl TimeCrop {
 /// chosen.
 ///
 /// # Errors
-/// If the file cannot be read or holds nothing to draw, if a part of a model's time is requested, or
-/// the picture cannot be written.
+/// If the file cannot be read or holds nothing to draw, if a part of a model's time is requested,
+/// or the picture cannot be written.
 pub fn draw_file(
     file: &Path,
     picture: &Path,

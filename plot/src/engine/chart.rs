@@ -163,8 +163,8 @@ impl Chart {
         self
     }
 
-    /// The quantity of the x axis; that of the unit if not called: s, min and h are of a time, rad/s
-    /// of a rate, Hz of a frequency.
+    /// The quantity of the x axis; that of the unit if not called: s, min and h are of a time,
+    /// rad/s of a rate, Hz of a frequency.
     pub fn x_title(mut self, quantity: impl Into<String>) -> Self {
         self.x_quantity = Some(quantity.into());
         self

@@ -9,6 +9,7 @@ use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
 use super::svg::{MM, Rect, Svg};
 use super::trace::{Trace, TraceStyle};
+pub use super::type_face::LABEL;
 use super::words::{self, two_lines, width};
 
 /// At the edges of the page.
@@ -24,8 +25,7 @@ const X_TITLE: f64 = 10.0;
 const CLOSE_UP_GAP: f64 = 24.0;
 /// Above a bare chart without words.
 const STRIP_GAP: f64 = 2.0;
-/// Sizes of letters: of labels at the axes, and of those at the top of a chart.
-pub const LABEL: f64 = 6.5;
+/// Size of the labels of shadings.
 pub const SHADING_LABEL: f64 = 6.2;
 /// From line to line of an axis title.
 pub const AXIS_TITLE_LINE: f64 = 8.5;

@@ -1,9 +1,9 @@
 //! Names at the right ends of lines, where there is room: a reader then needs no legend.
 
 use super::chart::{Chart, ChartFrame};
-use super::layout::LABEL;
 use super::scaled::ScaledAxis;
 use super::trace::{Trace, TraceStyle};
+use super::type_face::LABEL;
 use super::words::width;
 
 /// From a line's end to its name.

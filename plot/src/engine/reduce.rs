@@ -103,8 +103,8 @@ pub fn reach<'a>(curves: impl IntoIterator<Item = &'a [Bin]>) -> Vec<Bin> {
     all
 }
 
-/// Sorts ascending points into columns of about half a point of `width`. Where they are sparser than
-/// columns they are kept one by one.
+/// Sorts ascending points into columns of about half a point of `width`. Where they are sparser
+/// than columns they are kept one by one.
 pub fn columns(points: &[(f64, f64)], x: &ScaledAxis, y: &ScaledAxis, width: f64) -> Vec<Bin> {
     let column = |point: &(f64, f64)| (x.share(point.0) * width / COLUMN).floor();
     let placed: Vec<(f64, f64)> = points.iter().copied().filter(|point| !column(point).is_nan()).collect();

@@ -5,6 +5,8 @@ use std::sync::LazyLock;
 
 use ttf_parser::Face;
 
+/// Size of the labels of axes and lines, points.
+pub const LABEL: f64 = 6.5;
 /// How wide a letter is that the face does not have, of its size.
 const UNKNOWN: f64 = 0.6;
 
@@ -58,7 +60,8 @@ mod tests {
             let face = weight.face().unwrap();
             assert!(letters.chars().all(|letter| face.glyph_index(letter).is_some()));
         }
-        // Advance widths of the font: 1303 of 2048 units for a digit of DejaVu Sans, 90 % of them here.
+        // Advance widths of the font: 1303 of 2048 units for a digit of DejaVu Sans, 90 % of them
+        // here.
         assert!((width("00", 10.0) - 20.0 * 0.9 * 1303.0 / 2048.0).abs() < 0.02, "{}", width("00", 10.0));
         assert!(Weight::Bold.width("00", 10.0) > width("00", 10.0));
     }
