@@ -68,6 +68,7 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
         [Trace::line(format!("to {to}"), curve).colour(colour), Trace::dashed("", end).colour(colour)]
     });
     let chart = Chart::new(format!("Power after {} gives way", analysis.label), "W")
+        .y_title("Heating power")
         .x(Scale::Log, "s")
         .traces(lines)
         .note(format!("dashed: where it ends{note}"));

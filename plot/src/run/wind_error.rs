@@ -24,7 +24,7 @@ const MANY_WINDS: usize = 40;
 /// Share of a wind's time, from its end, over which it is averaged.
 const SETTLED: f64 = 0.5;
 /// Dots of a chart.
-const DOTS: usize = 800;
+const DOTS: usize = 300;
 /// Bins of a histogram.
 const HISTOGRAM: usize = 30;
 /// Heights of charts over time, and of others, mm.
