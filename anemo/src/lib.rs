@@ -216,12 +216,9 @@ mod tests {
     }
 
     #[test]
-    fn examples_and_tables_of_the_help_fit_80_columns_and_examples_parse() {
-        let (mut wide, mut refused, mut examples) = (Vec::new(), Vec::new(), 0);
+    fn every_example_of_the_help_parses() {
+        let (mut refused, mut examples) = (Vec::new(), 0);
         for text in texts(&command()) {
-            wide.extend(
-                text.lines().filter(|line| line.starts_with("  ") && line.chars().count() > 80).map(str::to_owned),
-            );
             for line in text.replace("\\\n", " ").lines().filter(|line| line.starts_with("  ")) {
                 let words = shlex::split(line.trim_end_matches("; done")).unwrap_or_default();
                 if let Some(begin) = words.iter().position(|word| word == "anemo") {
@@ -230,7 +227,6 @@ mod tests {
                 }
             }
         }
-        assert!(wide.is_empty(), "{wide:#?}");
         assert!(refused.is_empty(), "{refused:#?}");
         assert!(examples > 50, "{examples}");
     }

@@ -33,8 +33,8 @@ of 1, 2, 4, 8 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by default
-    /// the one that the recording carries, of a run with a calibrated head.
+    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by
+    /// default the one that the recording carries, of a run with a calibrated head.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Bandwidth of the convective losses, 0.5 to 50 Hz.

@@ -22,8 +22,8 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     let mut figure = Figure::new(format!("Closed loop of {pair}")).subtitle(words);
     let poles = analysis.poles_rad_s.iter().map(|rate| (*rate, 1.0)).collect();
     let zeros = analysis.zeros.iter().map(|(rate, weight)| (rate.re, weight.re)).collect();
-    let chart = Chart::new("Poles and zeros", "of the steady value")
-        .y_title("Weight in the power")
+    let chart = Chart::new("Poles and zeros", "")
+        .y_title("Weight / steady power")
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
         .time_constants()
@@ -46,7 +46,8 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     let in_the_way = within(&levels_w.iter().map(share).collect::<Vec<_>>(), &[&lift]);
     let note = "if no level were in the way; dashed: 1, and the levels";
     let scale = if lift.iter().all(|(_, share)| *share > 0.0) { Scale::Log } else { Scale::Linear };
-    let chart = Chart::new("Power after a step of the set-point", "of its steady value")
+    let chart = Chart::new("Power after a step of the set-point", "")
+        .y_title("Power / steady power")
         .x(Scale::Log, "s")
         .y(scale)
         .notes((!in_the_way.is_empty()).then(|| note.to_owned()));
@@ -109,10 +110,11 @@ pub fn prediction_figure(
     let (factor, unit) = if greatest_w < 0.5 { (1e3, "mW") } else { (1.0, "W") };
     let mut figure =
         Figure::new(title).subtitle("predicted in the limit of fast sampling, from a model of the open loop");
-    let with_winds = |chart: Chart| {
-        winds
-            .iter()
-            .fold(chart, |chart, (from_s, to_s, number, label)| chart.shading(*from_s, *to_s, *number, label.clone()))
+    // The first panel of an element names the winds.
+    let with_winds = |chart: Chart, named: bool| {
+        winds.iter().fold(chart, |chart, (from_s, to_s, number, label)| {
+            chart.shading(*from_s, *to_s, *number, if named { label.as_str() } else { "" })
+        })
     };
     for of in elements {
         let powers =
@@ -122,18 +124,20 @@ pub fn prediction_figure(
             .note("decimated")
             .trace(Trace::line(what, powers(|row| row.2)).colour(7).width(1.6))
             .trace(Trace::line("predicted", powers(|row| row.1)).colour(0));
-        figure = figure.row([with_winds(power)]);
+        figure = figure.row([with_winds(power, true)]);
         let differences: Vec<(f64, f64)> = powers(|row| if row.3 { row.2 - row.1 } else { f64::NAN });
         let greatest = differences.iter().map(|(_, of)| of.abs()).filter(|of| of.is_finite()).fold(0.0, f64::max);
         if differences.iter().any(|(_, of)| of.is_finite()) {
             // A hundredth of the power at least: less is hardly worth a scale of its own.
             let reach = greatest.max(0.01 * factor * greatest_w);
-            let chart =
-                Chart::new(format!("{} less predicted", sentence(what)), unit).height(22.0).range(-reach, reach);
+            let chart = Chart::new(format!("{} less predicted", sentence(what)), unit)
+                .y_title("Difference")
+                .height(22.0)
+                .range(-reach, reach);
             let left = chart.note("edges left out").trace(Trace::line("", differences).colour(6));
-            figure = figure.row([with_winds(left)]);
+            figure = figure.row([with_winds(left, false)]);
         }
-        figure = figure.row([with_winds(of.temperatures(what, sample_period_s))]);
+        figure = figure.row([with_winds(of.temperatures(what, sample_period_s), false)]);
     }
     figure
 }
@@ -153,7 +157,7 @@ impl PredictedCharts<'_> {
             .height(25.0)
             .note("set-point dashed");
         // On the way to the first set-point it goes through all that it can.
-        let arrived = own.or(taken).map_or(0, |own| arrival(own, self.target_c));
+        let arrived = [taken, own].into_iter().flatten().map(|of| arrival(of, self.target_c)).max().unwrap_or(0);
         let shown: Vec<f64> =
             [taken, own].into_iter().flatten().flat_map(|of| of.iter().skip(arrived)).copied().collect();
         let left = (arrived > 0).then(|| "the way to it leaves the panel".to_owned());

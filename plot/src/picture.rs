@@ -96,8 +96,9 @@ impl PictureFormat {
             return svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page).map_err(|error| failed(&error));
         }
         let scale = DOTS_PER_INCH / POINTS_PER_INCH;
-        let size = tree.size().to_int_size().scale_by(scale).ok_or_else(|| failed(&"no dots"))?;
-        let mut dots = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"too many dots"))?;
+        let size = [tree.size().width(), tree.size().height()].map(|side| (scale * side).round() as u32);
+        let mut dots = tiny_skia::Pixmap::new(size[0], size[1]).ok_or_else(|| failed(&"too many dots"))?;
+        dots.fill(tiny_skia::Color::WHITE);
         resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut dots.as_mut());
         png_of(&dots).map_err(|error| failed(&error))
     }

@@ -172,3 +172,29 @@ fn hash(anemo: &OsStr, folder: &Path, on: &str) -> Result<String> {
     let summary: serde_json::Value = serde_json::from_str(&shell::captured(&mut run)?)?;
     Ok(summary["hash"].as_str().context("the run has no hash")?.to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_packed_alike_to_the_byte_whatever_its_dates() -> Result<()> {
+        let own = shell::target_directory()?.join("pack-test");
+        let folder = own.join("from");
+        copy(&shell::root().join("xtask/src/structure"), &folder.join("structure"))?;
+        let packed = |name: &str| -> Result<Vec<u8>> {
+            let archive = own.join(name);
+            pack(&folder, "anemo", &archive)?;
+            Ok(fs::read(archive)?)
+        };
+        let first = packed("first.tar.gz")?;
+        fs::remove_dir_all(&folder)?;
+        copy(&shell::root().join("xtask/src/structure"), &folder.join("structure"))?;
+        assert_eq!(first, packed("second.tar.gz")?);
+        let mut archive = tar::Archive::new(GzDecoder::new(first.as_slice()));
+        let names = archive.entries()?.map(|entry| Ok(entry?.path()?.into_owned())).collect::<Result<Vec<_>>>()?;
+        assert_eq!(names.first(), Some(&PathBuf::from("anemo")));
+        assert!(names.is_sorted() && names.contains(&PathBuf::from("anemo/structure/mod.rs")), "{names:?}");
+        Ok(fs::remove_dir_all(own)?)
+    }
+}

@@ -8,11 +8,12 @@ use super::words::width;
 
 /// From a line's end to its name.
 pub const END_GAP: f64 = 3.0;
-/// Names of more lines, longer ones, and ones that would stand further from their line than this
-/// are left to the legend.
+/// Names of more lines and longer ones are left to the legend, and so are those of lines that end
+/// closer together, or whose names would stand further from them.
 const MOST: usize = 8;
 const LONGEST: f64 = 48.0;
-const FURTHEST: f64 = 5.0;
+const CLOSEST: f64 = 1.2;
+const FURTHEST: f64 = 6.0;
 /// From name to name.
 const APART: f64 = 7.0;
 const ROUNDS: usize = 30;
@@ -47,7 +48,8 @@ impl Chart {
             placed[i].1 += lack / 2.0;
         }
         let is_near = placed.iter().zip(&wished).all(|(placed, wished)| (placed.1 - wished.1).abs() <= FURTHEST);
-        if is_near { placed } else { Vec::new() }
+        let is_clear = wished.windows(2).all(|pair| pair[1].1 - pair[0].1 >= CLOSEST);
+        if is_near && is_clear { placed } else { Vec::new() }
     }
 }
 
@@ -79,9 +81,10 @@ mod tests {
         };
         let apart = placed(&[3.0, 1.0, 2.0]);
         assert_eq!(apart.iter().map(|(i, _)| *i).collect::<Vec<_>>(), [1, 2, 0]);
-        let close = placed(&[3.0, 2.99]);
+        let close = placed(&[3.0, 2.9]);
         assert!((close[1].1 - close[0].1 - APART).abs() < 1e-9, "{close:?}");
-        assert!(placed(&[3.0, 3.0, 3.0, 3.0, 3.0]).is_empty() && placed(&[1.0]).is_empty());
+        assert!(placed(&[3.0, 2.999]).is_empty() && placed(&[1.0]).is_empty());
+        assert!(placed(&[3.0, 2.9, 2.8, 2.7, 2.6]).is_empty());
     }
 
     #[test]

@@ -21,7 +21,13 @@ pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
     let mut figure = Figure::new(title(model)).subtitle(subtitle(model, fits.len()));
     let outputs: Vec<&str> = model.outputs.iter().take(OUTPUTS).map(|output| output.name.as_str()).collect();
     for output in &outputs {
-        figure = figure.row([spectrum(model, output), impedances(model, output)]);
+        let charts = [spectrum(model, output), impedances(model, output)];
+        // A legend of several takes the whole width.
+        figure = if model.inputs.len() * model.classes.len() > 2 {
+            charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
+        } else {
+            figure.row(charts)
+        };
     }
     figure = with_fits(figure, model, fits);
     let mut small: Vec<Chart> = Vec::new();

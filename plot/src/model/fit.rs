@@ -7,6 +7,7 @@
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
+use crate::engine::colour::INK;
 use crate::engine::reduce::{Bin, Reach};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened, unit};
@@ -187,12 +188,13 @@ fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
     Chart::new(caption, "")
         .x(Scale::Linear, "")
         .x_title("Lag (samples)")
+        .y_title("Autocorrelation")
         .height(27.0)
         .note(format!("p {p} (Ljung–Box)"))
         .note(format!("95 % of white noise within ±{}", brief(limit)))
         .limit(limit)
         .limit(-limit)
-        .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).colour(6))
+        .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).painted(INK))
 }
 
 /// A size with its unit, in thousandths where that reads better.

@@ -190,7 +190,7 @@ impl<'r> RunCharts<'r> {
     fn temperatures(&self) -> Option<Chart> {
         let line = |&(name, pen): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
-            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.3))
+            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.12))
         };
         let lines: Vec<Trace> = self.elements.iter().filter_map(line).collect();
         if lines.is_empty() {

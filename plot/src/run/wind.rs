@@ -114,8 +114,8 @@ impl<'r> WindEstimates<'r> {
         let all: Vec<ComparedWind> = self.compared.iter().flatten().copied().collect();
         match (self.winds.as_slice(), all.as_slice()) {
             (_, []) => Vec::new(),
-            ([], all) => vec![wind_error::summary(all)],
-            (winds, _) => sweep(winds).map(Vec::from).into_iter().chain([wind_error::summary(winds)]).collect(),
+            ([], all) => vec![wind_error::summary(all, true)],
+            (winds, _) => sweep(winds).map(Vec::from).into_iter().chain([wind_error::summary(winds, false)]).collect(),
         }
     }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | speed and direction error over time | mean and extremes, and the standard uncertainty that estimates state |
 //! | estimate over truth | speeds, with the line of no error |
-//! | histograms | of both errors; dashed: of speed errors if the stated uncertainty were all |
+//! | histograms | of both errors; dashed: of speed errors if the stated uncertainties were all |
 //! | by wind | the same errors of each wind's mean over its true speed and azimuth, where a recording has so many winds that time says nothing |
 //!
 //! The direction error is the angle between two vectors; of a head that reports one angle only, the
@@ -42,6 +42,7 @@ pub struct ComparedWind {
     /// Where the true wind goes to, from x towards y, °.
     pub azimuth_deg: f64,
     /// Angle between estimate and truth, and its standard uncertainty, °; NaN without a direction.
+    /// Of a wind's mean, uncertainties are the standard deviations of its single estimates.
     pub angle_deg: f64,
     pub angle_u_deg: f64,
     pub wind_m_s: [f64; 3],
@@ -128,8 +129,9 @@ pub fn over_time(times_s: &[f64], all: &[Option<ComparedWind>]) -> [Chart; 2] {
     ]
 }
 
-/// Estimate over truth, and histograms of the errors.
-pub fn summary(all: &[ComparedWind]) -> Vec<Chart> {
+/// Estimate over truth, and histograms of the errors; of single estimates with what their stated
+/// uncertainties would give, of means without.
+pub fn summary(all: &[ComparedWind], is_single: bool) -> Vec<Chart> {
     let every = all.len().div_ceil(DOTS).max(1);
     let dots = all.iter().step_by(every).map(|of| (of.truth_m_s, of.speed_m_s)).collect();
     let greatest = all.iter().map(|of| of.truth_m_s).fold(0.0, f64::max);
@@ -144,7 +146,7 @@ pub fn summary(all: &[ComparedWind]) -> Vec<Chart> {
     let speeds: Vec<f64> = all.iter().map(ComparedWind::error_m_s).collect();
     let angles: Vec<f64> = all.iter().map(|of| of.angle_deg).filter(|angle| angle.is_finite()).collect();
     let mut charts = vec![scatter];
-    charts.extend(histogram("Speed errors", "m/s", &speeds, |error| Some(stated(all, error))));
+    charts.extend(histogram("Speed errors", "m/s", &speeds, |error| is_single.then(|| stated(all, error))));
     charts.extend(histogram("Direction errors", "°", &angles, |_| None));
     charts
 }
@@ -178,7 +180,6 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
         expected(at).map(|density| (at, density))
     });
     let curve: Vec<(f64, f64)> = curve.collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
     let rms = (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
     let reciprocal = if unit == "m/s" { "s/m".to_owned() } else { format!("1/{unit}") };
     let chart = Chart::new(caption, reciprocal)
@@ -187,10 +188,10 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
         .x_title("Error")
         .height(OTHERS)
         .range(0.0, 1.15 * most)
-        .note(format!("mean {} {unit}, rms {} {unit}", brief(mean), brief(rms)))
-        .trace(Trace::line("found", outline).painted(ESTIMATE));
+        .note(format!("rms {}{}{unit}", brief(rms), if unit == "°" { "" } else { " " }))
+        .trace(Trace::line("", outline).painted(ESTIMATE));
     let is_expected = !curve.is_empty();
-    Some(chart.traces(is_expected.then(|| Trace::dashed("by stated uncertainty", curve).painted(INK))))
+    Some(chart.traces(is_expected.then(|| Trace::dashed("as stated", curve).painted(INK))))
 }
 
 /// The means of winds, if there are many: `stretches` are (from, to) as indices into `all`.
@@ -206,7 +207,11 @@ pub fn by_wind(
         let mean = |value: &dyn Fn(&ComparedWind) -> f64| of.iter().map(|of| value(of)).sum::<f64>() / count;
         let vector = |value: fn(&ComparedWind) -> [f64; 3]| std::array::from_fn(|k| mean(&|of| value(of)[k]));
         let has_direction = of.iter().any(|of| of.angle_deg.is_finite());
-        let uncertainties = [mean(&|of| of.speed_u_m_s), mean(&|of| of.angle_u_deg)];
+        let deviation = |value: fn(&ComparedWind) -> f64| {
+            let middle = mean(&value);
+            mean(&|of| (value(of) - middle).powi(2)).sqrt()
+        };
+        let uncertainties = [deviation(ComparedWind::error_m_s), deviation(|of| of.angle_deg)];
         let estimate = (vector(|of| of.wind_m_s), mean(&|of| of.speed_m_s));
         comparison.of(of[0].time_s, estimate, vector(|of| of.true_wind_m_s), has_direction, uncertainties)
     };
@@ -217,7 +222,8 @@ pub fn by_wind(
 /// Errors of winds over their true speed and azimuth, in rows.
 pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
     let chart = |of: &str, unit: &str, over: [&str; 2], points: Vec<(f64, f64, f64)>| {
-        let (low, high) = most_of(points.iter().map(|(_, y, _)| *y).chain([0.0])).unwrap_or((0.0, 1.0));
+        let ends = points.iter().flat_map(|(_, y, u)| [y - u, y + u]);
+        let (low, high) = most_of(ends.chain([0.0])).unwrap_or((0.0, 1.0));
         let air = 0.1 * (high - low);
         let values = points.iter().map(|(x, y, _)| (*x, *y)).collect();
         let bars = points.iter().map(|(.., u)| *u).collect();
@@ -241,7 +247,7 @@ pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
         };
         let speed = chart("Speed", "%", [over, unit], points(&percent));
         let direction = chart("Direction", "°", [over, unit], points(&angle));
-        [speed.note("of the true speed; bars: stated uncertainty"), direction]
+        [speed.note("of the true speed; bars: standard deviation of single estimates"), direction]
     })
 }
 
@@ -294,7 +300,7 @@ mod tests {
         let step = 0.01;
         let sum: f64 = (-200..200).map(|i| step * stated(&all, step * f64::from(i))).sum();
         assert!((sum - 1.0).abs() < 1e-3, "{sum}");
-        let charts = summary(&all);
+        let charts = summary(&all, true);
         // All errors of direction are 0: there is no histogram of them.
         assert_eq!(charts.len(), 2);
         let outline = &charts[1].traces[0].points;
