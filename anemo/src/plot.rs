@@ -7,7 +7,7 @@ use crate::output::{Failure, print_report};
 /// Draw a recording (wind, temperatures, powers and heater bits over time) or a model
 /// (time-constant spectra, frequency responses, structure functions).
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  anemo plot gusts.parquet -o gusts.svg\n  anemo plot model.json -o model.svg")]
+#[command(after_help = "Examples:\n  anemo plot gusts.parquet -o gusts.svg\n  anemo plot sector1.json -o sector1.svg")]
 pub struct Arguments {
     /// The recording, a .parquet or .csv file, or the model, a .json file.
     #[arg(value_name = "FILE")]
