@@ -15,22 +15,18 @@ use plot::{Canvas, closed_loop};
 /// analysed, and every change of the wind from it to another.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Levels and set-point may be left out. The levels are then the least and the greatest input of the
-record from which the model was identified, and the set-point lies half-way between the temperatures
-that they can hold.
-
-The weight of a zero is its share of the power above the steady value, in units of the steady value,
-right after the temperature was lifted to the set-point at once. The weights of a change of the wind
+The weight of a zero is its share of the power above the steady value, in units of the steady value, \
+right after the temperature was lifted to the set-point at once. The weights of a change of the wind \
 depend on the change; `changes` of --json has them.
 
-Settling after a change of the wind lasts until the power stays within 2 % of the whole change;
-where a level limited the power, the temperature has to be back at its set-point, too. Settling
+Settling after a change of the wind lasts until the power stays within 2 % of the whole change; \
+where a level limited the power, the temperature has to be back at its set-point, too. Settling \
 after a step of the set-point begins at rest: first at the high level, then between the levels.
 
 Examples:
   anemo analyse heater.json
-  anemo analyse sectors.json --element sector1 --target 15 --low 0.0015 --high 0.042 \\
-      --sample-period 0.01 --plot loop.svg
+  anemo analyse sectors.json --element sector1 --target 15 --low 0.0015 \\
+      --high 0.042 --sample-period 0.01 --plot loop.svg
   anemo analyse winds.json --class still --json")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
@@ -44,13 +40,14 @@ pub struct Arguments {
     /// The event class to analyse: the reference, or the first, if not given.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
-    /// The set-point, in K above the temperature without heating.
+    /// The set-point, in K above the temperature without heating; by default half-way between the
+    /// temperatures that the levels can hold.
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     target: Option<f64>,
-    /// Power of the low level, W.
+    /// Power of the low level, W; by default the least input of the identified record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     low: Option<f64>,
-    /// Power of the high level, W.
+    /// Power of the high level, W; by default the greatest input of that record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     high: Option<f64>,
     /// Sample period of the loop, s: that of the model if not given.

@@ -11,8 +11,9 @@ use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
 use host_sim::sensor::Sensor;
 
-/// Where the firmware of the emulated board stands in the build folder.
-const FIRMWARE: &str = "thumbv7em-none-eabihf/firmware/firmware-virtual-board.elf";
+/// The firmware of the emulated board: beside this command in a release, in this folder of a build.
+const FIRMWARE: &str = "firmware-virtual-board.elf";
+const BUILT: &str = "thumbv7em-none-eabihf/firmware";
 
 /// Where the help has what nobody else needs.
 pub(super) const EMULATED: &str = "Emulated board";
@@ -69,8 +70,8 @@ impl InstrumentArguments {
 /// How a board is emulated.
 #[derive(clap::Args)]
 pub(super) struct Emulation {
-    /// The firmware that the emulated board runs; without it, the one that stands in the build
-    /// folder of this command.
+    /// The firmware that the emulated board runs; without it, the one that came with this command
+    /// or stands in its build folder.
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
     firmware: Option<PathBuf>,
     /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
@@ -84,12 +85,14 @@ impl Emulation {
         Emulated::start_with(&self.firmware(), self.link, flash).map_err(Failure::work)
     }
 
-    /// The firmware that was asked for, or the one that `cargo xtask` has built beside this
-    /// command, wherever that is.
+    /// The firmware that was asked for, or the one that came with this command, wherever that is.
     fn firmware(&self) -> PathBuf {
-        let beside = || Some(std::env::current_exe().ok()?.parent()?.parent()?.join(FIRMWARE));
-        let built = || beside().filter(|path| path.exists()).unwrap_or_else(|| PathBuf::from("target").join(FIRMWARE));
-        self.firmware.clone().unwrap_or_else(built)
+        let own = std::env::current_exe().unwrap_or_default();
+        let folders = own.ancestors().skip(1).zip(["", BUILT]);
+        let mut near = folders.map(|(folder, below)| folder.join(below).join(FIRMWARE));
+        let found =
+            || near.find(|path| path.exists()).unwrap_or_else(|| Path::new("target").join(BUILT).join(FIRMWARE));
+        self.firmware.clone().unwrap_or_else(found)
     }
 }
 

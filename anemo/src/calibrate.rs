@@ -12,20 +12,19 @@ use diffusive::model::Model;
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
 ///
-/// The recordings are closed-loop runs in a tunnel whose wind is known: it stands in the recording
-/// (simulated tunnels), or in a table by the label of the conditions (--winds). The convective loss
-/// of each surface in every steady wind is read off with the quiescent-gas network (--network, from
-/// `anemo head identify`), and all of them together give the amplitudes of the local Nusselt number
-/// over the Reynolds number, each surface's gain and conductance to quiescent gas, and the mounting
-/// of the head in the tunnel. A cross-validation gives the errors in winds that were left out. A
-/// set of winds that does not determine all of this is refused with the winds that are missing.
+/// The recordings are closed-loop runs in a tunnel of known winds, which stand in the recording
+/// (simulated tunnels) or in a table (--winds). The quiescent-gas network gives the convective loss
+/// of each surface in every steady wind. All losses together give the amplitudes of the local
+/// Nusselt number over the Reynolds number, each surface's gain and conductance to quiescent gas,
+/// and the mounting of the head in the tunnel. Cross-validation gives the errors in winds that were
+/// left out. Winds that do not determine all of this are refused, and the missing ones named.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo run experiments/wind/sphere-b/tunnel.toml --on sim -o tunnel.parquet
   anemo calibrate tunnel.parquet --network network.json -o head.toml
-  anemo calibrate tunnel.parquet --network network.json --winds winds.csv --settle 22 \\
-      --head heads/sphere-b-reference.toml --json
+  anemo calibrate tunnel.parquet --network network.json --winds winds.csv \\
+      --settle 22 --head heads/sphere-b-reference.toml --json
 
   anemo run experiments/wind/rems/tunnel.toml --on sim -o card-tunnel.parquet
   anemo calibrate card-tunnel.parquet --network card1.json -o card1.toml \\

@@ -14,14 +14,15 @@ use diffusive::predict::loop_model::{LoopModel, of_another_gas};
 /// prediction.
 #[derive(clap::Args)]
 #[command(after_help = "\
-A requirement that cannot be met is refused, and the error names what can be met. Levels
+A requirement that cannot be met is refused, and the error names what can be met. Levels \
 that a head has already are given with --low and --high; others are recommended.
 
 Examples:
   anemo design heater.json --target 20
-  anemo design sectors.json --element sector1 --target 10..20 --low 0.0015 --high 0.042 \\
-      --ripple 0.05
-  anemo design winds.json --target 10 --wind still,gust --response 60 --reach 600 --json
+  anemo design sectors.json --element sector1 --target 10..20 \\
+      --low 0.0015 --high 0.042 --ripple 0.05
+  anemo design winds.json --target 10 --wind still,gust --response 300 \\
+      --reach 600 --json
   anemo design conductance.json --target 10 --conductance 0..0.01")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.

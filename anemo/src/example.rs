@@ -42,7 +42,7 @@ struct ColeCole {
     /// Seed of the noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write the record (time_s, u, y) to this file; its name ends in .parquet or .csv.
+    /// Write the record (time_s, u, y) to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Draw time-constant spectrum (diffusive symbol), output and errors into this file, or, if the

@@ -37,7 +37,8 @@ Examples:
   do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim \\
       -o id-$e.parquet; done
   anemo head identify id-*.parquet -o network.json
-  anemo head identify id-*.parquet --head heads/sphere-b.toml --cross-poles 3 --json
+  anemo head identify id-*.parquet --head heads/sphere-b.toml \\
+      --cross-poles 3 --json
 
   for die in die1 die2 die3 die4
   do anemo run experiments/wind/rems/identify-$die.toml --on sim \\

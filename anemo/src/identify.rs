@@ -23,15 +23,19 @@ use diffusive::model::Structure;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo identify prbs.parquet --output sector1 --free-poles 4 -o sector1.json --plot sector1.svg
-  anemo identify prbs.parquet --output sector1 sector2 sector3 sector4 --free-poles 4 \\
-      -o sectors.json
-  anemo identify prbs.parquet --input sector1 sector2 --output sector1 sector2 --tie -o tied.json
+  anemo identify prbs.parquet --output sector1 --free-poles 4 \\
+      -o sector1.json --plot sector1.svg
+  anemo identify prbs.parquet --output sector1 sector2 sector3 sector4 \\
+      --free-poles 4 -o sectors.json
+  anemo identify prbs.parquet --input sector1 sector2 \\
+      --output sector1 sector2 --tie -o tied.json
   anemo identify heater.csv --input power --output temperature -o heater.json
-  anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 --ridge 1e-6
-  anemo identify three-winds.csv --event wind -o winds.json --plot winds.svg
-  anemo identify three-winds.csv --event wind --structure conductance --gas-temperature 18.0 \\
-      -o conductance.json
+  anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
+      --ridge 1e-6
+  anemo identify three-winds.csv --event wind --non-negative all \\
+      -o winds.json --plot winds.svg
+  anemo identify three-winds.csv --event wind --structure conductance \\
+      --non-negative all --gas-temperature 18.0 -o conductance.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
 pub struct Arguments {

@@ -14,8 +14,10 @@ use diffusive::model::merge::{MergeReport, merge};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo identify id-sector1.parquet --input sector1 --output sector1 sector2 -o heats1.json
-  anemo identify id-sector2.parquet --input sector2 --output sector1 sector2 -o heats2.json
+  anemo identify id-sector1.parquet --input sector1 \\
+      --output sector1 sector2 -o heats1.json
+  anemo identify id-sector2.parquet --input sector2 \\
+      --output sector1 sector2 -o heats2.json
   anemo merge heats1.json heats2.json -o both.json")]
 pub struct Arguments {
     /// The models: two or more .json files of `anemo identify`.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::output::{Failure, print_report};
+use plot::{PictureOptions, TimeCrop};
 
 /// Draw a recording (wind, temperatures, powers and heater bits over time) or a model
 /// (time-constant spectra, frequency responses, structure functions).
@@ -21,7 +22,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let report = plot::draw_file(&arguments.file, &arguments.output).map_err(Failure::usage)?;
+    let report = plot::draw_file(&arguments.file, &arguments.output, PictureOptions::default(), TimeCrop::default())
+        .map_err(Failure::usage)?;
     print_report(&report, arguments.json)
 }
 

@@ -30,12 +30,13 @@ const MOST_TICKS: usize = 1 << 12;
 /// out.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Labels of the experiment's winds must be classes of the model. Elements that the model does not know
+Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
 are left out. Only elements that are regulated are predicted and compared.
 
 Examples:
   anemo predict sectors.json experiments/held.toml
-  anemo predict sectors.json experiments/held.toml --against held.parquet --plot held.svg
+  anemo predict sectors.json experiments/held.toml --against held.parquet \\
+      --plot held.svg
   anemo predict sectors.json experiments/held.toml --from rest -o power.csv")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.

@@ -10,7 +10,7 @@ use recording::Temporary;
 /// Make a smaller model in f32, for the board, and report its error.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The error is measured: the board's f32 arithmetic and the whole model run on the same random bits
+The error is measured: the board's f32 arithmetic and the whole model run on the same random bits \
 and random levels.
 
 Examples:

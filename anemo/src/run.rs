@@ -34,7 +34,7 @@ pub struct Arguments {
     experiment: PathBuf,
     #[command(flatten)]
     instrument: InstrumentArguments,
-    /// Record every tick to this file; its name ends in .parquet or .csv.
+    /// Record every tick to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Draw the run into this file; its name ends in .svg.

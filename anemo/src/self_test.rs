@@ -18,20 +18,19 @@ use host_sim::settings;
 /// Have an instrument test itself: offsets, references, elements, noise, and what a short pulse of
 /// heat does to each of them.
 ///
-/// An experiment sets up the instrument first (its operating modes are left out); without one the
-/// instrument keeps the set-up of its settings. The pulse is compared with the element's model,
-/// where the experiment names one. A board keeps the result in its flash, with date and firmware;
-/// it also tests itself at each start by its settings, without heat.
+/// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared with
+/// the element's model, where the experiment names one. A board keeps the result in its flash, with
+/// date and firmware; it also tests itself at each start by its settings, without heat.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Verdicts, and what to look at:
   offset, reference      the converter, its supply, its reference voltage
-  continuity             the element's four wires; why it cannot be read stands in brackets
+  continuity             the element's four wires (why: in brackets)
   noise, frozen          shielding and ground; a converter that repeats itself
-  no-response, response  the heater's current, a loose element, a model of another head
+  no-response, response  heater's current, loose element, model of another head
   levels                 the two currents, as the head's file has them
   crossed                heaters that are not where their sensors are
-  interrupted            the instrument has tripped meanwhile, for what stands in brackets
+  interrupted            the instrument has tripped (why: in brackets)
 
 Exit code 0: pass; 1: at least one fault.
 

@@ -24,7 +24,8 @@ use recording::toml_file::TomlSource;
 Examples:
   anemo settings show --on serial:/dev/ttyACM0
   anemo settings set name \"north mast\" --on serial:/dev/ttyACM0
-  anemo settings set --head heads/sphere-b.toml --sample-period 0.001 --on serial:/dev/ttyACM0
+  anemo settings set --head heads/sphere-b.toml --sample-period 0.001 \\
+      --on serial:/dev/ttyACM0
   anemo settings backup -o north-mast.toml --on serial:/dev/ttyACM0
   anemo settings restore north-mast.toml --on serial:/dev/ttyACM0
   anemo settings erase gas --on serial:/dev/ttyACM0

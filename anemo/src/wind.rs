@@ -17,15 +17,13 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_
 /// conductances, wind vector with standard uncertainty, and quality flags. The bandwidth is free to
 /// choose: low is smooth. Where the true wind is known (simulated tunnels, or --winds), the errors
 /// are reported.
-///
-/// The head is the one that the recording carries, of a run with a calibrated head; --head names
-/// another, whose elements have the same names.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo run experiments/wind/sphere-b/winds.toml --on sim -o winds.parquet
   anemo wind winds.parquet --head head.toml --from 60 --settle 3 --plot winds.svg
-  anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 -o wind.csv --json
+  anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 \\
+      -o wind.csv --json
 
   anemo run experiments/wind/rems/winds.toml --on sim -o card-winds.parquet
   anemo wind card-winds.parquet --head card1.toml \\
@@ -37,7 +35,8 @@ of 1, 2, 4, 8 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`); by default the one that the recording carries.
+    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by default
+    /// the one that the recording carries, of a run with a calibrated head.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Bandwidth of the convective losses, 0.5 to 50 Hz.
@@ -65,7 +64,7 @@ pub struct Arguments {
     /// Of every stretch of one label, so many seconds do not count in the summary.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
-    /// Write the estimates to this file; its name ends in .parquet or .csv.
+    /// Write the estimates to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Draw them into this .svg file.

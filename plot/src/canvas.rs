@@ -1,4 +1,4 @@
-//! Files with pictures: a recording or a model is drawn into an SVG, which appears when it is
+//! Files with pictures: a recording or a model is drawn into a file, which appears when it is
 //! complete.
 
 use std::fmt::{self, Display, Formatter};
@@ -7,29 +7,47 @@ use std::path::{Path, PathBuf};
 
 use crate::engine::chart::Figure;
 use crate::error::PlotError;
+use crate::picture::{PictureFormat, PictureWidth};
 use crate::{model, run};
 use diffusive::model::Model;
 use recording::{Recording, Temporary};
 
+/// What a picture's file is beside its name.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PictureOptions {
+    /// Its width on paper; a figure's own if none.
+    pub width: Option<PictureWidth>,
+    /// Its format; that of the file's extension if none.
+    pub format: Option<PictureFormat>,
+}
+
 /// A picture that is going to be drawn: its file can be written, and appears when it is complete.
 pub struct Canvas {
     path: PathBuf,
+    format: PictureFormat,
+    width: Option<PictureWidth>,
     temporary: Temporary,
     file: std::fs::File,
 }
 
 impl Canvas {
+    /// Begins a picture in the format of its extension and in the width of its figure.
+    ///
+    /// # Errors
+    /// If the name does not end in `.svg`, `.pdf` or `.png`, or the file cannot be written.
+    pub fn create(path: &Path) -> Result<Self, PlotError> {
+        Self::with(path, PictureOptions::default())
+    }
+
     /// Begins a picture.
     ///
     /// # Errors
-    /// If the name does not end in `.svg`, or the file cannot be written.
-    pub fn create(path: &Path) -> Result<Self, PlotError> {
-        if !has_extension(path, "svg") {
-            return Err(PlotError::Extension(path.to_owned()));
-        }
+    /// If neither the name nor an option says the format, or the file cannot be written.
+    pub fn with(path: &Path, options: PictureOptions) -> Result<Self, PlotError> {
+        let format = options.format.map_or_else(|| PictureFormat::of(path), Ok)?;
         let failed = |error: std::io::Error| PlotError::Io { path: path.to_owned(), reason: error.to_string() };
         let (temporary, file) = Temporary::create(path).map_err(failed)?;
-        Ok(Self { path: path.to_owned(), temporary, file })
+        Ok(Self { path: path.to_owned(), format, width: options.width, temporary, file })
     }
 
     /// Draws a figure.
@@ -37,7 +55,9 @@ impl Canvas {
     /// # Errors
     /// If the file cannot be written; what was there before is still there.
     pub fn draw(mut self, figure: &Figure) -> Result<(), PlotError> {
-        let written = self.file.write_all(figure.svg().as_bytes()).and_then(|()| self.temporary.keep());
+        let svg = self.width.map_or_else(|| figure.svg(), |width| figure.clone().at(width).svg());
+        let content = self.format.encode(svg)?;
+        let written = self.file.write_all(&content).and_then(|()| self.temporary.keep());
         written.map_err(|error| PlotError::Io { path: self.path, reason: error.to_string() })
     }
 }
@@ -72,19 +92,56 @@ impl Display for PlotReport {
     }
 }
 
-/// Draws a file: a model (`.json`) or a recording (`.parquet`, `.csv`).
+/// The part of a recording's time that is drawn, in s; to its ends where nothing is said.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct TimeCrop {
+    /// From when on.
+    pub from_s: Option<f64>,
+    /// Until when.
+    pub to_s: Option<f64>,
+}
+
+impl TimeCrop {
+    fn is_whole(self) -> bool {
+        self.from_s.or(self.to_s).is_none()
+    }
+
+    fn of(self, recording: Recording) -> Result<Recording, PlotError> {
+        if self.is_whole() {
+            return Ok(recording);
+        }
+        let (from_s, to_s) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        let ends = |time_s: &[f64]| Some((*time_s.first()?, *time_s.last()?));
+        let (first_s, last_s) = ends(recording.time_s()?).unwrap_or_default();
+        let path = recording.path.clone();
+        let cropped = recording.between(from_s, to_s)?;
+        if cropped.is_empty() { Err(PlotError::Crop { path, first_s, last_s }) } else { Ok(cropped) }
+    }
+}
+
+/// Draws a file: a model (`.json`) or a recording (`.parquet`, `.csv`), of which a part may be
+/// chosen.
 ///
 /// # Errors
-/// If the file cannot be read or holds nothing to draw, or the picture cannot be written.
-pub fn draw_file(file: &Path, picture: &Path) -> Result<PlotReport, PlotError> {
+/// If the file cannot be read or holds nothing to draw, if a part of a model's time is requested, or
+/// the picture cannot be written.
+pub fn draw_file(
+    file: &Path,
+    picture: &Path,
+    options: PictureOptions,
+    crop: TimeCrop,
+) -> Result<PlotReport, PlotError> {
     let plot = picture.display().to_string();
     if has_extension(file, "json") {
+        if !crop.is_whole() {
+            return Err(PlotError::CroppedModel(file.to_owned()));
+        }
         let model = Model::read(file)?;
-        Canvas::create(picture)?.draw(&model::figure(&model, &[]))?;
+        Canvas::with(picture, options)?.draw(&model::figure(&model, &[]))?;
         return Ok(PlotReport::Model { plot, pairs: model.pairs.len() });
     }
-    let recording = Recording::read(file)?;
-    Canvas::create(picture)?.draw(&run::figure(&recording)?)?;
+    let recording = crop.of(Recording::read(file)?)?;
+    Canvas::with(picture, options)?.draw(&run::figure(&recording)?)?;
     Ok(PlotReport::Recording { plot, rows: recording.len() })
 }
 

@@ -23,7 +23,7 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
         .time_constants()
-        .height(220.0)
+        .height(38.0)
         .trace(Trace::stems("zeros: time constants of the loop", zeros))
         .trace(Trace::points("poles (at 1)", poles));
     figure = figure.row([chart]);
@@ -99,7 +99,7 @@ pub fn prediction_figure<'a>(
         figure = figure.row([with_winds(power)]);
         if rows.iter().any(|row| row.3) {
             let left = Chart::new("Difference", "W")
-                .height(110.0)
+                .height(22.0)
                 .note("without edges")
                 .trace(Trace::line("", of(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
             figure = figure.row([with_winds(left)]);

@@ -27,7 +27,7 @@ pub fn spectrum_charts(comparison: &ColeColeComparison) -> Vec<Chart> {
     let chart = Chart::new("Time-constant spectrum", "")
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
-        .height(240.0)
+        .height(42.0)
         .note("bars: 95 %")
         .trace(Trace::line("exact", exact).colour(6))
         .trace(Trace::points("identified", found).errors(bars).colour(0));

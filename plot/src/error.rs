@@ -8,9 +8,31 @@ use recording::RecordingError;
 /// Why a picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The file's name is not that of an SVG.
-    #[error("{}: a picture's name ends in .svg", .0.display())]
+    /// The file's name is not that of a picture.
+    #[error("{}: a picture's name ends in .svg, .pdf or .png", .0.display())]
     Extension(PathBuf),
+    /// There is no such format.
+    #[error("`{0}` is no format of pictures: svg, pdf or png")]
+    Format(String),
+    /// A page has no such width.
+    #[error("a picture is 60 to 400 mm wide, not `{0}`")]
+    Width(String),
+    /// PDF or PNG cannot be made of a figure.
+    #[error("the picture cannot be converted: {0}")]
+    Encoding(String),
+    /// There is no row between the times that were requested.
+    #[error("{}: has no row between these times; it lasts from {first_s} s to {last_s} s", path.display())]
+    Crop {
+        /// Of the recording.
+        path: PathBuf,
+        /// Time of its first row, s.
+        first_s: f64,
+        /// Time of its last row, s.
+        last_s: f64,
+    },
+    /// A model has no time of which a part could be drawn.
+    #[error("{}: is a model, whose axes are rates; a part of the time is drawn of recordings only", .0.display())]
+    CroppedModel(PathBuf),
     /// The picture cannot be written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Io {

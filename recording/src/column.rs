@@ -103,6 +103,14 @@ impl ColumnValues {
         }
     }
 
+    /// Keeps some of the rows only.
+    pub(crate) fn keep(&mut self, rows: std::ops::Range<usize>) {
+        match self {
+            Self::Numbers(numbers) => *numbers = numbers[rows].to_vec(),
+            Self::Words(words) => words.rows = words.rows[rows].to_vec(),
+        }
+    }
+
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -44,7 +44,20 @@ impl Recording {
         Ok(Self { path: path.to_owned(), metadata: reader.metadata(), columns })
     }
 
-    /// Number of rows, at least one.
+    /// The rows whose time is at least `from_s` and at most `to_s`.
+    ///
+    /// # Errors
+    /// If it has no time.
+    pub fn between(mut self, from_s: f64, to_s: f64) -> Result<Self, RecordingError> {
+        let time_s = self.time_s()?;
+        let rows = time_s.partition_point(|time_s| *time_s < from_s)..time_s.partition_point(|time_s| *time_s <= to_s);
+        for column in &mut self.columns {
+            column.values.keep(rows.start.min(rows.end)..rows.end);
+        }
+        Ok(self)
+    }
+
+    /// Number of rows; what is read from a file has one at least.
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }

@@ -40,6 +40,13 @@ pub fn anemo() -> Result<PathBuf> {
     executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
 }
 
+/// Builds the examples of all crates and returns the one that writes the interface of `anemo`.
+///
+/// All of them, as the tests need them: for one alone cargo chooses other features.
+pub fn interface() -> Result<PathBuf> {
+    executable(shell::cargo().args(["build", "--release", "--workspace", "--examples"]), "interface")
+}
+
 /// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.
 pub fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     let mut cargo = shell::cargo();

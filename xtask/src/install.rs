@@ -1,7 +1,8 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets, toolchains and LLVM's tools come by rustup, QEMU by the system's packages, the rest by
-//! cargo. Whatever cannot be installed is named together with the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU and Python by the system's packages,
+//! Python's packages by pip, the rest by cargo. Whatever cannot be installed is named together with
+//! the line to type.
 
 use crate::shell;
 use anyhow::{Context, Result, bail};
@@ -10,12 +11,14 @@ use std::process::Command;
 
 /// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12" };
+const FLIP_LINK: Tool = Tool { name: "flip-link", version: "0.1.12", features: "" };
 /// The program that builds fuzz targets and runs them.
-pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2" };
+pub const CARGO_FUZZ: Tool = Tool { name: "cargo-fuzz", version: "0.13.2", features: "" };
 /// What changes code to see whether a test finds it. Always this version: what it changes differs
 /// from one to the next.
-pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0" };
+pub const CARGO_MUTANTS: Tool = Tool { name: "cargo-mutants", version: "27.1.0", features: "" };
+/// What finds the licences of all that is linked.
+pub const CARGO_ABOUT: Tool = Tool { name: "cargo-about", version: "0.9.3", features: "cli" };
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
@@ -25,38 +28,47 @@ pub const QEMU: &str = "qemu-system-arm";
 pub struct Tool {
     name: &'static str,
     version: &'static str,
+    features: &'static str,
 }
 
-/// A system's package manager and the commands by which it brings QEMU for Arm. The lists of
+/// A system's package manager and what it is told before the name of a package. The lists of
 /// packages come first, where an install would otherwise not find any.
-struct Packages {
-    manager: &'static str,
-    commands: &'static [&'static str],
+struct PackageManager {
+    name: &'static str,
+    refresh: Option<&'static str>,
+    install: &'static str,
 }
 
-const PACKAGES: [Packages; 4] = [
-    Packages {
-        manager: "apt-get",
-        commands: &["update -qq", "install -y -qq --no-install-recommends qemu-system-arm"],
-    },
-    Packages { manager: "dnf", commands: &["install -y qemu-system-arm-core"] },
-    Packages { manager: "pacman", commands: &["-Sy --noconfirm --needed qemu-system-arm"] },
-    Packages { manager: BREW, commands: &["install qemu"] },
+const MANAGERS: [PackageManager; 4] = [
+    PackageManager { name: "apt-get", refresh: Some("update -qq"), install: "install -y -qq --no-install-recommends" },
+    PackageManager { name: "dnf", refresh: None, install: "install -y" },
+    PackageManager { name: "pacman", refresh: None, install: "-Sy --noconfirm --needed" },
+    PackageManager { name: BREW, refresh: None, install: "install" },
 ];
 /// The one that does not want to be run by root.
 const BREW: &str = "brew";
+/// QEMU for Arm and Python with its environments, as these managers call them.
+const QEMU_PACKAGES: [&str; 4] = ["qemu-system-arm", "qemu-system-arm-core", "qemu-system-arm", "qemu"];
+const PYTHON_PACKAGES: [&str; 4] = ["python3-venv", "python3", "python", "python"];
+/// What Python has beside itself for the pages that use it.
+const PYTHON_REQUIREMENTS: &str = "xtask/python-requirements.txt";
 
 /// The thumb target's core library, for building firmware.
 pub fn thumb_target() -> Result<()> {
-    if printed_by_rustc("sysroot")?.join("lib/rustlib").join(TARGET).join("lib").is_dir() {
+    target(TARGET)
+}
+
+/// The library of a target.
+pub fn target(triple: &str) -> Result<()> {
+    if printed_by_rustc("sysroot")?.join("lib/rustlib").join(triple).join("lib").is_dir() {
         return Ok(());
     }
-    shell::announce(&format!("installing the Rust target {TARGET}"));
-    shell::run(rustup(&format!("the Rust target {TARGET}"))?.args(["target", "add", TARGET]))
+    shell::announce(&format!("installing the Rust target {triple}"));
+    shell::run(rustup(&format!("the Rust target {triple}"))?.args(["target", "add", triple]))
 }
 
 /// A folder that the compiler names.
-fn printed_by_rustc(what: &str) -> Result<PathBuf> {
+pub fn printed_by_rustc(what: &str) -> Result<PathBuf> {
     let folder = shell::output_of("rustc", &["--print", what]);
     folder.map(PathBuf::from).context("rustc does not run; install Rust by https://rustup.rs and start again")
 }
@@ -90,13 +102,14 @@ pub fn flip_link() -> Result<PathBuf> {
 
 /// A program that cargo installs among the build's products, if it is not there yet. Gives where it
 /// is.
-pub fn tool(&Tool { name, version }: &Tool) -> Result<PathBuf> {
+pub fn tool(&Tool { name, version, features }: &Tool) -> Result<PathBuf> {
     let tools = shell::target_directory()?.join("tools");
     let installed = tools.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     if !installed.is_file() {
         shell::announce(&format!("installing {name} {version} into {}", tools.display()));
         let mut cargo = shell::cargo();
-        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--root"]).arg(&tools);
+        cargo.args(["install", "--quiet", name, "--locked", "--version", version, "--features", features, "--root"]);
+        cargo.arg(&tools);
         shell::run(&mut cargo)
             .with_context(|| format!("{name} is missing; type: cargo install {name} --locked --version {version}"))?;
     }
@@ -149,32 +162,63 @@ pub fn lint_tools() -> Result<()> {
 
 /// The emulator.
 pub fn qemu() -> Result<()> {
-    let is_there = || shell::answers(QEMU, &["--version"]);
+    system_package(QEMU, "https://www.qemu.org/download", &QEMU_PACKAGES, || shell::answers(QEMU, &["--version"]))
+}
+
+/// Python with the packages that pages use, in an environment of its own among the build's
+/// products. Gives the folder of its programs.
+pub fn python() -> Result<PathBuf> {
+    let environment = shell::target_directory()?.join("tools/python");
+    let programs = environment.join("bin");
+    let wanted = shell::root().join(PYTHON_REQUIREMENTS);
+    let wanted_text =
+        std::fs::read_to_string(&wanted).with_context(|| format!("{PYTHON_REQUIREMENTS} cannot be read"))?;
+    // Written last, so that an install that was broken off is done again.
+    let installed = environment.join("requirements.txt");
+    if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted_text) {
+        return Ok(programs);
+    }
+    system_package("Python with venv", "https://www.python.org/downloads", &PYTHON_PACKAGES, || {
+        shell::answers("python3", &["-c", "import ensurepip, venv"])
+    })?;
+    shell::announce(&format!("installing Python's packages for the pages into {}", environment.display()));
+    shell::run(shell::program("python3").args(["-m", "venv", "--clear"]).arg(&environment))?;
+    let mut pip = shell::program(programs.join("pip"));
+    shell::run(pip.args(["install", "--quiet", "--disable-pip-version-check", "-r"]).arg(wanted))?;
+    std::fs::write(&installed, wanted_text).with_context(|| format!("{} cannot be written", installed.display()))?;
+    Ok(programs)
+}
+
+/// A package of the system, by the name that each of [`MANAGERS`] has for it, if `is_there` misses
+/// it.
+fn system_package(what: &str, source: &str, packages: &[&str; 4], is_there: impl Fn() -> bool) -> Result<()> {
     if is_there() {
         return Ok(());
     }
-    let Some(packages) = PACKAGES.iter().find(|packages| shell::answers(packages.manager, &["--version"])) else {
-        bail!("{QEMU} is missing; install QEMU for Arm (https://www.qemu.org/download) and start again");
+    let found = MANAGERS.iter().zip(packages).find(|(manager, _)| shell::answers(manager.name, &["--version"]));
+    let Some((manager, package)) = found else {
+        bail!("{what} is missing; install it ({source}) and start again");
     };
-    let manager = packages.manager;
+    let install = format!("{} {package}", manager.install);
+    let commands: Vec<&str> = manager.refresh.into_iter().chain([install.as_str()]).collect();
     let is_root = shell::output_of("id", &["-u"]).is_some_and(|id| id == "0");
-    let sudo = manager != BREW && !is_root;
+    let sudo = manager.name != BREW && !is_root;
     if !sudo || shell::answers("sudo", &["-n", "true"]) {
-        shell::announce(&format!("installing {QEMU} with {manager}"));
-        for arguments in packages.commands {
-            let mut command = shell::program(if sudo { "sudo" } else { manager });
+        shell::announce(&format!("installing {what} with {}", manager.name));
+        for arguments in &commands {
+            let mut command = shell::program(if sudo { "sudo" } else { manager.name });
             if sudo {
-                command.args(["-n", "env", "DEBIAN_FRONTEND=noninteractive", manager]);
+                command.args(["-n", "env", "DEBIAN_FRONTEND=noninteractive", manager.name]);
             }
             // A refresh that fails for one of many sources is no reason to give up: what counts is
-            // whether the emulator is there afterwards.
+            // whether the package is there afterwards.
             let _ = shell::run(command.env("DEBIAN_FRONTEND", "noninteractive").args(arguments.split(' ')));
         }
     }
     if !is_there() {
-        let start = if manager == BREW { manager.to_owned() } else { format!("sudo {manager}") };
-        let lines: Vec<_> = packages.commands.iter().map(|arguments| format!("{start} {arguments}")).collect();
-        bail!("{QEMU} is missing and cannot be installed from here; type: {}", lines.join(" && "));
+        let start = if manager.name == BREW { BREW.to_owned() } else { format!("sudo {}", manager.name) };
+        let lines: Vec<_> = commands.iter().map(|arguments| format!("{start} {arguments}")).collect();
+        bail!("{what} is missing and cannot be installed from here; type: {}", lines.join(" && "));
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! Understood are `[text](target)`, `![text](target)`, `[name]: target` and `src="…"`, `href="…"`;
 //! code is skipped, addresses of the web are not followed.
 
-use crate::{shell, sources};
+use crate::{markdown, shell, sources};
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -50,22 +50,6 @@ fn fault(page: &Path, text: &str, target: &str) -> Option<String> {
     (!anchors(&other).iter().any(|known| known == anchor)).then(|| "there is no such heading".into())
 }
 
-/// Lines of a page with their numbers, code blocks left out and code in the text blanked.
-fn prose(text: &str) -> impl Iterator<Item = (usize, String)> {
-    let mut fence: Option<&str> = None;
-    text.lines().enumerate().filter_map(move |(number, line)| {
-        let start = line.trim_start();
-        let mark = ["```", "~~~"].into_iter().find(|mark| start.starts_with(mark));
-        match (fence, mark) {
-            (None, Some(mark)) => fence = Some(mark),
-            (Some(open), Some(mark)) if open == mark => fence = None,
-            (None, None) => return Some((number + 1, without_code(line))),
-            _ => {}
-        }
-        None
-    })
-}
-
 fn without_code(line: &str) -> String {
     line.split('`').enumerate().map(|(part, text)| if part % 2 == 0 { text } else { "" }).collect::<Vec<_>>().join("`")
 }
@@ -73,7 +57,8 @@ fn without_code(line: &str) -> String {
 /// Link targets of a page and the lines that they stand in.
 fn targets(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
-    for (number, line) in prose(text) {
+    for (number, line) in markdown::prose(text) {
+        let line = without_code(line);
         let mut add = |target: &str| {
             // A title may follow the target: [text](target "title").
             let target = target.split_whitespace().next().unwrap_or_default().trim_matches(['<', '>']);
@@ -101,10 +86,7 @@ fn targets(text: &str) -> Vec<(usize, String)> {
 fn anchors(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut twins: BTreeMap<String, usize> = BTreeMap::new();
-    // Headings keep the words that stand as code, so the raw line is read.
-    let raw: Vec<&str> = text.lines().collect();
-    for (number, _) in prose(text) {
-        let line = raw[number - 1];
+    for (_, line) in markdown::prose(text) {
         let heading = line.trim_start_matches('#');
         if heading.len() == line.len() || !heading.starts_with(' ') {
             continue;

@@ -6,6 +6,7 @@ mod ci;
 mod cost;
 mod coverage;
 mod demo;
+mod dist;
 mod emulator;
 mod flash;
 mod fuzz;
@@ -13,9 +14,12 @@ mod install;
 mod lines;
 mod links;
 mod lint;
+mod markdown;
 mod miri;
 mod mutants;
 mod overflow;
+mod pages;
+mod reference;
 mod safety;
 mod same_results;
 mod shell;
@@ -24,7 +28,7 @@ mod sources;
 mod structure;
 mod test;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -41,6 +45,9 @@ enum Job {
     /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole
     /// experiments
     Test,
+    /// Run every command that README.md, CONTRIBUTING.md and docs show, and compare what it prints
+    /// with what they show
+    Pages(pages::PagesOptions),
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
@@ -54,6 +61,11 @@ enum Job {
     /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
     /// compare the results to the bit
     SameResults(same_results::SameResultsOptions),
+    /// Write the pages of the command-line reference, or check them
+    Reference(reference::ReferenceOptions),
+    /// Pack a release: a small `anemo`, completions, man pages, licences, and what a user begins
+    /// with
+    Dist,
     /// Show flash and RAM of both boards' images, and refuse an image beyond its budget
     Size,
     /// Show on both boards' images that no task can panic and that the stack suffices, and that an
@@ -79,11 +91,14 @@ fn main() -> ExitCode {
     let outcome = match Job::parse() {
         Job::Demo => demo::run(),
         Job::Test => test::run(),
+        Job::Pages(options) => pages::run(&options, Job::command()),
         Job::Lint => lint::run(),
         Job::Ci => ci::run(),
         Job::Structure => structure::run(),
         Job::Lines => lines::run(),
         Job::SameResults(options) => same_results::run(&options),
+        Job::Reference(options) => reference::run(&options),
+        Job::Dist => dist::run(),
         Job::Size => size::run(),
         Job::Safety => safety::run(),
         Job::Cost(options) => cost::run(&options),

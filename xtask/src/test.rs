@@ -5,7 +5,7 @@
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::cost::{self, CostOptions};
-use crate::{install, safety, shell, size};
+use crate::{install, reference, safety, shell, size};
 use anyhow::Result;
 use std::io::{BufRead, IsTerminal};
 use std::time::Instant;
@@ -28,14 +28,15 @@ pub fn run() -> Result<()> {
         cargo
     };
     // Tests that cross crates start these two programs; they are handed over built.
-    let programs = stages.run("building the tests", || {
+    let (programs, interface) = stages.run("building the tests", || {
         let firmware = artefacts::firmware(FirmwareBoard::Virtual)?;
         let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;
         // Examples are started by the tests of their crates, which compare what they print. `cargo
         // test` would build them as tests.
-        shell::run(shell::cargo().args(["build", "--release", "--workspace", "--examples"]))?;
-        Ok([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)])
+        let interface = artefacts::interface()?;
+        Ok(([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)], interface))
     })?;
+    stages.run("pages of the command line", || reference::check(&interface))?;
     let test = |arguments: &[&str]| {
         let mut cargo = cargo(arguments);
         cargo.envs(programs.iter().cloned());

@@ -138,7 +138,10 @@ fn ship(folder: &Path) {
 
 /// Tables of the reader's own: a body of two poles, and one of one pole in three winds.
 fn write_tables(folder: &Path) {
-    let bit = |n: usize, held: usize| ((n / held) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40 & 1;
+    let bit = |n: usize, held: usize| {
+        let mixed = ((n / held + held) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        (mixed ^ mixed >> 32).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40 & 1
+    };
     let (mut slow, mut fast) = (0.0, 0.0);
     let mut halves = [0, 1].map(|_| "time_s,power,temperature\n".to_owned());
     for n in 0..12_000 {
@@ -153,13 +156,13 @@ fn write_tables(folder: &Path) {
     std::fs::write(folder.join("heater-second-half.csv"), &halves[1]).unwrap();
 
     // C dT/dt = P − (G + ΔG) (T − 18 °C)
-    let (mut above_k, mut text) = (0.0, "time_s,power,temperature,wind\n".to_owned());
+    let (mut above_k, mut text) = (0.0_f64, "time_s,power,temperature,wind\n".to_owned());
     for n in 0..18_000 {
         let power = if bit(n, 11) == 1 { 0.5 } else { 0.1 };
-        let (wind, more_w_k) = [("still", 0.0), ("breeze", 0.004), ("gust", 0.01)][n / 1500 % 3];
+        let (wind, more_w_k) = [("still", 0.0), ("breeze", 0.004), ("gust", 0.01)][n / 3000 % 3];
         writeln!(text, "{:.1},{power},{:.6},{wind}", 0.1 * n as f64, 18.0 + above_k + 0.001 * (bit(n, 1) as f64 - 0.5))
             .unwrap();
-        let rate = (0.01 + more_w_k) / 0.2;
+        let rate: f64 = (0.01 + more_w_k) / 0.2;
         above_k += (1.0 - (-0.1 * rate).exp()) * (power / (0.01 + more_w_k) - above_k);
     }
     std::fs::write(folder.join("three-winds.csv"), text).unwrap();

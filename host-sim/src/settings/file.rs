@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! version = 1
-//! firmware = "anemo 0.1.0+1a2b3c4d"
+//! firmware = "anemo 0.2.0+1a2b3c4d"
 //!
 //! [[setting]]
 //! key = "name"

@@ -44,7 +44,9 @@ impl Axis {
 
     /// A given range.
     pub fn exactly(low: f64, high: f64, ticks: usize) -> Self {
-        Self { low, high, scale: Scale::Linear, step: step(high - low, ticks) }
+        let with = |ticks| Self { low, high, scale: Scale::Linear, step: step(high - low, ticks) };
+        // A single label would leave the scale open.
+        (ticks..ticks + 5).map(with).find(|axis| axis.tick_count() > 1).unwrap_or_else(|| with(ticks + 5))
     }
 
     /// A given range of angles in degrees; where it is wide, ticks are parts of a right angle.
@@ -108,6 +110,10 @@ impl Axis {
                 (tick, format!("{tick:.decimals$}").replace('-', "−"))
             })
             .collect()
+    }
+
+    fn tick_count(&self) -> i64 {
+        ((self.high / self.step + 1e-6).floor() - (self.low / self.step - 1e-6).ceil()) as i64 + 1
     }
 
     fn logarithmic_ticks(&self) -> Vec<(f64, String)> {

@@ -2,28 +2,34 @@
 //! Build it, then draw it.
 //!
 //! Traces may have any number of points: where there are more than a picture can hold, each stretch
-//! of about a pixel is drawn as its mean within the band of its extremes. The points of a line must
+//! of half a point is drawn as its mean within the band of its extremes. The points of a line must
 //! ascend in x.
 
 use super::axis::{Axis, Scale};
 use super::colour::Colour;
+use super::pen::Pen;
 use super::reduce::Bin;
+use super::svg::MM;
 use super::trace::{Trace, TraceStyle};
+use crate::picture::PictureWidth;
 
 /// How strong the ground of a shading is.
 const GROUND: f64 = 0.1;
 /// Error bars may widen the range of the values by so much on either side, and are cut beyond it.
 const REACH: f64 = 1.0;
-/// Room for the labels of shadings at the top of a chart, pixels.
-const HEADROOM: f64 = 18.0;
+/// Room for the labels of shadings at the top of a chart, points.
+const HEADROOM: f64 = 11.0;
+/// Height of a chart, mm.
+const HEIGHT: f64 = 30.0;
 
-/// A figure: a title and a subtitle above rows of charts.
+/// A figure: a title and a subtitle above rows of charts, laid out for a width on paper.
 #[derive(Debug, Clone, Default)]
 #[must_use]
 pub struct Figure {
     pub(crate) title: String,
     pub(crate) subtitle: String,
     pub(crate) rows: Vec<Vec<Chart>>,
+    pub(crate) width: PictureWidth,
 }
 
 impl Figure {
@@ -32,19 +38,39 @@ impl Figure {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// The quiet text under the title; long ones are wrapped.
+    /// Lays it out for a width, 180 mm if not called. Type keeps its size: charts stack, and words
+    /// and legends wrap, where it is narrow.
+    pub fn at(mut self, width: PictureWidth) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// The quiet text under the title, of which two lines are shown at most.
     pub fn subtitle(mut self, words: impl Into<String>) -> Self {
         self.subtitle = words.into();
         self
     }
 
-    /// Adds charts side by side, of equal width, below what is there already. None at all add
-    /// nothing.
+    /// Adds charts side by side, of equal width, below what is there already; in a narrow figure
+    /// they stack. None at all add nothing.
     pub fn row(mut self, charts: impl IntoIterator<Item = Chart>) -> Self {
         let charts: Vec<Chart> = charts.into_iter().collect();
         if !charts.is_empty() {
             self.rows.push(charts);
         }
+        self
+    }
+
+    /// Adds charts below each other over one x axis, which reaches over all of them and is labelled
+    /// under the last.
+    pub fn stack(mut self, charts: impl IntoIterator<Item = Chart>) -> Self {
+        let mut charts: Vec<Chart> = charts.into_iter().collect();
+        let ends = charts.iter().filter_map(Chart::x_ends).reduce(|all, of| (all.0.min(of.0), all.1.max(of.1)));
+        let last = charts.len().saturating_sub(1);
+        for (i, chart) in charts.iter_mut().enumerate() {
+            (chart.x_range, chart.x_labels) = (ends, i == last);
+        }
+        self.rows.extend(charts.into_iter().map(|chart| vec![chart]));
         self
     }
 
@@ -84,10 +110,13 @@ pub(crate) enum ChartFrame {
 pub struct Chart {
     pub(crate) caption: String,
     pub(crate) unit: String,
+    pub(crate) y_quantity: Option<String>,
     pub(crate) notes: Vec<String>,
+    /// In points.
     pub(crate) height: f64,
     pub(crate) x: Scale,
     pub(crate) x_unit: String,
+    pub(crate) x_quantity: Option<String>,
     pub(crate) x_range: Option<(f64, f64)>,
     pub(crate) x_labels: bool,
     pub(crate) y: Scale,
@@ -117,10 +146,10 @@ impl Shading {
 }
 
 impl Chart {
-    /// `unit` is that of the y axis; both stand above the chart.
+    /// `unit` is that of the y axis. The caption stands above the chart.
     pub fn new(caption: impl Into<String>, unit: impl Into<String>) -> Self {
         let (caption, unit) = (caption.into(), unit.into());
-        Self { caption, unit, height: 180.0, x_unit: "s".to_owned(), x_labels: true, ..Self::default() }
+        Self { caption, unit, height: HEIGHT * MM, x_unit: "s".to_owned(), x_labels: true, ..Self::default() }
     }
 
     /// What stands above it.
@@ -128,8 +157,33 @@ impl Chart {
         &self.caption
     }
 
-    /// Scale and unit of the x axis: linear and in s if not called. The unit stands left of the
-    /// labels and should be short.
+    /// The quantity of the y axis, whose title is "Temperature (°C)"; the caption if not called.
+    pub fn y_title(mut self, quantity: impl Into<String>) -> Self {
+        self.y_quantity = Some(quantity.into());
+        self
+    }
+
+    /// The quantity of the x axis; that of the unit if not called: s, min and h are of a time, rad/s
+    /// of a rate, Hz of a frequency.
+    pub fn x_title(mut self, quantity: impl Into<String>) -> Self {
+        self.x_quantity = Some(quantity.into());
+        self
+    }
+
+    pub(crate) fn y_name(&self) -> &str {
+        self.y_quantity.as_deref().unwrap_or(&self.caption)
+    }
+
+    pub(crate) fn x_name(&self) -> &str {
+        self.x_quantity.as_deref().unwrap_or(match self.x_unit.as_str() {
+            "ms" | "s" | "min" | "h" | "d" => "Time",
+            "rad/s" => "Rate",
+            "Hz" => "Frequency",
+            _ => "",
+        })
+    }
+
+    /// Scale and unit of the x axis: linear and in s if not called.
     pub fn x(mut self, scale: Scale, unit: impl Into<String>) -> Self {
         (self.x, self.x_unit) = (scale, unit.into());
         self
@@ -139,6 +193,13 @@ impl Chart {
     pub(crate) fn x_range(mut self, from: f64, to: f64) -> Self {
         self.x_range = Some((from, to));
         self
+    }
+
+    /// The ends of what it shows across.
+    fn x_ends(&self) -> Option<(f64, f64)> {
+        let places = self.traces.iter().flat_map(Trace::places).filter(|place| Axis::shows(self.x, *place));
+        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        self.x_range.or((ends.0 < ends.1).then_some(ends))
     }
 
     /// Scale of the y axis, linear if not called. Values that a logarithmic one cannot show are
@@ -173,19 +234,19 @@ impl Chart {
         self
     }
 
-    /// A second row of labels under an axis of rates: their inverse, in s.
+    /// A second axis under one of rates: their inverse, the time constant in s.
     pub fn time_constants(mut self) -> Self {
         self.time_constants = true;
         self
     }
 
-    /// Height in pixels, 180 if not called.
-    pub fn height(mut self, pixels: f64) -> Self {
-        self.height = pixels;
+    /// Height in millimetres, 30 if not called.
+    pub fn height(mut self, millimetres: f64) -> Self {
+        self.height = millimetres * MM;
         self
     }
 
-    /// Words after the unit.
+    /// Words after the caption.
     pub fn note(mut self, words: impl Into<String>) -> Self {
         self.notes.push(words.into());
         self
@@ -215,15 +276,20 @@ impl Chart {
         self.traces(traces)
     }
 
-    /// Rows of bars, each named at its left: bits and flags.
+    /// Rows of bars of so many millimetres, each named at its left: bits and flags.
     pub(crate) fn bars(self, rows: impl IntoIterator<Item = (String, Colour, Vec<Bin>)>, row_height: f64) -> Self {
         let row = |(label, colour, bins)| Trace {
             bins,
-            colour: Some(colour),
+            pen: Some(Pen::from(colour)),
             ..Trace::new(label, TraceStyle::Bars, Vec::new())
         };
         let traces: Vec<Trace> = rows.into_iter().map(row).collect();
-        Self { height: row_height * traces.len() as f64, traces, ..self.bare() }
+        Self { traces, ..self.bare() }.fitted(row_height)
+    }
+
+    fn fitted(self, row_height: f64) -> Self {
+        let rows = self.traces.len() as f64;
+        self.height(row_height * rows)
     }
 
     /// A horizontal dashed line.
@@ -235,7 +301,7 @@ impl Chart {
     /// A stretch of the x axis on a ground of its own (a colour by number), with a label at its top
     /// if there is room.
     pub fn shading(mut self, from: f64, to: f64, colour: usize, label: impl Into<String>) -> Self {
-        self.shadings.push(Shading::new(from, to, Colour::numbered(colour).with_opacity(GROUND), label));
+        self.shadings.push(Shading::new(from, to, Pen::numbered(colour).with_opacity(GROUND), label));
         self
     }
 

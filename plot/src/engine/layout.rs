@@ -1,67 +1,132 @@
-//! Where the charts of a figure are, and what each of them needs: axes, and words above it.
+//! Where the charts of a figure are, and what each of them needs: axes, and words above it. All
+//! lengths are in points.
 
 use super::axis::Scale;
 use super::chart::{Chart, ChartFrame, Figure, Shading, Shown};
-use super::colour::{Colour, INK, QUIET};
-use super::head::{ChartHead, LegendEntry};
+use super::colour::{INK, QUIET};
+use super::head::{ChartHead, LegendEntry, Sample, TEXT};
+use super::pen::Pen;
 use super::scaled::ScaledAxis;
-use super::svg::{Anchor, Rect, Svg};
+use super::svg::{Anchor, MM, Rect, Svg};
 use super::trace::{Trace, TraceStyle};
-use super::words::{shortened, width, wrapped};
+use super::words::{self, two_lines, width};
 
-/// Width of every figure, pixels.
-const WIDTH: f64 = 1200.0;
-/// Room to the left of the charts; longer names of rows take more.
-const LEFT: f64 = 86.0;
-const RIGHT: f64 = 32.0;
-/// Labels under a chart, and those of the time constants.
-const LABELS: f64 = 20.0;
+/// At the edges of the page.
+const EDGE: f64 = 4.0;
+/// Beyond the right end of the charts: half of the last label.
+const RIGHT: f64 = 12.0;
+/// Charts side by side are at least so wide, with their labels.
+const LEAST_WIDTH: f64 = 55.0 * MM;
+/// Names of rows take at most this share of the page.
+const NAMES: f64 = 0.25;
+/// Labels under a chart, and the title under them.
+const LABELS: f64 = 11.0;
+const X_TITLE: f64 = 10.0;
 /// From the labels of a chart to its close-up.
-const CLOSE_UP_GAP: f64 = 46.0;
+const CLOSE_UP_GAP: f64 = 24.0;
 /// Above a bare chart without words.
-const STRIP_GAP: f64 = 4.0;
-/// Sizes of letters.
-const TITLE: f64 = 22.0;
-const SUBTITLE: f64 = 12.5;
-/// Of labels at the axes, and of those at the top of a chart.
-pub const LABEL: f64 = 12.0;
-pub const SHADING_LABEL: f64 = 11.0;
+const STRIP_GAP: f64 = 2.0;
+/// Sizes of letters: of the figure's title, of what stands under it, of labels at the axes, and of
+/// those at the top of a chart.
+const TITLE: f64 = 10.0;
+const SUBTITLE: f64 = 7.0;
+pub const LABEL: f64 = 6.5;
+pub const SHADING_LABEL: f64 = 6.0;
+/// From line to line of the title, of the subtitle, and of an axis title.
+const TITLE_LINE: f64 = 12.5;
+const SUBTITLE_LINE: f64 = 9.5;
+pub const AXIS_TITLE_LINE: f64 = 8.5;
+/// From the labels of an axis to its line.
+pub const LABEL_GAP: f64 = 4.0;
+/// Least distance of labels along a vertical axis.
+const Y_LABELS_APART: f64 = 17.0;
+/// About the distance of labels along a horizontal axis.
+const X_LABELS_APART: f64 = 45.0;
+const DECADES_APART: f64 = 30.0;
 
 impl Figure {
-    /// Draws it as SVG. The same figure always makes the same text.
+    /// Draws it as SVG, of its width in millimetres and with a view box in points. The same figure
+    /// always makes the same text.
     pub fn svg(&self) -> String {
-        let bars = self.charts().flat_map(|chart| &chart.traces).filter(|trace| trace.style == TraceStyle::Bars);
-        let left = bars.map(|trace| width(&trace.label, LABEL) + 18.0).fold(LEFT, f64::max);
-        let room = WIDTH - left - RIGHT;
+        let wide = self.width.points();
+        let rows: Vec<&[Chart]> = self.rows.iter().flat_map(|row| row.chunks(abreast(row.len(), wide))).collect();
+        let left = self.charts().map(|chart| chart.left_room(wide)).fold(EDGE, f64::max);
         let mut svg = Svg::default();
-        svg.bold(&shortened(&self.title, TITLE, room), (left, 26.0), TITLE, INK, Anchor::Start);
-        let subtitle = wrapped(&self.subtitle, SUBTITLE, room, 0.0);
-        for (i, line) in subtitle.iter().enumerate().filter(|(_, line)| !line.is_empty()) {
-            svg.text(line, (left, 49.0 + 17.0 * i as f64), SUBTITLE, QUIET, Anchor::Start);
+        let room = wide - 2.0 * EDGE;
+        let mut y = EDGE;
+        // Bold letters take a tenth more.
+        for line in two_lines(&self.title, 1.12 * TITLE, room) {
+            svg.bold(&line, (EDGE, y + TITLE_LINE / 2.0), TITLE, INK, Anchor::Start);
+            y += TITLE_LINE;
         }
-        let mut y = 46.0 + 17.0 * subtitle.len() as f64;
+        for line in two_lines(&self.subtitle, SUBTITLE, room).iter().filter(|line| !line.is_empty()) {
+            svg.text(line, (EDGE, y + SUBTITLE_LINE / 2.0), SUBTITLE, QUIET, Anchor::Start);
+            y += SUBTITLE_LINE;
+        }
         let mut above: Option<ChartLayout> = None;
-        for row in &self.rows {
-            let gap = left + 16.0;
-            let wide = (room - gap * (row.len() - 1) as f64) / row.len() as f64;
-            let mut charts: Vec<ChartLayout> = row
-                .iter()
-                .enumerate()
-                .map(|(i, chart)| ChartLayout::of(chart, left + (wide + gap) * i as f64, wide))
-                .collect();
+        for row in rows {
+            let share = wide / row.len() as f64;
+            let place = |(i, chart)| ChartLayout::of(chart, share * i as f64 + left, share - left - RIGHT);
+            let mut charts: Vec<ChartLayout> = row.iter().enumerate().map(place).collect();
             let top = y + charts.iter().map(ChartLayout::room_above).fold(0.0, f64::max);
             y = top;
             for layout in &mut charts {
                 (layout.rect.top, layout.rect.bottom) = (top, top + layout.chart.height);
                 y = y.max(layout.rect.bottom + layout.room_below());
-                layout.draw(&mut svg);
+                layout.draw(&mut svg, wide - 1.0);
                 if let Some(above) = above.as_ref().filter(|_| layout.chart.frame == ChartFrame::CloseUp) {
                     layout.lead_here(above, &mut svg);
                 }
             }
             above = charts.pop();
         }
-        svg.finish(WIDTH, y + 16.0)
+        svg.finish(wide, y + EDGE)
+    }
+}
+
+/// How many of some charts have room side by side: about equally many in each row.
+fn abreast(charts: usize, wide: f64) -> usize {
+    let most = ((wide / LEAST_WIDTH) as usize).max(1);
+    charts.div_ceil(charts.div_ceil(most).max(1)).max(1)
+}
+
+/// Quantity and unit of an axis.
+fn titled(quantity: &str, unit: &str) -> String {
+    match (quantity, unit) {
+        ("", unit) => unit.to_owned(),
+        (quantity, "") => quantity.to_owned(),
+        _ => format!("{quantity} ({unit})"),
+    }
+}
+
+impl Chart {
+    /// Room that its labels and its axis title take at the left.
+    fn left_room(&self, wide: f64) -> f64 {
+        let bars = self.traces.iter().filter(|trace| trace.style == TraceStyle::Bars);
+        let names = bars.map(|trace| width(&trace.label, LABEL).min(NAMES * wide)).fold(0.0, f64::max);
+        let labels = match self.frame {
+            ChartFrame::Axes => {
+                let axis = self.y_axis().axis;
+                let labels = axis.ticks().iter().map(|(_, label)| width(label, LABEL)).fold(0.0, f64::max);
+                labels + AXIS_TITLE_LINE * self.y_title_lines(&self.y_axis()).len() as f64 + 2.0
+            }
+            ChartFrame::Bare | ChartFrame::CloseUp => names,
+        };
+        EDGE + labels + LABEL_GAP
+    }
+
+    fn y_axis(&self) -> ScaledAxis {
+        let ticks = (self.height / Y_LABELS_APART).round().max(2.0) as usize;
+        match self.shown {
+            Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, ticks, &self.unit),
+            Shown::All | Shown::Around(..) => ScaledAxis::around(&self.reach().0, self.y, ticks, &self.unit, false),
+        }
+    }
+
+    /// The title of the y axis, which may be longer than the axis is.
+    fn y_title_lines(&self, axis: &ScaledAxis) -> Vec<String> {
+        let title = titled(self.y_name(), &axis.unit);
+        if title.is_empty() { Vec::new() } else { two_lines(&title, TEXT, self.height + 8.0) }
     }
 }
 
@@ -71,6 +136,7 @@ pub struct ChartLayout<'c> {
     pub rect: Rect,
     pub x: ScaledAxis,
     pub y: ScaledAxis,
+    pub y_title: Vec<String>,
     head: ChartHead,
 }
 
@@ -84,18 +150,14 @@ impl<'c> ChartLayout<'c> {
         // Lines go from edge to edge; dots need air.
         let dots = |trace: &Trace| matches!(trace.style, TraceStyle::Points | TraceStyle::Stems);
         let tight = chart.x_range.is_some() || !chart.traces.iter().any(dots);
-        let x_ticks = (wide / if chart.x == Scale::Log { 70.0 } else { 110.0 }) as usize;
-        let x = ScaledAxis::around(&places, chart.x, x_ticks, &chart.x_unit, tight);
-        let (values, cut) = chart.reach();
-        let y_ticks = (chart.height / 28.0).round().max(2.0) as usize;
-        let y = match chart.shown {
-            Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, y_ticks, &chart.unit),
-            Shown::All | Shown::Around(..) => ScaledAxis::around(&values, chart.y, y_ticks, &chart.unit, false),
-        };
+        let x_ticks = (wide / if chart.x == Scale::Log { DECADES_APART } else { X_LABELS_APART }) as usize;
+        let x = ScaledAxis::around(&places, chart.x, x_ticks.max(2), &chart.x_unit, tight);
+        let y = chart.y_axis();
         let rect = Rect { left, right: left + wide, ..Rect::default() };
-        let mut layout = Self { chart, rect, x, y, head: ChartHead::default() };
+        let y_title = chart.y_title_lines(&y);
+        let mut layout = Self { chart, rect, x, y, y_title, head: ChartHead::default() };
         if chart.frame != ChartFrame::CloseUp {
-            layout.head = ChartHead::new(&chart.caption, &layout.notes(cut), layout.legend(), wide);
+            layout.head = ChartHead::new(&chart.caption, &layout.notes(chart.reach().1), layout.legend(), wide);
         }
         layout
     }
@@ -111,8 +173,8 @@ impl<'c> ChartLayout<'c> {
     fn room_below(&self) -> f64 {
         match (self.chart.x_labels, self.chart.time_constants) {
             (false, _) => 0.0,
-            (true, false) => LABELS,
-            (true, true) => 2.0 * LABELS,
+            (true, false) => LABELS + X_TITLE,
+            (true, true) => 2.0 * (LABELS + X_TITLE),
         }
     }
 
@@ -123,10 +185,19 @@ impl<'c> ChartLayout<'c> {
         }
     }
 
-    /// Unit and notes, and what has to be said of axes that do not show the values as they are.
+    /// Where rows of labels and titles under the chart have their middle.
+    pub fn below(&self, row: usize) -> f64 {
+        self.rect.bottom + [7.0, 16.5, 28.0, 37.5][row.min(3)]
+    }
+
+    /// The title of the x axis.
+    pub fn x_title(&self) -> String {
+        titled(self.chart.x_name(), &self.x.unit)
+    }
+
+    /// The notes, and what has to be said of axes that do not show the values as they are.
     fn notes(&self, cut: bool) -> Vec<String> {
-        let mut notes = vec![self.y.unit.clone()];
-        notes.extend(self.y.from.iter().map(|from| format!("from {from}")));
+        let mut notes: Vec<String> = self.y.from.iter().map(|from| format!("from {from}")).collect();
         notes.extend(self.x.from.iter().filter(|_| self.chart.x_labels).map(|from| match self.chart.x_unit.as_str() {
             "s" => format!("time from {from} s"),
             unit => format!("{unit} axis from {from}"),
@@ -147,10 +218,9 @@ impl<'c> ChartLayout<'c> {
     /// The traces, and those shadings whose label has no room in any of their stretches.
     fn legend(&self) -> Vec<LegendEntry> {
         let traces = self.chart.traces.iter().enumerate().filter(|(_, trace)| trace.style != TraceStyle::Bars);
-        let entry = |(i, trace)| LegendEntry {
-            label: Trace::clone(trace).label,
-            colour: self.colour(i),
-            style: Some(trace.style),
+        let entry = |(i, trace): (usize, &Trace)| LegendEntry {
+            label: trace.label.clone(),
+            sample: Sample::Trace(trace.style, self.pen(i), trace.width),
         };
         let mut entries: Vec<LegendEntry> = traces.map(entry).collect();
         let of_traces = entries.len();
@@ -160,7 +230,7 @@ impl<'c> ChartLayout<'c> {
                 let listed = entries[of_traces..].iter().any(|entry| entry.label == shading.label);
                 if !listed && !alike.any(|other| self.has_room(other)) {
                     let Shading { label, colour, .. } = shading.clone();
-                    entries.push(LegendEntry { label, colour, style: None });
+                    entries.push(LegendEntry { label, sample: Sample::Shading(colour) });
                 }
             }
         }
@@ -170,7 +240,7 @@ impl<'c> ChartLayout<'c> {
     /// Whether the label of a shading fits in its stretch.
     pub fn has_room(&self, shading: &Shading) -> bool {
         let (left, right) = self.edges(shading.from, shading.to);
-        width(&shading.label, SHADING_LABEL) + 6.0 <= right - left
+        width(&shading.label, SHADING_LABEL) + 3.0 <= right - left
     }
 
     /// The edges of a stretch of the x axis, within the chart.
@@ -182,9 +252,16 @@ impl<'c> ChartLayout<'c> {
         (edge(from), edge(to))
     }
 
-    /// The colour of a trace.
-    pub fn colour(&self, i: usize) -> Colour {
-        self.chart.traces[i].colour.unwrap_or(Colour::numbered(i))
+    /// The pen of a trace.
+    pub fn pen(&self, i: usize) -> Pen {
+        let trace = &self.chart.traces[i];
+        let pen = trace.pen.unwrap_or(Pen::numbered(i));
+        if trace.is_whole { Pen { dashes: "", ..pen } } else { pen }
+    }
+
+    /// A name of a row, as far as there is room for it at the left.
+    pub fn row_name(&self, name: &str) -> String {
+        words::shortened(name, LABEL, self.rect.left - EDGE - LABEL_GAP)
     }
 
     /// Where a value lies across; NaN if it has no place.

@@ -8,10 +8,10 @@ use dr_core::signal::{Decimator, DecimatorState};
 
 use super::scaled::ScaledAxis;
 
-/// Bins of a whole recording: each is some more than a pixel of its chart.
+/// Bins of a whole recording: two and a half dots of a wide picture at 300 dots an inch.
 pub const BINS: usize = 730;
-/// Pixels of a column into which the points of a long line are sorted.
-const COLUMN: f64 = 1.2;
+/// Points (1/72 inch) of a column into which the points of a long line are sorted.
+const COLUMN: f64 = 0.5;
 
 /// Powers above it do not fit dr-core's decimator, which is made for an anemometer's.
 const HIGHEST_POWER_W: f64 = 4.0;
@@ -103,7 +103,7 @@ pub fn reach<'a>(curves: impl IntoIterator<Item = &'a [Bin]>) -> Vec<Bin> {
     all
 }
 
-/// Sorts ascending points into columns of about a pixel of `width`. Where they are sparser than
+/// Sorts ascending points into columns of about half a point of `width`. Where they are sparser than
 /// columns they are kept one by one.
 pub fn columns(points: &[(f64, f64)], x: &ScaledAxis, y: &ScaledAxis, width: f64) -> Vec<Bin> {
     let column = |point: &(f64, f64)| (x.share(point.0) * width / COLUMN).floor();
@@ -164,9 +164,9 @@ mod tests {
 
     #[test]
     fn a_column_keeps_its_mean_and_its_extremes() {
-        // 1.2 px of 120 px are 10 of 1000
+        // 0.5 pt of 50 pt are 10 of 1000
         let points: Vec<_> = (0..1000).map(|n| (f64::from(n), if n == 555 { 9.0 } else { 0.0 })).collect();
-        let bins = columns(&points, &linear(1000.0), &linear(10.0), 120.0);
+        let bins = columns(&points, &linear(1000.0), &linear(10.0), 50.0);
         assert_eq!(bins.len(), 100);
         assert_eq!((bins[55].from_s, bins[55].to_s, bins[55].most), (550.0, 559.0, 9.0));
         assert!((bins[55].mean - 0.9).abs() < 1e-12);

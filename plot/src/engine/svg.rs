@@ -1,10 +1,18 @@
-//! Writes SVG elements in pixels, to a tenth; what cannot be placed (NaN) is put at 0.
+//! Writes SVG elements in points (1/72 inch), to a hundredth; what cannot be placed (NaN) is put
+//! at 0. The unit of the view box is the point, too, so that a font size of 7 is 7 pt on paper.
 
 use std::fmt::Write as _;
 
 use super::colour::{Colour, PAPER};
+use super::pen::{Marker, Pen};
+use super::type_face::Weight;
 
-/// A place in pixels.
+/// Points in a millimetre.
+pub const MM: f64 = 72.0 / 25.4;
+/// The embedded face first; the others are about as wide.
+const FAMILIES: &str = "'DejaVu Sans Condensed', Helvetica, Arial, 'Liberation Sans', sans-serif";
+
+/// A place in points.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Rect {
     pub left: f64,
@@ -37,25 +45,41 @@ pub struct Svg {
 impl Svg {
     /// A text with its vertical middle at a place.
     pub fn text(&mut self, text: &str, at: (f64, f64), size: f64, colour: Colour, anchor: Anchor) {
-        self.words(text, at, size, colour, anchor, "");
+        self.words(text, at, (size, Weight::Regular), colour, anchor, false);
     }
 
     pub fn bold(&mut self, text: &str, at: (f64, f64), size: f64, colour: Colour, anchor: Anchor) {
-        self.words(text, at, size, colour, anchor, " font-weight=\"bold\"");
+        self.words(text, at, (size, Weight::Bold), colour, anchor, false);
     }
 
-    fn words(&mut self, text: &str, (x, y): (f64, f64), size: f64, colour: Colour, anchor: Anchor, weight: &str) {
+    /// A text that is read from below, with its middle at a place.
+    pub fn upwards(&mut self, text: &str, at: (f64, f64), size: f64, colour: Colour) {
+        self.words(text, at, (size, Weight::Regular), colour, Anchor::Middle, true);
+    }
+
+    fn words(
+        &mut self,
+        text: &str,
+        (x, y): (f64, f64),
+        (size, weight): (f64, Weight),
+        colour: Colour,
+        anchor: Anchor,
+        upwards: bool,
+    ) {
         let anchor = match anchor {
             Anchor::Start => "",
             Anchor::Middle => " text-anchor=\"middle\"",
             Anchor::End => " text-anchor=\"end\"",
         };
-        let (x, y, colour) = (pixels(x), pixels(y + 0.35 * size), paint("fill", colour));
+        let weight = if weight == Weight::Bold { " font-weight=\"bold\"" } else { "" };
+        let drop = 0.35 * size;
+        let (x, y) = if upwards { (x + drop, y) } else { (x, y + drop) };
+        let (x, y, size, colour) = (points(x), points(y), points(size), paint("fill", colour));
+        let turn = if upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
         let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
         let _ = writeln!(
             self.elements,
-            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\"{anchor}{weight}{colour}>{text}</text>",
-            pixels(size)
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor}{weight}{turn}{colour}>{text}</text>"
         );
     }
 
@@ -63,17 +87,14 @@ impl Svg {
         self.stroke(points, colour, width, "");
     }
 
-    /// A line of dashes that goes on around corners.
-    pub fn dashed(&mut self, points: &[(f64, f64)], colour: Colour, width: f64) {
-        self.stroke(points, colour, width, " stroke-dasharray=\"7 4\"");
-    }
-
-    fn stroke(&mut self, points: &[(f64, f64)], colour: Colour, width: f64, dashes: &str) {
-        let (path, colour) = (path(points), paint("stroke", colour));
+    /// A line of dashes (lengths in points), which go on around corners.
+    pub fn stroke(&mut self, line: &[(f64, f64)], colour: Colour, width: f64, dashes: &str) {
+        let (path, colour) = (path(line), paint("stroke", colour));
+        let dashes = if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
         let _ = writeln!(
             self.elements,
             "<path d=\"{path}\" fill=\"none\" stroke-width=\"{}\"{dashes}{colour}/>",
-            pixels(width)
+            points(width)
         );
     }
 
@@ -81,9 +102,15 @@ impl Svg {
         let _ = writeln!(self.elements, "<path d=\"{}Z\"{}/>", path(points), paint("fill", colour));
     }
 
-    pub fn dot(&mut self, (x, y): (f64, f64), radius: f64, colour: Colour) {
-        let [x, y, radius] = [x, y, radius].map(pixels);
-        let _ = writeln!(self.elements, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{}/>", paint("fill", colour));
+    /// The marker of a pen.
+    pub fn marker(&mut self, (x, y): (f64, f64), radius: f64, pen: Pen) {
+        if pen.marker == Marker::Circle {
+            let ([x, y, radius], colour) = ([x, y, radius].map(points), paint("fill", pen.colour));
+            let _ = writeln!(self.elements, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{colour}/>");
+            return;
+        }
+        let outline: Vec<_> = pen.marker.outline().iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
+        self.polygon(&outline, pen.colour);
     }
 
     pub fn rectangle(&mut self, rect: Rect, colour: Colour) {
@@ -92,47 +119,61 @@ impl Svg {
 
     /// The outline of a rectangle.
     pub fn frame(&mut self, rect: Rect, colour: Colour) {
-        let _ = writeln!(self.elements, "<rect{} fill=\"none\"{}/>", sides(rect), paint("stroke", colour));
+        let _ = writeln!(
+            self.elements,
+            "<rect{} fill=\"none\" stroke-width=\"0.6\"{}/>",
+            sides(rect),
+            paint("stroke", colour)
+        );
     }
 
-    /// The whole picture on white.
+    /// The whole picture on white; width and height are in points.
     pub fn finish(self, width: f64, height: f64) -> String {
-        let [wide, high] = [width, height].map(pixels);
-        let size = format!("width=\"{wide}\" height=\"{high}\" viewBox=\"0 0 {wide} {high}\"");
-        let font = "font-family=\"Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\"";
+        let millimetres = [width, height].map(|side| points(side / MM));
+        let [wide, high] = [width, height].map(points);
+        let size =
+            format!("width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {wide} {high}\"", millimetres[0], millimetres[1]);
+        let font = format!("font-family=\"{FAMILIES}\" font-stretch=\"condensed\" stroke-linejoin=\"round\"");
         let mut paper = Self::default();
         paper.rectangle(Rect { right: width, bottom: height, ..Rect::default() }, PAPER);
         format!("<svg {size} xmlns=\"http://www.w3.org/2000/svg\" {font}>\n{}{}</svg>\n", paper.elements, self.elements)
     }
 }
 
-/// Tenths of a pixel.
-fn tenths(pixels: f64) -> i64 {
+/// Hundredths of a point.
+fn hundredths(points: f64) -> i64 {
     // NaN becomes 0.
-    (10.0 * pixels).clamp(-1e6, 1e6).round() as i64
+    (100.0 * points).clamp(-1e7, 1e7).round() as i64
 }
 
-/// Tenths of a pixel as pixels, written as short as possible.
-fn short(tenths: i64) -> String {
-    let sign = if tenths < 0 { "-" } else { "" };
-    let (whole, rest) = (tenths.abs() / 10, tenths.abs() % 10);
-    if rest == 0 { format!("{sign}{whole}") } else { format!("{sign}{whole}.{rest}") }
+/// Hundredths of a point as points, written as short as possible.
+fn short(hundredths: i64) -> String {
+    let sign = if hundredths < 0 { "-" } else { "" };
+    let (whole, rest) = (hundredths.abs() / 100, hundredths.abs() % 100);
+    let whole = if whole == 0 && rest != 0 { String::new() } else { whole.to_string() };
+    match (rest, rest % 10) {
+        (0, _) => format!("{sign}{whole}"),
+        (_, 0) => format!("{sign}{whole}.{}", rest / 10),
+        _ => format!("{sign}{whole}.{rest:02}"),
+    }
 }
 
-fn pixels(value: f64) -> String {
-    short(tenths(value))
+fn points(value: f64) -> String {
+    short(hundredths(value))
 }
 
 /// Points joined by lines: the first as it is, each other one by its distance from the one before.
 fn path(points: &[(f64, f64)]) -> String {
     let mut path = String::with_capacity(8 * points.len());
     let mut before = None;
-    for (x, y) in points.iter().map(|(x, y)| (tenths(*x), tenths(*y))) {
+    for (x, y) in points.iter().map(|(x, y)| (hundredths(*x), hundredths(*y))) {
         let _ = match before.replace((x, y)).map(|before| (x - before.0, y - before.1)) {
             None => write!(path, "M{} {}", short(x), short(y)),
             Some((0, 0)) => Ok(()),
             Some((across, 0)) => write!(path, "h{}", short(across)),
             Some((0, down)) => write!(path, "v{}", short(down)),
+            // A minus parts two numbers as a space does.
+            Some((across, down)) if down < 0 => write!(path, "l{}{}", short(across), short(down)),
             Some((across, down)) => write!(path, "l{} {}", short(across), short(down)),
         };
     }
@@ -141,7 +182,7 @@ fn path(points: &[(f64, f64)]) -> String {
 
 fn sides(rect: Rect) -> String {
     let (width, height) = (rect.right - rect.left, rect.bottom - rect.top);
-    let [x, y, width, height] = [rect.left, rect.top, width.max(0.0), height.max(0.0)].map(pixels);
+    let [x, y, width, height] = [rect.left, rect.top, width.max(0.0), height.max(0.0)].map(points);
     format!(" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
 }
 
@@ -156,18 +197,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_are_written_to_a_tenth_and_without_needless_digits() {
-        let written = [1.0, 0.04, -0.04, -0.06, 12.34, -1234.56, f64::NAN, 1e300].map(pixels);
-        assert_eq!(written, ["1", "0", "0", "-0.1", "12.3", "-1234.6", "0", "100000"]);
+    fn lengths_are_written_to_a_hundredth_and_without_needless_digits() {
+        let written = [1.0, 0.004, -0.004, -0.06, 12.34, -1234.567, 0.5, f64::NAN, 1e300].map(points);
+        assert_eq!(written, ["1", "0", "0", "-.06", "12.34", "-1234.57", ".5", "0", "100000"]);
     }
 
     #[test]
     fn a_path_ends_where_its_last_point_is_however_many_there_are() {
-        // Steps of 0.04 px, of which each by itself would be rounded to none.
-        let points: Vec<(f64, f64)> = (0..=1000).map(|n| (0.04 * f64::from(n), 5.0)).collect();
+        // Steps of 0.004 pt, of which each by itself would be rounded to none.
+        let points: Vec<(f64, f64)> = (0..=1000).map(|n| (0.004 * f64::from(n), 5.0)).collect();
         let path = path(&points);
         let steps = path.strip_prefix("M0 5").unwrap().split('h').skip(1).map(|step| step.parse::<f64>().unwrap());
-        assert!((steps.sum::<f64>() - 40.0).abs() < 1e-9, "{path}");
+        assert!((steps.sum::<f64>() - 4.0).abs() < 1e-9, "{path}");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! One quantity of a chart: points or bins, and how they are drawn.
 
-use super::colour::{Colour, QUIET};
+use super::colour::QUIET;
+use super::pen::Pen;
 use super::reduce::Bin;
 
-/// Width of a line, pixels.
-pub const CURVE: f64 = 1.4;
+/// Width of a line, points.
+pub const CURVE: f64 = 0.8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TraceStyle {
@@ -26,21 +27,33 @@ pub struct Trace {
     pub(crate) label: String,
     pub(crate) style: TraceStyle,
     /// By position in the chart if not chosen.
-    pub(crate) colour: Option<Colour>,
+    pub(crate) pen: Option<Pen>,
     pub(crate) points: Vec<(f64, f64)>,
     /// Half the length of each point's error bar.
     pub(crate) errors: Vec<f64>,
     pub(crate) bins: Vec<Bin>,
-    /// Of the line, pixels.
+    /// Of the line, points.
     pub(crate) width: f64,
     /// Opacity of the band of a bin's extremes.
     pub(crate) band: f64,
+    /// Without the dashes of its pen.
+    pub(crate) is_whole: bool,
 }
 
 impl Trace {
     pub(crate) fn new(label: impl Into<String>, style: TraceStyle, points: Vec<(f64, f64)>) -> Self {
         let label = label.into();
-        Self { label, style, colour: None, points, errors: Vec::new(), bins: Vec::new(), width: CURVE, band: 0.25 }
+        Self {
+            label,
+            style,
+            pen: None,
+            points,
+            errors: Vec::new(),
+            bins: Vec::new(),
+            width: CURVE,
+            band: 0.25,
+            is_whole: false,
+        }
     }
 
     /// Points (x, y) that a line joins; it is broken where a value is missing (NaN).
@@ -50,7 +63,7 @@ impl Trace {
 
     /// Points that a dashed line joins.
     pub fn dashed(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self::new(label, TraceStyle::Dashed, points).width(1.6)
+        Self::new(label, TraceStyle::Dashed, points).width(0.9)
     }
 
     /// Dots.
@@ -69,13 +82,13 @@ impl Trace {
     }
 
     /// A wide line, which lies beneath another one.
-    pub(crate) fn pale(label: impl Into<String>, bins: Vec<Bin>, colour: Colour) -> Self {
-        Self::bins(label, bins).painted(colour).width(4.5).band(0.0)
+    pub(crate) fn pale(label: impl Into<String>, bins: Vec<Bin>, pen: impl Into<Pen>) -> Self {
+        Self::bins(label, bins).painted(pen.into().colour).width(2.6).band(0.0)
     }
 
     /// A quiet dashed line that stays at a value for a while.
     pub(crate) fn held(from: f64, to: f64, value: f64) -> Self {
-        Self::dashed("", vec![(from, value), (to, value)]).width(1.0).painted(QUIET)
+        Self::dashed("", vec![(from, value), (to, value)]).width(0.6).painted(QUIET)
     }
 
     /// The extremes of bins as a band of some opacity, without a line.
@@ -89,9 +102,9 @@ impl Trace {
         self
     }
 
-    /// Width of a line in pixels, 1.4 if not called.
-    pub fn width(mut self, pixels: f64) -> Self {
-        self.width = pixels;
+    /// Width of a line in points, 0.8 if not called.
+    pub fn width(mut self, points: f64) -> Self {
+        self.width = points;
         self
     }
 
@@ -101,14 +114,22 @@ impl Trace {
         self
     }
 
-    /// One of eight colours by number (more begin again): blue, orange, green, purple, vermilion,
-    /// sky blue, ink, grey.
+    /// One of eight pens by number: blue, orange, green, purple, red, sky blue, ink, grey. Each has
+    /// dashes and a marker of its own, so that traces are told apart in grey; blue, ink and grey
+    /// lines are whole. More begin again, darker and with other dashes.
     pub fn colour(self, number: usize) -> Self {
-        self.painted(Colour::numbered(number))
+        self.painted(Pen::numbered(number))
     }
 
-    pub(crate) fn painted(mut self, colour: Colour) -> Self {
-        self.colour = Some(colour);
+    /// Without the dashes of its number, where a label or another style tells it apart.
+    pub fn whole(mut self) -> Self {
+        self.is_whole = true;
+        self
+    }
+
+    /// A plain colour is a whole line.
+    pub(crate) fn painted(mut self, pen: impl Into<Pen>) -> Self {
+        self.pen = Some(pen.into());
         self
     }
 

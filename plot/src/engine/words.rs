@@ -2,16 +2,7 @@
 //! legends in rows.
 
 use super::axis::power_of_ten;
-
-/// About how wide a text will be: fonts are the viewer's, and some are wider than others.
-pub fn width(text: &str, size: f64) -> f64 {
-    let share = |letter: char| match letter {
-        'i' | 'j' | 'l' | 't' | 'f' | '.' | ',' | ':' | ';' | ' ' | '|' | '\'' => 0.34,
-        'm' | 'w' | 'M' | 'W' => 0.94,
-        _ => 0.6,
-    };
-    text.chars().map(share).sum::<f64>() * size
-}
+pub use super::type_face::width;
 
 /// A number in three digits, as people write it.
 pub fn brief(number: f64) -> String {
@@ -81,17 +72,41 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
         .unwrap_or_default()
 }
 
-/// Text in lines of at most `room` pixels, of which the first has less by `taken`.
+/// Text in lines of at most `room` points, of which the first has less by `taken`.
 pub fn wrapped(text: &str, size: f64, room: f64, taken: f64) -> Vec<String> {
     filled(text.split(' ').map(str::to_owned), size, room, taken, |word| vec![shortened(word, size, room)])
 }
 
-/// Notes with commas between them, in lines of at most `room` pixels, of which the first has less
+/// Notes with commas between them, in lines of at most `room` points, of which the first has less
 /// by `taken`. A note stays in one line if it can.
 pub fn listed(notes: &[String], size: f64, room: f64, taken: f64) -> Vec<String> {
     let commas = notes.iter().enumerate().map(|(i, _)| if i + 1 < notes.len() { "," } else { "" });
     let notes = notes.iter().zip(commas).map(|(note, comma)| format!("{note}{comma}"));
     filled(notes, size, room, taken, |note| wrapped(note, size, room, 0.0))
+}
+
+/// At most two lines of a text; the second ends in … if there would be more.
+pub fn two_lines(text: &str, size: f64, room: f64) -> Vec<String> {
+    let mut lines = wrapped(text, size, room, 0.0);
+    if lines.len() > 2 {
+        lines.truncate(2);
+        lines[1] = ended(&(lines[1].clone() + " …"), size, room);
+    }
+    lines
+}
+
+/// A text with its end left out, so that it fits.
+pub fn ended(text: &str, size: f64, room: f64) -> String {
+    let mut short = text.to_owned();
+    while width(&short, size) > room && !short.is_empty() {
+        short = short.trim_end_matches('…').trim_end().to_owned();
+        short.pop();
+        short = short.trim_end().to_owned() + "…";
+        if short == "…" {
+            return String::new();
+        }
+    }
+    short
 }
 
 /// Fills lines with pieces of a text; `split` makes lines of a piece that is longer than a line.
@@ -152,6 +167,7 @@ mod tests {
     #[test]
     fn long_words_lose_their_middle_and_long_texts_are_wrapped() {
         let short = shortened("temperature_c_a_probe_with_quite_a_name", 12.0, 120.0);
+        assert_eq!(ended("a condition", 10.0, 30.0), "a co…");
         assert!(short.starts_with("tempe") && short.ends_with("name") && width(&short, 12.0) <= 120.0, "{short}");
         let lines = wrapped("one two three four five six", 12.0, 80.0, 40.0);
         assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 12.0) <= 80.0), "{lines:?}");

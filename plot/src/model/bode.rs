@@ -29,7 +29,7 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
     let (low, high) = (rates().fold(slowest, f64::min) / 3.0, rates().fold(nyquist, f64::max) * 3.0);
     let frequencies: Vec<f64> = (0..POINTS).map(|n| mesh::rate_rad_s(low, high, n, POINTS)).collect();
     let axes = |caption: &str, unit: &str| {
-        Chart::new(format!("{caption}{}", of(model, output)), unit).x(Scale::Log, "rad/s").height(220.0).shading(
+        Chart::new(format!("{caption}{}", of(model, output)), unit).x(Scale::Log, "rad/s").height(38.0).shading(
             slowest,
             nyquist,
             5,

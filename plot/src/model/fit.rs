@@ -123,14 +123,14 @@ impl FitSeries {
     /// Measured and predicted, then what is left, over the ground of the event classes.
     pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
-        let mut fit = Chart::new(shortened(&self.name, 14.0, 420.0), &self.unit)
-            .height(170.0)
+        let mut fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
+            .height(30.0)
             .notes(self.fit_percent().map(|percent| format!("fit {} %", brief(percent))))
-            .trace(Trace::bins("measured", self.bins(0)).colour(7).width(2.8))
-            .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(1.2));
+            .trace(Trace::bins("measured", self.bins(0)).colour(7).width(1.6))
+            .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(0.7));
         let residuals = self.bins(2);
         let mut left = Chart::new("Residuals", left_unit)
-            .height(90.0)
+            .height(20.0)
             .notes(self.rms().map(|rms| format!("rms {}", with_unit(rms, left_unit))))
             .trace(Trace::bins("", residuals.clone()).colour(6));
         let mut distances: Vec<f64> =
@@ -167,11 +167,12 @@ pub fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
     let p = if whiteness.p_value < 1e-4 { "< 0.0001".to_owned() } else { format!("= {}", brief(whiteness.p_value)) };
     let caption = match name {
         "" => "Autocorrelation of the residuals".to_owned(),
-        _ => format!("Autocorrelation, {}", shortened(name, 14.0, 220.0)),
+        _ => format!("Autocorrelation, {}", shortened(name, 8.0, 100.0)),
     };
     Chart::new(caption, "")
-        .x(Scale::Linear, "lag")
-        .height(150.0)
+        .x(Scale::Linear, "")
+        .x_title("Lag (samples)")
+        .height(27.0)
         .note(format!("p {p} (Ljung–Box)"))
         .note(format!("95 % of white noise within ±{}", brief(limit)))
         .limit(limit)

@@ -15,8 +15,8 @@ pub fn gain_unit(model: &Model, output: &str) -> String {
     if output.starts_with("temperature_c") && inputs.iter().all(|input| input.starts_with("power_w")) {
         return "K/W".to_owned();
     }
-    let input = if let [input] = inputs.as_slice() { shortened(input, 12.0, 130.0) } else { "the input".to_owned() };
-    format!("unit of {} / unit of {input}", shortened(output, 12.0, 130.0))
+    let input = if let [input] = inputs.as_slice() { shortened(input, 7.0, 60.0) } else { "the input".to_owned() };
+    format!("unit of {} / unit of {input}", shortened(output, 7.0, 60.0))
 }
 
 /// A pair and class in the legend of their output's chart: only what tells them apart.
@@ -28,7 +28,7 @@ pub fn label(model: &Model, pair: &Pair, class: &str) -> String {
 
 /// ` of sector1` where there are several outputs.
 pub fn of(model: &Model, output: &str) -> String {
-    if model.outputs.len() > 1 { format!(" of {}", shortened(element(output), 14.0, 260.0)) } else { String::new() }
+    if model.outputs.len() > 1 { format!(" of {}", shortened(element(output), 8.0, 120.0)) } else { String::new() }
 }
 
 /// What leads to an output: pair, label and class, in the order of the model's classes.

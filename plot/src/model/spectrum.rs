@@ -24,9 +24,9 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     let white = model.outputs.iter().find(|known| known.name == output).and_then(|output| output.whiteness.as_ref());
     let coloured = white.map(|white| white.inflation).filter(|inflation| *inflation > COLOURED);
     let mut chart = Chart::new(format!("Time-constant spectrum{}", of(model, output)), &unit)
-        .x(Scale::Log, "ξ in rad/s")
+        .x(Scale::Log, "rad/s")
         .time_constants()
-        .height(210.0)
+        .height(36.0)
         .notes(several.then(|| format!("of class {reference}")))
         .note("R_k with intervals of 95 %")
         .notes(coloured.map(|by| format!("about {} times as wide, as residuals are coloured", brief(by))))

@@ -23,8 +23,10 @@ pub fn structure(model: &Model) -> Option<Chart> {
     let thermal = unit == "K/W";
     let mut chart = Chart::new("Structure function", if thermal { "J/K" } else { "s / gain" })
         .x(Scale::Linear, if thermal { "K/W" } else { "gain" })
+        .x_title("Cumulative thermal resistance")
+        .y_title("Thermal capacitance")
         .y(Scale::Log)
-        .height(150.0)
+        .height(27.0)
         .note("Σ C over Σ R from the heater");
     let (mut curves, mut refused) = (0, 0);
     for (pair, class_label, class) in &parts {

@@ -11,7 +11,7 @@ fn texts(svg: &str) -> Vec<&str> {
 
 /// What a picture must not hold, whatever the data.
 fn assert_sound(svg: &str) {
-    assert!(svg.starts_with("<svg width=\"1200\""));
+    assert!(svg.starts_with("<svg width=\"180mm\""));
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{:?}", texts(svg));
 }
 
@@ -27,7 +27,8 @@ fn a_figure_has_its_titles_captions_units_and_legends() {
         assert!(texts(&svg).contains(&text), "{text}: {:?}", texts(&svg));
     }
     assert_eq!(svg.matches("exact &lt;&amp;&gt;").count(), 3);
-    assert_eq!(texts(&svg).iter().filter(|text| **text == "rad/s").count(), 3);
+    assert_eq!(texts(&svg).iter().filter(|text| **text == "Rate (rad/s)").count(), 3);
+    assert!(["one (K/W)", "two (K/W)", "three (K/W)"].iter().all(|title| texts(&svg).contains(title)));
     assert!(texts(&svg).contains(&"0.1") && texts(&svg).contains(&"10"));
 }
 
@@ -226,7 +227,7 @@ fn names_of_grounds_without_room_move_to_the_legend() {
         let svg = Figure::new("t").row([chart]).svg();
         ["a wind of some name", "b"].map(|name| texts(&svg).iter().filter(|text| **text == name).count())
     };
-    // stretches of 110 and of 22 pixels
+    // stretches of 47 and of 9 points
     assert_eq!(chart(10.0)[1], 5);
     assert_eq!(chart(2.0), [1, 5]);
 }

@@ -8,7 +8,8 @@
 use super::set_points::SetPoint;
 use super::wind::WindEstimates;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
-use crate::engine::colour::{Colour, GAS, GREYS, INK, PALETTE, QUIET, REFERENCE, STRETCHES};
+use crate::engine::colour::{Colour, GAS, INK, PALETTE, QUIET, REFERENCE, STRETCHES};
+use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power, reach};
 use crate::engine::trace::{CURVE, Trace};
 use crate::engine::words::brief;
@@ -21,10 +22,10 @@ const CLOSE_UP: usize = 200;
 const MOST_SET_POINTS: usize = 40;
 /// Stretches of events; of more of them nothing but stripes would be seen.
 const MOST_EVENTS: usize = 150;
-/// Height of a row of bits, and of one of the close-up, pixels.
-const BIT_ROWS: [f64; 2] = [22.0, 16.0];
-/// Height of the strip of events, pixels.
-const STRIP: f64 = 22.0;
+/// Height of a row of bits, and of one of the close-up, mm.
+const BIT_ROWS: [f64; 2] = [3.9, 3.4];
+/// Height of the strip of events, mm.
+const STRIP: f64 = 3.9;
 
 /// The figure of a run, or of wind estimates alone.
 ///
@@ -55,8 +56,8 @@ struct RunCharts<'r> {
     time_s: &'r [f64],
     /// Of the time axis: to the end of the last tick.
     ends_s: (f64, f64),
-    /// Name and colour.
-    elements: Vec<(&'r str, Colour)>,
+    /// Name and pen.
+    elements: Vec<(&'r str, Pen)>,
     /// Words, row and time.
     trips: Vec<(String, usize, f64)>,
     set_points: Vec<SetPoint>,
@@ -150,19 +151,19 @@ impl<'r> RunCharts<'r> {
             _ => Vec::new(),
         };
         let line = |(label, colour, bins): &(&str, Colour, Vec<Bin>)| {
-            Trace::bins(*label, bins.clone()).painted(*colour).width(if *label == "speed" { 1.6 } else { 1.1 })
+            Trace::bins(*label, bins.clone()).painted(*colour).width(if *label == "speed" { 0.9 } else { 0.7 })
         };
         let extremes = truth.iter().flat_map(|(_, _, bins)| bins).flat_map(|bin| [bin.least, bin.most]);
         let chart = Chart::new("Wind", "m/s");
         let Some(components) = estimates.map(WindEstimates::components) else {
             let lines = truth.iter().map(|of| line(of).band(0.18));
-            let chart = chart.note("into which it blows").height(130.0).around(extremes.chain([0.0])).traces(lines);
+            let chart = chart.note("into which it blows").height(25.0).around(extremes.chain([0.0])).traces(lines);
             return (!truth.is_empty()).then_some(chart);
         };
         let under = truth.iter().map(|(label, colour, bins)| {
             let known = components.iter().any(|(component, ..)| component == label);
             let label = if known { String::new() } else { format!("true {label}") };
-            Trace::pale(label, bins.clone(), colour.paler().paler())
+            Trace::pale(label, bins.clone(), colour.paler())
         });
         let over = components.iter().map(|of| line(of).band(0.15));
         // Transients of the first estimates would hide the wind.
@@ -171,14 +172,14 @@ impl<'r> RunCharts<'r> {
             true => "into which it blows, as estimated",
             false => "into which it blows; estimates over the true wind, which is wide and pale",
         };
-        let chart = chart.note(note).height(190.0).around(extremes.chain(means).chain([0.0]));
+        let chart = chart.note(note).height(34.0).around(extremes.chain(means).chain([0.0]));
         Some(chart.traces(under.chain(over)))
     }
 
     fn temperatures(&self) -> Option<Chart> {
-        let line = |&(name, colour): &(&str, Colour)| {
+        let line = |&(name, pen): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
-            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(colour).band(0.3))
+            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.3))
         };
         let lines: Vec<Trace> = self.elements.iter().filter_map(line).collect();
         if lines.is_empty() {
@@ -199,7 +200,7 @@ impl<'r> RunCharts<'r> {
         let mut distinct: Vec<f64> = self.set_points.iter().map(|of| of.celsius).collect();
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
-        let chart = Chart::new("Temperature", "°C").height(130.0);
+        let chart = Chart::new("Temperature", "°C").height(25.0);
         let chart = match distinct.as_slice() {
             [] => chart,
             [one] => chart.note(format!("set-point {}", one.to_string().replace('-', "−"))),
@@ -214,7 +215,7 @@ impl<'r> RunCharts<'r> {
     /// that the rare extremes may leave.
     fn deviations(&self) -> Option<Chart> {
         let running_until = self.trips.first().map_or(usize::MAX, |(_, row, _)| *row);
-        let deviation = |&(name, colour): &(&str, Colour)| {
+        let deviation = |&(name, pen): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
             let held: Vec<_> = (self.set_points.iter().filter(|of| recording::in_columns(&of.element) == name))
                 .map(|of| (of.rows_held(self.time_s, temperature_c, running_until), of.celsius))
@@ -225,33 +226,32 @@ impl<'r> RunCharts<'r> {
             };
             let bins = self.bins(deviation_mk);
             // Elements that never arrived have nothing to show.
-            bins.iter().any(|bin| bin.mean.is_finite()).then_some((colour, bins))
+            bins.iter().any(|bin| bin.mean.is_finite()).then_some((pen, bins))
         };
-        let deviations: Vec<(Colour, Vec<Bin>)> = self.elements.iter().filter_map(deviation).collect();
+        let deviations: Vec<(Pen, Vec<Bin>)> = self.elements.iter().filter_map(deviation).collect();
         let ends = deviations.iter().flat_map(|(_, bins)| bins).flat_map(|bin| [bin.least.abs(), bin.most.abs()]);
         let mut distances: Vec<f64> = ends.filter(|distance| distance.is_finite()).collect();
         distances.sort_by(f64::total_cmp);
         let most = distances.get(distances.len().checked_sub(1)? * 98 / 100)?.max(1e-3);
         let all = Trace::extremes(reach(deviations.iter().map(|(_, bins)| bins.as_slice())), 0.15).painted(QUIET);
-        let lines =
-            deviations.into_iter().map(|(colour, bins)| Trace::bins("", bins).painted(colour).width(1.2).band(0.0));
+        let lines = deviations.into_iter().map(|(pen, bins)| Trace::bins("", bins).painted(pen).width(0.7).band(0.0));
         let chart = Chart::new("Off the set-point", "mK").note("means, and what all of them reach over");
-        Some(chart.height(100.0).range(-most, most).first_on_top(lines.chain([all])))
+        Some(chart.height(20.0).range(-most, most).first_on_top(lines.chain([all])))
     }
 
     fn powers(&self) -> Option<Chart> {
         let power = |name| mean_power(self.time_s, self.numbers(POWER, name)?, BINS);
-        let powers: Vec<(&str, Colour, MeanPower)> =
-            self.elements.iter().filter_map(|&(name, colour)| Some((name, colour, power(name)?))).collect();
+        let powers: Vec<(&str, Pen, MeanPower)> =
+            self.elements.iter().filter_map(|&(name, pen)| Some((name, pen, power(name)?))).collect();
         let greatest = powers.iter().flat_map(|(_, _, mean)| &mean.power_w).copied().fold(0.0, f64::max);
         let (factor, unit) = if greatest < 0.5 { (1e3, "mW") } else { (1.0, "W") };
         let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
         let window_s = f64::from(powers.first()?.2.ratio) * step_s;
-        let line = |(name, colour, mean): (&str, Colour, MeanPower)| {
+        let line = |(name, pen, mean): (&str, Pen, MeanPower)| {
             let power = mean.power_w.into_iter().map(|power_w| power_w * factor);
-            Trace::line(name, mean.time_s.into_iter().zip(power).collect()).painted(colour)
+            Trace::line(name, mean.time_s.into_iter().zip(power).collect()).painted(pen)
         };
-        let chart = Chart::new("Heating power", unit).height(190.0).range(0.0, greatest * factor);
+        let chart = Chart::new("Heating power", unit).height(34.0).range(0.0, greatest * factor);
         let chart = chart.note(format!("decimated to one value in {} s", brief(window_s)));
         Some(chart.first_on_top(powers.into_iter().map(line)))
     }
@@ -259,7 +259,8 @@ impl<'r> RunCharts<'r> {
     /// A row an element: the share of ticks at the high level over the whole run, and every single
     /// bit of a short stretch.
     fn heater_bits(&self) -> Option<[Chart; 2]> {
-        let bits = self.elements.iter().filter_map(|&(name, colour)| Some((name, colour, self.numbers(HEATER, name)?)));
+        let bits =
+            self.elements.iter().filter_map(|&(name, pen)| Some((name, pen.colour, self.numbers(HEATER, name)?)));
         let bits: Vec<(&str, Colour, &[f64])> = bits.collect();
         let rows = self.close_up();
         let near_s = &self.time_s[rows.clone()];
@@ -287,15 +288,16 @@ impl<'r> RunCharts<'r> {
     }
 }
 
-/// The elements of a recording with their colours.
-fn elements(recording: &Recording) -> Vec<(&str, Colour)> {
-    let mut cores = GREYS.into_iter().cycle();
-    let colour = |(i, name): (usize, &str)| match name {
-        recording::REFERENCE => REFERENCE,
-        core if core.starts_with("core") => cores.next().unwrap_or(INK),
-        _ => Colour::of_element(i),
+/// The elements of a recording with their pens.
+fn elements(recording: &Recording) -> Vec<(&str, Pen)> {
+    // Ink and grey.
+    let mut cores = (6..8).cycle();
+    let pen = |(i, name): (usize, &str)| match name {
+        recording::REFERENCE => REFERENCE.into(),
+        core if core.starts_with("core") => Pen::numbered(cores.next().unwrap_or_default()),
+        _ => Pen::numbered(i),
     };
     let names = recording.elements();
-    let colours: Vec<Colour> = names.iter().copied().enumerate().map(colour).collect();
-    names.into_iter().zip(colours).collect()
+    let pens: Vec<Pen> = names.iter().copied().enumerate().map(pen).collect();
+    names.into_iter().zip(pens).collect()
 }

@@ -14,6 +14,7 @@ use dr_core::wind::QualityFlags;
 use super::azimuth;
 use crate::engine::chart::{Chart, Shading};
 use crate::engine::colour::{ALARM, Colour, ESTIMATE, INK, PALETTE, QUIET, TRUTH};
+use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use recording::wind::{QUALITY_FLAGS, WIND_ESTIMATE as COMPONENTS, WIND_SPEED};
@@ -28,8 +29,8 @@ const STILL_M_S: f64 = 1e-3;
 const LEFT_OUT: f64 = 0.005;
 /// A flag of a single estimate among many is drawn as high as one of this share.
 const LEAST_SHARE: f64 = 0.2;
-/// Height of a row of flags, pixels.
-const FLAG_ROW: f64 = 20.0;
+/// Height of a row of flags, mm.
+const FLAG_ROW: f64 = 3.9;
 
 /// A quantity with its standard uncertainty and its truth.
 struct Quantity {
@@ -86,11 +87,11 @@ impl<'r> WindEstimates<'r> {
         if let Some(axis) = self.axis {
             let angle = |wind: [f64; 3], speed: f64| (dot(wind, axis) / speed).clamp(-1.0, 1.0).acos().to_degrees();
             let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
-            charts.push(self.direction(angle).narrow_chart(chart.height(130.0), 0.0, 180.0));
+            charts.push(self.direction(angle).narrow_chart(chart.height(25.0), 0.0, 180.0));
         } else if alone {
             let elevation = self.direction(|wind, _| (wind[2] / size(wind)).clamp(-1.0, 1.0).asin().to_degrees());
             charts.push(self.azimuth(&elevation).azimuth_chart());
-            let chart = Chart::new("Elevation", "°").note("above the xy plane").height(110.0);
+            let chart = Chart::new("Elevation", "°").note("above the xy plane").height(22.0);
             charts.push(elevation.narrow_chart(chart, -90.0, 90.0));
         }
         if alone {
@@ -163,16 +164,16 @@ impl<'r> WindEstimates<'r> {
         };
         let (low, high) = speed.ends().unwrap_or((0.0, 0.0));
         let low = if low < 0.7 * high { 0.0 } else { low };
-        let chart = Chart::new("Wind speed", "m/s").height(170.0).range(low.max(0.0), high);
+        let chart = Chart::new("Wind speed", "m/s").height(30.0).range(low.max(0.0), high);
         speed.chart(chart.note("shaded: ± one standard uncertainty, paler: from least to greatest"))
     }
 
-    /// By surface: name, colour and mW/K.
-    fn of_surfaces(&self, prefix: &str) -> Vec<(&str, Colour, Vec<Bin>)> {
+    /// By surface: name, pen and mW/K.
+    fn of_surfaces(&self, prefix: &str) -> Vec<(&str, Pen, Vec<Bin>)> {
         let columns = self.recording.columns.iter().filter_map(|column| column.name.strip_prefix(prefix));
         let reduced = |(i, surface)| {
             let of = self.numbers(&format!("{prefix}{surface}"))?;
-            Some((surface, Colour::of_element(i), self.reduced(|row| 1e3 * of[row])))
+            Some((surface, Pen::numbered(i), self.reduced(|row| 1e3 * of[row])))
         };
         columns.enumerate().filter_map(reduced).collect()
     }
@@ -183,11 +184,11 @@ impl<'r> WindEstimates<'r> {
         let means = conductances.iter().flat_map(|(_, _, bins)| bins).map(|bin| bin.mean);
         let (low, high) = most_of(means).unwrap_or((0.0, 1.0));
         let raw = self.of_surfaces(RAW_CONDUCTANCE).into_iter();
-        let raw = raw.map(|(_, colour, bins)| Trace::pale("", bins, colour.paler().paler()));
+        let raw = raw.map(|(_, pen, bins)| Trace::pale("", bins, pen.colour.paler()));
         let is_there = !conductances.is_empty();
         let lines = conductances.into_iter();
-        let lines = lines.map(|(label, colour, bins)| Trace::bins(label, bins).painted(colour).band(0.15));
-        let chart = Chart::new("Conductance to the gas", "mW/K").note("pale: from the power alone").height(170.0);
+        let lines = lines.map(|(label, pen, bins)| Trace::bins(label, bins).painted(pen).band(0.15));
+        let chart = Chart::new("Conductance to the gas", "mW/K").note("pale: from the power alone").height(30.0);
         is_there.then(|| chart.range(low.min(0.0), 1.1 * high).traces(raw.chain(lines)))
     }
 
@@ -195,7 +196,7 @@ impl<'r> WindEstimates<'r> {
         let gas = self.column("wind_gas_temperature_c").filter(|gas| changes(gas))?;
         let truth = self.column(GAS_TEMPERATURE).filter(|bins| bins.iter().any(|bin| bin.mean.is_finite()));
         let means = gas.iter().chain(truth.iter().flatten()).map(|bin| bin.mean);
-        let chart = Chart::new("Gas", "°C").note("as the anemometer knows it").height(90.0).around(means);
+        let chart = Chart::new("Gas", "°C").note("as the anemometer knows it").height(20.0).around(means);
         let truth = truth.map(|truth| Trace::pale("true", truth, TRUTH));
         Some(chart.first_on_top([Trace::bins("estimate", gas).painted(INK).band(0.0)].into_iter().chain(truth)))
     }
@@ -238,7 +239,7 @@ impl Quantity {
             uncertainty: self.uncertainty.clone(),
             truth: self.truth.as_deref().map(turn),
         };
-        let chart = Chart::new("Azimuth", "°").note("from x towards y, where the wind goes to").height(130.0);
+        let chart = Chart::new("Azimuth", "°").note("from x towards y, where the wind goes to").height(25.0);
         turned.chart(chart.degrees(ends))
     }
 

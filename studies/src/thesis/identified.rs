@@ -167,7 +167,7 @@ pub fn symbol(label: impl Into<String>, pair: &Pair, class: &str) -> Result<Trac
 
 /// A chart of such symbols.
 pub fn symbol_chart(caption: impl Into<String>) -> Chart {
-    Chart::new(caption, "K/W").x(Scale::Log, "Hz").height(200.0)
+    Chart::new(caption, "K/W").x(Scale::Log, "Hz").height(35.0)
 }
 
 #[cfg(test)]

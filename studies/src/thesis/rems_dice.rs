@@ -116,7 +116,7 @@ fn thesis_model(lab: &StudyLab) -> Result<Model, StudyError> {
 fn minute(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart, StudyError> {
     Ok(Chart::new(format!("{}, all four driven", DICE[0]), "°C")
         .note("a minute of the hour")
-        .height(220.0)
+        .height(38.0)
         .trace(Trace::line("measured", record.over_time(record.temperature_c(DICE[0])?, SHOWN_S, 1.0)))
         .trace(Trace::dashed("sum of four models", record.over_time(&predicted.temperature_c[0], SHOWN_S, 1.0))))
 }
@@ -128,7 +128,7 @@ fn difference(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart
     Ok(Chart::new("Measured less predicted", "mK")
         .note("the whole hour")
         .x(Scale::Linear, "min")
-        .height(110.0)
+        .height(22.0)
         .trace(Trace::line("", record.over_time(&left, all, 60.0))))
 }
 

@@ -113,12 +113,12 @@ impl LoopPowers {
         };
         let limit = self.limit.rows.iter().map(|row| (row.0, 1e3 * row.1)).collect();
         let power = Chart::new(format!("Power of {DIE}, {place}"), "mW")
-            .height(200.0)
+            .height(35.0)
             .trace(Trace::line("measured", milli(|row| row.2)))
             .trace(Trace::dashed("predicted, one-bit rule", milli(|row| row.1)))
             .trace(Trace::line("predicted, limit of fast sampling", limit));
         let off = Chart::new("Measured less predicted", "mW")
-            .height(110.0)
+            .height(22.0)
             .note("only what is compared")
             .trace(Trace::line("", milli(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
         // The first seconds at the high level would dwarf the rest.

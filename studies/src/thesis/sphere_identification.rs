@@ -99,7 +99,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
         let chart = |IdentifiedSphere { sphere, winds }: &IdentifiedSphere| {
             let stems = winds.iter().map(|wind| Trace::stems(wind.label.clone(), of(wind).points.clone()));
             let chart = Chart::new(format!("Sphere {}, {}", sphere.letter, what(sphere)), "K/W");
-            chart.x(Scale::Log, "Hz").height(220.0).traces(stems)
+            chart.x(Scale::Log, "Hz").height(38.0).traces(stems)
         };
         spheres.iter().map(chart).collect()
     };

@@ -62,10 +62,10 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
         });
         Chart::new(caption, "% of the change").x(Scale::Log, "s").traces(lines)
     };
-    let answered = chart("Answered after the step", |missing| 100.0 - missing).height(220.0);
+    let answered = chart("Answered after the step", |missing| 100.0 - missing).height(38.0);
     let missing = chart("Missing after the step", absolute)
         .y(Scale::Log)
-        .height(300.0)
+        .height(50.0)
         .note("below the noise of each, lines mean nothing")
         .limit(10.0)
         .limit(5.0)

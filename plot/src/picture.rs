@@ -1,0 +1,113 @@
+//! What a picture is on paper and on disk: its width, its format, and how SVG becomes PDF and PNG.
+//!
+//! PDF and PNG are made from the SVG with the embedded face, so that they are the same on every
+//! machine. Text of a PDF stays text; a PNG has 300 dots an inch.
+
+use std::path::Path;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use resvg::{tiny_skia, usvg};
+
+use crate::engine::svg::MM;
+use crate::engine::type_face::Weight;
+use crate::error::PlotError;
+
+/// Points in an inch, and dots of a PNG.
+const POINTS_PER_INCH: f32 = 72.0;
+const DOTS_PER_INCH: f32 = 300.0;
+/// Widths that a picture can have, mm.
+const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
+
+/// How wide a picture is on paper: 60 to 400 mm. A journal's double column of 180 mm is the
+/// default; a single column has 88 mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureWidth(f64);
+
+impl PictureWidth {
+    /// A width in millimetres.
+    ///
+    /// # Errors
+    /// If it is not within 60 to 400 mm.
+    pub fn mm(width: f64) -> Result<Self, PlotError> {
+        if WIDTHS.contains(&width) { Ok(Self(width)) } else { Err(PlotError::Width(width.to_string())) }
+    }
+
+    pub(crate) fn points(self) -> f64 {
+        self.0 * MM
+    }
+}
+
+impl Default for PictureWidth {
+    fn default() -> Self {
+        Self(180.0)
+    }
+}
+
+/// Reads millimetres.
+impl FromStr for PictureWidth {
+    type Err = PlotError;
+
+    fn from_str(text: &str) -> Result<Self, PlotError> {
+        text.parse().map_or_else(|_| Err(PlotError::Width(text.to_owned())), Self::mm)
+    }
+}
+
+/// A format of picture files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Scalable, for web pages and editors.
+    Svg,
+    /// Scalable, for papers.
+    Pdf,
+    /// Dots, 300 an inch.
+    Png,
+}
+
+impl PictureFormat {
+    /// The names that formats have as extensions.
+    pub const NAMES: [(&str, Self); 3] = [("svg", Self::Svg), ("pdf", Self::Pdf), ("png", Self::Png)];
+
+    /// By the extension of a file's name.
+    ///
+    /// # Errors
+    /// If it is none of a picture.
+    pub fn of(path: &Path) -> Result<Self, PlotError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        extension.parse().map_err(|_| PlotError::Extension(path.to_owned()))
+    }
+
+    /// The content of a file of this format with the picture of an SVG.
+    pub(crate) fn encode(self, svg: String) -> Result<Vec<u8>, PlotError> {
+        let failed = |reason: &dyn std::fmt::Display| PlotError::Encoding(reason.to_string());
+        if self == Self::Svg {
+            return Ok(svg.into_bytes());
+        }
+        let mut options = usvg::Options { dpi: POINTS_PER_INCH, ..usvg::Options::default() };
+        let fonts = Arc::make_mut(&mut options.fontdb);
+        for weight in [Weight::Regular, Weight::Bold] {
+            fonts.load_font_data(weight.font().to_vec());
+        }
+        fonts.set_sans_serif_family("DejaVu Sans");
+        let tree = usvg::Tree::from_str(&svg, &options).map_err(|error| failed(&error))?;
+        if self == Self::Pdf {
+            let page = svg2pdf::PageOptions { dpi: POINTS_PER_INCH };
+            return svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page).map_err(|error| failed(&error));
+        }
+        let scale = DOTS_PER_INCH / POINTS_PER_INCH;
+        let size = tree.size().to_int_size().scale_by(scale).ok_or_else(|| failed(&"no dots"))?;
+        let mut dots = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"too many dots"))?;
+        resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut dots.as_mut());
+        dots.encode_png().map_err(|error| failed(&error))
+    }
+}
+
+/// Reads `svg`, `pdf` or `png`.
+impl FromStr for PictureFormat {
+    type Err = PlotError;
+
+    fn from_str(text: &str) -> Result<Self, PlotError> {
+        let known = Self::NAMES.iter().find(|(name, _)| text.eq_ignore_ascii_case(name));
+        known.map(|(_, format)| *format).ok_or_else(|| PlotError::Format(text.to_owned()))
+    }
+}

@@ -1,0 +1,135 @@
+//! What a page shows and is not run: jobs of `cargo xtask` must exist, command lines of `anemo`
+//! must parse.
+
+use super::transcript::{Expectation, Step};
+use crate::markdown;
+use anyhow::{Context, Result};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// How many command lines were not run, for which reason.
+#[derive(Default)]
+pub struct NamedOnly {
+    /// They build, install or fetch.
+    pub cargo: usize,
+    pub board: usize,
+    pub inline: usize,
+}
+
+/// Programs that change more than a page's folder.
+const NOT_RUN: [&str; 4] = ["cargo", "git", "rustup", "sudo"];
+
+/// Whether a step is only checked by its names.
+pub fn is_not_run(step: &Step) -> bool {
+    match step {
+        Step::Command(shown) => shown.expectation == Expectation::Board || changes_more(&shown.command),
+        Step::Python { runs, .. } => !runs,
+    }
+}
+
+fn changes_more(command: &str) -> bool {
+    command.split_whitespace().next().is_some_and(|first| NOT_RUN.contains(&first))
+}
+
+/// Checks the names of a page. Gives how many command lines those were, and lines with faults.
+pub fn check(
+    text: &str,
+    steps: &[Step],
+    jobs: &clap::Command,
+    interface: Option<&Path>,
+) -> Result<(NamedOnly, Vec<(usize, String)>)> {
+    let mut named = NamedOnly::default();
+    let mut faults = Vec::new();
+    let mut lines: Vec<(usize, String)> = Vec::new();
+    for step in steps.iter().filter(|step| is_not_run(step)) {
+        let Step::Command(shown) = step else {
+            named.board += 1;
+            continue;
+        };
+        *(if shown.expectation == Expectation::Board { &mut named.board } else { &mut named.cargo }) += 1;
+        lines.push((shown.line, shown.command.replace("\\\n", " ")));
+    }
+    for (line, code) in markdown::inline_code(text) {
+        if code.starts_with("anemo ") || code.starts_with("cargo xtask ") && !has_placeholder(&code) {
+            named.inline += 1;
+            lines.push((line, code));
+        }
+    }
+    lines.retain(|(line, command)| {
+        faults.extend(job_fault(command, jobs).map(|fault| (*line, fault)));
+        command.starts_with("anemo ") && !has_placeholder(command)
+    });
+    if let Some(interface) = interface {
+        faults.extend(refused(&lines, interface)?);
+    }
+    Ok((named, faults))
+}
+
+/// Whether a command line stands for others: it has `…`, `<name>` or `NAME`.
+fn has_placeholder(command: &str) -> bool {
+    let capitals = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
+    command.contains(['…', '<', '[']) || command.split(|c: char| !c.is_alphanumeric()).any(capitals)
+}
+
+/// Why `cargo xtask` would not understand this, if it is a job of it.
+fn job_fault(command: &str, jobs: &clap::Command) -> Option<String> {
+    let words = command.split(" #").next()?.split_whitespace().collect::<Vec<_>>();
+    let arguments = words.strip_prefix(&["cargo", "xtask"])?;
+    let refused = jobs.clone().try_get_matches_from([&["cargo xtask"], arguments].concat()).err();
+    let message = refused.filter(clap::Error::use_stderr)?.to_string();
+    Some(format!("`{command}`: {}", message.lines().next().unwrap_or_default()))
+}
+
+/// Those lines that `anemo` would refuse, and why.
+fn refused(lines: &[(usize, String)], interface: &Path) -> Result<Vec<(usize, String)>> {
+    let mut child = Command::new(interface)
+        .arg("--parse")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("{} cannot be started", interface.display()))?;
+    // Fewer than fit into a pipe.
+    let asked: String = lines.iter().map(|(_, command)| whole(command) + "\n").collect();
+    child.stdin.take().context("no input")?.write_all(asked.as_bytes())?;
+    let output = child.wait_with_output()?;
+    let answers = String::from_utf8_lossy(&output.stdout).into_owned();
+    let fault = |answer: &str| {
+        let (number, reason) = answer.split_once(": ")?;
+        let (line, command) = lines.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        Some((*line, format!("`{command}`: {reason}")))
+    };
+    Ok(answers.lines().filter_map(fault).collect())
+}
+
+/// A command line that is only the name of a command, as `anemo head identify`, asks for its help.
+fn whole(command: &str) -> String {
+    let is_name = |word: &str| word.chars().all(|c| c.is_ascii_lowercase() || c == '-') && !word.starts_with('-');
+    if command.split_whitespace().all(is_name) { format!("{command} --help") } else { command.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pages::transcript;
+
+    #[test]
+    fn an_unknown_job_or_option_of_a_job_is_found() {
+        let text = "`cargo xtask dmo`, `cargo xtask …`\n```console\n$ cargo xtask cost --write # all\n$ cargo xtask cost --wite\n```\n";
+        let write = clap::Arg::new("write").long("write").action(clap::ArgAction::SetTrue);
+        let jobs = clap::Command::new("cargo xtask").subcommand(clap::Command::new("cost").arg(write));
+        let (named, faults) = check(text, &transcript::steps(text).0, &jobs, None).expect("nothing is started");
+        assert_eq!((named.cargo, named.inline), (2, 1));
+        assert_eq!(faults.iter().map(|(line, _)| *line).collect::<Vec<_>>(), [4, 1]);
+        assert!(faults[1].1.starts_with("`cargo xtask dmo`: error: unrecognized subcommand 'dmo'"), "{}", faults[1].1);
+    }
+
+    #[test]
+    fn a_placeholder_is_a_word_in_capitals() {
+        assert!(has_placeholder("anemo run EXPERIMENT --on sim"));
+        assert!(has_placeholder("anemo run gusts.toml --on serial:DEVICE"));
+        assert!(!has_placeholder("anemo run gusts.toml --on serial:/dev/ttyACM0 -o id-*.parquet"));
+        assert_eq!(whole("anemo head identify"), "anemo head identify --help");
+        assert_eq!(whole("anemo plot a.parquet"), "anemo plot a.parquet");
+    }
+}
