@@ -3,16 +3,18 @@
 use std::path::PathBuf;
 
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
-use plot::{Canvas, closed_loop};
+use plot::closed_loop;
 
 /// Analyse a closed loop from a model: whether it can hold a set-point, and how fast its power
 /// responds.
 ///
 /// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
 /// zeros of the model. The analysis therefore needs no closed loop. One class of one pair is
-/// analysed, and every change of the wind from it to another.
+/// analysed, and every change of the wind from it to another. The picture shows poles, zeros and the
+/// response of the power to a step.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The weight of a zero is its share of the power above the steady value, in units of the steady value, \
@@ -56,9 +58,8 @@ pub struct Arguments {
     /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
     #[arg(long, value_name = "°C", allow_negative_numbers = true)]
     gas_temperature: Option<f64>,
-    /// Draw poles, zeros and the response of the power to a step into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -84,9 +85,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         gas_c: arguments.gas_temperature,
     };
     let report = AnalysisReport::new(&model, &request).map_err(|error| Failure::in_file(&arguments.model, error))?;
-    if let Some(path) = &arguments.plot {
-        let canvas = Canvas::create(path).map_err(Failure::usage)?;
-        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes, &report.verdict);
+    if let Some(canvas) = arguments.picture.canvas()? {
+        let figure = closed_loop::analysis_figure(&report.pair, &report.analysis, &report.changes);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
     crate::output::print_report(&report, arguments.json)

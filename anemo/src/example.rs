@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use crate::choice::choice;
 use crate::identify::progress_bar;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::cole_cole::{self, ColeColeCase, ColeColeComparison, ColeColeInput, ColeColeReport};
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{IdentifyOptions, identify};
 use diffusive::model::Model;
-use plot::{Canvas, Chart, Figure};
+use plot::{Canvas, Chart, Figure, PictureFormat};
 
 /// Identify a system that is known exactly, and report the errors.
 #[derive(clap::Args)]
@@ -26,6 +27,9 @@ enum ExampleSystem {
 
 /// Cole and Cole's relaxation, H = 1/(1 + √p): 1000 s at 2 kHz with an exact output, with or
 /// without noise.
+///
+/// The picture shows time-constant spectrum (diffusive symbol), output and errors; a name of --plot
+/// that is not a picture's is a folder for two of them.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -45,10 +49,8 @@ struct ColeCole {
     /// Write the record (time_s, u, y) to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Draw time-constant spectrum (diffusive symbol), output and errors into this file, or, if the
-    /// name does not end in .svg, two pictures into this folder.
-    #[arg(long, value_name = "SVG|FOLDER")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the table.
     #[arg(long)]
     json: bool,
@@ -108,14 +110,13 @@ impl ColeCole {
     /// The pictures that are going to be drawn: one of everything, or one of the symbol and one of
     /// the output.
     fn canvases(&self) -> Result<Vec<Canvas>, Failure> {
-        let Some(path) = &self.plot else { return Ok(Vec::new()) };
-        let is_picture = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-        if is_picture {
-            return Ok(vec![Canvas::create(path).map_err(Failure::usage)?]);
+        let Some(path) = self.picture.path() else { return Ok(Vec::new()) };
+        if PictureFormat::of(path).is_ok() {
+            return Ok(vec![self.picture.canvas_in(path)?]);
         }
         let failed = |error| Failure::in_file(path, format!("cannot be made: {error}"));
         std::fs::create_dir_all(path).map_err(failed)?;
-        let canvas = |name: &str| Canvas::create(&path.join(name)).map_err(Failure::usage);
+        let canvas = |name: &str| self.picture.canvas_in(&path.join(name));
         Ok(vec![canvas("symbol.svg")?, canvas("output.svg")?])
     }
 
@@ -150,10 +151,10 @@ impl ColeCole {
 
     /// Which files were written.
     fn written(&self) -> String {
-        let said = |what: &str, path: &Option<PathBuf>| {
-            path.as_ref().map_or(String::new(), |path| format!("\n{what} {}\n", path.display()))
+        let said = |what: &str, path: Option<&Path>| {
+            path.map_or(String::new(), |path| format!("\n{what} {}\n", path.display()))
         };
-        said("record written to", &self.output) + &said("drawn into", &self.plot)
+        said("record written to", self.output.as_deref()) + &said("drawn into", self.picture.path())
     }
 }
 

@@ -1,14 +1,13 @@
 //! Collects measured and predicted values of every row for a picture, for `identify` and
 //! `validate`.
 
-use std::path::Path;
-
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::FitRow;
 use diffusive::identify::record::Survey;
-use diffusive::model::{Model, Whiteness};
-use plot::Canvas;
-use plot::model::{FitSeries, figure};
+use diffusive::model::Whiteness;
+use plot::model::FitSeries;
+use plot::{Canvas, Figure};
 
 /// One series an output, and the file that they will be drawn into.
 pub struct FitRecorder {
@@ -19,11 +18,11 @@ pub struct FitRecorder {
 }
 
 impl FitRecorder {
-    /// The file is tried at once: a wrong name should be reported before long work, not after it.
-    pub fn new(path: Option<&Path>, survey: &Survey) -> Result<Self, Failure> {
+    /// The file is tried at once.
+    pub fn new(picture: &PictureArguments, survey: &Survey) -> Result<Self, Failure> {
         let unit = |name: &String| if name.starts_with("temperature_c") { "°C" } else { "" };
         Ok(Self {
-            canvas: path.map(Canvas::create).transpose().map_err(Failure::usage)?,
+            canvas: picture.canvas()?,
             series: survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect(),
             first_time_s: survey.first_time_s,
             sample_period_s: survey.sample_period_s,
@@ -43,10 +42,14 @@ impl FitRecorder {
         }
     }
 
-    /// Draws the model's page with them, if a file was named.
-    pub fn draw(mut self, model: &Model, whiteness: &[Option<Whiteness>]) -> Result<(), Failure> {
+    /// Draws them, if a file was named; `figure` makes a picture of them.
+    pub fn draw(
+        mut self,
+        whiteness: &[Option<Whiteness>],
+        figure: impl FnOnce(&[FitSeries]) -> Figure,
+    ) -> Result<(), Failure> {
         let Some(canvas) = self.canvas else { return Ok(()) };
         self.series.iter_mut().zip(whiteness).for_each(|(series, white)| series.whiteness.clone_from(white));
-        canvas.draw(&figure(model, &self.series)).map_err(Failure::work)
+        canvas.draw(&figure(&self.series)).map_err(Failure::work)
     }
 }

@@ -7,19 +7,22 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
 use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
+use plot::model::figure;
 
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
 /// (diffusive mesh), with standard errors.
 ///
 /// Any uniformly sampled table can be identified: a recording of `anemo run`, or a CSV or Parquet
 /// file of yours with a time column first. Options that are not given are chosen by block
-/// cross-validation inside the record, and the reasons are printed.
+/// cross-validation inside the record, and the reasons are printed. The picture shows time-constant
+/// spectrum (diffusive symbol), fit, residuals, frequency response and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -92,10 +95,8 @@ pub struct Arguments {
     /// Samples by which the output is late; searched for, unless both --order and --mesh are given.
     #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
-    /// Draw time-constant spectrum (diffusive symbol), fit, residuals, frequency response and
-    /// structure function into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Number of free rates of an output, 1 to 8, for a small model. The fit starts from the
     /// solution on the grid.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
@@ -262,20 +263,20 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.plot.as_deref()])?;
+    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.picture.path()])?;
     if let Some(path) = &arguments.output_file {
         crate::output::writable(path, "a model", "json")?;
     }
     let (selection, gas) = arguments.selection();
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;
-    let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
+    let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
     let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
     if let Some(path) = &arguments.output_file {
         model.write(path).map_err(Failure::work)?;
     }
     let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| figure(&model, fits))?;
     let notes = &stream.survey().notes;
     crate::output::print_report(
         &IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() },

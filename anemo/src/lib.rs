@@ -27,6 +27,7 @@ mod head;
 mod identify;
 mod merge;
 mod output;
+mod picture;
 mod plot;
 mod predict;
 mod predict_against;
@@ -211,6 +212,28 @@ mod tests {
     #[test]
     fn the_command_line_is_well_formed() {
         CommandLine::command().debug_assert();
+    }
+
+    /// What stands behind the options in the help of a command and of all below it.
+    fn texts(command: &clap::Command) -> Vec<String> {
+        let own = command.get_after_help().map(ToString::to_string);
+        own.into_iter().chain(command.get_subcommands().flat_map(texts)).collect()
+    }
+
+    #[test]
+    fn every_example_of_the_help_parses() {
+        let (mut refused, mut examples) = (Vec::new(), 0);
+        for text in texts(&command()) {
+            for line in text.replace("\\\n", " ").lines().filter(|line| line.starts_with("  ")) {
+                let words = shlex::split(line.trim_end_matches("; done")).unwrap_or_default();
+                if let Some(begin) = words.iter().position(|word| word == "anemo") {
+                    examples += 1;
+                    refused.extend(refusal(&words[begin + 1..]).map(|reason| format!("{line}: {reason}")));
+                }
+            }
+        }
+        assert!(refused.is_empty(), "{refused:#?}");
+        assert!(examples > 50, "{examples}");
     }
 
     #[test]

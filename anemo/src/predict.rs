@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use crate::choice::choice;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
 use diffusive::model::Model;
 use diffusive::predict::closed::{LoopStart, Prediction, predict};
 use diffusive::predict::compare::{decimate, fits};
 use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
 use host_sim::experiment::Experiment;
-use plot::{Canvas, closed_loop};
+use plot::closed_loop;
+use plot::closed_loop::PredictedCharts;
 use recording::text::four_digits as brief;
 
 /// Window of the comparison in s, if none is given.
@@ -27,7 +29,7 @@ const MOST_TICKS: usize = 1 << 12;
 /// regulated element is the equivalent control, and the same model under the one-bit rule at the
 /// experiment's sample period. The second or, with --against, a recording is compared with the
 /// first. Both are decimated alike; changes of the wind and approaches to the set-point are left
-/// out.
+/// out. The picture shows the compared powers.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
@@ -53,16 +55,16 @@ pub struct Arguments {
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
     from: LoopStart,
-    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are longer.
+    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are
+    /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick into this .csv or .parquet
     /// file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Draw the compared powers into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -71,20 +73,20 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     let (scenario, mut notes) = host_sim::experiment::scenario(&experiment, &model)
         .map_err(|error| Failure::in_file(&arguments.experiment, error))?;
     notes.extend(model.support_warning(None));
     let ratio = ratio(arguments.window, scenario.sample_period_s)?;
-    let canvas = arguments.plot.as_deref().map(Canvas::create).transpose().map_err(Failure::usage)?;
+    let canvas = arguments.picture.canvas()?;
     let prediction =
         predict(&model, &scenario, arguments.from).map_err(|error| Failure::in_file(&arguments.model, error))?;
     let against = arguments.against.as_deref();
     let taken = against.map(|path| ComparedRecording::read(path, &model, &experiment)).transpose()?;
     let mut of_recording = taken.as_ref().map_or(Vec::new(), |taken| taken.notes.clone());
-    let (mut charts, mut elements, mut means_w) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut powers, mut elements, mut means_w) = (Vec::new(), Vec::new(), Vec::new());
     for (at, of) in prediction.elements.iter().enumerate() {
         let mut good = if of.regulated { of.held.clone() } else { vec![false; of.held.len()] };
         if let (Some(taken), true) = (&taken, of.regulated) {
@@ -106,7 +108,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         means_w.push(compared.as_ref().map(|of| (of.mean_w, of.mean_w - of.bias_w)));
         elements.push(PredictedElementReport::new(of, compared.as_ref(), scenario.sample_period_s));
-        charts.push((of.name.as_str(), decimated));
+        powers.push(decimated);
     }
     of_recording.extend(of_milliwatts(&prediction, &means_w));
     if let Some(path) = against {
@@ -116,9 +118,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         write(path, &prediction)?;
     }
     if let Some(canvas) = canvas {
-        let charts = charts.iter().map(|(name, decimated)| (*name, decimated.rows.as_slice()));
-        let what = if taken.is_some() { "recorded" } else { "one-bit rule on the model" };
-        let figure = closed_loop::prediction_figure(&experiment.title, what, charts, &spans(&prediction, &model));
+        let what = if taken.is_some() { "recorded" } else { "one-bit rule" };
+        let elements = prediction.elements.iter().zip(&powers);
+        let charts = elements.map(|(of, decimated)| PredictedCharts {
+            name: &of.name,
+            powers: &decimated.rows,
+            temperatures_c: [taken.as_ref().and_then(|taken| taken.temperature_of(of, &model)), Some(&of.sampled_c)],
+            target_c: &of.target_c,
+        });
+        let charts: Vec<_> = charts.collect();
+        let spans = spans(&prediction, &model);
+        let figure = closed_loop::prediction_figure(&experiment.title, what, &charts, scenario.sample_period_s, &spans);
         canvas.draw(&figure).map_err(Failure::work)?;
     }
     let against = against.map(|path| path.display().to_string());

@@ -140,7 +140,8 @@ impl ComparedRecording {
         })
     }
 
-    fn temperature_of(&self, of: &PredictedElement, model: &Model) -> Option<&[f64]> {
+    /// Its recorded temperature, °C, by tick.
+    pub fn temperature_of(&self, of: &PredictedElement, model: &Model) -> Option<&[f64]> {
         let own = |output: &diffusive::model::ModelOutput| element(&output.name) == recording::in_columns(&of.name);
         self.temperature_c.get(model.outputs.iter().position(own)?).map(Vec::as_slice)
     }

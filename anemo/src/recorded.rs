@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use plot::Canvas;
 use recording::{Collector, Metadata, RecordingError, RecordingLayout, RecordingRow, RecordingWriter};
 
@@ -16,13 +17,13 @@ impl RecordingOutputs {
     /// All that could be wrong with them shows here, before anything runs.
     pub fn create(
         output: Option<&Path>,
-        plot: Option<&Path>,
+        picture: &PictureArguments,
         layout: RecordingLayout,
         metadata: &Metadata,
     ) -> Result<Self, Failure> {
         let writer = output.map(|path| RecordingWriter::create(path, layout.clone(), metadata));
         let writer = writer.transpose().map_err(Failure::usage)?;
-        let canvas = plot.map(Canvas::create).transpose().map_err(Failure::usage)?;
+        let canvas = picture.canvas()?;
         Ok(Self { writer, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
     }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crate::board::{InstrumentArguments, On};
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use crate::progress::{on_interrupt, progress};
 use crate::recorded::RecordingOutputs;
 use host_sim::experiment::Experiment;
@@ -37,9 +38,8 @@ pub struct Arguments {
     /// Record every tick to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Draw the run into this file; its name ends in .svg.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -57,8 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };
     let known = metadata(&experiment, &arguments.instrument.on);
-    let (output, plot) = (arguments.output.as_deref(), arguments.plot.as_deref());
-    let mut recorded = RecordingOutputs::create(output, plot, layout, &known)?;
+    let mut recorded = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known)?;
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(|| Ok(experiment.sensor()?))?;
     let bar = progress(&experiment.title, Some(experiment.ticks.into()));

@@ -18,9 +18,9 @@ use host_sim::settings;
 /// Have an instrument test itself: offsets, references, elements, noise, and what a short pulse of
 /// heat does to each of them.
 ///
-/// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared with
-/// the element's model, where the experiment names one. A board keeps the result in its flash, with
-/// date and firmware; it also tests itself at each start by its settings, without heat.
+/// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared
+/// with the element's model, where the experiment names one. A board keeps the result in its flash,
+/// with date and firmware; it also tests itself at each start by its settings, without heat.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Verdicts, and what to look at:

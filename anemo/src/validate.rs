@@ -6,14 +6,17 @@ use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::identify::Columns;
 use crate::output::Failure;
+use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::model::{Model, ModelError, ModelGas};
+use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
 ///
 /// The model runs over the record's inputs. The offset, and the heat that was stored before the
-/// first row, are estimated from the record's outputs, unless --start is given.
+/// first row, are estimated from the record's outputs, unless --start is given. The picture shows
+/// measured and predicted, residuals, and the model.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -38,9 +41,8 @@ pub struct Arguments {
         ("rest", "All states zero, the model's own offset", ValidationStart::Rest),
     ]))]
     start: ValidationStart,
-    /// Draw measured and predicted, residuals, and the model into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -66,9 +68,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }),
     };
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
-    let mut fits = FitRecorder::new(arguments.plot.as_deref(), stream.survey())?;
+    let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
     let validated = validate(&model, &mut stream, arguments.start, &mut |seen| fits.see(seen))?;
     let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&model, &whiteness)?;
+    fits.draw(&whiteness, |fits| validation_figure(&model, fits, &arguments.record, &arguments.model))?;
     crate::output::print_report(&validated, arguments.json)
 }

@@ -1,8 +1,9 @@
 //! `anemo wind`: the wind from a recording, as the board would have estimated it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::output::{Failure, has_elements, head_of};
+use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
@@ -35,8 +36,8 @@ of 1, 2, 4, 8 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by default
-    /// the one that the recording carries, of a run with a calibrated head.
+    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by
+    /// default the one that the recording carries, of a run with a calibrated head.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Bandwidth of the convective losses, 0.5 to 50 Hz.
@@ -67,9 +68,8 @@ pub struct Arguments {
     /// Write the estimates to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Draw them into this .svg file.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -94,8 +94,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
     let estimates = estimation.surfaces();
     let layout = RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates };
-    let (output, plot) = (arguments.output.as_deref(), arguments.plot.as_deref());
-    let mut recorded = RecordingOutputs::create(output, plot, layout, &metadata(arguments, &head, &estimation)?)?;
+    let known = metadata(arguments, &head, &estimation)?;
+    let mut recorded = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known)?;
     while let Some(estimate) = estimation.next_estimate().map_err(|error| match error {
         WindError::Gas(_) => Failure::usage(error),
         _ => Failure::work(error),
@@ -117,7 +117,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     recorded.finish(&Metadata::new())?;
     let mut report = estimation.report();
-    report.written = [&arguments.output, &arguments.plot].into_iter().flatten().cloned().collect();
+    report.written =
+        [arguments.output.as_deref(), arguments.picture.path()].into_iter().flatten().map(Path::to_owned).collect();
     crate::output::print_report(&report, arguments.json)
 }
 
@@ -133,7 +134,7 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let read = [Some(&arguments.recording), arguments.head.as_ref(), arguments.winds.as_ref()];
     let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.plot.as_deref()])?;
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
 }
 

@@ -2,7 +2,9 @@
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::{Chart, Figure};
+use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
+use crate::engine::words::brief;
 use diffusive::predict::analysis::Analysis;
 use diffusive::predict::compare::DecimatedRow;
 use diffusive::predict::disturbance::WindChange;
@@ -14,12 +16,14 @@ const DECADES: f64 = 5.0;
 
 /// Poles and zeros of a closed loop, and its power after steps of the set-point and changes of the
 /// class.
-pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, WindChange)], verdict: &str) -> Figure {
-    let mut figure =
-        Figure::new(format!("Closed loop of {pair}")).subtitle(format!("class {}  ·  {verdict}", analysis.label));
+pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, WindChange)]) -> Figure {
+    let rise = analysis.held.as_ref().map(|held| format!("  ·  set-point {} K above no heating", brief(held.rise_k)));
+    let words = format!("class {}{}", analysis.label, rise.unwrap_or_default());
+    let mut figure = Figure::new(format!("Closed loop of {pair}")).subtitle(words);
     let poles = analysis.poles_rad_s.iter().map(|rate| (*rate, 1.0)).collect();
     let zeros = analysis.zeros.iter().map(|(rate, weight)| (rate.re, weight.re)).collect();
-    let chart = Chart::new("Poles and zeros", "weight in the power, of its steady value")
+    let chart = Chart::new("Poles and zeros", "")
+        .y_title("Weight / steady power")
         .x(Scale::Log, "rad/s")
         .y(Scale::Log)
         .time_constants()
@@ -42,7 +46,8 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     let in_the_way = within(&levels_w.iter().map(share).collect::<Vec<_>>(), &[&lift]);
     let note = "if no level were in the way; dashed: 1, and the levels";
     let scale = if lift.iter().all(|(_, share)| *share > 0.0) { Scale::Log } else { Scale::Linear };
-    let chart = Chart::new("Power after a step of the set-point", "of its steady value")
+    let chart = Chart::new("Power after a step of the set-point", "")
+        .y_title("Power / steady power")
         .x(Scale::Log, "s")
         .y(scale)
         .notes((!in_the_way.is_empty()).then(|| note.to_owned()));
@@ -76,34 +81,104 @@ fn within(levels: &[f64], curves: &[&Vec<(f64, f64)>]) -> Vec<f64> {
     levels.iter().copied().filter(|level| least < *level && *level < most).collect()
 }
 
-/// Predicted power of every element over the recorded one; rows are decimated (time in s, predicted
-/// in W, recorded in W, whether they count), winds are (from s, to s, number of the colour, label).
-pub fn prediction_figure<'a>(
+/// One element of a prediction.
+pub struct PredictedCharts<'a> {
+    /// The element's name.
+    pub name: &'a str,
+    /// Its powers.
+    pub powers: &'a [DecimatedRow],
+    /// Temperatures of every tick, °C: what `powers` calls taken, and predicted under the one-bit
+    /// rule; the first may be missing.
+    pub temperatures_c: [Option<&'a [f64]>; 2],
+    /// Set-points of every tick, °C; NaN where there is none.
+    pub target_c: &'a [f64],
+}
+
+/// Predicted power and temperature of every element over the recorded ones. `what` says where the
+/// powers come from that predictions are compared with; winds are (from s, to s, number of the
+/// colour, label).
+pub fn prediction_figure(
     title: &str,
     what: &str,
-    elements: impl Iterator<Item = (&'a str, &'a [DecimatedRow])>,
+    elements: &[PredictedCharts<'_>],
+    sample_period_s: f64,
     winds: &[(f64, f64, usize, String)],
 ) -> Figure {
+    let all = || elements.iter().flat_map(|of| of.powers);
+    let greatest_w = all().flat_map(|row| [row.1, row.2]).fold(0.0, f64::max);
+    // One unit for all panels.
+    let (factor, unit) = if greatest_w < 0.5 { (1e3, "mW") } else { (1.0, "W") };
     let mut figure =
-        Figure::new(title).subtitle("predicted from an open-loop model, in the limit of fast sampling; both decimated");
-    for (name, rows) in elements {
-        let of = |value: fn(&DecimatedRow) -> f64| rows.iter().map(|row| (row.0, value(row))).collect();
-        let with_winds = |chart: Chart| {
-            winds.iter().fold(chart, |chart, (from_s, to_s, colour, label)| {
-                chart.shading(*from_s, *to_s, *colour, label.clone())
-            })
-        };
-        let power = Chart::new(format!("Power of {name}"), "W")
-            .trace(Trace::line(what, of(|row| row.2)))
-            .trace(Trace::dashed("predicted", of(|row| row.1)));
-        figure = figure.row([with_winds(power)]);
-        if rows.iter().any(|row| row.3) {
-            let left = Chart::new("Difference", "W")
+        Figure::new(title).subtitle("predicted in the limit of fast sampling, from a model of the open loop");
+    // The first panel of an element names the winds.
+    let with_winds = |chart: Chart, named: bool| {
+        winds.iter().fold(chart, |chart, (from_s, to_s, number, label)| {
+            chart.shading(*from_s, *to_s, *number, if named { label.as_str() } else { "" })
+        })
+    };
+    for of in elements {
+        let powers =
+            |value: fn(&DecimatedRow) -> f64| of.powers.iter().map(|row| (row.0, factor * value(row))).collect();
+        let power = Chart::new(format!("Power of {}", of.name), unit)
+            .y_title("Heating power")
+            .note("decimated")
+            .trace(Trace::line(what, powers(|row| row.2)).colour(7).width(1.6))
+            .trace(Trace::line("predicted", powers(|row| row.1)).colour(0));
+        figure = figure.row([with_winds(power, true)]);
+        let differences: Vec<(f64, f64)> = powers(|row| if row.3 { row.2 - row.1 } else { f64::NAN });
+        let greatest = differences.iter().map(|(_, of)| of.abs()).filter(|of| of.is_finite()).fold(0.0, f64::max);
+        if differences.iter().any(|(_, of)| of.is_finite()) {
+            // A hundredth of the power at least: less is hardly worth a scale of its own.
+            let reach = greatest.max(0.01 * factor * greatest_w);
+            let chart = Chart::new(format!("{} less predicted", sentence(what)), unit)
+                .y_title("Difference")
                 .height(22.0)
-                .note("without edges")
-                .trace(Trace::line("", of(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
-            figure = figure.row([with_winds(left)]);
+                .range(-reach, reach);
+            let left = chart.note("edges left out").trace(Trace::line("", differences).colour(6));
+            figure = figure.row([with_winds(left, false)]);
         }
+        figure = figure.row([with_winds(of.temperatures(what, sample_period_s), false)]);
     }
     figure
+}
+
+impl PredictedCharts<'_> {
+    fn temperatures(&self, what: &str, sample_period_s: f64) -> Chart {
+        let [taken, own] = self.temperatures_c;
+        let every = self.target_c.len().div_ceil(BINS).max(1);
+        let binned = |values: &[f64]| -> Vec<Bin> {
+            let times_s: Vec<f64> = (0..values.len()).map(|tick| tick as f64 * sample_period_s).collect();
+            bins(&times_s, |tick| values[tick], BINS)
+        };
+        let held: Vec<(f64, f64)> =
+            self.target_c.iter().enumerate().step_by(every).map(|(n, c)| (n as f64 * sample_period_s, *c)).collect();
+        let chart = Chart::new(format!("Temperature of {}", self.name), "°C")
+            .y_title("Temperature")
+            .height(25.0)
+            .note("set-point dashed");
+        // On the way to the first set-point it goes through all that it can.
+        let arrived = [taken, own].into_iter().flatten().map(|of| arrival(of, self.target_c)).max().unwrap_or(0);
+        let shown: Vec<f64> =
+            [taken, own].into_iter().flatten().flat_map(|of| of.iter().skip(arrived)).copied().collect();
+        let left = (arrived > 0).then(|| "the way to it leaves the panel".to_owned());
+        chart
+            .around(shown.into_iter().chain(self.target_c.iter().copied()))
+            .notes(left)
+            .traces(taken.map(|of| Trace::bins(what, binned(of)).colour(7).width(1.6)))
+            .traces(own.map(|of| Trace::bins("predicted, one-bit rule", binned(of)).colour(0)))
+            .trace(Trace::dashed("", held).colour(6).width(0.6))
+    }
+}
+
+/// The tick at which a temperature has first reached its set-point; 0 if it never does.
+fn arrival(temperature_c: &[f64], target_c: &[f64]) -> usize {
+    let (Some(first), Some(target)) = (temperature_c.first(), target_c.first()) else { return 0 };
+    let is_there = |(now, target): (&f64, &f64)| if first < target { now >= target } else { now <= target };
+    if target.is_nan() { 0 } else { temperature_c.iter().zip(target_c).position(is_there).unwrap_or(0) }
+}
+
+/// With a capital at its beginning.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

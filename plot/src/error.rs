@@ -11,9 +11,6 @@ pub enum PlotError {
     /// The file's name is not that of a picture.
     #[error("{}: a picture's name ends in .svg, .pdf or .png", .0.display())]
     Extension(PathBuf),
-    /// There is no such format.
-    #[error("`{0}` is no format of pictures: svg, pdf or png")]
-    Format(String),
     /// A page has no such width.
     #[error("a picture is 60 to 400 mm wide, not `{0}`")]
     Width(String),

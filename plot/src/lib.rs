@@ -59,4 +59,6 @@ pub use error::PlotError;
 pub use picture::{PictureFormat, PictureWidth};
 
 #[cfg(test)]
+mod on_paper;
+#[cfg(test)]
 mod tests;

@@ -65,16 +65,17 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// The names that formats have as extensions.
-    pub const NAMES: [(&str, Self); 3] = [("svg", Self::Svg), ("pdf", Self::Pdf), ("png", Self::Png)];
-
     /// By the extension of a file's name.
     ///
     /// # Errors
     /// If it is none of a picture.
     pub fn of(path: &Path) -> Result<Self, PlotError> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        extension.parse().map_err(|_| PlotError::Extension(path.to_owned()))
+        match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+            Some("svg") => Ok(Self::Svg),
+            Some("pdf") => Ok(Self::Pdf),
+            Some("png") => Ok(Self::Png),
+            _ => Err(PlotError::Extension(path.to_owned())),
+        }
     }
 
     /// The content of a file of this format with the picture of an SVG.
@@ -95,19 +96,27 @@ impl PictureFormat {
             return svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page).map_err(|error| failed(&error));
         }
         let scale = DOTS_PER_INCH / POINTS_PER_INCH;
-        let size = tree.size().to_int_size().scale_by(scale).ok_or_else(|| failed(&"no dots"))?;
-        let mut dots = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"too many dots"))?;
+        let size = [tree.size().width(), tree.size().height()].map(|side| (scale * side).round() as u32);
+        let mut dots = tiny_skia::Pixmap::new(size[0], size[1]).ok_or_else(|| failed(&"too many dots"))?;
+        dots.fill(tiny_skia::Color::WHITE);
         resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut dots.as_mut());
-        dots.encode_png().map_err(|error| failed(&error))
+        png_of(&dots).map_err(|error| failed(&error))
     }
 }
 
-/// Reads `svg`, `pdf` or `png`.
-impl FromStr for PictureFormat {
-    type Err = PlotError;
-
-    fn from_str(text: &str) -> Result<Self, PlotError> {
-        let known = Self::NAMES.iter().find(|(name, _)| text.eq_ignore_ascii_case(name));
-        known.map(|(_, format)| *format).ok_or_else(|| PlotError::Format(text.to_owned()))
-    }
+/// Colours without opacity, as paper covers all of the picture, and the size of a dot.
+fn png_of(dots: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+    let mut content = Vec::new();
+    let mut encoder = png::Encoder::new(&mut content, dots.width(), dots.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Best);
+    let dots_per_metre = (DOTS_PER_INCH / 0.0254).round() as u32;
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: dots_per_metre,
+        yppu: dots_per_metre,
+        unit: png::Unit::Meter,
+    }));
+    let colours: Vec<u8> = dots.pixels().iter().flat_map(|dot| [dot.red(), dot.green(), dot.blue()]).collect();
+    encoder.write_header()?.write_image_data(&colours)?;
+    Ok(content)
 }

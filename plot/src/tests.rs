@@ -16,7 +16,7 @@ fn bins(figure: &Figure, caption: &str, label: &str) -> Vec<Bin> {
 }
 
 /// A run in which everything is as noisy as can be, so that no neighbours can be merged.
-fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
+pub(crate) fn noisy(rows: u32, metadata: &[(&str, &str)]) -> Recording {
     noisy_in(rows, metadata, false)
 }
 
@@ -184,7 +184,7 @@ fn panels_without_columns_are_left_out_and_a_foreign_table_is_refused() {
 
 /// Estimates of 400 winds that go round once, with the true wind; `metadata` are lines before the
 /// header.
-fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Recording {
+pub(crate) fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Recording {
     let named = |prefix: &str| parts.iter().map(|part| format!(",{prefix}{part}")).collect::<String>();
     let mut text = format!("{metadata}time_s,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,");
     text += "wind_speed_u_m_s,wind_direction_u_deg,wind_gas_temperature_c";
@@ -202,7 +202,7 @@ fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) -> u16) -> Re
     read(&text)
 }
 
-const SECTORS: [&str; 4] = ["sector1", "sector2", "sector3", "sector4"];
+pub(crate) const SECTORS: [&str; 4] = ["sector1", "sector2", "sector3", "sector4"];
 
 #[test]
 fn wind_estimates_by_themselves_have_a_figure_of_their_own() {
@@ -275,4 +275,73 @@ fn only_pictures_that_can_be_written_are_begun() {
     let folder = tempfile::tempdir().unwrap();
     drop(Canvas::create(&folder.path().join("a.svg")).unwrap());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_warm_up_leaves_the_temperature_panel() {
+    let experiment = "[drives]\nboom = { temperature_c = 30.0 }\n";
+    // It warms up from −50 °C by 2 K a tick, and is then held within 0.1 K.
+    let celsius = |n: u32| (2.0 * f64::from(n) - 50.0).min(30.0) + 0.05 * f64::from(n % 2);
+    let figure = run::figure(&temperatures(&["boom"], experiment, celsius)).unwrap();
+    let chart = figure.charts().find(|chart| chart.caption() == "Temperature").unwrap();
+    let (ends, _) = chart.reach();
+    assert!(ends[0] > 29.5 && ends[1] < 30.5, "{ends:?}");
+    assert!(figure.svg().contains("the warm-up from −50 °C leaves the panel"));
+    // Without a set-point nothing is a warm-up.
+    assert!(!drawn(&temperatures(&["boom"], "", celsius)).contains("warm-up"));
+}
+
+#[test]
+fn a_rare_flag_is_a_hair_with_its_share_in_words() {
+    let figure = run::figure(&estimates(&SECTORS, "", |n| if n == 77 { 8 } else { 0 })).unwrap();
+    let chart = figure.charts().find(|chart| chart.caption() == "Quality flags").unwrap();
+    assert_eq!(chart.traces[0].label, "ambiguous 0.2 %");
+    let often = run::figure(&estimates(&SECTORS, "", |n| if n % 4 == 0 { 8 } else { 0 })).unwrap();
+    assert!(often.svg().contains("ambiguous 25 %"));
+}
+
+#[test]
+fn errors_against_the_true_wind_are_drawn_over_time_and_in_all() {
+    let recording = estimates(&SECTORS, "", |_| 0);
+    let figure = run::figure(&recording).unwrap();
+    let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
+    for caption in ["Speed error", "Direction error", "Estimate over truth"] {
+        assert!(captions.contains(&caption), "{captions:?}");
+    }
+    // Estimates without any error.
+    assert!(bins(&figure, "Speed error", "error").iter().all(|bin| bin.mean.abs() < 1e-9));
+    let svg = figure.svg();
+    for title in ["Speed error (m/s)", "Direction error (°)", "True speed (m/s)", "Estimated speed (m/s)"] {
+        assert!(svg.contains(title), "{title}");
+    }
+}
+
+/// Estimates of winds of ten estimates each, 5 % too fast.
+fn sweep(winds: usize) -> Recording {
+    let mut text = "time_s,event,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,wind_speed_u_m_s,".to_owned();
+    text += "wind_direction_u_deg,quality_flags,true_wind_x_m_s,true_wind_y_m_s,true_wind_z_m_s\n";
+    for n in 0..10 * winds {
+        let wind = n / 10;
+        let (speed, azimuth) = (2.0 + 0.01 * wind as f64, (37.0 * wind as f64).to_radians());
+        let [x, y] = [speed * azimuth.cos(), speed * azimuth.sin()];
+        text += &format!("{n},w{wind},{},{},0,{},0.1,1,0,{x},{y},0\n", 1.05 * x, 1.05 * y, 1.05 * speed);
+    }
+    read(&text)
+}
+
+#[test]
+fn many_winds_are_drawn_by_wind() {
+    let figure = run::figure(&sweep(100)).unwrap();
+    let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
+    assert!(!captions.contains(&"Azimuth") && captions.contains(&"Quality flags"), "{captions:?}");
+    let of = |caption: &str| figure.charts().filter(|chart| chart.caption() == caption).collect::<Vec<_>>();
+    let speed = of("Speed error");
+    assert_eq!(speed.iter().map(|chart| chart.x_name()).collect::<Vec<_>>(), ["True speed", "True azimuth"]);
+    assert!(speed.iter().all(|chart| chart.traces[0].points.len() == 100));
+    assert!(speed[0].traces[0].points.iter().all(|(_, percent)| (percent - 5.0).abs() < 1e-6));
+    assert!(speed[0].traces[0].errors.len() == 100);
+    assert!(figure.subtitle.contains("100 winds"));
+    // Few are drawn over time.
+    let few = run::figure(&sweep(10)).unwrap();
+    assert!(few.charts().any(|chart| chart.caption() == "Azimuth"));
 }

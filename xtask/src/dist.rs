@@ -22,8 +22,10 @@ const AS_THEY_ARE: [&str; 7] =
     ["CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "README.md", "docs", "experiments", "heads"];
 /// What the tried archive runs; every operating mode is in it.
 const EXPERIMENT: &str = "experiments/all-drives.toml";
-/// How the licences and the bill of materials are written, and which licences may be linked.
-const TEMPLATES: &str = "xtask/dist";
+/// Which licences may be linked, and how they and the bill of materials are written: the second
+/// begins behind its name.
+const ABOUT: [&str; 2] = ["xtask/dist/about.toml", "xtask/dist/about.hbs"];
+const SBOM: &str = "anemo.cdx.json";
 
 pub fn run() -> Result<()> {
     if !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
@@ -85,15 +87,15 @@ fn firmware(folder: &Path) -> Result<()> {
 /// Licences of what is linked, each with its text, and the bill of materials. A licence that
 /// `about.toml` does not list is refused.
 fn licences(triple: &str, folder: &Path) -> Result<()> {
-    let (about, templates) = (install::tool(&install::CARGO_ABOUT)?, shell::root().join(TEMPLATES));
-    for (template, written) in [("licences.hbs", "LICENSES-THIRD-PARTY.txt"), ("sbom.hbs", "anemo.cdx.json")] {
-        let mut command = shell::program(&about);
-        command.args(["generate", "--fail", "--frozen", "--manifest-path", "anemo/Cargo.toml", "--target", triple]);
-        command.arg("--config").arg(templates.join("about.toml"));
-        shell::run(command.arg("--output-file").arg(folder.join(written)).arg(templates.join(template)))?;
-    }
-    let sbom = fs::read_to_string(folder.join("anemo.cdx.json"))?;
-    serde_json::from_str::<serde_json::Value>(&sbom).context("the bill of materials is no JSON")?;
+    // It looks at every file of every crate; both are written at once, therefore.
+    shell::run(shell::cargo().args(["fetch", "--quiet", "--locked"]))?;
+    let mut about = shell::program(install::tool(&install::CARGO_ABOUT)?);
+    about.args(["generate", "--fail", "--frozen", "--manifest-path", "anemo/Cargo.toml", "--target", triple]);
+    let text = shell::captured(about.args(["--config", ABOUT[0], ABOUT[1]]))?;
+    let (licences, sbom) = text.split_once(SBOM).context("the bill of materials is missing")?;
+    serde_json::from_str::<serde_json::Value>(sbom).context("the bill of materials is no JSON")?;
+    fs::write(folder.join("LICENSES-THIRD-PARTY.txt"), licences)?;
+    fs::write(folder.join(SBOM), sbom)?;
     // The standard library is linked, too; some installations of Rust leave out its licences.
     let library = install::printed_by_rustc("sysroot")?.join("share/doc/rust/COPYRIGHT-library.html");
     if library.exists() {
@@ -169,4 +171,30 @@ fn hash(anemo: &OsStr, folder: &Path, on: &str) -> Result<String> {
     run.args(["run", EXPERIMENT, "--json", "--on", on]).current_dir(folder).env_remove("ANEMO_FIRMWARE");
     let summary: serde_json::Value = serde_json::from_str(&shell::captured(&mut run)?)?;
     Ok(summary["hash"].as_str().context("the run has no hash")?.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_packed_alike_to_the_byte_whatever_its_dates() -> Result<()> {
+        let own = shell::target_directory()?.join("pack-test");
+        let folder = own.join("from");
+        copy(&shell::root().join("xtask/src/structure"), &folder.join("structure"))?;
+        let packed = |name: &str| -> Result<Vec<u8>> {
+            let archive = own.join(name);
+            pack(&folder, "anemo", &archive)?;
+            Ok(fs::read(archive)?)
+        };
+        let first = packed("first.tar.gz")?;
+        fs::remove_dir_all(&folder)?;
+        copy(&shell::root().join("xtask/src/structure"), &folder.join("structure"))?;
+        assert_eq!(first, packed("second.tar.gz")?);
+        let mut archive = tar::Archive::new(GzDecoder::new(first.as_slice()));
+        let names = archive.entries()?.map(|entry| Ok(entry?.path()?.into_owned())).collect::<Result<Vec<_>>>()?;
+        assert_eq!(names.first(), Some(&PathBuf::from("anemo")));
+        assert!(names.is_sorted() && names.contains(&PathBuf::from("anemo/structure/mod.rs")), "{names:?}");
+        Ok(fs::remove_dir_all(own)?)
+    }
 }

@@ -146,6 +146,8 @@ fn command(command_: &Command, level: usize, shared: &[Row], said: &mut Said, te
     if let Some(after) = command_.get_after_help() {
         after
             .to_string()
+            // Lines below an empty one still belong to the examples.
+            .replace("\n\n  ", "\n  ")
             .trim()
             .split("\n\n")
             .for_each(|paragraph| *text += &format!("\n{}\n", in_markdown(paragraph)));

@@ -180,7 +180,10 @@ fn wrong_usage_is_code_2_and_one_sentence() {
         (vec!["check", "."], ".: is a folder: an experiment, a .toml file, belongs here"),
         (vec!["run", &gusts, "--on", "sim", "-o", "a.xlsx"], "a.xlsx: a recording's name ends in .parquet or .csv"),
         (vec!["run", &gusts, "--on", "sim", "-o", "no/a.csv"], "there is no folder `no`"),
-        (vec!["run", &gusts, "--on", "sim", "-o", "a.csv", "--plot", "a.png"], "a.png: a picture's name ends in .svg"),
+        (
+            vec!["run", &gusts, "--on", "sim", "-o", "a.csv", "--plot", "a.gif"],
+            "a.gif: a picture's name ends in .svg, .pdf or .png",
+        ),
         (vec!["plot", "no.parquet", "-o", "a.svg"], "no.parquet: there is no such file"),
     ] {
         let (code, sentence) = refused(folder.path(), &arguments);

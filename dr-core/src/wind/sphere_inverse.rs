@@ -28,7 +28,7 @@
 //! goes on as Re^0.42 gives 1 % of speed at 1.4 times its last Reynolds number and less than 10 %
 //! at 4 times.
 //!
-//! *Cost*: see the README. No wind and a missing sector cost most; the limit is
+//! *Cost*: see `docs/reference/numbers.md`. No wind and a missing sector cost most; the limit is
 //! `descent::MOST_STEPS_IN_ALL` steps from all starts together.
 
 use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, WeightedNusselt, locals};

@@ -53,8 +53,8 @@ impl Axis {
     pub fn degrees(low: f64, high: f64, ticks: usize) -> Self {
         let rough = (high - low) / ticks.max(1) as f64;
         let round = [10.0, 15.0, 30.0, 45.0, 90.0].into_iter().find(|step| *step >= 0.7 * rough);
-        let step = if rough > 8.0 { round.unwrap_or(90.0) } else { step(high - low, ticks) };
-        Self { low, high, scale: Scale::Linear, step }
+        let axis = Self { low, high, scale: Scale::Linear, step: round.unwrap_or(90.0) };
+        if rough > 8.0 && axis.tick_count() > 1 { axis } else { Self::exactly(low, high, ticks) }
     }
 
     /// A logarithmic range around all values that it can hold, with a little air: a decade at

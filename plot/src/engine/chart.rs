@@ -196,7 +196,7 @@ impl Chart {
     }
 
     /// The ends of what it shows across.
-    fn x_ends(&self) -> Option<(f64, f64)> {
+    pub(crate) fn x_ends(&self) -> Option<(f64, f64)> {
         let places = self.traces.iter().flat_map(Trace::places).filter(|place| Axis::shows(self.x, *place));
         let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         self.x_range.or((ends.0 < ends.1).then_some(ends))

@@ -67,9 +67,10 @@ impl Colour {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pen::Pen;
     use super::*;
 
-    type Lab = [f64; 3];
+    type CieLab = [f64; 3];
 
     fn times(matrix: [[f64; 3]; 3], vector: [f64; 3]) -> [f64; 3] {
         matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
@@ -86,7 +87,7 @@ mod tests {
         [[0.412_456, 0.357_576, 0.180_437], [0.212_673, 0.715_152, 0.072_175], [0.019_334, 0.119_192, 0.950_304]];
 
     /// CIE 1976 L*a*b*.
-    fn lab(linear: [f64; 3]) -> Lab {
+    fn lab(linear: [f64; 3]) -> CieLab {
         let white = times(XYZ, [1.0; 3]);
         let xyz = times(XYZ, linear);
         let f = |i: usize| {
@@ -108,7 +109,7 @@ mod tests {
         lab(linear(colour))[0]
     }
 
-    fn difference(a: Lab, b: Lab) -> f64 {
+    fn difference(a: CieLab, b: CieLab) -> f64 {
         a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 
@@ -138,6 +139,17 @@ mod tests {
             let [a_seen, b_seen] = [a, b].map(|i| lab(deuteranope(linear(PALETTE[i]))));
             assert!(difference(a_seen, b_seen) >= 25.0, "{a} {b}: {}", difference(a_seen, b_seen));
         }
+    }
+
+    #[test]
+    fn pens_differ_without_any_colour() {
+        let pens: Vec<Pen> = (0..24).map(Pen::numbered).collect();
+        for (a, b) in pairs() {
+            let apart = (lightness(PALETTE[a]) - lightness(PALETTE[b])).abs();
+            assert!(pens[a].dashes != pens[b].dashes || apart >= 13.0, "{a} {b}: {apart}");
+            assert_ne!(pens[a].marker, pens[b].marker);
+        }
+        assert!((0..24).all(|a| (0..a).all(|b| pens[a] != pens[b])));
     }
 
     #[test]

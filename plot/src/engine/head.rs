@@ -26,10 +26,10 @@ const LONGEST_LABEL: f64 = 140.0;
 /// A sample and its label.
 pub struct LegendEntry {
     pub label: String,
-    pub sample: Sample,
+    pub sample: LegendSample,
 }
 
-pub enum Sample {
+pub enum LegendSample {
     /// Of a trace: its style, pen and width.
     Trace(TraceStyle, Pen, f64),
     Shading(Colour),
@@ -118,15 +118,17 @@ fn entries(svg: &mut Svg, row: &[LegendEntry], mut x: f64, y: f64) {
     for entry in row {
         let line = [(x, y), (x + SAMPLE, y)];
         match entry.sample {
-            Sample::Shading(colour) => {
+            LegendSample::Shading(colour) => {
                 let rect = Rect { left: x + 4.0, right: x + SAMPLE, top: y - 3.0, bottom: y + 3.0 };
                 svg.rectangle(rect, colour);
             }
-            Sample::Trace(TraceStyle::Dashed, pen, width) => svg.stroke(&line, pen.colour, width.max(1.0), DASHED),
-            Sample::Trace(TraceStyle::Points | TraceStyle::Stems, pen, _) => {
+            LegendSample::Trace(TraceStyle::Dashed, pen, width) => {
+                svg.stroke(&line, pen.colour, width.max(1.0), DASHED)
+            }
+            LegendSample::Trace(TraceStyle::Points | TraceStyle::Stems, pen, _) => {
                 svg.marker((x + SAMPLE - 5.0, y), 2.2, pen);
             }
-            Sample::Trace(TraceStyle::Line | TraceStyle::Band | TraceStyle::Bars, pen, width) => {
+            LegendSample::Trace(TraceStyle::Line | TraceStyle::Band | TraceStyle::Bars, pen, width) => {
                 svg.stroke(&line, pen.colour, width.max(1.2), pen.dashes);
             }
         }

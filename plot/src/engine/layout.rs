@@ -1,22 +1,20 @@
-//! Where the charts of a figure are, and what each of them needs: axes, and words above it. All
-//! lengths are in points.
+//! What a chart of some width needs: axes, words above it, room at its sides. All lengths are in
+//! points.
 
 use super::axis::Scale;
-use super::chart::{Chart, ChartFrame, Figure, Shading, Shown};
-use super::colour::{INK, QUIET};
-use super::head::{ChartHead, LegendEntry, Sample, TEXT};
-use super::pen::Pen;
+use super::chart::{Chart, ChartFrame, Shading, Shown};
+use super::head::{ChartHead, LegendEntry, LegendSample, TEXT};
+use super::line_ends::{END_GAP, LineEnd};
+use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
-use super::svg::{Anchor, MM, Rect, Svg};
+use super::svg::{MM, Rect, Svg};
 use super::trace::{Trace, TraceStyle};
 use super::words::{self, two_lines, width};
 
 /// At the edges of the page.
-const EDGE: f64 = 4.0;
-/// Beyond the right end of the charts: half of the last label.
-const RIGHT: f64 = 12.0;
-/// Charts side by side are at least so wide, with their labels.
-const LEAST_WIDTH: f64 = 55.0 * MM;
+pub const EDGE: f64 = 4.0;
+/// From this width on, names stand beside the ends of lines.
+pub const LEAST_NAMED: f64 = 120.0 * MM;
 /// Names of rows take at most this share of the page.
 const NAMES: f64 = 0.25;
 /// Labels under a chart, and the title under them.
@@ -26,15 +24,10 @@ const X_TITLE: f64 = 10.0;
 const CLOSE_UP_GAP: f64 = 24.0;
 /// Above a bare chart without words.
 const STRIP_GAP: f64 = 2.0;
-/// Sizes of letters: of the figure's title, of what stands under it, of labels at the axes, and of
-/// those at the top of a chart.
-const TITLE: f64 = 10.0;
-const SUBTITLE: f64 = 7.0;
+/// Sizes of letters: of labels at the axes, and of those at the top of a chart.
 pub const LABEL: f64 = 6.5;
-pub const SHADING_LABEL: f64 = 6.0;
-/// From line to line of the title, of the subtitle, and of an axis title.
-const TITLE_LINE: f64 = 12.5;
-const SUBTITLE_LINE: f64 = 9.5;
+pub const SHADING_LABEL: f64 = 6.2;
+/// From line to line of an axis title.
 pub const AXIS_TITLE_LINE: f64 = 8.5;
 /// From the labels of an axis to its line.
 pub const LABEL_GAP: f64 = 4.0;
@@ -43,52 +36,6 @@ const Y_LABELS_APART: f64 = 17.0;
 /// About the distance of labels along a horizontal axis.
 const X_LABELS_APART: f64 = 45.0;
 const DECADES_APART: f64 = 30.0;
-
-impl Figure {
-    /// Draws it as SVG, of its width in millimetres and with a view box in points. The same figure
-    /// always makes the same text.
-    pub fn svg(&self) -> String {
-        let wide = self.width.points();
-        let rows: Vec<&[Chart]> = self.rows.iter().flat_map(|row| row.chunks(abreast(row.len(), wide))).collect();
-        let left = self.charts().map(|chart| chart.left_room(wide)).fold(EDGE, f64::max);
-        let mut svg = Svg::default();
-        let room = wide - 2.0 * EDGE;
-        let mut y = EDGE;
-        // Bold letters take a tenth more.
-        for line in two_lines(&self.title, 1.12 * TITLE, room) {
-            svg.bold(&line, (EDGE, y + TITLE_LINE / 2.0), TITLE, INK, Anchor::Start);
-            y += TITLE_LINE;
-        }
-        for line in two_lines(&self.subtitle, SUBTITLE, room).iter().filter(|line| !line.is_empty()) {
-            svg.text(line, (EDGE, y + SUBTITLE_LINE / 2.0), SUBTITLE, QUIET, Anchor::Start);
-            y += SUBTITLE_LINE;
-        }
-        let mut above: Option<ChartLayout> = None;
-        for row in rows {
-            let share = wide / row.len() as f64;
-            let place = |(i, chart)| ChartLayout::of(chart, share * i as f64 + left, share - left - RIGHT);
-            let mut charts: Vec<ChartLayout> = row.iter().enumerate().map(place).collect();
-            let top = y + charts.iter().map(ChartLayout::room_above).fold(0.0, f64::max);
-            y = top;
-            for layout in &mut charts {
-                (layout.rect.top, layout.rect.bottom) = (top, top + layout.chart.height);
-                y = y.max(layout.rect.bottom + layout.room_below());
-                layout.draw(&mut svg, wide - 1.0);
-                if let Some(above) = above.as_ref().filter(|_| layout.chart.frame == ChartFrame::CloseUp) {
-                    layout.lead_here(above, &mut svg);
-                }
-            }
-            above = charts.pop();
-        }
-        svg.finish(wide, y + EDGE)
-    }
-}
-
-/// How many of some charts have room side by side: about equally many in each row.
-fn abreast(charts: usize, wide: f64) -> usize {
-    let most = ((wide / LEAST_WIDTH) as usize).max(1);
-    charts.div_ceil(charts.div_ceil(most).max(1)).max(1)
-}
 
 /// Quantity and unit of an axis.
 fn titled(quantity: &str, unit: &str) -> String {
@@ -100,22 +47,29 @@ fn titled(quantity: &str, unit: &str) -> String {
 }
 
 impl Chart {
-    /// Room that its labels and its axis title take at the left.
-    fn left_room(&self, wide: f64) -> f64 {
+    /// Room that axis title, labels, and names of rows take at the left.
+    pub(crate) fn left_room(&self, wide: f64) -> [f64; 3] {
         let bars = self.traces.iter().filter(|trace| trace.style == TraceStyle::Bars);
         let names = bars.map(|trace| width(&trace.label, LABEL).min(NAMES * wide)).fold(0.0, f64::max);
-        let labels = match self.frame {
-            ChartFrame::Axes => {
-                let axis = self.y_axis().axis;
-                let labels = axis.ticks().iter().map(|(_, label)| width(label, LABEL)).fold(0.0, f64::max);
-                labels + AXIS_TITLE_LINE * self.y_title_lines(&self.y_axis()).len() as f64 + 2.0
-            }
-            ChartFrame::Bare | ChartFrame::CloseUp => names,
-        };
-        EDGE + labels + LABEL_GAP
+        if self.frame != ChartFrame::Axes {
+            return [0.0, 0.0, names + LABEL_GAP];
+        }
+        let axis = self.y_axis();
+        let labels = axis.axis.ticks().iter().map(|(_, label)| width(label, LABEL)).fold(0.0, f64::max);
+        [AXIS_TITLE_LINE * self.y_title_lines(&axis).len() as f64, labels + LABEL_GAP + 2.0, 0.0]
     }
 
-    fn y_axis(&self) -> ScaledAxis {
+    /// Room that names at the ends of its lines take at the right.
+    pub(crate) fn right_room(&self, wide: f64) -> f64 {
+        if wide < LEAST_NAMED {
+            return 0.0;
+        }
+        let name = |(i, _): LineEnd| width(&self.traces[i].label, LABEL) + END_GAP + EDGE;
+        self.line_ends(&self.y_axis()).into_iter().map(name).fold(0.0, f64::max)
+    }
+
+    /// Its vertical axis.
+    pub(crate) fn y_axis(&self) -> ScaledAxis {
         let ticks = (self.height / Y_LABELS_APART).round().max(2.0) as usize;
         match self.shown {
             Shown::Degrees(low, high) => ScaledAxis::degrees(low, high, ticks, &self.unit),
@@ -137,32 +91,45 @@ pub struct ChartLayout<'c> {
     pub x: ScaledAxis,
     pub y: ScaledAxis,
     pub y_title: Vec<String>,
+    /// From its title to the axis, the same for all charts of a figure.
+    pub labels_room: f64,
+    pub has_x_title: bool,
+    pub has_end_names: bool,
     head: ChartHead,
 }
 
 impl<'c> ChartLayout<'c> {
     /// Lays a chart out for a width; its vertical place comes later.
-    fn of(chart: &'c Chart, left: f64, wide: f64) -> Self {
+    pub fn of(chart: &'c Chart, left: f64, wide: f64) -> Self {
         let places: Vec<f64> = match chart.x_range {
             Some((from, to)) => vec![from, to],
             None => chart.traces.iter().flat_map(Trace::places).collect(),
         };
         // Lines go from edge to edge; dots need air.
-        let dots = |trace: &Trace| matches!(trace.style, TraceStyle::Points | TraceStyle::Stems);
-        let tight = chart.x_range.is_some() || !chart.traces.iter().any(dots);
+        let tight = chart.x_range.is_some() || !chart.traces.iter().any(Trace::is_dotted);
         let x_ticks = (wide / if chart.x == Scale::Log { DECADES_APART } else { X_LABELS_APART }) as usize;
         let x = ScaledAxis::around(&places, chart.x, x_ticks.max(2), &chart.x_unit, tight);
         let y = chart.y_axis();
         let rect = Rect { left, right: left + wide, ..Rect::default() };
         let y_title = chart.y_title_lines(&y);
-        let mut layout = Self { chart, rect, x, y, y_title, head: ChartHead::default() };
+        let mut layout = Self {
+            chart,
+            rect,
+            x,
+            y,
+            y_title,
+            labels_room: 0.0,
+            has_x_title: chart.x_labels,
+            has_end_names: false,
+            head: ChartHead::default(),
+        };
         if chart.frame != ChartFrame::CloseUp {
             layout.head = ChartHead::new(&chart.caption, &layout.notes(chart.reach().1), layout.legend(), wide);
         }
         layout
     }
 
-    fn room_above(&self) -> f64 {
+    pub fn room_above(&self) -> f64 {
         match self.chart.frame {
             ChartFrame::CloseUp => CLOSE_UP_GAP,
             ChartFrame::Bare if self.chart.caption.is_empty() => STRIP_GAP,
@@ -170,11 +137,12 @@ impl<'c> ChartLayout<'c> {
         }
     }
 
-    fn room_below(&self) -> f64 {
-        match (self.chart.x_labels, self.chart.time_constants) {
-            (false, _) => 0.0,
-            (true, false) => LABELS + X_TITLE,
-            (true, true) => 2.0 * (LABELS + X_TITLE),
+    pub fn room_below(&self) -> f64 {
+        match (self.chart.x_labels, self.has_x_title, self.chart.time_constants) {
+            (false, ..) => 0.0,
+            (true, false, _) => LABELS,
+            (true, true, false) => LABELS + X_TITLE,
+            (true, true, true) => 2.0 * (LABELS + X_TITLE),
         }
     }
 
@@ -220,7 +188,7 @@ impl<'c> ChartLayout<'c> {
         let traces = self.chart.traces.iter().enumerate().filter(|(_, trace)| trace.style != TraceStyle::Bars);
         let entry = |(i, trace): (usize, &Trace)| LegendEntry {
             label: trace.label.clone(),
-            sample: Sample::Trace(trace.style, self.pen(i), trace.width),
+            sample: LegendSample::Trace(trace.style, self.pen(i), trace.width),
         };
         let mut entries: Vec<LegendEntry> = traces.map(entry).collect();
         let of_traces = entries.len();
@@ -230,7 +198,7 @@ impl<'c> ChartLayout<'c> {
                 let listed = entries[of_traces..].iter().any(|entry| entry.label == shading.label);
                 if !listed && !alike.any(|other| self.has_room(other)) {
                     let Shading { label, colour, .. } = shading.clone();
-                    entries.push(LegendEntry { label, sample: Sample::Shading(colour) });
+                    entries.push(LegendEntry { label, sample: LegendSample::Shading(colour) });
                 }
             }
         }
@@ -255,8 +223,18 @@ impl<'c> ChartLayout<'c> {
     /// The pen of a trace.
     pub fn pen(&self, i: usize) -> Pen {
         let trace = &self.chart.traces[i];
-        let pen = trace.pen.unwrap_or(Pen::numbered(i));
-        if trace.is_whole { Pen { dashes: "", ..pen } } else { pen }
+        let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
+        if trace.is_whole {
+            pen.dashes = "";
+        }
+        // Nothing else to be told from.
+        if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
+            pen.marker = Marker::Circle;
+        }
+        if self.chart.traces.iter().filter(|trace| trace.style == TraceStyle::Line).count() == 1 {
+            pen.dashes = "";
+        }
+        pen
     }
 
     /// A name of a row, as far as there is room for it at the left.

@@ -1,16 +1,17 @@
-//! Paints a chart that has its place: grounds, grid, labels, traces and marks.
+//! Paints a chart that has its place: grounds, traces and marks, with its axes beneath them
+//! (`paint_axes.rs`).
 
-use super::axis::power_of_ten;
 use super::chart::{ChartFrame, Shading};
-use super::colour::{ALARM, Colour, FAINT, GRID, INK, PAPER, QUIET};
-use super::head::TEXT;
-use super::layout::{AXIS_TITLE_LINE, ChartLayout, LABEL, LABEL_GAP, SHADING_LABEL};
+use super::colour::{ALARM, Colour, INK, PAPER, QUIET};
+use super::layout::{ChartLayout, LABEL, LABEL_GAP, SHADING_LABEL};
+use super::line_ends::END_GAP;
+use super::paint_axes::GRID_LINE;
 use super::pen::{DASHED, Pen};
 use super::reduce::{Bin, columns};
 use super::svg::{Anchor, Rect, Svg};
 use super::trace::{CURVE, Trace, TraceStyle};
 use super::type_face::Weight;
-use super::words::{brief, ended, width};
+use super::words::{ended, width};
 
 /// Above it, a line's points are reduced to about one a pixel.
 const POINTS: usize = 1500;
@@ -19,9 +20,7 @@ const DODGE: f64 = 3.4;
 /// Size of the words of a mark, and from line to line of several.
 const MARK: f64 = 7.0;
 const MARK_LINE: f64 = 9.0;
-/// Widths of lines.
-const GRID_LINE: f64 = 0.4;
-const AXIS_LINE: f64 = 0.6;
+/// Width of error bars.
 const BAR_LINE: f64 = 0.6;
 
 impl ChartLayout<'_> {
@@ -69,6 +68,12 @@ impl ChartLayout<'_> {
                 TraceStyle::Bars => self.bars(svg, i, pen.colour),
             }
         }
+        if self.has_end_names {
+            for (i, above) in self.chart.line_ends(&self.y) {
+                let place = (self.rect.right + END_GAP, self.rect.bottom - above);
+                svg.text(&self.chart.traces[i].label, place, LABEL, INK, Anchor::Start);
+            }
+        }
         self.marks(svg);
     }
 
@@ -91,84 +96,6 @@ impl ChartLayout<'_> {
                 svg.rectangle(paper, shading.colour);
                 svg.text(&shading.label, (x, y), SHADING_LABEL, QUIET, Anchor::Middle);
             }
-        }
-    }
-
-    /// Grid lines, the axes, and the values' labels on the left.
-    fn grid(&self, svg: &mut Svg) {
-        let Rect { left, right, top, bottom } = self.rect;
-        let across = |share: f64| left + (right - left) * share;
-        let upwards = |share: f64| bottom - (bottom - top) * share;
-        let vertical = |svg: &mut Svg, x: f64, colour| svg.line(&[(x, top), (x, bottom)], colour, GRID_LINE);
-        let horizontal = |svg: &mut Svg, y: f64, colour| svg.line(&[(left, y), (right, y)], colour, GRID_LINE);
-        let (x, y) = (&self.x.axis, &self.y.axis);
-        x.minor().into_iter().for_each(|minor| vertical(svg, across(x.share(minor)), FAINT));
-        y.minor().into_iter().for_each(|minor| horizontal(svg, upwards(y.share(minor)), FAINT));
-        x.ticks().into_iter().for_each(|(tick, _)| vertical(svg, across(x.share(tick)), GRID));
-        for (tick, label) in y.ticks() {
-            let at = upwards(y.share(tick));
-            horizontal(svg, at, GRID);
-            svg.line(&[(left - 2.0, at), (left, at)], QUIET, AXIS_LINE);
-            svg.text(&label, (left - LABEL_GAP, at), LABEL, QUIET, Anchor::End);
-        }
-        svg.line(&[(left, top), (left, bottom), (right, bottom)], QUIET, AXIS_LINE);
-    }
-
-    /// Quantity and unit of the values, read from below, beside the widest of their labels.
-    fn y_title(&self, svg: &mut Svg) {
-        let labels = self.y.axis.ticks().iter().map(|(_, label)| width(label, LABEL)).fold(0.0, f64::max);
-        let beside = self.rect.left - LABEL_GAP - labels - 2.0;
-        for (i, line) in self.y_title.iter().rev().enumerate() {
-            let x = beside - AXIS_TITLE_LINE * (i as f64 + 0.5);
-            svg.upwards(line, (x, self.rect.middle().1), TEXT, INK);
-        }
-    }
-
-    /// Labels under the chart, and the title under them.
-    fn labels(&self, svg: &mut Svg, page: f64) {
-        let Rect { left, right, bottom, .. } = self.rect;
-        // Labels that would run into one another are left out, evenly.
-        let ticks: Vec<(f64, f64, String)> = (self.x.axis.ticks().into_iter())
-            .map(|(tick, label)| (left + (right - left) * self.x.axis.share(tick), tick, label))
-            .collect();
-        let widest = ticks.iter().map(|(_, _, label)| width(label, LABEL)).fold(0.0, f64::max) + 5.0;
-        let between = ticks.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(f64::INFINITY, f64::min);
-        let every = if between.is_finite() { (widest / between).ceil().max(1.0) as usize } else { 1 };
-        let title = |svg: &mut Svg, words: &str, row| {
-            svg.text(words, (self.rect.middle().0, self.below(row)), TEXT, INK, Anchor::Middle);
-        };
-        let label = |svg: &mut Svg, words: &str, x: f64, row| {
-            let x = x.min(page - width(words, LABEL) / 2.0);
-            svg.text(words, (x, self.below(row)), LABEL, QUIET, Anchor::Middle);
-        };
-        title(svg, &self.x_title(), 1);
-        if self.chart.time_constants {
-            title(svg, "Time constant (s)", 3);
-        }
-        for (x, tick, words) in ticks.into_iter().step_by(every) {
-            svg.line(&[(x, bottom), (x, bottom + 2.0)], QUIET, AXIS_LINE);
-            label(svg, &words, x, 0);
-            if self.chart.time_constants {
-                let exponent = tick.log10().round();
-                let whole = words.starts_with("10") && (tick.log10() - exponent).abs() < 1e-9;
-                let inverse = if whole && words.chars().any(|letter| "⁰¹²³⁴⁵⁶⁷⁸⁹".contains(letter)) {
-                    power_of_ten(-(exponent as i32))
-                } else {
-                    brief(1.0 / tick)
-                };
-                label(svg, &inverse, x, 2);
-            }
-        }
-    }
-
-    /// Zero, and the limits.
-    fn levels(&self, svg: &mut Svg) {
-        let across = |value: f64| [(self.rect.left, self.y(value)), (self.rect.right, self.y(value))];
-        if self.y.contains(0.0) {
-            svg.line(&across(0.0), QUIET, GRID_LINE);
-        }
-        for limit in self.chart.limits.iter().filter(|limit| self.y.contains(**limit)) {
-            svg.stroke(&across(*limit), QUIET, AXIS_LINE, DASHED);
         }
     }
 

@@ -8,8 +8,8 @@ use dr_core::signal::{Decimator, DecimatorState};
 
 use super::scaled::ScaledAxis;
 
-/// Bins of a whole recording: two and a half dots of a wide picture at 300 dots an inch.
-pub const BINS: usize = 730;
+/// Bins of a whole recording: four dots of a wide picture at 300 dots an inch.
+pub const BINS: usize = 480;
 /// Points (1/72 inch) of a column into which the points of a long line are sorted.
 const COLUMN: f64 = 0.5;
 

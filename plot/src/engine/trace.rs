@@ -133,6 +133,11 @@ impl Trace {
         self
     }
 
+    /// Whether its points are drawn one by one.
+    pub(crate) fn is_dotted(&self) -> bool {
+        matches!(self.style, TraceStyle::Points | TraceStyle::Stems)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.points.is_empty() && self.bins.is_empty()
     }

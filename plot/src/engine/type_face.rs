@@ -15,7 +15,8 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// The font file.
+    /// The font file. Inlined, it would stand in the program once for every call.
+    #[inline(never)]
     pub fn font(self) -> &'static [u8] {
         match self {
             Self::Regular => dejavu::sans_condensed::regular(),

@@ -92,7 +92,8 @@ pub fn two_lines(text: &str, size: f64, room: f64) -> Vec<String> {
         lines.truncate(2);
         lines[1] = ended(&(lines[1].clone() + " …"), size, room);
     }
-    lines
+    // Between lines, nothing else has to part words.
+    lines.iter().map(|line| line.trim_matches([' ', '·']).to_owned()).collect()
 }
 
 /// A text with its end left out, so that it fits.

@@ -1,14 +1,19 @@
-//! Frequency responses: |H(jω)| and arg H(jω) of every pair and class, wind included.
+//! Frequency responses: |H(j2πf)| and arg H(j2πf) of every pair and class, wind included, with bands
+//! of 95 % by the covariance of all parameters together.
 //!
-//! The record speaks of the band from 2π/T, with T its duration, to its Nyquist frequency π/Ts.
+//! The record speaks of the band from 1/T, with T its duration, to its Nyquist frequency 1/(2 Ts).
 //! Beyond it the model is extrapolated.
+
+use std::f64::consts::{PI, TAU};
 
 use dr_core::model::mesh;
 
+use super::band::{NO_BAND, band, inflation, log_band};
 use super::naming::{CURVES, gain_unit, label, left_out, of};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::trace::Trace;
+use diffusive::model::certainty::response_error;
 use diffusive::model::export::response_in_class;
 use diffusive::model::{Model, Pair};
 
@@ -23,21 +28,19 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
     let pairs: Vec<&Pair> = model.pairs.iter().filter(|pair| pair.output == output).collect();
     let unit = gain_unit(model, output);
     let rates = || pairs.iter().flat_map(|pair| pair.mesh_rad_s.iter().copied());
-    let nyquist = std::f64::consts::PI / model.sample_period_s;
+    let nyquist = PI / model.sample_period_s;
     let duration_s = model.provenance.duration_s;
-    let slowest = if duration_s > 0.0 { std::f64::consts::TAU / duration_s } else { rates().fold(nyquist, f64::min) };
+    let slowest = if duration_s > 0.0 { TAU / duration_s } else { rates().fold(nyquist, f64::min) };
     let (low, high) = (rates().fold(slowest, f64::min) / 3.0, rates().fold(nyquist, f64::max) * 3.0);
     let frequencies: Vec<f64> = (0..POINTS).map(|n| mesh::rate_rad_s(low, high, n, POINTS)).collect();
     let axes = |caption: &str, unit: &str| {
-        Chart::new(format!("{caption}{}", of(model, output)), unit).x(Scale::Log, "rad/s").height(38.0).shading(
-            slowest,
-            nyquist,
-            5,
-            "band of the record",
-        )
+        let of_output = format!("{caption}{}", of(model, output));
+        let chart = Chart::new(of_output, unit).y_title(caption).x(Scale::Log, "Hz").height(38.0);
+        chart.shading(slowest / TAU, nyquist / TAU, 5, "band of the record")
     };
     let (mut magnitude, mut phase) = (axes("Magnitude", &unit).y(Scale::Log), axes("Phase", "°"));
-    let (mut curves, mut cut) = (0, false);
+    let by = inflation(model, output);
+    let (mut curves, mut cut, mut bands) = (0, false, 0);
     for (pair, class) in pairs.iter().flat_map(|pair| model.classes.iter().map(move |class| (pair, class))) {
         let at = |omega: &f64| response_in_class(model, pair, class, *omega).map(|value| (*omega, value.re, value.im));
         let response: Vec<(f64, f64, f64)> = frequencies.iter().filter_map(at).collect();
@@ -48,15 +51,30 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
         if curves > CURVES {
             continue;
         }
-        let mut degrees = unwound(&response);
+        let errors: Vec<_> = response.iter().map(|(omega, ..)| response_error(model, pair, class, *omega)).collect();
+        bands += usize::from(errors.iter().any(Option::is_some));
+        let sizes = response
+            .iter()
+            .zip(&errors)
+            .map(|((omega, re, im), error)| (omega / TAU, re.hypot(*im), error.map(|error| error.log_magnitude)));
+        let degrees = unwound(&response);
         let whole = degrees.len();
-        degrees.retain(|(_, degrees)| *degrees >= LOWEST_PHASE);
+        let degrees = degrees.into_iter().zip(&errors).filter(|((_, degrees), _)| *degrees >= LOWEST_PHASE);
+        let degrees: Vec<_> = degrees
+            .map(|((omega, degrees), error)| (omega / TAU, degrees, error.map(|error| error.phase_deg)))
+            .collect();
         cut |= degrees.len() < whole;
-        let sizes = response.iter().map(|(omega, re, im)| (*omega, re.hypot(*im))).collect();
-        magnitude = magnitude.trace(Trace::line(label(model, pair, class), sizes));
+        let sizes: Vec<_> = sizes.collect();
+        magnitude = magnitude.trace(Trace::bins(label(model, pair, class), log_band(&sizes, by)));
         // The legend stands above the magnitude.
-        phase = phase.trace(Trace::line("", degrees));
+        phase = phase.trace(Trace::bins("", band(&degrees, by)));
     }
+    let of_bands = match bands {
+        0 => NO_BAND,
+        _ if bands < curves.min(CURVES) => "bands: 95 %, of the reference only",
+        _ => "bands: 95 %",
+    };
+    magnitude = magnitude.note(of_bands);
     let cut = cut.then(|| "cut where dead time turns it further".to_owned());
     [left_out(magnitude, curves), phase.notes(cut)]
 }

@@ -1,46 +1,42 @@
-//! The figure of a model: time-constant spectra, fits and what they leave, frequency responses,
-//! structure functions.
+//! The figure of a model: time-constant spectra and thermal impedances, fits and what they leave,
+//! frequency responses, structure functions; and that of a validation, which shows another record.
+
+use std::path::Path;
 
 use super::bode::bode;
-use super::fit::{FitSeries, autocorrelation};
-use super::spectrum::spectrum;
+use super::fit::{FitSeries, whiteness};
+use super::spectrum::{impedances, spectrum};
 use super::structure::structure;
 use crate::engine::chart::{Chart, Figure};
 use crate::engine::words::brief;
-use diffusive::model::pair_class::element;
-use diffusive::model::{Model, Structure, Whiteness};
+use diffusive::model::{Model, ModelOutput, Structure};
 
 /// Outputs that get charts of their own.
 const OUTPUTS: usize = 6;
 /// Names in the headline.
 const NAMES: usize = 3;
-/// Poles that still have room in half the width.
-const NARROW: usize = 16;
 
 /// The figure of a model, and of how well it follows a record if the fits of its outputs are given.
 pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
     let mut figure = Figure::new(title(model)).subtitle(subtitle(model, fits.len()));
     let outputs: Vec<&str> = model.outputs.iter().take(OUTPUTS).map(|output| output.name.as_str()).collect();
-    let poles = model.pairs.iter().map(|pair| pair.mesh_rad_s.len()).max().unwrap_or(0);
-    let abreast = if outputs.len() > 1 && poles * model.inputs.len() * model.classes.len() <= NARROW { 2 } else { 1 };
-    for some in outputs.chunks(abreast) {
-        figure = figure.row(some.iter().map(|output| spectrum(model, output)));
+    for output in &outputs {
+        let charts = [spectrum(model, output), impedances(model, output)];
+        // A legend of several takes the whole width.
+        figure = if model.inputs.len() * model.classes.len() > 2 {
+            charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
+        } else {
+            figure.row(charts)
+        };
     }
-    for fit in fits.iter().take(OUTPUTS) {
-        let [fit, residuals] = fit.charts(&model.classes);
-        figure = figure.row([fit]).row([residuals]);
-    }
-    let several = model.outputs.len() > 1;
-    let name = |output: &str| if several { element(output).to_owned() } else { String::new() };
+    figure = with_fits(figure, model, fits);
     let mut small: Vec<Chart> = Vec::new();
-    let whiteness = |name_of: &str, whiteness: &Option<Whiteness>, rows| {
-        whiteness.as_ref().map(|whiteness| autocorrelation(&name(name_of), whiteness, rows))
-    };
     if fits.is_empty() {
         let rows = model.provenance.rows;
-        small.extend(model.outputs.iter().take(OUTPUTS).filter_map(|of| whiteness(&of.name, &of.whiteness, rows)));
+        let of = |of: &ModelOutput| whiteness(model, &of.name, of.whiteness.as_ref(), rows);
+        small.extend(model.outputs.iter().take(OUTPUTS).filter_map(of));
     }
-    small.extend(fits.iter().take(OUTPUTS).filter_map(|of| whiteness(&of.name, &of.whiteness, of.rows)));
+    small.extend(fits.iter().take(OUTPUTS).filter_map(|of| of.autocorrelation(model)));
     small.extend(structure(model));
     for some in small.chunks(2) {
         figure = figure.row(some.iter().cloned());
@@ -49,6 +45,42 @@ pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
         figure = figure.row(bode(model, output));
     }
     figure
+}
+
+/// The figure of a record that a model was validated with: what was measured, what the model says,
+/// and what is left. `record` and `by` name the record's and the model's file.
+pub fn validation_figure(model: &Model, fits: &[FitSeries], record: &Path, by: &Path) -> Figure {
+    let title = format!("{} as predicted by {}", file_name(record), file_name(by));
+    let mut parts = Vec::new();
+    parts.extend(fits.first().map(|fit| format!("{} rows", fit.rows)));
+    parts.extend((fits.len() == 1).then(|| fits[0].fit_percent()).flatten().map(|fit| format!("fit {} %", brief(fit))));
+    parts.extend(identified_from(model));
+    parts.extend((fits.len() > OUTPUTS).then(|| format!("the first {OUTPUTS} of {} outputs", fits.len())));
+    let mut figure = with_fits(Figure::new(title).subtitle(parts.join("  ·  ")), model, fits);
+    let small: Vec<Chart> = fits.iter().take(OUTPUTS).filter_map(|of| of.autocorrelation(model)).collect();
+    for some in small.chunks(2) {
+        figure = figure.row(some.iter().cloned());
+    }
+    figure
+}
+
+fn with_fits(figure: Figure, model: &Model, fits: &[FitSeries]) -> Figure {
+    let charts = fits.iter().take(OUTPUTS).flat_map(|fit| fit.charts(&model.classes));
+    charts.fold(figure, |figure, chart| figure.row([chart]))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The records that a model comes from.
+fn identified_from(model: &Model) -> Option<String> {
+    let names: Vec<String> = model.provenance.records.iter().map(|record| file_name(Path::new(record))).collect();
+    match names.as_slice() {
+        [] => None,
+        names if names.len() <= NAMES => Some(format!("identified from {}", names.join(", "))),
+        names => Some(format!("identified from {} records", names.len())),
+    }
 }
 
 fn title(model: &Model) -> String {
@@ -63,25 +95,12 @@ fn title(model: &Model) -> String {
 
 fn subtitle(model: &Model, fits: usize) -> String {
     let mut parts = Vec::new();
-    if !model.supported {
-        parts.push("THE RECORD DOES NOT SUPPORT THIS MODEL".to_owned());
-    }
     let source = &model.provenance;
-    let names = source.records.iter().map(|record| {
-        let path = std::path::Path::new(record);
-        path.file_name().map_or_else(|| record.clone(), |name| name.to_string_lossy().into_owned())
-    });
-    let names: Vec<String> = names.collect();
-    match names.as_slice() {
-        [] => {}
-        names if names.len() <= NAMES => parts.push(format!("identified from {}", names.join(", "))),
-        names => parts.push(format!("identified from {} records", names.len())),
-    }
+    parts.extend(identified_from(model));
     if source.rows > 0 {
         parts.push(format!("{} rows in {} s", source.rows, brief(source.duration_s)));
     }
-    let structure = if model.structure == Structure::Symbol { "symbol" } else { "conductance" };
-    parts.push(format!("structure {structure}"));
+    parts.extend((model.structure == Structure::Conductance).then(|| "structure conductance".to_owned()));
     let orders = model.pairs.iter().map(|pair| pair.mesh_rad_s.len());
     let (least, most) = (orders.clone().min().unwrap_or(0), orders.max().unwrap_or(0));
     parts.push(if least == most { format!("order {most}") } else { format!("orders {least} to {most}") });
@@ -94,9 +113,12 @@ fn subtitle(model: &Model, fits: usize) -> String {
     parts.extend((outputs.len() == 1).then(|| format!("fit {} %", brief(model.fit_percent))));
     parts.extend(outputs.get(OUTPUTS..).filter(|rest| !rest.is_empty()).map(rest));
     parts.extend((fits > OUTPUTS).then(|| format!("fits of the first {OUTPUTS} of {fits} outputs")));
-    parts.extend(model.warnings.iter().take(NAMES).cloned());
-    let more = model.warnings.len().saturating_sub(NAMES);
-    parts.extend((more > 0).then(|| format!("{more} more warnings in the model")));
+    let warnings = match model.warnings.len() {
+        0 => String::new(),
+        1 => " (1 warning in the model)".to_owned(),
+        count => format!(" ({count} warnings in the model)"),
+    };
+    parts.extend((!model.supported).then(|| format!("not supported by its record{warnings}")));
     parts.join("  ·  ")
 }
 

@@ -7,10 +7,12 @@
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
+use crate::engine::colour::INK;
 use crate::engine::reduce::{Bin, Reach};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened, unit};
-use diffusive::model::Whiteness;
+use diffusive::model::pair_class::element;
+use diffusive::model::{Model, Whiteness};
 
 /// Bins are merged in pairs when there are so many: between one and two for two pixels remain.
 const MOST_BINS: usize = 1460;
@@ -104,7 +106,7 @@ impl FitSeries {
         (self.good > 0.0).then(|| (self.squares / self.good).sqrt())
     }
 
-    fn fit_percent(&self) -> Option<f64> {
+    pub(super) fn fit_percent(&self) -> Option<f64> {
         (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()))
     }
 
@@ -120,6 +122,11 @@ impl FitSeries {
         stretches().zip(ends).map(|(first, to_s)| (first.from_s, to_s, first.class)).collect()
     }
 
+    /// Of its residuals, if they were looked at.
+    pub(super) fn autocorrelation(&self, model: &Model) -> Option<Chart> {
+        whiteness(model, &self.name, self.whiteness.as_ref(), self.rows)
+    }
+
     /// Measured and predicted, then what is left, over the ground of the event classes.
     pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
@@ -129,6 +136,9 @@ impl FitSeries {
             .trace(Trace::bins("measured", self.bins(0)).colour(7).width(1.6))
             .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(0.7));
         let residuals = self.bins(2);
+        if self.unit == "°C" {
+            fit = fit.y_title("Temperature");
+        }
         let mut left = Chart::new("Residuals", left_unit)
             .height(20.0)
             .notes(self.rms().map(|rms| format!("rms {}", with_unit(rms, left_unit))))
@@ -160,8 +170,14 @@ impl FitSeries {
     }
 }
 
+/// Autocorrelation of an output's residuals, by its name where there are several.
+pub fn whiteness(model: &Model, name: &str, of: Option<&Whiteness>, rows: u64) -> Option<Chart> {
+    let name = if model.outputs.len() > 1 { element(name) } else { "" };
+    Some(autocorrelation(name, of?, rows))
+}
+
 /// Autocorrelation of `rows` residuals.
-pub fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
+fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
     let lags = whiteness.autocorrelation.iter().enumerate();
     let limit = NORMAL_95 / (rows.max(1) as f64).sqrt();
     let p = if whiteness.p_value < 1e-4 { "< 0.0001".to_owned() } else { format!("= {}", brief(whiteness.p_value)) };
@@ -172,12 +188,13 @@ pub fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
     Chart::new(caption, "")
         .x(Scale::Linear, "")
         .x_title("Lag (samples)")
+        .y_title("Autocorrelation")
         .height(27.0)
         .note(format!("p {p} (Ljung–Box)"))
         .note(format!("95 % of white noise within ±{}", brief(limit)))
         .limit(limit)
         .limit(-limit)
-        .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).colour(6))
+        .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).painted(INK))
 }
 
 /// A size with its unit, in thousandths where that reads better.

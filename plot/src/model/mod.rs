@@ -1,6 +1,7 @@
 //! Models of heated bodies: time-constant spectra, frequency responses, structure functions, and
 //! how well they fit a record.
 
+mod band;
 mod bode;
 mod figure;
 mod fit;
@@ -8,8 +9,8 @@ mod naming;
 mod spectrum;
 mod structure;
 
-pub use figure::figure;
+pub use figure::{figure, validation_figure};
 pub use fit::FitSeries;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,19 +1,31 @@
-//! The time-constant spectra (diffusive symbols) of a model with their uncertainty: R_k ± 1.96 se,
-//! in K/W, over the rates ξ_k.
+//! The time-constant spectra (diffusive symbols) of a model with their uncertainty, R_k ± 1.96 se in
+//! K/W over the rates ξ_k, and what they add up to: the thermal impedance Z_th(t), the rise after a
+//! step of one watt.
 //!
-//! The bars hold if the residuals are white; neighbours on a fine grid are less certain one by one
-//! than their sum is.
+//! Neighbours on a fine grid are less certain one by one than their sum is: the impedance has a band
+//! by the covariance of all of them. Where single resistances are so much greater than the others
+//! that these would not be seen, as slow ones that cancel, |R_k| stands on a logarithmic axis.
 
+use dr_core::model::mesh;
+
+use super::band::{NO_BAND, band, inflation};
 use super::fit::NORMAL_95;
 use super::naming::{CURVES, gain_unit, label, left_out, of, parts};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
+use crate::engine::pen::{Marker, Pen};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, estimate};
-use diffusive::model::{Model, Structure};
+use diffusive::model::certainty::impedance;
+use diffusive::model::{Class, Model, Structure};
 
 /// Residuals that inflate standard errors by more are worth a word.
 const COLOURED: f64 = 1.2;
+/// A resistance so many times the median one hides the others on a linear axis.
+const HIDES: f64 = 20.0;
+/// Points of an impedance, which begins and ends so far beyond the fastest and the slowest rate.
+const POINTS: usize = 200;
+const BEYOND: f64 = 5.0;
 
 /// The time-constant spectra of all pairs that lead to an output.
 pub fn spectrum(model: &Model, output: &str) -> Chart {
@@ -21,20 +33,19 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     let unit = gain_unit(model, output);
     let several = model.structure == Structure::Conductance && model.classes.len() > 1;
     let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
-    let white = model.outputs.iter().find(|known| known.name == output).and_then(|output| output.whiteness.as_ref());
-    let coloured = white.map(|white| white.inflation).filter(|inflation| *inflation > COLOURED);
+    let by = inflation(model, output);
+    let is_log = hides(parts.iter().flat_map(|(_, _, class)| &class.r_k_per_w));
     let mut chart = Chart::new(format!("Time-constant spectrum{}", of(model, output)), &unit)
+        .y_title(if unit == "K/W" { "Thermal resistance" } else { "Weight" })
         .x(Scale::Log, "rad/s")
         .time_constants()
         .height(36.0)
         .notes(several.then(|| format!("of class {reference}")))
-        .note("R_k with intervals of 95 %")
-        .notes(coloured.map(|by| format!("about {} times as wide, as residuals are coloured", brief(by))))
+        .note(if is_log { "|R| with intervals of 95 %" } else { "R with intervals of 95 %" })
+        .notes((by > COLOURED).then(|| format!("{} times as wide as for white residuals", brief(by))))
         .notes((parts.len() > 1).then(|| "steady gains beside the names".to_owned()));
-    for (pair, class_label, class) in parts.iter().take(CURVES) {
+    for (number, (pair, class_label, class)) in parts.iter().take(CURVES).enumerate() {
         let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
-        let points = pair.mesh_rad_s.iter().copied().zip(class.r_k_per_w.iter().copied()).collect();
-        let errors = class.se_k_per_w.iter().map(|se| NORMAL_95 * se).collect();
         let mut name = label(model, pair, class_label);
         if class.feed_through_k_per_w != 0.0 {
             let own = if name.is_empty() { String::new() } else { format!(" {name}") };
@@ -46,8 +57,25 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
         } else {
             name = format!("{name}: {gain}");
         }
-        chart = chart.trace(Trace::stems(name, points).errors(errors));
+        let stems: Vec<(f64, f64, f64)> = (pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w))
+            .map(|((rate, r), se)| (*rate, *r, NORMAL_95 * by * se))
+            .collect();
+        let trace = |name: String, of: &dyn Fn(f64) -> bool, sign: f64| {
+            let its = || stems.iter().filter(|(_, r, _)| of(*r));
+            let points = its().map(|(rate, r, _)| (*rate, sign * r)).collect();
+            Trace::stems(name, points).errors(its().map(|(.., error)| *error).collect()).colour(number)
+        };
+        chart = if is_log {
+            let below = trace(String::new(), &|r| r < 0.0, -1.0);
+            chart.y(Scale::Log).trace(trace(name, &|r| r > 0.0, 1.0)).traces(
+                (!below.is_empty()).then(|| below.painted(Pen { marker: Marker::Down, ..Pen::numbered(number) })),
+            )
+        } else {
+            chart.trace(trace(name, &|_| true, 1.0))
+        };
     }
+    let negative = is_log && parts.iter().any(|(_, _, class)| class.r_k_per_w.iter().any(|r| *r < 0.0));
+    chart = chart.notes(negative.then(|| "triangles that point down: negative".to_owned()));
     let place = model.outputs.iter().position(|known| known.name == output).unwrap_or(0);
     if let Some(wind) = &model.wind
         && let Some(element) = wind.elements.get(place)
@@ -59,6 +87,41 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
                 format!("follows the gas by {} K/K", estimate(of.steady_gain_k_per_k, of.se_steady_gain_k_per_k))
             }),
         );
+    }
+    left_out(chart, parts.len())
+}
+
+/// Whether the greatest of some resistances hide most of the others.
+fn hides<'r>(resistances: impl Iterator<Item = &'r f64>) -> bool {
+    let mut sizes: Vec<f64> = resistances.map(|r| r.abs()).filter(|r| *r > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let (median, greatest) = (sizes.get(sizes.len() / 2), sizes.last());
+    median.zip(greatest).is_some_and(|(median, greatest)| *greatest > HIDES * median)
+}
+
+/// The thermal impedances of the pairs that lead to an output: the rise after a step of 1 W.
+pub fn impedances(model: &Model, output: &str) -> Chart {
+    let parts = parts(model, output);
+    let unit = gain_unit(model, output);
+    let by = inflation(model, output);
+    let what = if unit == "K/W" { "Thermal impedance" } else { "Step response" };
+    let rates = || parts.iter().flat_map(|(pair, ..)| pair.mesh_rad_s.iter().copied());
+    let (slowest, fastest) = (rates().fold(f64::INFINITY, f64::min), rates().fold(0.0, f64::max));
+    let (first_s, last_s) = (1.0 / (BEYOND * fastest), BEYOND / slowest);
+    let is_known = |class: &Class| class.covariance.is_some();
+    let mut chart = Chart::new(format!("{what}{}", of(model, output)), &unit)
+        .y_title(what)
+        .x(Scale::Log, "s")
+        .height(36.0)
+        .note(if parts.iter().any(|(.., class)| is_known(class)) { "after a step; bands: 95 %" } else { NO_BAND });
+    for (pair, class_label, class) in parts.iter().take(CURVES) {
+        let at = |n: usize| {
+            let time_s = mesh::rate_rad_s(first_s, last_s, n, POINTS);
+            let (value, se) = impedance(model, pair, class, time_s);
+            (time_s, value, se)
+        };
+        let curve: Vec<_> = (0..POINTS).map(at).collect();
+        chart = chart.trace(Trace::bins(label(model, pair, class_label), band(&curve, by)));
     }
     left_out(chart, parts.len())
 }

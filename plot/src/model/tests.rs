@@ -4,6 +4,7 @@ use super::*;
 use crate::{Chart, Figure, Scale, Trace};
 use diffusive::model::testing;
 use diffusive::model::{Model, Whiteness};
+use std::path::Path;
 
 fn texts(svg: &str) -> Vec<&str> {
     svg.lines().filter_map(|line| Some(line.strip_suffix("</text>")?.rsplit_once('>')?.1)).collect()
@@ -101,7 +102,7 @@ fn mesh(order: usize) -> Vec<f64> {
 }
 
 /// One input and output, `order` poles of a rod's like.
-fn single(order: usize) -> Model {
+pub(crate) fn single(order: usize) -> Model {
     let rates = mesh(order);
     let resistances: Vec<f64> = rates.iter().map(|rate| 200.0 / order as f64 * rate.sqrt() / (0.1 + rate)).collect();
     let mut model = testing::model(&rates, &resistances);
@@ -111,7 +112,7 @@ fn single(order: usize) -> Model {
 }
 
 /// `count` elements that heat each other, in the classes of `labels`.
-fn network(count: usize, labels: &[&str], order: usize) -> Model {
+pub(crate) fn network(count: usize, labels: &[&str], order: usize) -> Model {
     let mut model = single(order);
     let (pair, output) = (model.pairs.remove(0), model.outputs.remove(0));
     model.classes = labels.iter().map(|label| (*label).to_owned()).collect();
@@ -146,7 +147,7 @@ fn whiteness() -> Whiteness {
     }
 }
 
-fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
+pub(crate) fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
     let mut fit = FitSeries::new(name, "°C");
     for n in 0..rows {
         let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
@@ -185,9 +186,9 @@ fn the_page_of_a_model_shows_all_its_sides() {
 fn coloured_residuals_are_said_beside_the_intervals() {
     let mut model = single(8);
     model.outputs[0].whiteness = Some(whiteness());
-    assert!(!figure(&model, &[]).svg().contains("coloured"));
+    assert!(!figure(&model, &[]).svg().contains("white residuals"));
     model.outputs[0].whiteness = Some(Whiteness { inflation: 2.5, ..whiteness() });
-    assert!(figure(&model, &[]).svg().contains("about 2.5 times as wide, as residuals are coloured"));
+    assert!(figure(&model, &[]).svg().contains("2.5 times as wide as for white residuals"));
 }
 
 #[test]
@@ -261,4 +262,74 @@ fn any_model_makes_a_sound_figure() {
         (0..3000).for_each(|n| missing.push(f64::from(n), f64::NAN, 1.0, n as usize % 5));
         assert_sound(&figure(&model, &[empty, missing]).svg());
     }
+}
+
+/// With a standard error of 1 K/W of every resistance.
+fn uncertain(order: usize) -> Model {
+    let mut model = single(order);
+    let class = model.pairs[0].classes.get_mut("all").unwrap();
+    let triangle = (0..=order).flat_map(|i| (0..=i).map(move |j| if i == j && i < order { 1.0 } else { 0.0 }));
+    class.covariance = Some(triangle.collect());
+    model
+}
+
+fn chart<'f>(figure: &'f Figure, caption: &str) -> &'f Chart {
+    figure.charts().find(|chart| chart.caption() == caption).unwrap()
+}
+
+#[test]
+fn responses_and_impedances_have_bands_where_the_covariance_is_known() {
+    for (model, is_known) in [(uncertain(8), true), (single(8), false)] {
+        let figure = figure(&model, &[]);
+        assert_sound(&figure.svg());
+        for caption in ["Magnitude", "Phase", "Thermal impedance"] {
+            let bins = &chart(&figure, caption).traces[0].bins;
+            assert_eq!(bins.iter().any(|bin| bin.most - bin.least > 1e-3 * bin.mean.abs()), is_known, "{caption}");
+        }
+        assert_eq!(figure.svg().contains("the model file has no covariance"), !is_known);
+    }
+    // At 1.96 standard errors of the sum of eight resistances, slower than all of which the step is.
+    let figure = figure(&uncertain(8), &[]);
+    let last = *chart(&figure, "Thermal impedance").traces[0].bins.last().unwrap();
+    assert!(((last.most - last.mean) / (1.96 * 8_f64.sqrt()) - 1.0).abs() < 0.01, "{last:?}");
+}
+
+#[test]
+fn frequencies_are_in_hertz_and_rates_have_their_time_constants() {
+    let svg = figure(&single(8), &[]).svg();
+    for text in ["Frequency (Hz)", "Rate (rad/s)", "Time constant (s)", "Thermal impedance (K/W)"] {
+        assert!(texts(&svg).contains(&text), "{text}: {:?}", texts(&svg));
+    }
+}
+
+#[test]
+fn resistances_that_others_hide_stand_on_a_logarithmic_axis_with_a_marker_of_their_sign() {
+    let mut model = single(8);
+    let class = model.pairs[0].classes.get_mut("all").unwrap();
+    (class.r_k_per_w[0], class.r_k_per_w[1]) = (5000.0, -4990.0);
+    let figure = figure(&model, &[]);
+    let chart = chart(&figure, "Time-constant spectrum");
+    assert_eq!((chart.y, chart.traces.len()), (Scale::Log, 2));
+    assert_eq!(chart.traces[1].points, [(model.pairs[0].mesh_rad_s[1], 4990.0)]);
+    assert!(figure.svg().contains("triangles that point down: negative"));
+}
+
+#[test]
+fn a_model_that_its_record_does_not_support_says_so_quietly() {
+    let mut model = single(8);
+    (model.supported, model.warnings) = (false, vec!["too short".to_owned(), "too quiet".to_owned()]);
+    assert!(figure(&model, &[]).subtitle.ends_with("not supported by its record (2 warnings in the model)"));
+}
+
+#[test]
+fn a_validation_names_the_record_and_the_model_and_shows_what_was_measured() {
+    let fits = [fit("temperature_c_a", 3600, 1)];
+    let figure =
+        validation_figure(&single(8), &fits, Path::new("records/other-day.parquet"), Path::new("models/sphere.json"));
+    assert_eq!(figure.title, "other-day.parquet as predicted by sphere.json");
+    assert!(
+        figure.subtitle.starts_with("3600 rows") && figure.subtitle.ends_with("identified from prbs_first.parquet")
+    );
+    let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
+    assert_eq!(captions, ["temperature_c_a", "Residuals", "Autocorrelation of the residuals"]);
 }

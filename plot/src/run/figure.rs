@@ -47,7 +47,13 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     let strip = run.over_time(&mut charts, last);
     let figure = Figure::new(run.title()).subtitle(run.subtitle(estimates.as_ref(), alone.is_some()));
     let rows = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
-    Ok(rows.fold(figure, |figure, chart| figure.row([chart])))
+    // A run shows errors only where its winds are too many for a time axis.
+    let errors = estimates.iter().filter(|of| alone.is_some() || of.sweep().is_some()).flat_map(WindEstimates::errors);
+    let (first, then): (Vec<_>, Vec<_>) =
+        errors.map(|row| (alone.is_some_and(|of| of.sweep().is_some()), row)).partition(|(first, _)| *first);
+    let figure = first.into_iter().fold(figure, |figure, (_, row)| figure.row(row));
+    let figure = rows.fold(figure, |figure, chart| figure.row([chart]));
+    Ok(then.into_iter().fold(figure, |figure, (_, row)| figure.row(row)))
 }
 
 /// A recording, and what all of its charts have in common.
@@ -99,6 +105,11 @@ impl<'r> RunCharts<'r> {
         parts.extend(of("firmware").map(str::to_owned));
         if alone && estimates.is_some() {
             parts.push(format!("{rows} wind estimates"));
+            parts.extend(
+                estimates
+                    .and_then(WindEstimates::sweep)
+                    .map(|winds| format!("{winds} winds, means of their second halves")),
+            );
             parts.extend(of("bandwidth_hz").map(|bandwidth_hz| format!("bandwidth {bandwidth_hz} Hz")));
         } else {
             parts.push(format!("{rows} ticks"));
@@ -179,7 +190,7 @@ impl<'r> RunCharts<'r> {
     fn temperatures(&self) -> Option<Chart> {
         let line = |&(name, pen): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
-            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.3))
+            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.12))
         };
         let lines: Vec<Trace> = self.elements.iter().filter_map(line).collect();
         if lines.is_empty() {
@@ -207,8 +218,35 @@ impl<'r> RunCharts<'r> {
             _ => chart.note("set-points dashed"),
         };
         held.truncate(MOST_SET_POINTS);
+        let arrived_s = self.arrived_s();
+        let kept = |trace: &&Trace| trace.bins.iter().any(|bin| bin.mean.is_finite());
+        let after = |bin: &&Bin| arrived_s.is_none_or(|arrived_s| bin.from_s >= arrived_s);
+        let settled = lines.iter().chain(&gas).filter(kept).flat_map(|trace| trace.bins.iter().filter(after));
+        let settled: Vec<f64> = settled.flat_map(|bin| [bin.least, bin.most]).chain(distinct).collect();
+        let (low, high) = ends(settled.iter().copied());
+        let (least, _) = ends(lines.iter().flat_map(|trace| trace.bins.iter().map(|bin| bin.least)));
+        // A tenth of the range is air.
+        let leaves = arrived_s.filter(|_| least < low - 0.1 * (high - low));
+        let chart = match leaves {
+            Some(_) => {
+                chart.around(settled.into_iter()).note(format!("the warm-up from {} °C leaves the panel", brief(least)))
+            }
+            None => chart,
+        };
         let held = held.into_iter().map(|(from_s, to_s, celsius)| Trace::held(from_s, to_s, celsius));
         Some(chart.first_on_top(lines.into_iter().chain(gas).chain(held)))
+    }
+
+    /// When the last element that arrives at its first set-point does so.
+    fn arrived_s(&self) -> Option<f64> {
+        let running_until = self.trips.first().map_or(usize::MAX, |(_, row, _)| *row);
+        let arrived = |&(name, _): &(&str, Pen)| {
+            let temperature_c = self.numbers(TEMPERATURE, name)?;
+            let first = self.set_points.iter().find(|of| recording::in_columns(&of.element) == name)?;
+            let rows = first.rows_held(self.time_s, temperature_c, running_until);
+            (!rows.is_empty()).then(|| self.time_s[rows.start])
+        };
+        self.elements.iter().filter_map(arrived).reduce(f64::max)
     }
 
     /// How well the loops hold: from when an element first arrived at its set-point, with a range
@@ -286,6 +324,12 @@ impl<'r> RunCharts<'r> {
         let from = around.unwrap_or(rows * 3 / 4).min(rows - length);
         from..from + length
     }
+}
+
+/// The least and the greatest of the values that are there.
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+    values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), ends)
 }
 
 /// The elements of a recording with their pens.

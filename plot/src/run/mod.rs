@@ -4,5 +4,6 @@ mod azimuth;
 mod figure;
 mod set_points;
 mod wind;
+mod wind_error;
 
 pub use figure::figure;

@@ -7,17 +7,22 @@
 //! | angle to the axis | in place of both, for heads with one axis | likewise |
 //! | conductances | of the surfaces | raw ones pale behind them |
 //! | gas | temperature as the anemometer knows it, where it changes | wide and pale |
-//! | quality flags | a row each: the share of estimates that have it | |
+//! | quality flags | a row each: the share of estimates that have it, over time and in all | |
+//!
+//! Errors against the truth are in `wind_error.rs`.
 
 use dr_core::wind::QualityFlags;
 
 use super::azimuth;
+use super::wind_error::{self, ComparedWind, Comparison, by_wind, sweep};
 use crate::engine::chart::{Chart, Shading};
 use crate::engine::colour::{ALARM, Colour, ESTIMATE, INK, PALETTE, QUIET, TRUTH};
 use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
-use recording::wind::{QUALITY_FLAGS, WIND_ESTIMATE as COMPONENTS, WIND_SPEED};
+use recording::wind::{
+    DIRECTION_UNCERTAINTY, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE as COMPONENTS, WIND_SPEED,
+};
 use recording::{CONDUCTANCE, RAW_CONDUCTANCE};
 use recording::{GAS_TEMPERATURE, Recording, TRUE_WIND};
 
@@ -27,8 +32,8 @@ const STEADY_GAS_K: f64 = 0.2;
 const STILL_M_S: f64 = 1e-3;
 /// Share of the bins whose values an axis may leave out at either end: transients of the start.
 const LEFT_OUT: f64 = 0.005;
-/// A flag of a single estimate among many is drawn as high as one of this share.
-const LEAST_SHARE: f64 = 0.2;
+/// A flag of a single estimate among many is drawn as high as one of this share: a hair.
+const LEAST_SHARE: f64 = 0.08;
 /// Height of a row of flags, mm.
 const FLAG_ROW: f64 = 3.9;
 
@@ -53,6 +58,10 @@ pub struct WindEstimates<'r> {
     truth: Option<[&'r [f64]; 3]>,
     /// Of a head that reports one angle only.
     axis: Option<[f64; 3]>,
+    /// Every estimate beside its truth, where that is known and it counts.
+    compared: Vec<Option<ComparedWind>>,
+    /// The means of winds, where there are many.
+    winds: Vec<ComparedWind>,
 }
 
 impl<'r> WindEstimates<'r> {
@@ -68,8 +77,46 @@ impl<'r> WindEstimates<'r> {
             _ => None,
         };
         let times_s = rows.iter().map(|&row| time_s[row]).collect();
-        let axis = axis(recording);
-        (!rows.is_empty()).then_some(Self { recording, rows, times_s, flags, speed_m_s, vector, truth, axis })
+        let (axis, compared, winds) = (axis(recording), Vec::new(), Vec::new());
+        let estimates = Self { recording, rows, times_s, flags, speed_m_s, vector, truth, axis, compared, winds };
+        (!estimates.rows.is_empty()).then(|| estimates.compared())
+    }
+
+    /// With its errors against the truth.
+    fn compared(mut self) -> Self {
+        let comparison = Comparison { axis: self.axis, normal: card_normal(self.recording) };
+        let uncertainties = [SPEED_UNCERTAINTY, DIRECTION_UNCERTAINTY].map(|name| self.numbers(name));
+        let unusable = QualityFlags::FAILED.0 | QualityFlags::STARTING.0 | QualityFlags::NOT_RUNNING.0;
+        let of = |(&row, &time_s): (&usize, &f64)| {
+            let truth = self.truth?.map(|of| of[row]);
+            let estimate = (self.vector.map(|of| of[row]), self.speed_m_s[row]);
+            let of = uncertainties.map(|of| of.map_or(f64::NAN, |of| of[row]));
+            let has_direction = self.estimated(row).is_some() || comparison.normal.is_some();
+            let counts = self.flags[row] as u16 & unusable == 0;
+            counts.then(|| comparison.of(time_s, estimate, truth, has_direction, of)).flatten()
+        };
+        self.compared = self.rows.iter().zip(&self.times_s).map(of).collect();
+        let events = self.recording.events().into_iter().flat_map(|words| words.stretches().collect::<Vec<_>>());
+        let place = |row: usize| self.rows.partition_point(|of| *of < row);
+        let stretches: Vec<(usize, usize)> =
+            events.filter(|(.., word)| !word.is_empty()).map(|(from, to, _)| (place(from), place(to))).collect();
+        self.winds = by_wind(&self.compared, &stretches, comparison);
+        self
+    }
+
+    /// How many winds there are, if they are drawn one by one.
+    pub fn sweep(&self) -> Option<usize> {
+        (!self.winds.is_empty()).then_some(self.winds.len())
+    }
+
+    /// Rows of charts that have no time axis: errors by wind, estimate over truth, histograms.
+    pub fn errors(&self) -> Vec<Vec<Chart>> {
+        let all: Vec<ComparedWind> = self.compared.iter().flatten().copied().collect();
+        match (self.winds.as_slice(), all.as_slice()) {
+            (_, []) => Vec::new(),
+            ([], all) => vec![wind_error::summary(all, true)],
+            (winds, _) => sweep(winds).map(Vec::from).into_iter().chain([wind_error::summary(winds, false)]).collect(),
+        }
     }
 
     /// The vector and its speed; of a head with one axis the speed alone.
@@ -82,6 +129,9 @@ impl<'r> WindEstimates<'r> {
 
     /// Its charts: all of them, or those that a run has beside its own.
     pub fn charts(&self, alone: bool) -> Vec<Chart> {
+        if alone && self.sweep().is_some() {
+            return vec![self.flag_chart()];
+        }
         let mut charts = Vec::new();
         charts.extend(alone.then(|| self.speed_chart()));
         if let Some(axis) = self.axis {
@@ -95,6 +145,10 @@ impl<'r> WindEstimates<'r> {
             charts.push(elevation.narrow_chart(chart, -90.0, 90.0));
         }
         if alone {
+            let is_compared = self.compared.iter().any(Option::is_some);
+            charts.extend(
+                is_compared.then(|| wind_error::over_time(&self.times_s, &self.compared)).into_iter().flatten(),
+            );
             charts.extend(self.conductance_chart());
             charts.extend(self.gas_chart());
         }
@@ -139,7 +193,7 @@ impl<'r> WindEstimates<'r> {
         let truth = |row| self.true_wind(row).map_or(f64::NAN, |wind| angle(wind, size(wind)));
         Quantity {
             estimate: self.reduced(estimated),
-            uncertainty: self.uncertainty("wind_direction_u_deg"),
+            uncertainty: self.uncertainty(DIRECTION_UNCERTAINTY),
             truth: self.truth.map(|_| self.reduced(truth)),
         }
     }
@@ -159,7 +213,7 @@ impl<'r> WindEstimates<'r> {
     fn speed_chart(&self) -> Chart {
         let speed = Quantity {
             estimate: self.reduced(|row| self.speed_m_s[row]),
-            uncertainty: self.uncertainty("wind_speed_u_m_s"),
+            uncertainty: self.uncertainty(SPEED_UNCERTAINTY),
             truth: self.truth.map(|of| self.reduced(|row| size(of.map(|of| of[row])))),
         };
         let (low, high) = speed.ends().unwrap_or((0.0, 0.0));
@@ -201,15 +255,17 @@ impl<'r> WindEstimates<'r> {
         Some(chart.first_on_top([Trace::bins("estimate", gas).painted(INK).band(0.0)].into_iter().chain(truth)))
     }
 
-    /// A row a flag, as high as the share of estimates that have it, and never too low to be seen.
+    /// A row a flag, as high as the share of estimates that have it, and a hair at least; beside it
+    /// the share of all estimates.
     fn flag_chart(&self) -> Chart {
-        let chart = Chart::new("Quality flags", "").note("share of the estimates that have them");
+        let chart = Chart::new("Quality flags", "").note("height: share of the estimates at that time");
         let seen = |bin: Bin| Bin { mean: if bin.most > 0.0 { bin.mean.max(LEAST_SHARE) } else { bin.mean }, ..bin };
         let row = |(flag, name): (QualityFlags, &str)| {
             let share = |row: usize| if self.flags[row] as u16 & flag.0 != 0 { 1.0 } else { 0.0 };
             let colour = if name == "failed" { ALARM } else { QUIET };
-            let occurs = self.rows.iter().any(|&row| share(row) > 0.0);
-            occurs.then(|| (name.to_owned(), colour, self.reduced(share).into_iter().map(seen).collect()))
+            let flagged = self.rows.iter().filter(|&&row| share(row) > 0.0).count();
+            let label = format!("{name} {}", percent(flagged as f64 / self.rows.len() as f64));
+            (flagged > 0).then(|| (label, colour, self.reduced(share).into_iter().map(seen).collect()))
         };
         let rows: Vec<_> = QualityFlags::NAMES.into_iter().filter_map(row).collect();
         if rows.is_empty() {
@@ -291,18 +347,18 @@ fn apart(bins: &[Bin]) -> Vec<Bin> {
 }
 
 /// Least and greatest value but for a few.
-fn most_of(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub fn most_of(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     let left_out = (values.len() as f64 * LEFT_OUT) as usize;
     Some((*values.get(left_out)?, *values.get(values.len() - 1 - left_out)?))
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn size(of: [f64; 3]) -> f64 {
+pub fn size(of: [f64; 3]) -> f64 {
     dot(of, of).sqrt()
 }
 
@@ -311,13 +367,35 @@ fn changes(bins: &[Bin]) -> bool {
     of(f64::max) - of(f64::min) > STEADY_GAS_K
 }
 
+/// A share in percent: 3.6 %, 12 %, < 0.1 %.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        few if few < 0.1 => "< 0.1 %".to_owned(),
+        some if some < 10.0 => format!("{some:.1} %"),
+        many => format!("{many:.0} %"),
+    }
+}
+
+/// The outward normal of a card, which reports the wind in its plane only; none for other heads.
+fn card_normal(recording: &Recording) -> Option<[f64; 3]> {
+    let head: toml::Table = recording.metadata("head")?.parse().ok()?;
+    let calibration = head.get("calibration")?;
+    let surfaces = calibration.get("card").and(calibration.get("parts"))?.as_array()?;
+    direction(surfaces.first()?)
+}
+
+/// The axis of a surface.
+fn direction(surface: &toml::Value) -> Option<[f64; 3]> {
+    let axis: Vec<f64> = surface.get("axis")?.as_array()?.iter().filter_map(toml::Value::as_float).collect();
+    axis.try_into().ok()
+}
+
 /// The axis of a head of two hemispheres, which reports one angle only; none for others.
 fn axis(recording: &Recording) -> Option<[f64; 3]> {
     let head: toml::Table = recording.metadata("head")?.parse().ok()?;
     let surfaces = head.get("calibration")?.get("parts")?.as_array()?;
     let [first, _] = surfaces.as_slice() else { return None };
-    let axis: Vec<f64> = first.get("axis")?.as_array()?.iter().filter_map(toml::Value::as_float).collect();
-    let axis: [f64; 3] = axis.try_into().ok()?;
+    let axis = direction(first)?;
     let length = size(axis);
     (length > 0.0).then(|| axis.map(|of| of / length))
 }

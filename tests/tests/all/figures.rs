@@ -1,4 +1,5 @@
-//! How well the loop does: figures of the README, each printed, each against its bar.
+//! How well the loop does: figures of `docs/reference/numbers.md`, each printed, each against its
+//! bar.
 
 use anemo_tests::{changed, in_process, start};
 use dr_core::sensor::Level;

@@ -11,7 +11,7 @@
 //! | code in the text that begins with `anemo` | must parse, if it is a whole command or a name |
 //!
 //! The blocks of a page run in their order in one fresh folder, `target/pages/NAME`, with copies of
-//! `experiments`, `heads` and `docs`. Pictures that `docs/gallery.md` makes are those of
+//! `experiments`, `heads`, `docs` and `tests/fixtures`. Pictures that `docs/gallery.md` makes are those of
 //! `docs/images`, to the byte.
 
 mod elision;

@@ -18,7 +18,7 @@ const TIME_LIMIT_S: u32 = 120;
 /// The exit code of `timeout` for a command that it has stopped.
 const TIMED_OUT: i32 = 124;
 /// Folders that a page finds in its own.
-const GIVEN: [&str; 3] = ["experiments", "heads", "docs"];
+const GIVEN: [&str; 4] = ["experiments", "heads", "docs", "tests/fixtures"];
 
 /// Where pages run, and with what.
 pub struct Workshop {
@@ -122,7 +122,7 @@ impl Page {
         let steps: Vec<&Step> = self.steps.iter().filter(|step| !names::is_not_run(step)).collect();
         if !steps.is_empty() {
             // Copies: a command that writes there changes no page.
-            shell::run(shell::program("cp").arg("-r").args(GIVEN).arg(&folder))?;
+            shell::run(shell::program("cp").args(["-r", "--parents"]).args(GIVEN).arg(&folder))?;
         }
         for (done, step) in steps.iter().enumerate() {
             outcome.run += 1;

@@ -231,13 +231,12 @@ fn the_true_response_lies_within_the_bands() {
             held[0] += u32::from(off.re.abs() <= 1.96 * inflation * error.log_magnitude);
             held[1] += u32::from(off.im.abs().to_degrees() <= 1.96 * inflation * error.phase_deg);
         }
-        let class = &pair.classes["all"];
-        let one_by_one = class.se_k_per_w.iter().map(|se| se * se).sum::<f64>().sqrt();
-        widest = widest.min(
-            one_by_one
-                / (class.steady_gain_k_per_w
-                    * response_error(&model, pair, "all", lowest / 10.0).unwrap().log_magnitude),
-        );
+        // At 1 rad/s, where neighbours on the mesh make up for each other.
+        let shares = pair.mesh_rad_s.iter().map(|rate| 1.0 / (1.0 + rate.powi(-2)).sqrt());
+        let squares = shares.zip(&pair.classes["all"].se_k_per_w).map(|(share, se)| (share * se).powi(2));
+        let whole = response_in_class(&model, pair, "all", 1.0).unwrap().norm();
+        let own = whole * response_error(&model, pair, "all", 1.0).unwrap().log_magnitude;
+        widest = widest.min(squares.sum::<f64>().sqrt() / own);
     }
     // Of 24 records, 95 % is 22.8; fewer than 19 have a probability of 0.6 % at one frequency. What
     // the prior may have pulled counts in full, so that bands hold more rather than less.

@@ -100,7 +100,7 @@ fn turbulence(of: &MeasuredSphere, found: &mut StudyFindings) {
         .judged(format!("within {}", percent(GAIN, 0)), off <= GAIN);
 }
 
-pub(super) fn percent(share: f64, digits: usize) -> String {
+fn percent(share: f64, digits: usize) -> String {
     format!("{:.digits$} %", 100.0 * share)
 }
 

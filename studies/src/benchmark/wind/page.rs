@@ -1,9 +1,11 @@
 //! The page of the benchmark, `wind.md`: the bars with what was measured, and tables by bandwidth.
 
 use super::directions::SETTLE_S;
-use super::findings::{findings, percent};
+use super::findings::findings;
 use super::measure::MeasuredSphere;
+use super::steps::Way;
 use crate::template::{TemplateError, fill};
+use anemometry::calibrate::report::ConductanceNoise;
 
 /// The page over some spheres.
 ///
@@ -17,7 +19,10 @@ pub fn page(all: &[MeasuredSphere]) -> Result<String, TemplateError> {
 fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
     let bands = of.turbulence.first().map_or(&[][..], |first| &first.bands);
     let headings: String = bands.iter().map(|band| format!(" {} to {} Hz |", band.from_hz, band.to_hz)).collect();
-    let values: [(&str, &str); 10] = [
+    let cells = |write: &dyn Fn(&ConductanceNoise) -> String| {
+        of.noise_w_k.iter().map(|of| format!(" {} |", write(of))).collect::<String>()
+    };
+    let values: [(&str, &str); 12] = [
         ("title", of.sphere.title),
         ("made_from", &of.made_from),
         ("settle_s", &SETTLE_S.to_string()),
@@ -32,8 +37,8 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
             "directions",
             &rows(of.directions.iter().map(|row| {
                 let errors = &row.errors;
-                let degrees = |deg: Option<f64>| deg.map_or("–".to_owned(), |deg| format!("{deg:.2}°"));
-                let share = |share: Option<f64>| share.map_or("–".to_owned(), |share| percent(share, 2));
+                let degrees = |deg: Option<f64>| deg.map_or("–".to_owned(), |deg| format!("{deg:.2}"));
+                let share = |share: Option<f64>| share.map_or("–".to_owned(), |share| in_percent(share, 2));
                 format!(
                     "{} | {} | {} | {} | {} | {} | {}",
                     row.mode,
@@ -48,19 +53,17 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
         ),
         (
             "steps",
-            &rows(of.steps.iter().flat_map(|steps| steps.ways.iter().map(move |way| (steps, way))).map(
-                |(steps, way)| {
-                    format!(
-                        "{} | {} m/s | {:.2} s | {:.2} s | {} | {}",
-                        steps.mode,
-                        way.to_m_s,
-                        way.mean_response_s,
-                        way.single_response_s,
-                        percent(way.noise, 2),
-                        percent(way.outside, 1)
-                    )
-                },
-            )),
+            &rows(of.steps.iter().map(|steps| {
+                let both = |of: &dyn Fn(&Way) -> String| steps.ways.iter().map(of).collect::<Vec<_>>().join(", ");
+                format!(
+                    "{} | {} | {} | {} | {}",
+                    steps.mode,
+                    both(&|way| format!("{:.2}", way.mean_response_s)),
+                    both(&|way| format!("{:.2}", way.single_response_s)),
+                    both(&|way| in_percent(way.noise, 2)),
+                    both(&|way| in_percent(way.outside, 1))
+                )
+            })),
         ),
         ("bands", &headings),
         ("rule", &"---|".repeat(bands.len())),
@@ -71,9 +74,16 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
                 format!("{} | {}", row.mode, bands.collect::<Vec<_>>().join(" | "))
             })),
         ),
-        ("noise", &rows(of.noise_w_k.iter().map(|of| format!("{} Hz | {:.1} µW/K", of.bandwidth_hz, 1e6 * of.sd_w_k)))),
+        ("noise_hz", &cells(&|of| of.bandwidth_hz.to_string())),
+        ("noise_rule", &"---|".repeat(of.noise_w_k.len())),
+        ("noise", &cells(&|of| format!("{:.1}", 1e6 * of.sd_w_k))),
     ];
     fill(include_str!("pages/sphere.md"), &values)
+}
+
+/// A share for a column in per cent.
+fn in_percent(share: f64, digits: usize) -> String {
+    format!("{:.digits$}", 100.0 * share)
 }
 
 /// Rows of a table, without the end of the last line.

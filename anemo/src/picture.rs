@@ -1,0 +1,36 @@
+//! The options of pictures: the same for every command that draws one.
+
+use std::path::{Path, PathBuf};
+
+use crate::output::Failure;
+use plot::{Canvas, PictureOptions, PictureWidth};
+
+/// Whether and how a picture is drawn.
+#[derive(clap::Args)]
+pub struct PictureArguments {
+    /// Draw a picture into this file; its name ends in .svg, .pdf or .png.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Width of the picture, 60 to 400 mm: 180 (the default) for two columns of a journal, 88 for
+    /// one. Type keeps its size.
+    #[arg(long, value_name = "MM", requires = "plot", allow_negative_numbers = true)]
+    plot_width: Option<PictureWidth>,
+}
+
+impl PictureArguments {
+    /// The file, if one was named.
+    pub fn path(&self) -> Option<&Path> {
+        self.plot.as_deref()
+    }
+
+    /// The picture that is going to be drawn: a wrong name is reported before long work, not after
+    /// it.
+    pub fn canvas(&self) -> Result<Option<Canvas>, Failure> {
+        self.path().map(|path| self.canvas_in(path)).transpose()
+    }
+
+    /// A picture in a file of another name.
+    pub fn canvas_in(&self, path: &Path) -> Result<Canvas, Failure> {
+        Canvas::with(path, PictureOptions { width: self.plot_width, format: None }).map_err(Failure::usage)
+    }
+}
