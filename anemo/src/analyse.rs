@@ -26,10 +26,10 @@ where a level limited the power, the temperature has to be back at its set-point
 after a step of the set-point begins at rest: first at the high level, then between the levels.
 
 Examples:
-  anemo analyse model.json
-  anemo analyse model.json --class still --target 30 --low 0.0015 \\
-      --high 0.042 --sample-period 0.01
-  anemo analyse model.json --pair sector1:sector1 --json --plot loop.svg")]
+  anemo analyse heater.json
+  anemo analyse sectors.json --element sector1 --target 15 --low 0.0015 \\
+      --high 0.042 --sample-period 0.01 --plot loop.svg
+  anemo analyse winds.json --class still --json")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,

@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
-use crate::output::Failure;
+use crate::output::{Failure, head_of};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{CalibrationReport, Calibrator};
 use anemometry::wind::given_winds;
-use anemometry::wind::replay::head_of;
 use diffusive::model::Model;
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
@@ -22,12 +21,15 @@ use diffusive::model::Model;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo calibrate tunnel*.parquet --network network.json -o head.toml
-  anemo calibrate tunnel.csv --network network.json --winds winds.csv \\
-      --head heads/my-sphere.toml -o head.toml
-  anemo calibrate tunnel.parquet --network network.json --settle 60 --json
-  anemo calibrate tunnel.parquet --network card1.json -o head.toml \\
+  anemo run experiments/wind/sphere-b/tunnel.toml --on sim -o tunnel.parquet
+  anemo calibrate tunnel.parquet --network network.json -o head.toml
+  anemo calibrate tunnel.parquet --network network.json --winds winds.csv \\
+      --settle 22 --head heads/sphere-b-reference.toml --json
+
+  anemo run experiments/wind/rems/tunnel.toml --on sim -o card-tunnel.parquet
+  anemo calibrate card-tunnel.parquet --network card1.json -o card1.toml \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4
+
 
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
 pub struct Arguments {
@@ -84,7 +86,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         crate::output::writable(path, "a head", "toml")?;
     }
 
-    let head = head_of(&arguments.recordings[0], arguments.head.as_deref()).map_err(Failure::usage)?;
+    let head = head_of(&arguments.recordings[0], arguments.head.as_deref())?;
     let model = Model::read(&arguments.network).map_err(Failure::usage)?;
     let calibrator = match &arguments.elements[..] {
         [] => Calibrator::new(&head, &model, arguments.diameter_mm * 1e-3),

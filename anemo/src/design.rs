@@ -18,13 +18,12 @@ A requirement that cannot be met is refused, and the error names what can be met
 that a head has already are given with --low and --high; others are recommended.
 
 Examples:
-  anemo design model.json --target 30
-  anemo design model.json --target 10..40 --low 0.0015 --high 0.042 \\
-      --ripple 0.05
-  anemo design model.json --element sector1 --target 30 --wind still,gust \\
-      --response 5 --reach 60 --json
-  anemo design model.json --target 30 --conductance 0..0.01 \\
-      --gas-temperature -53.15")]
+  anemo design heater.json --target 20
+  anemo design sectors.json --element sector1 --target 10..20 \\
+      --low 0.0015 --high 0.042 --ripple 0.05
+  anemo design winds.json --target 10 --wind still,gust --response 300 \\
+      --reach 600 --json
+  anemo design conductance.json --target 10 --conductance 0..0.01")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,

@@ -16,10 +16,10 @@ use recording::Temporary;
 Tables are CSV with units in their names; without -o the export goes to stdout.
 
 Examples:
-  anemo export model.json --as response --points 400 -o bode.csv
-  anemo export model.json --as foster --pair sector1:sector1
-  anemo export model.json --as spice --network cauer --class gust -o model.lib
-  anemo export model.json --as c -o model.h")]
+  anemo export sector1.json --as foster --pair sector1:sector1
+  anemo export heater.json --as response --points 400 -o bode.csv
+  anemo export winds.json --as spice --network cauer --class gust -o gust.lib
+  anemo export small.json --as c -o small.h")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify` or `anemo reduce`.
     model: PathBuf,

@@ -37,9 +37,12 @@ Examples:
   do anemo run experiments/wind/sphere-b/identify-$e.toml --on sim \\
       -o id-$e.parquet; done
   anemo head identify id-*.parquet -o network.json
-  anemo head identify records/*.parquet --head my-sphere.toml \\
-      -o network.json --json
-  anemo head identify records/*.csv --cross-poles 3 -o network.json
+  anemo head identify id-*.parquet --head heads/sphere-b.toml \\
+      --cross-poles 3 --json
+
+  for die in die1 die2 die3 die4
+  do anemo run experiments/wind/rems/identify-$die.toml --on sim \\
+      -o $die.parquet; done
   anemo head identify die*.parquet -o card1.json \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4")]
 pub struct IdentifyArguments {

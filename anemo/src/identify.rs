@@ -26,16 +26,19 @@ use plot::model::figure;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo identify prbs.parquet -o model.json
-  anemo identify heater.csv --input power --output temperature -o model.json
-  anemo identify heater.csv -o model.json --order 8 --mesh 0.006:6000 \\
+  anemo identify prbs.parquet --output sector1 --free-poles 4 \\
+      -o sector1.json --plot sector1.svg
+  anemo identify prbs.parquet --output sector1 sector2 sector3 sector4 \\
+      --free-poles 4 -o sectors.json
+  anemo identify prbs.parquet --input sector1 sector2 \\
+      --output sector1 sector2 --tie -o tied.json
+  anemo identify heater.csv --input power --output temperature -o heater.json
+  anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
       --ridge 1e-6
-  anemo identify heater.csv -o small.json --free-poles 3
-  anemo identify heads.csv --input power_w_0 power_w_1 \\
-      --output temperature_c_0 temperature_c_1 --tie -o model.json
-  anemo identify winds.csv --event wind -o model.json --plot model.svg
-  anemo identify winds.csv --event wind --structure conductance \\
-      --gas-temperature 18.0 -o model.json
+  anemo identify three-winds.csv --event wind --non-negative all \\
+      -o winds.json --plot winds.svg
+  anemo identify three-winds.csv --event wind --structure conductance \\
+      --non-negative all --gas-temperature 18.0 -o conductance.json
 
 A row holds the outputs at its time, and the inputs that are held until the next row's.")]
 pub struct Arguments {
@@ -261,6 +264,9 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.picture.path()])?;
+    if let Some(path) = &arguments.output_file {
+        crate::output::writable(path, "a model", "json")?;
+    }
     let (selection, gas) = arguments.selection();
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;

@@ -58,16 +58,21 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 Examples:
   anemo check experiments/gusts.toml
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
-  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o gusts.csv
-  anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0
-  anemo settings show --on serial:/dev/ttyACM0
   anemo plot gusts.parquet -o gusts.svg
-  anemo identify prbs.parquet --output sector1 --free-poles 4 -o model.json
-  anemo validate model.json again.parquet
-  anemo analyse model.json --element sector1 --target 15
+  anemo run experiments/prbs.toml --on sim -o prbs.parquet
+  anemo identify prbs.parquet --output sector1 --free-poles 4 -o sector1.json
+  anemo validate sector1.json again.parquet
+  anemo analyse sector1.json --pair sector1:sector1 --target 15
   anemo head identify id-*.parquet -o network.json
-  anemo calibrate tunnel*.parquet --network network.json -o head.toml
-  anemo wind winds.parquet --head head.toml --plot wind.svg"
+  anemo calibrate tunnel.parquet --network network.json -o head.toml
+  anemo wind winds.parquet --head head.toml --plot winds.svg
+  anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0
+  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o gusts.csv
+  anemo settings show --on serial:/dev/ttyACM0
+
+again.parquet, id-*.parquet, tunnel.parquet and winds.parquet are made as the
+help of `validate`, `head identify`, `calibrate` and `wind` says; heater.csv and
+three-winds.csv there are tables of your own."
 )]
 struct CommandLine {
     #[command(subcommand)]

@@ -14,12 +14,11 @@ use diffusive::model::merge::{MergeReport, merge};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo identify head0.csv --input power_w_0 \\
-      --output temperature_c_0 temperature_c_1 -o 0.json
-  anemo identify head1.csv --input power_w_1 \\
-      --output temperature_c_0 temperature_c_1 -o 1.json
-  anemo merge 0.json 1.json -o both.json
-  anemo validate both.json together.csv")]
+  anemo identify id-sector1.parquet --input sector1 \\
+      --output sector1 sector2 -o heats1.json
+  anemo identify id-sector2.parquet --input sector2 \\
+      --output sector1 sector2 -o heats2.json
+  anemo merge heats1.json heats2.json -o both.json")]
 pub struct Arguments {
     /// The models: two or more .json files of `anemo identify`.
     #[arg(required = true, num_args = 2.., value_name = "MODEL")]
@@ -33,6 +32,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::writable(&arguments.output, "a model", "json")?;
     let mut models = Vec::with_capacity(arguments.models.len());
     for path in &arguments.models {
         models.push((path.display().to_string(), Model::read(path).map_err(Failure::usage)?));

@@ -3,8 +3,11 @@
 use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
 
+use anemometry::head::Head;
+use anemometry::wind::replay;
 use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
+use recording::RecordingReader;
 use recording::toml_file::FileError;
 
 /// Why the command ends, and with which exit code.
@@ -85,7 +88,7 @@ pub fn write_text(path: &std::path::Path, text: &str) -> Result<(), Failure> {
 /// Refuses a file that could only fail to be written once the work is done; `what` has a name with
 /// this extension.
 pub fn writable(path: &std::path::Path, what: &str, extension: &str) -> Result<(), Failure> {
-    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension)) {
+    if !has_extension(path, extension) {
         return Err(Failure::in_file(path, format!("the name of {what} ends in .{extension}")));
     }
     // Dropped, it is gone again.
@@ -94,12 +97,63 @@ pub fn writable(path: &std::path::Path, what: &str, extension: &str) -> Result<(
         .map_err(|error| Failure::in_file(path, format!("cannot be written: {error}")))
 }
 
+/// The head of a command that reads recordings: the named one, or the one that the recording
+/// carries.
+pub fn head_of(recording: &std::path::Path, head: Option<&std::path::Path>) -> Result<Head, Failure> {
+    if let Some(path) = head.filter(|path| path.is_file() && !has_extension(path, "toml")) {
+        return Err(Failure::in_file(path, "is no head: the name of a head file ends in .toml"));
+    }
+    replay::head_of(recording, head).map_err(Failure::usage)
+}
+
+/// Refuses a recording that lacks elements of the head.
+pub fn has_elements(recording: &std::path::Path, head: &Head) -> Result<(), Failure> {
+    let layout = RecordingReader::open(recording).map_err(Failure::usage)?;
+    let has = |element: &&str| layout.names().contains(&recording::column_name(recording::TEMPERATURE, element));
+    let names = head.names();
+    let missing: Vec<&str> = names.iter().copied().filter(|element| !has(element)).collect();
+    if missing.is_empty() || missing.len() == names.len() {
+        return Ok(());
+    }
+    let (missing, name) = (missing.join("`, `"), &head.name);
+    Err(Failure::in_file(
+        recording,
+        format!(
+            "has no `{missing}`, which head `{name}` has: it is a recording of another head; record with the head that was calibrated, or calibrate the head of this recording"
+        ),
+    ))
+}
+
+fn has_extension(path: &std::path::Path, extension: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
+}
+
 /// Reads an experiment and lets a controller in this process judge it, so that nothing is started
 /// that would be refused.
 pub fn read_experiment(path: &std::path::Path) -> Result<(Experiment, host_sim::run::SetPointJudgement), Failure> {
+    if path.is_dir() {
+        return Err(Failure::in_file(path, "is a folder: an experiment, a .toml file, belongs here"));
+    }
+    if let Some(hint) = misspelt(path) {
+        return Err(Failure::in_file(path, format!("there is no such file; {hint}")));
+    }
     let experiment = Experiment::read(path)?;
     let judgement = host_sim::run::rehearse(&experiment)?;
     Ok((experiment, judgement))
+}
+
+/// The file beside a missing one that may be meant.
+fn misspelt(path: &std::path::Path) -> Option<String> {
+    if path.exists() {
+        return None;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(std::path::Path::new("."));
+    let others = std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut others: Vec<String> = others.filter(|name| name.ends_with(".toml")).collect();
+    others.sort();
+    let name = path.file_name()?.to_str()?;
+    let nearest = recording::text::nearest(name, others.iter().map(String::as_str))?;
+    Some(format!("did you mean `{}`?", path.with_file_name(nearest).display()))
 }
 
 /// Refuses what is no folder of experiments.

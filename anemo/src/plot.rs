@@ -13,7 +13,7 @@ use plot::{PictureFormat, PictureOptions, PictureWidth, TimeCrop};
 Examples:
   anemo plot gusts.parquet -o gusts.svg
   anemo plot gusts.parquet -o gust.pdf --width 88 --from 20 --to 40
-  anemo plot model.json -o model.png")]
+  anemo plot sector1.json -o sector1.png")]
 pub struct Arguments {
     /// The recording, a .parquet or .csv file, or the model, a .json file.
     #[arg(value_name = "FILE")]

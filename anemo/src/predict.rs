@@ -36,10 +36,10 @@ Labels of the experiment's winds must be classes of the model. Elements that the
 are left out. Only elements that are regulated are predicted and compared.
 
 Examples:
-  anemo predict model.json experiment.toml
-  anemo predict model.json experiment.toml --against recording.parquet \\
-      --plot compared.svg
-  anemo predict model.json experiment.toml --from rest -o power.csv")]
+  anemo predict sectors.json experiments/held.toml
+  anemo predict sectors.json experiments/held.toml --against held.parquet \\
+      --plot held.svg
+  anemo predict sectors.json experiments/held.toml --from rest -o power.csv")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,

@@ -14,9 +14,9 @@ The error is measured: the board's f32 arithmetic and the whole model run on the
 and random levels.
 
 Examples:
-  anemo reduce model.json --order 8 -o small.json
-  anemo reduce model.json --order 3 --json
-  anemo reduce model.json --order 8 --class still --toml still.toml")]
+  anemo reduce heater.json --order 3 -o small.json
+  anemo reduce sector1.json --order 2 --json
+  anemo reduce winds.json --order 4 --class still --toml still.toml")]
 pub struct Arguments {
     /// The model: a JSON file of `anemo identify`.
     model: PathBuf,
@@ -45,6 +45,9 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(path) = &arguments.output {
+        crate::output::writable(path, "a model", "json")?;
+    }
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let rates = if arguments.mesh { Rates::Mesh } else { Rates::Free };
     let reduced = reduce(&model, arguments.order, rates).map_err(|error| Failure::in_file(&arguments.model, error))?;

@@ -26,6 +26,8 @@ const PROGRESS_EVERY: u32 = 256;
 #[command(after_help = "\
 Examples:
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
+  anemo run experiments/prbs.toml --on sim -o prbs.parquet
+  anemo run experiments/held.toml --on sim -o held.parquet
   anemo run experiments/gusts.toml --on qemu --firmware firmware.elf --json
   anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv")]
 pub struct Arguments {

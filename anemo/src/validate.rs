@@ -20,8 +20,11 @@ use plot::model::validation_figure;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo validate model.json other-day.csv
-  anemo validate model.json second-half.csv --start continue
+  sed 's/seed = ./seed = 2/' experiments/prbs.toml > experiments/again.toml
+  anemo run experiments/again.toml --on sim -o again.parquet
+  anemo validate sector1.json again.parquet
+  anemo validate heater.json heater-second-half.csv --start continue \\
+      --plot heater.svg
 
 A fit of 100 % is perfect, 0 % no better than the record's mean: 100 (1 − |y − ŷ| / |y − mean y|).")]
 pub struct Arguments {

@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::output::Failure;
+use crate::output::{Failure, has_elements, head_of};
 use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::given_winds;
-use anemometry::wind::replay::head_of;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_name, wind};
 
@@ -22,10 +21,14 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo wind winds.parquet --head head.toml -o wind.csv --plot wind.svg
-  anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 --json
-  anemo wind day.parquet --head card1.toml \\
-      --gas-temperature temperature_c_boom --pressure 820
+  anemo run experiments/wind/sphere-b/winds.toml --on sim -o winds.parquet
+  anemo wind winds.parquet --head head.toml --from 60 --settle 3 --plot winds.svg
+  anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 \\
+      -o wind.csv --json
+
+  anemo run experiments/wind/rems/winds.toml --on sim -o card-winds.parquet
+  anemo wind card-winds.parquet --head card1.toml \\
+      --gas-temperature 21 --pressure 24000
 
 Quality flags: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
 uncalibrated, no-gas, not-running, saturated, starting, cold; in the table they are the sum \
@@ -74,7 +77,8 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     check(arguments)?;
-    let head = head_of(&arguments.recording, arguments.head.as_deref()).map_err(Failure::usage)?;
+    let head = head_of(&arguments.recording, arguments.head.as_deref())?;
+    has_elements(&arguments.recording, &head)?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
     let options = WindOptions {
         bandwidth_hz: Some(arguments.bandwidth),

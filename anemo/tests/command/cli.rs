@@ -177,7 +177,7 @@ fn wrong_usage_is_code_2_and_one_sentence() {
         (vec!["run", &gusts, "--on", "serial:"], "a serial port is named too"),
         (vec!["run", &gusts, "--on", "sim", "--plto", "a.svg"], "a similar argument exists: '--plot'"),
         (vec!["run", "no.toml", "--on", "sim"], "no.toml: there is no such file"),
-        (vec!["check", "."], "cannot be read"),
+        (vec!["check", "."], ".: is a folder: an experiment, a .toml file, belongs here"),
         (vec!["run", &gusts, "--on", "sim", "-o", "a.xlsx"], "a.xlsx: a recording's name ends in .parquet or .csv"),
         (vec!["run", &gusts, "--on", "sim", "-o", "no/a.csv"], "there is no folder `no`"),
         (

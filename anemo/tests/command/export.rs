@@ -89,7 +89,7 @@ fn what_cannot_be_exported_is_refused_in_a_sentence_and_nothing_is_written() {
         (vec!["export", "m.json", "--as", "foster", "--class", "al", "-o", "x"], "no class `al`; did you mean `all`?"),
         (vec!["export", "n.json", "--as", "foster", "-o", "x"], "n.json: there is no such file"),
         (vec!["export", "m.json", "--as", "fostr", "-o", "x"], "fostr"),
-        (vec!["reduce", "m.json", "--order", "9", "-o", "x"], "1 to 8 poles a pair, not 9"),
+        (vec!["reduce", "m.json", "--order", "9", "-o", "x.json"], "1 to 8 poles a pair, not 9"),
         (vec!["reduce", "m.json", "--free", "--mesh", "-o", "x"], "cannot be used with"),
     ] {
         let output = anemo(folder, &arguments);

@@ -1,5 +1,6 @@
 //! The command from outside.
 
 mod cli;
+mod examples;
 mod export;
 mod long_record;

@@ -92,6 +92,9 @@ fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Resu
     map.serialize_entry("residual_rms", &calibration.residual_rms)?;
     map.serialize_entry("chi_square", &calibration.chi_square)?;
     map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;
+    map.serialize_entry("reading_rms", &calibration.reading_rms)?;
+    map.serialize_entry("misfit_rms", &calibration.misfit_rms)?;
+    map.serialize_entry("grade", &calibration.grade())?;
     map.serialize_entry("mounting_deg", &calibration.rotation_rad.map(f64::to_degrees))?;
     map.serialize_entry("se_mounting_deg", &calibration.rotation_error_rad.map(f64::to_degrees))?;
     let by_name: BTreeMap<_, _> = calibration.surfaces.iter().map(|of| (&of.name, of)).collect();

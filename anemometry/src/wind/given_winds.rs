@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use recording::{EVENT, Recording, RecordingError, TRUE_WIND};
+use recording::{EVENT, GIVEN_WIND, Recording, RecordingError, TRUE_WIND};
 
 /// A table of winds.
 #[derive(Debug, Clone)]
@@ -32,10 +32,12 @@ pub fn read(path: &Path) -> Result<GivenWinds, RecordingError> {
     let refuse = |sentence: String| RecordingError::new(path, sentence);
     let table = Recording::read(path)?;
     let labels = table.words(EVENT).map_err(|_| {
-        refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", TRUE_WIND.join(", ")))
+        refuse(format!("has no column `{EVENT}` of labels; a table of winds has {EVENT}, {}", GIVEN_WIND.join(", ")))
     })?;
+    // A table that was taken from a recording may keep the recording's names.
+    let names = if table.has(TRUE_WIND[0]) { TRUE_WIND } else { GIVEN_WIND };
     let mut components = Vec::new();
-    for name in TRUE_WIND {
+    for name in names {
         components.push(table.numbers(name).map_err(|_| refuse(format!("has no column `{name}` of numbers")))?);
     }
     let mut by_label = HashMap::new();

@@ -113,8 +113,10 @@ pub fn identify(
         (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
     }?;
     model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
-    model.warnings.extend(validate_options::warnings(source.survey(), options));
-    model.warnings.extend(support::silent(&model));
-    model.supported = model.warnings.is_empty();
+    let mut against = validate_options::warnings(source.survey(), options);
+    against.extend(support::silent(&model));
+    against.extend(support::disturbed(&model));
+    model.supported &= against.is_empty();
+    model.warnings.extend(against);
     Ok(model)
 }

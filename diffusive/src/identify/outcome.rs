@@ -76,16 +76,17 @@ pub fn chosen_by(
     }
 }
 
-/// What cross-validation and standard errors say against an output's model. `spread` is the
-/// output's standard deviation.
+/// What cross-validation and standard errors say against the model of output `output`. A pair of
+/// next to no effect is none of it: its gain is known well enough to be next to nothing.
 pub fn warnings(
-    name: &str,
+    output: usize,
     score: &Score,
     gain_spread: &[GainSpread],
-    spread: f64,
-    duration_s: f64,
     pairs: &[Pair],
+    survey: &Survey,
+    facts: &Facts,
 ) -> Vec<String> {
+    let (name, spread, duration_s) = (&survey.outputs[output], facts.outputs[output].sd(), survey.duration_s());
     let mut warnings = Vec::new();
     let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
@@ -93,17 +94,26 @@ pub fn warnings(
             "`{name}`: left-out stretches are predicted no better than by their mean (error {error:.3}, spread {spread:.3}): the inputs do not explain this output, or the record is too short or too disturbed"
         ));
     }
-    for pair in pairs.iter().filter(|pair| pair.output == name) {
+    let own: Vec<&Pair> = pairs.iter().filter(|pair| pair.output == *name).collect();
+    let drive = |pair: &Pair| {
+        let input = survey.inputs.iter().position(|input| *input == pair.input);
+        input.map_or(0.0, |input| facts.input_sd(input))
+    };
+    for pair in &own {
         for (label, class) in &pair.classes {
             let subject = format!("`{}` → `{name}`, class `{label}`", pair.input);
-            let gain = class.steady_gain_k_per_w;
-            if class.se_steady_gain_k_per_w > 0.25 * gain.abs() && spread > 0.0 {
+            let (gain, se) = (class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+            // What all inputs make of the output in this class, over what this one does for a gain
+            // of one.
+            let effects = own.iter().filter_map(|pair| Some((pair, pair.classes.get(label)?)));
+            let all = effects.map(|(pair, class)| class.steady_gain_k_per_w.abs() * drive(pair)).sum::<f64>();
+            let all = if drive(pair) > 0.0 { all / drive(pair) } else { gain.abs() };
+            if se > 0.25 * all && spread > 0.0 {
                 let slowest_s = 1.0 / pair.mesh_rad_s[0];
                 warnings.push(format!(
-                    "{subject}: the steady gain {gain:.4} is known to ±{:.2} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge",
-                    class.se_steady_gain_k_per_w
+                    "{subject}: the steady gain {gain:.4} is known to ±{se:.2} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge"
                 ));
-            } else if slow_share(pair, class, duration_s) > 0.5 {
+            } else if is_slow(pair, class, duration_s, all) {
                 let known_s = duration_s / std::f64::consts::PI;
                 warnings.push(format!(
                     "{subject}: most of the answer is slower than 1/rate = {known_s:.0} s, which a record of {duration_s:.0} s is too short to tell from slower still: the steady gain {gain:.4} may be far off; record for several of the slowest time constants",
@@ -122,15 +132,15 @@ pub fn warnings(
     warnings
 }
 
-/// What part of the answer stands at rates up to π/T, half the thesis' lower edge: decays that a
-/// record of length T shows little of. Of Σ|R| or of the steady gain, whichever is more: slow rates
-/// of both signs are no better known.
-fn slow_share(pair: &Pair, class: &Class, duration_s: f64) -> f64 {
+/// Whether most of the answer, and a quarter of the gain `all` of all inputs, stands at rates up to
+/// π/T, half the thesis' lower edge: decays that a record of length T shows little of. Of Σ|R| or of
+/// the steady gain, whichever is more: slow rates of both signs are no better known.
+fn is_slow(pair: &Pair, class: &Class, duration_s: f64, all: f64) -> bool {
     let slow_rad_s = 1.01 * std::f64::consts::PI / duration_s;
     let slow = pair.mesh_rad_s.iter().take_while(|rate| **rate <= slow_rad_s).count();
-    let (slow, all) = (&class.r_k_per_w[..slow], &class.r_k_per_w);
+    let (slow, whole) = (&class.r_k_per_w[..slow], &class.r_k_per_w);
     let size = |resistances: &[f64]| resistances.iter().map(|r| r.abs()).sum::<f64>();
-    let of_size = size(slow) / size(all).max(f64::MIN_POSITIVE);
+    let of_size = size(slow) / size(whole).max(f64::MIN_POSITIVE);
     let of_gain = slow.iter().sum::<f64>().abs() / class.steady_gain_k_per_w.abs().max(f64::MIN_POSITIVE);
-    of_size.max(of_gain)
+    of_size.max(of_gain) > 0.5 && size(slow) > 0.25 * all
 }

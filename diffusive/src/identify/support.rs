@@ -100,6 +100,28 @@ pub fn silent(model: &Model) -> Vec<String> {
     outputs.map(sentence).collect()
 }
 
+/// Share of the output below which its inputs explain too little of it, %.
+const LITTLE_PERCENT: f64 = 50.0;
+
+/// Memory of residuals, as the factor by which it widens standard errors, that no noise has.
+const MEMORY: f64 = 3.0;
+
+/// Outputs that mostly follow something else than the inputs. White noise of any size is no such
+/// thing: it averages out.
+pub fn disturbed(model: &Model) -> Vec<String> {
+    let is_disturbed = |output: &&ModelOutput| {
+        let memory = output.whiteness.as_ref().map_or(1.0, |white| white.inflation);
+        output.fit_percent < LITTLE_PERCENT && memory > MEMORY
+    };
+    let sentence = |output: &ModelOutput| {
+        format!(
+            "`{}`: the inputs explain {:.0} % of it, and the rest is no noise, but a drift, a disturbance or another input: is an input missing, or wrong?",
+            output.name, output.fit_percent
+        )
+    };
+    model.outputs.iter().filter(is_disturbed).map(sentence).collect()
+}
+
 /// Refuses as many unknowns as there are rows, or more.
 pub fn solvable(survey: &Survey, unknowns: usize) -> Result<(), RecordError> {
     let rows = survey.rows;

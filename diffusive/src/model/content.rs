@@ -50,9 +50,10 @@ pub struct Model {
     pub residual_rms: f64,
     /// Of the first output.
     pub fit_percent: f64,
-    /// False if the record could not support the model; `warnings` say what is missing.
+    /// False if predictions by the model may be far off; `warnings` say what the record lacks.
     pub supported: bool,
-    /// A sentence for everything that the record could not support.
+    /// A sentence for everything that the record does not show. A supported model with warnings
+    /// predicts as well as its fit; single parameters of it, which are named, are not resolved.
     pub warnings: Vec<String>,
     /// What was decided for the model.
     pub chosen: Chosen,

@@ -94,8 +94,7 @@ impl<'a> PairClass<'a> {
     /// the export leaves out.
     pub fn warning(&self) -> Option<String> {
         let warnings = self.model.warnings.join("; ");
-        let unsupported =
-            (!self.model.supported).then(|| format!("the record does not support this model: {warnings}"));
+        let unsupported = self.model.reservation().map(|verdict| format!("{verdict}: {warnings}"));
         let following = self.model.wind.as_ref().and_then(|wind| wind.following.as_ref());
         let still = following.map(|following| {
             format!(

@@ -1,15 +1,22 @@
-//! The warning that a record does not support its model, in short: for commands that work with a
-//! model and do not judge it.
+//! What a record does not support of its model, in short: for commands that work with a model and
+//! do not judge it.
 
 use super::content::{Model, Pair};
 
 impl Model {
-    /// A warning, if the model is not supported: what its file warns of first, of one pair or of
-    /// all. The others are counted.
-    pub fn support_warning(&self, pair: Option<&Pair>) -> Option<String> {
-        if self.supported {
-            return None;
+    /// How far the record supports the model, unless it does so in every respect.
+    pub fn reservation(&self) -> Option<&'static str> {
+        match (self.supported, self.warnings.is_empty()) {
+            (false, _) => Some("the record does not support this model"),
+            (true, false) => Some("the record supports this model with a reservation"),
+            (true, true) => None,
         }
+    }
+
+    /// A warning, if there is any: what its file warns of first, of one pair or of all. The others
+    /// are counted.
+    pub fn support_warning(&self, pair: Option<&Pair>) -> Option<String> {
+        let verdict = self.reservation()?;
         let names = || self.inputs.iter().chain(self.outputs.iter().map(|output| &output.name));
         let speaks_of = |warning: &str, name: &str| warning.contains(&format!("`{name}`"));
         let concerns = |warning: &&String| {
@@ -20,13 +27,10 @@ impl Model {
         };
         let own: Vec<&String> = self.warnings.iter().filter(concerns).collect();
         match own[..] {
-            [] if self.warnings.is_empty() => Some("the record does not support this model".to_owned()),
+            [] if self.warnings.is_empty() => Some(verdict.to_owned()),
             [] => None,
-            [only] => Some(format!("the record does not support this model: {only}")),
-            [first, ..] => Some(format!(
-                "the record does not support this model: {first} (and {} more in its `warnings`)",
-                own.len() - 1
-            )),
+            [only] => Some(format!("{verdict}: {only}")),
+            [first, ..] => Some(format!("{verdict}: {first} (and {} more in its `warnings`)", own.len() - 1)),
         }
     }
 }
@@ -50,5 +54,9 @@ mod tests {
         model.warnings.extend([format!("`{own}`: coloured"), "too short".to_owned()]);
         let said = model.support_warning(Some(&pair)).unwrap();
         assert!(said.contains("coloured (and 1 more in its `warnings`)"), "{said}");
+        assert!(said.starts_with("the record does not support this model: "), "{said}");
+        model.supported = true;
+        let said = model.support_warning(Some(&pair)).unwrap();
+        assert!(said.starts_with("the record supports this model with a reservation: "), "{said}");
     }
 }

@@ -1,8 +1,7 @@
 //! What a calibration found, as text and as dr-core's configurations.
 //!
-//! Standard errors are those of the equations at the solution. Where the readings scatter by more
-//! than their variances say, they are larger by √(χ² / degrees of freedom): what the model leaves
-//! over counts as noise.
+//! Standard uncertainties are by the noise of the readings and by the misfit of the model
+//! ([`fit`](super::fit)).
 
 use std::fmt;
 
@@ -13,8 +12,9 @@ use serde::Serialize;
 
 use super::super::error::WorstReading;
 use super::super::steady_wind::SurfaceReading;
-use super::equations::SphereProblem;
+use super::equations::{SphereEquations, SphereProblem};
 use super::fit::SphereFit;
+use super::grade::CalibrationGrade;
 use crate::head::calibration::table::NusseltTable;
 use crate::wind::comparison::length;
 use recording::text::estimate;
@@ -39,6 +39,11 @@ pub struct SphereCalibration {
     pub chi_square: f64,
     /// Readings less what of the unknowns they determine.
     pub degrees_of_freedom: f64,
+    /// Of the stated standard uncertainties of the readings over the convective power, rms.
+    pub reading_rms: f64,
+    /// Misfit of the model over the convective power, rms: what residuals are beyond the
+    /// uncertainty of the readings.
+    pub misfit_rms: f64,
     /// The reading that the fit leaves farthest off.
     pub worst: WorstReading,
     /// Winds that were used, and how many of them were quiescent gas. Without quiescent gas G0
@@ -84,11 +89,10 @@ impl SphereCalibration {
             let reynolds = family.least_reynolds * (ratio * j as f64).exp();
             family.amplitudes(&family.at(reynolds), &place.coefficients)
         });
-        let excess = (equations.chi_square / degrees_of_freedom.max(1.0)).max(1.0);
         let errors = |first: usize, basis: &DMatrix<f64>| -> Vec<f64> {
             let size = basis.ncols();
             let own = covariance.view((first, first), (size, size));
-            (basis * own * basis.transpose()).diagonal().iter().map(|v| (v * excess).sqrt()).collect()
+            (basis * own * basis.transpose()).diagonal().iter().map(|v| v.sqrt()).collect()
         };
         let gain_errors = errors(problem.first_gain(), &problem.spread);
         let n = place.gains.len();
@@ -109,6 +113,12 @@ impl SphereCalibration {
                 quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
             }
         };
+        let readings = equations.residuals.len() as f64;
+        let mean_square = equations.relative_square / readings;
+        let reading_square = equations.relative_errors.iter().map(|error| error * error).sum::<f64>() / readings;
+        // Residuals are smaller than errors by what the unknowns take of them.
+        let scatter_square = mean_square * readings / degrees_of_freedom.max(1.0);
+        let misfit_rms = (scatter_square - reading_square).max(0.0).sqrt();
         Self {
             diameter_m: head.diameter_m,
             curves: NusseltTable {
@@ -119,14 +129,21 @@ impl SphereCalibration {
             surfaces: (0..n).map(surface).collect(),
             rotation_rad: place.mounting.vector(),
             rotation_error_rad: [turn_errors[0], turn_errors[1], turn_errors[2]],
-            residual_rms: (equations.relative_square / equations.residuals.len() as f64).sqrt(),
+            residual_rms: mean_square.sqrt(),
             chi_square: equations.chi_square,
             degrees_of_freedom: *degrees_of_freedom,
-            worst: worst(problem, &equations.residuals),
+            reading_rms: reading_square.sqrt(),
+            misfit_rms,
+            worst: worst(problem, equations, misfit_rms),
             winds: problem.winds.len(),
             quiescent: problem.winds.iter().filter(|wind| wind.is_quiescent()).count(),
             coefficients: family.spline.count(),
         }
+    }
+
+    /// What the calibration is worth.
+    pub fn grade(&self) -> CalibrationGrade {
+        CalibrationGrade::of(self.misfit_rms)
     }
 
     /// c (q + G0 a) / θ of a reading of surface `i`, as
@@ -151,14 +168,21 @@ impl fmt::Display for SphereCalibration {
         )?;
         writeln!(
             f,
-            "residuals {:.3} % rms of the convective power; χ² {:.0} for {:.0} degrees of freedom; worst {} {} with {:+.1} σ",
+            "residuals {:.3} % rms of the convective power; worst {} {} with {:+.1} σ",
             100.0 * self.residual_rms,
-            self.chi_square,
-            self.degrees_of_freedom,
             self.worst.label,
             self.worst.surface,
             self.worst.errors
         )?;
+        writeln!(
+            f,
+            "readings known to {:.3} %, misfit of the model {:.3} %; χ² {:.0} for {:.0} degrees of freedom by the readings alone",
+            100.0 * self.reading_rms,
+            100.0 * self.misfit_rms,
+            self.chi_square,
+            self.degrees_of_freedom
+        )?;
+        writeln!(f, "{}: {}", self.grade().name(), self.grade().meaning())?;
         let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
         let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
         writeln!(
@@ -183,13 +207,12 @@ impl fmt::Display for SphereCalibration {
     }
 }
 
-fn worst(problem: &SphereProblem<'_>, residuals: &[f64]) -> WorstReading {
+/// The reading farthest off, in standard uncertainties of reading and misfit together.
+fn worst(problem: &SphereProblem<'_>, equations: &SphereEquations, misfit_rms: f64) -> WorstReading {
     let n = problem.head.surfaces.len();
-    let (at, errors) = residuals
-        .iter()
-        .enumerate()
-        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-        .map_or((0, 0.0), |(at, errors)| (at, *errors));
+    let off = |(residual, error): (&f64, &f64)| residual / 1_f64.hypot(misfit_rms / error);
+    let all = equations.residuals.iter().zip(&equations.relative_errors).map(off).enumerate();
+    let (at, errors) = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
     WorstReading {
         label: problem.winds[at / n].label.clone(),
         surface: problem.head.drawn.surfaces[at % n].name.clone(),

@@ -80,6 +80,10 @@ pub struct SphereEquations {
     pub chi_square: f64,
     /// H of the readings alone.
     pub of_readings: DMatrix<f64>,
+    /// Rows of the design in σ, wind by wind, surface by surface.
+    pub rows: Vec<Vec<f64>>,
+    /// σ of every reading over its convective power.
+    pub relative_errors: Vec<f64>,
     /// (q − q̂) / σ, wind by wind, surface by surface.
     pub residuals: Vec<f64>,
     /// Σ ((q − q̂) / (θ k A Nu / (d c)))²
@@ -145,7 +149,8 @@ impl<'a> SphereProblem<'a> {
     pub fn equations(&self, place: &FitPoint, stage: FitStage) -> SphereEquations {
         let m = self.unknowns(place);
         let mut sums = NormalSums { h: DMatrix::zeros(m, m), b: DVector::zeros(m), cost: 0.0 };
-        let (mut residuals, mut relative_square) = (Vec::new(), 0.0);
+        let (mut rows, mut residuals, mut relative_errors) = (Vec::new(), Vec::new(), Vec::new());
+        let mut relative_square = 0.0;
         let mut row = vec![0.0; m];
         for (wind, at) in self.winds.iter().zip(&self.at) {
             let stream = at.as_ref().map(|at| StreamAt {
@@ -170,6 +175,8 @@ impl<'a> SphereProblem<'a> {
                 let residual = reading.power_w / error_w - (weight * nusselt - still * place.quiescent[i]);
                 sums.add(&row, residual);
                 residuals.push(residual);
+                relative_errors.push((weight * nusselt).recip());
+                rows.push(row.clone());
                 relative_square += (residual / (weight * nusselt)).powi(2);
             }
         }
@@ -178,7 +185,7 @@ impl<'a> SphereProblem<'a> {
         let NormalSums { mut h, b, cost } = sums;
         h.fill_lower_triangle_with_upper_triangle();
         of_readings.fill_lower_triangle_with_upper_triangle();
-        SphereEquations { h, b, cost, chi_square, of_readings, residuals, relative_square }
+        SphereEquations { h, b, cost, chi_square, of_readings, rows, relative_errors, residuals, relative_square }
     }
 
     /// Nu of surface `i`, and its derivatives to amplitudes and turns, each times `weight`.

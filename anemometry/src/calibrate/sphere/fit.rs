@@ -5,6 +5,17 @@
 //! if the cost falls. It ends where an undamped step would lower the cost by less than `SMALL`
 //! standard errors squared. It descends twice: `FIRST` from afar, to find the mounting, and then
 //! with the weights of the readings (`LAST`).
+//!
+//! Smooth amplitudes do not follow every bend of the true ones. What they leave is most where the
+//! weights are, in the lee, and alike on all surfaces of a wind. The covariance is therefore that
+//! of the winds' own scatter, each wind left out once (J. G. MacKinnon and H. White, J. Econometrics
+//! 29 (1985) 305); of quiescent gas, whose Nu is known, that of its noise:
+//!
+//! ```text
+//! cov = C (Σ_w g gᵀ) C     C = H⁻¹, g = Xᵀ (1 − X C Xᵀ)⁻¹ e of the rows X and residuals e of a wind
+//! ```
+//!
+//! Weights are those of the readings: the solution does not depend on the misfit.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -28,7 +39,7 @@ pub struct SphereFit {
     pub place: FitPoint,
     /// The equations there.
     pub equations: SphereEquations,
-    /// Inverse of H; zero for a γ that stands at zero.
+    /// Of the unknowns, misfit included; zero for a γ that stands at zero.
     pub covariance: DMatrix<f64>,
     /// Readings less what of the unknowns they determine.
     pub degrees_of_freedom: f64,
@@ -46,6 +57,8 @@ pub fn fit(problem: &SphereProblem<'_>) -> Result<SphereFit, CalibrateError> {
     let covariance = covariance(problem, &place, &equations).ok_or(CalibrateError::NoMinimum)?;
     let determined = (&covariance * &equations.of_readings).trace();
     let degrees_of_freedom = equations.residuals.len() as f64 - determined;
+    let scatter = scatter(problem, &equations, &covariance).ok_or(CalibrateError::NoMinimum)?;
+    let covariance = &covariance * scatter * &covariance;
     Ok(SphereFit { place, equations, covariance, degrees_of_freedom })
 }
 
@@ -96,6 +109,25 @@ fn step(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations, dam
     }
     let b = at.b.component_mul(&unit) + &h * &now;
     (nonnegative::solve(&h, &b, &positive) - now).component_mul(&unit)
+}
+
+/// Σ g gᵀ, and the same of what is known beforehand.
+fn scatter(problem: &SphereProblem<'_>, at: &SphereEquations, inverse: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (m, n) = (at.b.len(), problem.head.surfaces.len());
+    // What is known beforehand scatters as it says.
+    let mut scatter = &at.h - &at.of_readings;
+    for (w, wind) in problem.winds.iter().enumerate() {
+        let rows = DMatrix::from_fn(n, m, |i, k| at.rows[n * w + i][k]);
+        if wind.is_quiescent() {
+            scatter += rows.tr_mul(&rows);
+            continue;
+        }
+        let residuals = DVector::from_column_slice(&at.residuals[n * w..n * (w + 1)]);
+        let left = DMatrix::identity(n, n) - &rows * inverse * rows.transpose();
+        let part = rows.tr_mul(&left.lu().solve(&residuals)?);
+        scatter += &part * part.transpose();
+    }
+    Some(scatter)
 }
 
 fn covariance(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations) -> Option<DMatrix<f64>> {

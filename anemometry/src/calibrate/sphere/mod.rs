@@ -18,7 +18,7 @@
 //! | [`mounting`] | the turn between tunnel and head |
 //! | [`equations`], [`fit`] | weighted least squares |
 //! | [`solve`] | all steps in order |
-//! | [`calibration`] | the result, with errors, as text, and as dr-core's configurations |
+//! | [`calibration`], [`grade`] | the result, with errors, as text, and as dr-core's configurations; what it is worth |
 //! | [`folds`], [`cross_validation`] | errors in winds that were left out, through dr-core's inverse |
 //!
 //! *What no wind can tell.* A common factor of all gains is one of all amplitudes: the mean gain is
@@ -43,6 +43,7 @@ pub mod equations;
 pub mod family;
 pub mod fit;
 pub mod folds;
+pub mod grade;
 pub mod mounting;
 pub mod readings;
 pub mod solve;

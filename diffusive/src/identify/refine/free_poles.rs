@@ -21,7 +21,8 @@ pub struct FreePoles {
     pub design: RegressionDesign,
     pub terms: Vec<ModelTerm>,
     pub solution: PenalisedSolution,
-    pub warnings: Vec<String>,
+    /// What the record does not resolve of single poles: the sum of all predicts no worse for it.
+    pub unresolved: Vec<String>,
 }
 
 impl FreePoles {
@@ -65,24 +66,24 @@ pub fn settled(
             "{poles} poles are more than this record can tell apart: for `{name}` those at {slow:.4e} and {fast:.4e} rad/s come together; ask for fewer with --free-poles"
         )));
     }
-    let mut warnings = Vec::new();
+    let mut unresolved = Vec::new();
     for (k, _) in pinned.iter().enumerate().filter(|(_, pinned)| **pinned) {
         let what = if search.is_at_slow_edge(rates[k]) {
             "slower than a record of this length shows"
         } else {
             "faster than samples of this period show"
         };
-        warnings.push(format!("`{name}`: the pole at {:.4e} rad/s stands at the edge of its range, {what}: ask for fewer with --free-poles", rates[k]));
+        unresolved.push(format!("`{name}`: the pole at {:.4e} rad/s stands at the edge of its range, {what}: ask for fewer with --free-poles", rates[k]));
     }
     for rate in rates.iter().filter(|rate| **rate > nyquist_rad_s) {
-        warnings.push(format!(
+        unresolved.push(format!(
             "`{name}`: the pole at {rate:.4e} rad/s is faster than samples of this period resolve, {nyquist_rad_s:.4e} rad/s: its R is resolved, its rate and capacitance are not; sample faster, or ask for --feed-through yes and one pole less"
         ));
     }
     for k in 0..poles - 1 {
         let variance = point.covariance(k, k) + point.covariance(k + 1, k + 1) - 2.0 * point.covariance(k, k + 1);
         if (rates[k + 1] / rates[k]).ln() < 2.0 * variance.max(0.0).sqrt() {
-            warnings.push(format!(
+            unresolved.push(format!(
                 "`{name}`: the poles at {:.4e} and {:.4e} rad/s are no further apart than twice their standard error: {poles} poles are more than this record can tell apart; ask for fewer with --free-poles",
                 rates[k],
                 rates[k + 1]
@@ -90,7 +91,7 @@ pub fn settled(
         }
     }
     if let SearchState::Unsettled(step) = search.state {
-        warnings.push(format!(
+        unresolved.push(format!(
             "`{name}`: after {MOST_READINGS} readings the rates still move by {:.1e} of themselves: ask for fewer with --free-poles",
             step
         ));
@@ -103,5 +104,5 @@ pub fn settled(
     let mut terms = search.setup.terms(&design, initial_state, &facts.first_drives(&design));
     terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
     let solution = point.solution();
-    Ok(FreePoles { search, point, score, initial_state, design, terms, solution, warnings })
+    Ok(FreePoles { search, point, score, initial_state, design, terms, solution, unresolved })
 }

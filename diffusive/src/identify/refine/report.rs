@@ -47,16 +47,17 @@ pub fn model(
         }
     }
     let mut warnings = support::warnings(survey, facts);
-    let duration_s = facts.rows as f64 * survey.sample_period_s;
-    for ((found, output), spread) in found.iter().zip(&outputs).zip(&facts.outputs) {
-        warnings.extend(outcome::warnings(&output.name, &found.score, &[], spread.sd(), duration_s, &pairs));
-        warnings.extend(found.warnings.clone());
+    for (output, found) in found.iter().enumerate() {
+        warnings.extend(outcome::warnings(output, &found.score, &[], &pairs, survey, facts));
     }
+    // Poles that are not resolved leave the model as good as one of fewer poles.
+    let supported = warnings.is_empty();
+    warnings.extend(found.iter().flat_map(|found| found.unresolved.clone()));
     Ok(Model {
         offset_c: outputs[0].offset_c,
         residual_rms: outputs[0].residual_rms,
         fit_percent: outputs[0].fit_percent,
-        supported: warnings.is_empty(),
+        supported,
         warnings,
         chosen: chosen(mesh, found, thesis_rad_s),
         end: Some(residuals.end),

@@ -4,6 +4,7 @@ use dr_core::model::mesh;
 
 use super::super::identify;
 use super::super::record::RecordTable;
+use super::super::validate::{ValidationStart, validate};
 use super::*;
 
 const PERIOD_S: f64 = 0.1;
@@ -111,6 +112,52 @@ fn more_poles_than_the_record_can_tell_apart_are_said_to_be() {
         let told = told(poles);
         println!("{told:?}");
         assert!(told.iter().any(|sentence| sentence.contains("ask for fewer with --free-poles")), "{told:?}");
+    }
+}
+
+/// Random levels, each held as long as the slowest pole of `THREE` takes: another excitation than
+/// that of identification.
+fn steps(rows: usize, seed: u64) -> Vec<f64> {
+    let mut draw = random(seed);
+    let levels: Vec<f64> = (0..=rows / 83).map(|_| 0.04 + 0.06 * draw()).collect();
+    (0..rows).map(|n| levels[n / 83]).collect()
+}
+
+/// Whether the record supports its model, and how much of another, noiseless record it explains, %.
+fn judged(record: &SimulatedRecord, poles: &[(f64, f64)], free_poles: Option<usize>) -> (bool, f64) {
+    let table = |u: &[f64], y: &[f64]| {
+        RecordTable::new(PERIOD_S, vec![("u".into(), u.to_vec())], vec![("y".into(), y.to_vec())]).unwrap()
+    };
+    let options = IdentifyOptions { free_poles, ..IdentifyOptions::default() };
+    let mut own = table(&record.u, &record.y);
+    let model = identify(&mut own, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+    let u = steps(4000, 99);
+    let y: Vec<f64> = answer(&u, poles, 0.0).into_iter().map(|y| 20.0 + y).collect();
+    let mut other = table(&u, &y);
+    let report = validate(&model, &mut other, ValidationStart::Rest, &mut |_| {}).unwrap();
+    let (predicted, spread) = (report.outputs[0].fit_percent.unwrap(), model.warnings);
+    println!("{} rows, {free_poles:?}: {}, {predicted:.2} %, {spread:?}", record.u.len(), model.supported);
+    (model.supported, predicted)
+}
+
+#[test]
+fn a_supported_model_predicts_another_record_and_an_unsupported_one_does_not() {
+    // A fourth pole, faster than samples of this period resolve, and more poles than there are.
+    let fast = [THREE[0], THREE[1], (90.0, 4.0)];
+    for seed in 1..=3 {
+        for (poles, free) in [(&THREE, None), (&THREE, Some(3)), (&THREE, Some(4)), (&fast, Some(3))] {
+            let (supported, fit) = judged(&made(4000, poles, 0.0, 0.01, seed), poles, free);
+            assert!(supported && fit > 99.0, "{seed} {free:?} {supported} {fit}");
+        }
+        // Noise as large as the signal averages out.
+        let (supported, fit) = judged(&made(6000, &THREE, 0.0, 0.5, seed), &THREE, Some(2));
+        assert!(supported && fit > 80.0, "{seed} {supported} {fit}");
+        // The wrong column, and a record of half a slowest time constant.
+        let wrong = SimulatedRecord { u: bits(4000, seed + 50), ..made(4000, &THREE, 0.0, 0.01, seed) };
+        let (supported, fit) = judged(&wrong, &THREE, None);
+        assert!(!supported && fit < 50.0, "{seed} {supported} {fit}");
+        let (supported, fit) = judged(&made(42, &THREE, 0.0, 0.01, seed), &THREE, None);
+        assert!(!supported && fit < 99.0, "{seed} {supported} {fit}");
     }
 }
 

@@ -47,10 +47,9 @@ impl SymbolResult<'_> {
         let survey = &plan.survey;
         let mut warnings = support::warnings(survey, facts);
         warnings.extend(tie_warning);
-        let duration_s = survey.duration_s();
-        for ((name, choice), spread) in survey.outputs.iter().zip(self.choices).zip(&facts.outputs) {
+        for (output, choice) in self.choices.iter().enumerate() {
             let (score, gains) = (&choice.trial.score, &choice.gain_spread);
-            warnings.extend(outcome::warnings(name, score, gains, spread.sd(), duration_s, pairs));
+            warnings.extend(outcome::warnings(output, score, gains, pairs, survey, facts));
         }
         for (name, residuals) in survey.outputs.iter().zip(&self.residuals.residuals) {
             if let Some((row, part)) = residuals.lonely_row() {
