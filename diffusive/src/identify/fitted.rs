@@ -39,8 +39,8 @@ impl FittedOutput<'_> {
         }
     }
 
-    /// Resistances of one bank with their standard errors. `log_rates` are the parameters that stand
-    /// for the logarithms of its rates; none where those are given.
+    /// Resistances of one bank with their standard errors. `log_rates` are the parameters that
+    /// stand for the logarithms of its rates; none where those are given.
     pub fn class(&self, bank: usize, log_rates: Range<usize>) -> Class {
         let its = (0..self.terms.len()).filter(|&term| self.terms[term].role.bank() == Some(bank));
         let (feed, relaxations): (Vec<usize>, Vec<usize>) =

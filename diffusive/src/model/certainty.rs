@@ -114,8 +114,8 @@ mod tests {
 
     #[test]
     fn errors_are_those_of_small_changes() {
-        // Rates alone are uncertain: by the chain rule the error is the root of the sum of squares of
-        // what a small change of each makes.
+        // Rates alone are uncertain: by the chain rule the error is the root of the sum of squares
+        // of what a small change of each makes.
         let se = 1e-4;
         let mut model = model(se);
         let class = model.pairs[0].classes.get_mut("all").unwrap();

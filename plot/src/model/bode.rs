@@ -1,5 +1,5 @@
-//! Frequency responses: |H(j2πf)| and arg H(j2πf) of every pair and class, wind included, with bands
-//! of 95 % by the covariance of all parameters together.
+//! Frequency responses: |H(j2πf)| and arg H(j2πf) of every pair and class, wind included, with
+//! bands of 95 % by the covariance of all parameters together.
 //!
 //! The record speaks of the band from 1/T, with T its duration, to its Nyquist frequency 1/(2 Ts).
 //! Beyond it the model is extrapolated.

@@ -1,10 +1,11 @@
-//! The time-constant spectra (diffusive symbols) of a model with their uncertainty, R_k ± 1.96 se in
-//! K/W over the rates ξ_k, and what they add up to: the thermal impedance Z_th(t), the rise after a
-//! step of one watt.
+//! The time-constant spectra (diffusive symbols) of a model with their uncertainty, R_k ± 1.96 se
+//! in K/W over the rates ξ_k, and what they add up to: the thermal impedance Z_th(t), the rise
+//! after a step of one watt.
 //!
-//! Neighbours on a fine grid are less certain one by one than their sum is: the impedance has a band
-//! by the covariance of all of them. Where single resistances are so much greater than the others
-//! that these would not be seen, as slow ones that cancel, |R_k| stands on a logarithmic axis.
+//! Neighbours on a fine grid are less certain one by one than their sum is: the impedance has a
+//! band by the covariance of all of them. Where single resistances are so much greater than the
+//! others that these would not be seen, as slow ones that cancel, |R_k| stands on a logarithmic
+//! axis.
 
 use dr_core::model::mesh;
 

@@ -288,7 +288,8 @@ fn responses_and_impedances_have_bands_where_the_covariance_is_known() {
         }
         assert_eq!(figure.svg().contains("the model file has no covariance"), !is_known);
     }
-    // At 1.96 standard errors of the sum of eight resistances, slower than all of which the step is.
+    // At 1.96 standard errors of the sum of eight resistances, slower than all of which the step
+    // is.
     let figure = figure(&uncertain(8), &[]);
     let last = *chart(&figure, "Thermal impedance").traces[0].bins.last().unwrap();
     assert!(((last.most - last.mean) / (1.96 * 8_f64.sqrt()) - 1.0).abs() < 0.01, "{last:?}");

@@ -2,6 +2,7 @@
 
 mod azimuth;
 mod figure;
+mod numbers;
 mod set_points;
 mod wind;
 mod wind_error;

@@ -14,7 +14,8 @@
 use dr_core::wind::QualityFlags;
 
 use super::azimuth;
-use super::wind_error::{self, ComparedWind, Comparison, by_wind, sweep};
+use super::numbers::{dot, most_of, size};
+use super::wind_error::{self, Comparison, WindBesideTruth, by_wind, sweep};
 use crate::engine::chart::{Chart, Shading};
 use crate::engine::colour::{ALARM, Colour, ESTIMATE, INK, PALETTE, QUIET, TRUTH};
 use crate::engine::pen::Pen;
@@ -30,8 +31,6 @@ use recording::{GAS_TEMPERATURE, Recording, TRUE_WIND};
 const STEADY_GAS_K: f64 = 0.2;
 /// Slower truths have no direction, m/s.
 const STILL_M_S: f64 = 1e-3;
-/// Share of the bins whose values an axis may leave out at either end: transients of the start.
-const LEFT_OUT: f64 = 0.005;
 /// A flag of a single estimate among many is drawn as high as one of this share: a hair.
 const LEAST_SHARE: f64 = 0.08;
 /// Height of a row of flags, mm.
@@ -59,9 +58,9 @@ pub struct WindEstimates<'r> {
     /// Of a head that reports one angle only.
     axis: Option<[f64; 3]>,
     /// Every estimate beside its truth, where that is known and it counts.
-    compared: Vec<Option<ComparedWind>>,
+    compared: Vec<Option<WindBesideTruth>>,
     /// The means of winds, where there are many.
-    winds: Vec<ComparedWind>,
+    winds: Vec<WindBesideTruth>,
 }
 
 impl<'r> WindEstimates<'r> {
@@ -111,7 +110,7 @@ impl<'r> WindEstimates<'r> {
 
     /// Rows of charts that have no time axis: errors by wind, estimate over truth, histograms.
     pub fn errors(&self) -> Vec<Vec<Chart>> {
-        let all: Vec<ComparedWind> = self.compared.iter().flatten().copied().collect();
+        let all: Vec<WindBesideTruth> = self.compared.iter().flatten().copied().collect();
         match (self.winds.as_slice(), all.as_slice()) {
             (_, []) => Vec::new(),
             ([], all) => vec![wind_error::summary(all, true)],
@@ -344,22 +343,6 @@ fn apart(bins: &[Bin]) -> Vec<Bin> {
         all.push(*bin);
     }
     all
-}
-
-/// Least and greatest value but for a few.
-pub fn most_of(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    let left_out = (values.len() as f64 * LEFT_OUT) as usize;
-    Some((*values.get(left_out)?, *values.get(values.len() - 1 - left_out)?))
-}
-
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub fn size(of: [f64; 3]) -> f64 {
-    dot(of, of).sqrt()
 }
 
 fn changes(bins: &[Bin]) -> bool {

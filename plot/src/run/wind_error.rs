@@ -10,7 +10,7 @@
 //! The direction error is the angle between two vectors; of a head that reports one angle only, the
 //! difference of these angles. Of a card only the wind in its plane counts.
 
-use super::wind::{dot, most_of, size};
+use super::numbers::{dot, most_of, size};
 use crate::engine::chart::Chart;
 use crate::engine::colour::{ESTIMATE, INK, QUIET};
 use crate::engine::reduce::{BINS, Bin, bins};
@@ -33,7 +33,7 @@ const OTHERS: f64 = 38.0;
 
 /// An estimate beside its truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComparedWind {
+pub struct WindBesideTruth {
     pub time_s: f64,
     /// Estimated, with its standard uncertainty, m/s.
     pub speed_m_s: f64,
@@ -49,7 +49,7 @@ pub struct ComparedWind {
     pub true_wind_m_s: [f64; 3],
 }
 
-impl ComparedWind {
+impl WindBesideTruth {
     fn error_m_s(&self) -> f64 {
         self.speed_m_s - self.truth_m_s
     }
@@ -65,8 +65,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// None of a wind that is too slow, or where nothing was estimated. `has_direction` says whether
-    /// the angle counts.
+    /// None of a wind that is too slow, or where nothing was estimated. `has_direction` says
+    /// whether the angle counts.
     pub fn of(
         self,
         time_s: f64,
@@ -74,7 +74,7 @@ impl Comparison {
         true_wind_m_s: [f64; 3],
         has_direction: bool,
         [speed_u_m_s, angle_u_deg]: [f64; 2],
-    ) -> Option<ComparedWind> {
+    ) -> Option<WindBesideTruth> {
         let true_wind_m_s = self.normal.map_or(true_wind_m_s, |normal| {
             let share = dot(true_wind_m_s, normal) / dot(normal, normal);
             std::array::from_fn(|k| true_wind_m_s[k] - share * normal[k])
@@ -85,7 +85,7 @@ impl Comparison {
         }
         let angle_deg = if has_direction { self.angle_deg(wind_m_s, true_wind_m_s) } else { f64::NAN };
         let azimuth_deg = true_wind_m_s[1].atan2(true_wind_m_s[0]).to_degrees();
-        Some(ComparedWind {
+        Some(WindBesideTruth {
             time_s,
             speed_m_s,
             speed_u_m_s,
@@ -108,9 +108,9 @@ impl Comparison {
 }
 
 /// Errors over time.
-pub fn over_time(times_s: &[f64], all: &[Option<ComparedWind>]) -> [Chart; 2] {
-    let reduced = |value: fn(&ComparedWind) -> f64| bins(times_s, |i| all[i].as_ref().map_or(f64::NAN, value), BINS);
-    let (speed, speed_u) = (reduced(ComparedWind::error_m_s), reduced(|of| of.speed_u_m_s));
+pub fn over_time(times_s: &[f64], all: &[Option<WindBesideTruth>]) -> [Chart; 2] {
+    let reduced = |value: fn(&WindBesideTruth) -> f64| bins(times_s, |i| all[i].as_ref().map_or(f64::NAN, value), BINS);
+    let (speed, speed_u) = (reduced(WindBesideTruth::error_m_s), reduced(|of| of.speed_u_m_s));
     let (angle, angle_u) = (reduced(|of| of.angle_deg), reduced(|of| of.angle_u_deg));
     let chart = |caption: &str, unit: &str, error: Vec<Bin>, stated: Vec<Bin>| {
         let ends = error.iter().chain(&stated).flat_map(|bin| [bin.least, bin.most]);
@@ -131,7 +131,7 @@ pub fn over_time(times_s: &[f64], all: &[Option<ComparedWind>]) -> [Chart; 2] {
 
 /// Estimate over truth, and histograms of the errors; of single estimates with what their stated
 /// uncertainties would give, of means without.
-pub fn summary(all: &[ComparedWind], is_single: bool) -> Vec<Chart> {
+pub fn summary(all: &[WindBesideTruth], is_single: bool) -> Vec<Chart> {
     let every = all.len().div_ceil(DOTS).max(1);
     let dots = all.iter().step_by(every).map(|of| (of.truth_m_s, of.speed_m_s)).collect();
     let greatest = all.iter().map(|of| of.truth_m_s).fold(0.0, f64::max);
@@ -143,7 +143,7 @@ pub fn summary(all: &[ComparedWind], is_single: bool) -> Vec<Chart> {
         .notes((every > 1).then(|| format!("one of {every} estimates")))
         .trace(Trace::dashed("", vec![(0.0, 0.0), (greatest, greatest)]).painted(INK).width(0.6))
         .trace(Trace::points("", dots).painted(ESTIMATE.with_opacity(0.6)));
-    let speeds: Vec<f64> = all.iter().map(ComparedWind::error_m_s).collect();
+    let speeds: Vec<f64> = all.iter().map(WindBesideTruth::error_m_s).collect();
     let angles: Vec<f64> = all.iter().map(|of| of.angle_deg).filter(|angle| angle.is_finite()).collect();
     let mut charts = vec![scatter];
     charts.extend(histogram("Speed errors", "m/s", &speeds, |error| is_single.then(|| stated(all, error))));
@@ -152,7 +152,7 @@ pub fn summary(all: &[ComparedWind], is_single: bool) -> Vec<Chart> {
 }
 
 /// Probability density of speed errors, s/m, if each estimate erred by its standard uncertainty.
-fn stated(all: &[ComparedWind], error_m_s: f64) -> f64 {
+fn stated(all: &[WindBesideTruth], error_m_s: f64) -> f64 {
     let every = all.len().div_ceil(DOTS).max(1);
     let known = || all.iter().step_by(every).map(|of| of.speed_u_m_s).filter(|u| *u > 0.0);
     let normal = |u: f64| (-0.5 * (error_m_s / u).powi(2)).exp() / (u * std::f64::consts::TAU.sqrt());
@@ -196,31 +196,31 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
 
 /// The means of winds, if there are many: `stretches` are (from, to) as indices into `all`.
 pub fn by_wind(
-    all: &[Option<ComparedWind>],
+    all: &[Option<WindBesideTruth>],
     stretches: &[(usize, usize)],
     comparison: Comparison,
-) -> Vec<ComparedWind> {
+) -> Vec<WindBesideTruth> {
     let mean = |&(from, to): &(usize, usize)| {
         let settled = from + ((to - from) as f64 * (1.0 - SETTLED)) as usize;
-        let of: Vec<&ComparedWind> = all.get(settled..to)?.iter().flatten().collect();
+        let of: Vec<&WindBesideTruth> = all.get(settled..to)?.iter().flatten().collect();
         let count = (!of.is_empty()).then_some(of.len() as f64)?;
-        let mean = |value: &dyn Fn(&ComparedWind) -> f64| of.iter().map(|of| value(of)).sum::<f64>() / count;
-        let vector = |value: fn(&ComparedWind) -> [f64; 3]| std::array::from_fn(|k| mean(&|of| value(of)[k]));
+        let mean = |value: &dyn Fn(&WindBesideTruth) -> f64| of.iter().map(|of| value(of)).sum::<f64>() / count;
+        let vector = |value: fn(&WindBesideTruth) -> [f64; 3]| std::array::from_fn(|k| mean(&|of| value(of)[k]));
         let has_direction = of.iter().any(|of| of.angle_deg.is_finite());
-        let deviation = |value: fn(&ComparedWind) -> f64| {
+        let deviation = |value: fn(&WindBesideTruth) -> f64| {
             let middle = mean(&value);
             mean(&|of| (value(of) - middle).powi(2)).sqrt()
         };
-        let uncertainties = [deviation(ComparedWind::error_m_s), deviation(|of| of.angle_deg)];
+        let uncertainties = [deviation(WindBesideTruth::error_m_s), deviation(|of| of.angle_deg)];
         let estimate = (vector(|of| of.wind_m_s), mean(&|of| of.speed_m_s));
         comparison.of(of[0].time_s, estimate, vector(|of| of.true_wind_m_s), has_direction, uncertainties)
     };
-    let winds: Vec<ComparedWind> = stretches.iter().filter_map(mean).collect();
+    let winds: Vec<WindBesideTruth> = stretches.iter().filter_map(mean).collect();
     if winds.len() < MANY_WINDS { Vec::new() } else { winds }
 }
 
 /// Errors of winds over their true speed and azimuth, in rows.
-pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
+pub fn sweep(winds: &[WindBesideTruth]) -> [[Chart; 2]; 2] {
     let chart = |of: &str, unit: &str, over: [&str; 2], points: Vec<(f64, f64, f64)>| {
         let ends = points.iter().flat_map(|(_, y, u)| [y - u, y + u]);
         let (low, high) = most_of(ends.chain([0.0])).unwrap_or((0.0, 1.0));
@@ -235,11 +235,11 @@ pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
             .limit(0.0)
             .trace(Trace::points("", values).errors(bars).painted(ESTIMATE))
     };
-    let percent = |of: &ComparedWind| (100.0 * of.error_m_s() / of.truth_m_s, 100.0 * of.speed_u_m_s / of.truth_m_s);
-    let angle = |of: &ComparedWind| (of.angle_deg, of.angle_u_deg);
+    let percent = |of: &WindBesideTruth| (100.0 * of.error_m_s() / of.truth_m_s, 100.0 * of.speed_u_m_s / of.truth_m_s);
+    let angle = |of: &WindBesideTruth| (of.angle_deg, of.angle_u_deg);
     [("True speed", "m/s"), ("True azimuth", "°")].map(|(over, unit)| {
-        let at = |of: &ComparedWind| if unit == "°" { of.azimuth_deg } else { of.truth_m_s };
-        let points = |value: &dyn Fn(&ComparedWind) -> (f64, f64)| -> Vec<(f64, f64, f64)> {
+        let at = |of: &WindBesideTruth| if unit == "°" { of.azimuth_deg } else { of.truth_m_s };
+        let points = |value: &dyn Fn(&WindBesideTruth) -> (f64, f64)| -> Vec<(f64, f64, f64)> {
             let mut points: Vec<_> = winds.iter().map(|of| (at(of), value(of).0, value(of).1)).collect();
             points.retain(|(_, error, _)| error.is_finite());
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -255,7 +255,7 @@ pub fn sweep(winds: &[ComparedWind]) -> [[Chart; 2]; 2] {
 mod tests {
     use super::*;
 
-    fn compared(comparison: Comparison, wind_m_s: [f64; 3], truth_m_s: [f64; 3]) -> Option<ComparedWind> {
+    fn compared(comparison: Comparison, wind_m_s: [f64; 3], truth_m_s: [f64; 3]) -> Option<WindBesideTruth> {
         comparison.of(0.0, (wind_m_s, size(wind_m_s)), truth_m_s, true, [0.1, 1.0])
     }
 
@@ -291,7 +291,7 @@ mod tests {
 
     #[test]
     fn densities_add_up_to_one() {
-        let all: Vec<ComparedWind> = (0..2000)
+        let all: Vec<WindBesideTruth> = (0..2000)
             .filter_map(|n| {
                 let speed = 5.0 + 0.001 * f64::from(n * 7919 % 2000 - 1000);
                 compared(Comparison::default(), [speed, 0.0, 0.0], [5.0, 0.0, 0.0])
