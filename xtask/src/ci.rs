@@ -1,9 +1,11 @@
 //! What continuous integration does, with the time of every stage.
 
+use crate::book::{self, BookOptions};
 use crate::{coverage, install, lint, miri, shell, test};
 use anyhow::{Result, bail};
 
-pub fn run() -> Result<()> {
+/// `jobs` are those of `cargo xtask`.
+pub fn run(jobs: clap::Command) -> Result<()> {
     let prepare = || {
         install::thumb_target()?;
         install::lint_tools()?;
@@ -17,11 +19,12 @@ pub fn run() -> Result<()> {
     stages.run("prepare", prepare)?;
     stages.run("lint", lint::run)?;
     stages.run("coverage", coverage::run)?;
+    stages.run("book", || book::run(&BookOptions::default()))?;
     shell::announce(&stages.times());
     // An emulated board and its host take turns, and the interpreter takes what they leave of two
     // processors.
     let interpreted = std::thread::spawn(miri::run_aside);
-    let tested = test::run();
+    let tested = test::run(jobs);
     let Ok(interpreted) = interpreted.join() else { bail!("the thread of the interpreter has ended early") };
     tested.and(interpreted)
 }

@@ -94,11 +94,11 @@ enum Job {
 fn main() -> ExitCode {
     let outcome = match Job::parse() {
         Job::Demo => demo::run(),
-        Job::Test => test::run(),
-        Job::Pages(options) => pages::run(&options, Job::command()),
+        Job::Test => test::run(Job::command()),
+        Job::Pages(options) => pages::run(&options, Job::command(), None),
         Job::Book(options) => book::run(&options),
         Job::Lint => lint::run(),
-        Job::Ci => ci::run(),
+        Job::Ci => ci::run(Job::command()),
         Job::Structure => structure::run(),
         Job::Lines => lines::run(),
         Job::SameResults(options) => same_results::run(&options),

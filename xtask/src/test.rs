@@ -5,12 +5,14 @@
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::cost::{self, CostOptions};
+use crate::pages::{self, PagePrograms, PagesOptions};
 use crate::{install, reference, safety, shell, size};
 use anyhow::Result;
 use std::io::{BufRead, IsTerminal};
 use std::time::Instant;
 
-pub fn run() -> Result<()> {
+/// `jobs` are those of `cargo xtask`.
+pub fn run(jobs: clap::Command) -> Result<()> {
     let start = Instant::now();
     let mut stages = shell::Stages::default();
     install::thumb_target()?;
@@ -37,6 +39,9 @@ pub fn run() -> Result<()> {
         Ok(([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)], interface))
     })?;
     stages.run("pages of the command line", || reference::check(&interface))?;
+    let [(_, firmware), (_, anemo)] = programs.clone();
+    let shown = PagePrograms { anemo, interface, firmware };
+    stages.run("commands in pages", || pages::run(&PagesOptions::default(), jobs, Some(shown)))?;
     let test = |arguments: &[&str]| {
         let mut cargo = cargo(arguments);
         cargo.envs(programs.iter().cloned());

@@ -39,13 +39,35 @@ pub struct PagesOptions {
     write: bool,
 }
 
-/// `jobs` are those of `cargo xtask`.
-pub fn run(options: &PagesOptions, jobs: clap::Command) -> Result<()> {
+/// What pages run, built.
+pub struct PagePrograms {
+    pub anemo: PathBuf,
+    /// `anemo`'s example that reads command lines without running them.
+    pub interface: PathBuf,
+    pub firmware: PathBuf,
+}
+
+impl PagePrograms {
+    fn build() -> Result<Self> {
+        let given = |variable: &str, build: &dyn Fn() -> Result<PathBuf>| {
+            std::env::var_os(variable).map(PathBuf::from).map_or_else(build, Ok)
+        };
+        Ok(Self {
+            anemo: given("ANEMO_BIN", &artefacts::anemo)?,
+            interface: artefacts::interface()?,
+            firmware: given("ANEMO_FIRMWARE", &|| artefacts::firmware(FirmwareBoard::Virtual))?,
+        })
+    }
+}
+
+/// Runs pages; `jobs` are those of `cargo xtask`. Programs that are not handed over are built.
+pub fn run(options: &PagesOptions, jobs: clap::Command, programs: Option<PagePrograms>) -> Result<()> {
     let paths = if options.pages.is_empty() { all()? } else { options.pages.clone() };
     let mut pages = paths.iter().map(|path| Page::read(path)).collect::<Result<Vec<_>>>()?;
     // The longest come first, so that no processor waits for them at the end.
     pages.sort_by_key(|page| std::cmp::Reverse(page.steps.len()));
-    let workshop = prepare(&pages, jobs)?;
+    let programs = programs.map_or_else(PagePrograms::build, Ok)?;
+    let workshop = prepare(&pages, jobs, programs)?;
     let mut outcomes = run_all(&pages, &workshop)?;
     outcomes.sort_by(|a, b| b.1.time.cmp(&a.1.time));
     if options.write {
@@ -66,15 +88,12 @@ pub fn all() -> Result<Vec<PathBuf>> {
 }
 
 /// Brings whatever these pages' commands need.
-fn prepare(pages: &[Page], jobs: clap::Command) -> Result<Workshop> {
+fn prepare(pages: &[Page], jobs: clap::Command, programs: PagePrograms) -> Result<Workshop> {
     let steps = || pages.iter().flat_map(|page| &page.steps);
     let shows = |word: &str| steps().any(|step| matches!(step, Step::Command(shown) if shown.command.contains(word)));
-    let anemo = std::env::var_os("ANEMO_BIN").map(PathBuf::from).map_or_else(artefacts::anemo, Ok)?;
-    let mut workshop = Workshop::new(shell::target_directory()?.join("pages"), &anemo, jobs)?;
+    let mut workshop = Workshop::new(shell::target_directory()?.join("pages"), programs, jobs)?;
     if shows("--on qemu") {
         install::qemu()?;
-        let build = || artefacts::firmware(FirmwareBoard::Virtual);
-        workshop.firmware = Some(std::env::var_os("ANEMO_FIRMWARE").map(PathBuf::from).map_or_else(build, Ok)?);
     }
     if shows("python") || steps().any(|step| matches!(step, Step::Python { .. })) {
         workshop.programs.push(install::python()?);

@@ -1,12 +1,12 @@
 //! Runs the commands of one page.
 
+use super::PagePrograms;
 use super::elision;
 use super::gallery;
 use super::names::{self, NamedOnly};
 use super::transcript::{self, Expectation, ShownCommand, Step};
 use crate::shell;
 use anyhow::{Context, Result, bail};
-use std::ffi::OsString;
 use std::fs::File;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
@@ -26,25 +26,24 @@ pub struct Workshop {
     folder: PathBuf,
     /// Folders of programs, before those of the path.
     pub programs: Vec<PathBuf>,
-    pub firmware: Option<PathBuf>,
+    firmware: PathBuf,
     /// The jobs of `cargo xtask`.
     jobs: clap::Command,
     /// What refuses a command line of `anemo` without running it.
-    pub interface: Option<PathBuf>,
+    pub interface: PathBuf,
 }
 
 impl Workshop {
-    pub fn new(folder: PathBuf, anemo: &Path, jobs: clap::Command) -> Result<Self> {
+    pub fn new(folder: PathBuf, built: PagePrograms, jobs: clap::Command) -> Result<Self> {
         let programs = folder.join("bin");
         if folder.exists() {
             std::fs::remove_dir_all(&folder).with_context(|| format!("{} cannot be emptied", folder.display()))?;
         }
         std::fs::create_dir_all(&programs).with_context(|| format!("{} cannot be made", programs.display()))?;
-        let anemo = anemo.canonicalize().with_context(|| format!("there is no {}", anemo.display()))?;
+        let anemo = built.anemo.canonicalize().with_context(|| format!("there is no {}", built.anemo.display()))?;
         symlink(&anemo, programs.join("anemo")).context("`anemo` cannot be linked")?;
-        let interface = anemo.with_file_name("examples").join("interface");
-        let interface = interface.is_file().then_some(interface);
-        Ok(Self { folder, programs: vec![programs], firmware: None, jobs, interface })
+        let PagePrograms { interface, firmware, .. } = built;
+        Ok(Self { folder, programs: vec![programs], firmware, jobs, interface })
     }
 
     /// Runs a command line in a folder. Gives its exit code and what it prints to both outputs.
@@ -58,7 +57,7 @@ impl Workshop {
         bash.arg(format!("exec 2>&1\n{command}")).current_dir(folder);
         bash.stdin(Stdio::null()).stdout(file).stderr(Stdio::null());
         bash.env("PATH", path).env("COLUMNS", "100").env("LC_ALL", "C.UTF-8").env("TZ", "UTC").env("NO_COLOR", "1");
-        bash.envs(self.firmware.as_ref().map(|firmware| ("ANEMO_FIRMWARE", OsString::from(firmware))));
+        bash.env("ANEMO_FIRMWARE", &self.firmware);
         let status = bash.status().context("`timeout` or `bash` cannot be started")?;
         let text = std::fs::read(&printed).with_context(|| format!("{} cannot be read", printed.display()))?;
         Ok((status.code(), String::from_utf8_lossy(&text).into_owned()))
@@ -113,7 +112,7 @@ impl Page {
         for (line, fault) in &self.faults {
             outcome.faults.push(format!("{}:{line}: {fault}", self.name));
         }
-        let (named, faults) = names::check(&self.text, &self.steps, &workshop.jobs, workshop.interface.as_deref())?;
+        let (named, faults) = names::check(&self.text, &self.steps, &workshop.jobs, Some(&workshop.interface))?;
         outcome.named = named;
         outcome.faults.extend(faults.into_iter().map(|(line, fault)| format!("{}:{line}: {fault}", self.name)));
 
@@ -215,7 +214,9 @@ mod tests {
         static FOLDERS: AtomicUsize = AtomicUsize::new(0);
         let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("anemo-page-{}-{number}", std::process::id()));
-        let workshop = Workshop::new(folder.clone(), Path::new("/bin/true"), clap::Command::new("")).expect("a folder");
+        let nothing = || PathBuf::from("/bin/true");
+        let programs = PagePrograms { anemo: nothing(), interface: nothing(), firmware: nothing() };
+        let workshop = Workshop::new(folder.clone(), programs, clap::Command::new("")).expect("a folder");
         let page = Page::new(PathBuf::new(), "a.md".into(), text.to_owned());
         let outcome = page.run(&workshop).expect("bash");
         std::fs::remove_dir_all(folder).expect("it is there");
