@@ -69,7 +69,7 @@ pub fn run(options: &PagesOptions, jobs: clap::Command, programs: Option<PagePro
     let programs = programs.map_or_else(PagePrograms::build, Ok)?;
     let workshop = prepare(&pages, jobs, programs)?;
     let mut outcomes = run_all(&pages, &workshop)?;
-    outcomes.sort_by(|a, b| b.1.time.cmp(&a.1.time));
+    outcomes.sort_by_key(|(_, outcome)| std::cmp::Reverse(outcome.time));
     if options.write {
         for (page, outcome) in &outcomes {
             page.revise(&outcome.revisions)?;

@@ -50,18 +50,22 @@ pub fn check(
         *(if shown.expectation == Expectation::Board { &mut named.board } else { &mut named.cargo }) += 1;
         lines.push((shown.line, shown.command.replace("\\\n", " ")));
     }
+    let shown = lines.len();
     for (line, code) in markdown::inline_code(text) {
         if code.starts_with("anemo ") || code.starts_with("cargo xtask ") && !has_placeholder(&code) {
             named.inline += 1;
             lines.push((line, code));
         }
     }
-    lines.retain(|(line, command)| {
-        faults.extend(job_fault(command, jobs).map(|fault| (*line, fault)));
-        command.starts_with("anemo ") && !has_placeholder(command)
-    });
+    let mut parsed = Vec::new();
+    for (at, (line, command)) in lines.into_iter().enumerate() {
+        faults.extend(job_fault(&command, jobs).map(|fault| (line, fault)));
+        if command.starts_with("anemo ") && !has_placeholder(&command) {
+            parsed.push((line, command, at >= shown));
+        }
+    }
     if let Some(interface) = interface {
-        faults.extend(refused(&lines, interface)?);
+        faults.extend(refused(&parsed, interface)?);
     }
     Ok((named, faults))
 }
@@ -81,8 +85,16 @@ fn job_fault(command: &str, jobs: &clap::Command) -> Option<String> {
     Some(format!("`{command}`: {}", message.lines().next().unwrap_or_default()))
 }
 
-/// Those lines that `anemo` would refuse, and why.
-fn refused(lines: &[(usize, String)], interface: &Path) -> Result<Vec<(usize, String)>> {
+/// Whether code within the text only mentions an option without its value, or an older name.
+fn is_mention(reason: &str) -> bool {
+    ["a value is required", "required arguments were not provided", "is now called"]
+        .iter()
+        .any(|of| reason.contains(of))
+}
+
+/// Those lines that `anemo` would refuse, and why; the last of each tells whether it stands within
+/// the text.
+fn refused(lines: &[(usize, String, bool)], interface: &Path) -> Result<Vec<(usize, String)>> {
     let mut child = Command::new(interface)
         .arg("--parse")
         .stdin(Stdio::piped())
@@ -90,14 +102,14 @@ fn refused(lines: &[(usize, String)], interface: &Path) -> Result<Vec<(usize, St
         .spawn()
         .with_context(|| format!("{} cannot be started", interface.display()))?;
     // Fewer than fit into a pipe.
-    let asked: String = lines.iter().map(|(_, command)| whole(command) + "\n").collect();
+    let asked: String = lines.iter().map(|(_, command, _)| whole(command) + "\n").collect();
     child.stdin.take().context("no input")?.write_all(asked.as_bytes())?;
     let output = child.wait_with_output()?;
     let answers = String::from_utf8_lossy(&output.stdout).into_owned();
     let fault = |answer: &str| {
         let (number, reason) = answer.split_once(": ")?;
-        let (line, command) = lines.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
-        Some((*line, format!("`{command}`: {reason}")))
+        let (line, command, is_inline) = lines.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        (!is_inline || !is_mention(reason)).then(|| (*line, format!("`{command}`: {reason}")))
     };
     Ok(answers.lines().filter_map(fault).collect())
 }
