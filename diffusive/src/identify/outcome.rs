@@ -133,8 +133,8 @@ pub fn warnings(
 }
 
 /// Whether most of the answer, and a quarter of the gain `all` of all inputs, stands at rates up to
-/// π/T, half the thesis' lower edge: decays that a record of length T shows little of. Of Σ|R| or of
-/// the steady gain, whichever is more: slow rates of both signs are no better known.
+/// π/T, half the thesis' lower edge: decays that a record of length T shows little of. Of Σ|R| or
+/// of the steady gain, whichever is more: slow rates of both signs are no better known.
 fn is_slow(pair: &Pair, class: &Class, duration_s: f64, all: f64) -> bool {
     let slow_rad_s = 1.01 * std::f64::consts::PI / duration_s;
     let slow = pair.mesh_rad_s.iter().take_while(|rate| **rate <= slow_rad_s).count();
