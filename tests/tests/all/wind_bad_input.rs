@@ -258,7 +258,7 @@ fn options_of_wind_that_cannot_be_are_refused_before_anything_is_computed() {
         ),
         (["--every", "0"], "--every 0 is not a whole number of sample periods of 0.001 s: 0.001 s would be"),
         (["-o", "none/w.csv"], "none/w.csv: cannot be written: there is no folder `none`"),
-        (["--plot", "w.png"], "w.png: a picture's name ends in .svg"),
+        (["--plot", "w.gif"], "w.gif: a picture's name ends in .svg, .pdf or .png"),
         (["--bandwidth", "fast"], "(see `anemo wind --help`)"),
     ] {
         let (code, sentence) = desk.refused(&["wind", "r.parquet", arguments[0], arguments[1]], &[]);

@@ -8,12 +8,12 @@
 //!
 //! Smooth amplitudes do not follow every bend of the true ones. What they leave is most where the
 //! weights are, in the lee, and alike on all surfaces of a wind. The covariance is therefore that
-//! of the winds' own scatter, each wind left out once (J. G. MacKinnon and H. White, J.
-//! Econometrics 29 (1985) 305); of quiescent gas, whose Nu is known, that of its noise:
+//! of the winds' own scatter, each wind left out once (J. G. MacKinnon and H. White,
+//! J. Econometrics 29 (1985) 305); of quiescent gas, whose Nu is known, that of its noise:
 //!
 //! ```text
-//! cov = C (Σ_w g gᵀ) C     C = H⁻¹, g = Xᵀ (1 − X C Xᵀ)⁻¹ e of the rows X and residuals e of a
-//! wind
+//! cov = C (Σ g gᵀ) C       C = H⁻¹, sum over the winds
+//! g = Xᵀ (1 − X C Xᵀ)⁻¹ e  of the rows X and residuals e of a wind
 //! ```
 //!
 //! Weights are those of the readings: the solution does not depend on the misfit.
