@@ -1,47 +1,44 @@
 //! An observer whose bandwidth rises for a while after the wind has jumped: gain schedules for all
-//! elements that keep them stable beside each other.
+//! surfaces, where they are stable beside each other.
 
 use super::error::NetworkError;
 use super::gain_schedule::gain_schedule;
 use super::kalman::Plant;
 use super::observer::NetworkObserver;
 use super::parameters::QuiescentNetwork;
-use super::stability::drop_unstable_gains;
+use super::stability::worse_when_quick;
 
 impl QuiescentNetwork {
     /// Configurations as those of [`observer`](Self::observer), with a gain schedule for every
-    /// element that has one which is neither too noisy nor unstable beside the other elements
-    /// ([`stability`](super::stability)).
+    /// surface, or for none: one wind is estimated from all surfaces, and just after its alarm a
+    /// surface that is quicker than the others counts as missing. There are none if one of them
+    /// is too noisy or worse beside the other elements ([`stability`](super::stability)).
     ///
     /// # Errors
     /// As [`observer`](Self::observer).
     pub fn adaptive_observer(&self, bandwidth_hz: f64, sample_period_s: f64) -> Result<NetworkObserver, NetworkError> {
-        let mut observer = self.observer(bandwidth_hz, sample_period_s)?;
+        let steady = self.observer(bandwidth_hz, sample_period_s)?;
+        let mut quick = steady.clone();
         let mut too_noisy = Vec::new();
         for (i, own) in self.own.iter().enumerate().filter(|(_, own)| own.surface.is_some()) {
-            match gain_schedule(&Plant { own, sample_period_s }, &observer.filters[i]) {
+            match gain_schedule(&Plant { own, sample_period_s }, &steady.filters[i]) {
                 Some(schedule) => {
-                    observer.own[i].1.alarm = Some(schedule.alarm);
-                    observer.faster.extend(schedule.sets);
+                    quick.own[i].1.alarm = Some(schedule.alarm);
+                    quick.faster.extend(schedule.sets);
                 }
                 None => too_noisy.push(own.name.as_str()),
             }
         }
-        let lost = drop_unstable_gains(self, &mut observer, bandwidth_hz, sample_period_s);
-        for (element, config) in &mut observer.own {
-            if lost.contains(element) {
-                config.alarm = None;
+        let (names, why) = match too_noisy.is_empty() {
+            false => (too_noisy, "nothing quicker is quiet enough"),
+            true => {
+                let worse = worse_when_quick(self, &steady, &quick, bandwidth_hz, sample_period_s);
+                (worse, "beside their own network quick gains do worse after a jump")
             }
+        };
+        if names.is_empty() {
+            return Ok(quick);
         }
-        let lost = self.own.iter().filter(|own| lost.contains(&own.element)).map(|own| own.name.as_str()).collect();
-        for (names, why) in [
-            (too_noisy, "nothing quicker is quiet enough"),
-            (lost, "beside their own network quick gains do worse after a jump"),
-        ] {
-            if !names.is_empty() {
-                observer.fixed.push(format!("{}: {why}", names.join(", ")));
-            }
-        }
-        Ok(observer)
+        Ok(NetworkObserver { fixed: Some(format!("{}: {why}", names.join(", "))), ..steady })
     }
 }

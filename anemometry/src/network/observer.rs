@@ -20,9 +20,8 @@ pub struct NetworkObserver {
     pub cross: Vec<NetworkCrossHeatingConfig>,
     /// Greater gains for the time after an alarm; none where the bandwidth is fixed.
     pub faster: Vec<FasterGainsConfig>,
-    /// Elements whose bandwidth stays fixed although it was to rise, and why: a sentence for each
-    /// reason.
-    pub fixed: Vec<String>,
+    /// Why the bandwidth stays fixed although it was to rise: surfaces that allow no more.
+    pub fixed: Option<String>,
     /// By element as in `own`: the filter, with its bandwidth and its figures of noise.
     pub filters: Vec<KalmanFilter>,
 }
@@ -69,7 +68,7 @@ impl QuiescentNetwork {
             own: Vec::new(),
             cross: self.cross.iter().map(CrossHeatingParameters::config).collect(),
             faster: Vec::new(),
-            fixed: Vec::new(),
+            fixed: None,
             filters: Vec::new(),
         };
         for own in &self.own {

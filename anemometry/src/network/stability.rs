@@ -11,8 +11,8 @@
 //! q_i: 0 → a_i J → 0        E_i = Σ (q̂_i − q_i)²
 //! ```
 //!
-//! An element whose E is above that of the steady filters, or not finite, loses its quick gains,
-//! and the rest is simulated again. The error of an observer does not depend on the heating that it
+//! Where the E of one surface is above that of the steady filters, or not finite, none gets quick
+//! gains. The error of an observer does not depend on the heating that it
 //! knows of, and so there is none. Four dice on a card, which heat each other by a fifth of what
 //! they heat themselves within a second, are unstable with quick gains; the sectors of a sphere are
 //! not.
@@ -35,35 +35,20 @@ const WORSE: f64 = 1.05;
 /// a_i: of the surfaces in turn.
 const SHARES: [f64; 4] = [1.0, -0.5, 0.75, 0.25];
 
-/// Takes the gain schedules away from elements that become unstable or worse with them; returns the
-/// places of these elements in the head.
-pub fn drop_unstable_gains(
-    network: &QuiescentNetwork,
-    observer: &mut NetworkObserver,
+/// Names of the elements that are unstable or worse with quick gains for all surfaces.
+pub fn worse_when_quick<'a>(
+    network: &'a QuiescentNetwork,
+    steady: &NetworkObserver,
+    quick: &NetworkObserver,
     bandwidth_hz: f64,
     sample_period_s: f64,
-) -> Vec<usize> {
-    let mut lost = Vec::new();
-    if observer.faster.is_empty() {
-        return lost;
-    }
-    let steady = NetworkObserver { faster: Vec::new(), ..observer.clone() };
+) -> Vec<&'a str> {
     let ticks = (FOLLOWED * LAST_PERIODS / bandwidth_hz / sample_period_s).ceil() as usize;
-    let Some(by_steady) = errors(network, &steady, ticks, sample_period_s) else { return lost };
-    // One by one at the worst: there are not more elements than rounds.
-    while !observer.faster.is_empty() {
-        let Some(by_quick) = errors(network, observer, ticks, sample_period_s) else { break };
-        let fails = |place: usize| by_quick[place].is_nan() || by_quick[place] > WORSE * by_steady[place];
-        let places = observer.own.iter().map(|(place, _)| *place);
-        let failed: Vec<usize> = places.filter(|&place| observer.has_schedule(place) && fails(place)).collect();
-        if failed.is_empty() {
-            break;
-        }
-        observer.faster.retain(|of| !failed.contains(&usize::from(of.element)));
-        lost.extend(failed);
-    }
-    lost.sort_unstable();
-    lost
+    let errors = |observer| errors(network, observer, ticks, sample_period_s);
+    let (Some(by_steady), Some(by_quick)) = (errors(steady), errors(quick)) else { return Vec::new() };
+    let worse = |place: usize| by_quick[place].is_nan() || by_quick[place] > WORSE * by_steady[place];
+    let own = network.own.iter().filter(|own| own.surface.is_some() && worse(own.element));
+    own.map(|own| own.name.as_str()).collect()
 }
 
 /// E by element of the head; none if the board refuses the observer, which it says itself.
@@ -186,8 +171,8 @@ mod tests {
             let observer = network.adaptive_observer(bandwidth_hz, 0.005).unwrap();
             assert!(observer.faster.is_empty(), "{bandwidth_hz} Hz");
             assert!(observer.own.iter().all(|(_, config)| config.alarm.is_none()), "{bandwidth_hz} Hz");
-            let [sentence] = &observer.fixed[..] else { panic!("{:?}", observer.fixed) };
-            assert!(sentence.starts_with("die1, die2, die3, die4: "), "{sentence}");
+            let why = observer.fixed.unwrap_or_default();
+            assert!(why.starts_with("die1, die2, die3, die4: "), "{why}");
         }
     }
 }

@@ -174,7 +174,7 @@ impl<'a> WindEstimation<'a> {
             is_card: self.calibration.card_normal().is_some(),
             estimates: self.estimates,
             output: self.output,
-            fixed_for: self.anemometer.fixed,
+            fixed_because: self.anemometer.fixed,
             gas: self.gas,
             gaps,
             missing_s,

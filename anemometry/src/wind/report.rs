@@ -27,8 +27,8 @@ pub struct WindReport {
     pub estimates: u64,
     /// Bandwidth and interval.
     pub output: WindOutput,
-    /// Elements whose bandwidth stays fixed although it was to rise, and why.
-    pub fixed_for: Vec<String>,
+    /// Why the bandwidth stays fixed although it was to rise after a jump of the wind.
+    pub fixed_because: Option<String>,
     /// The gas, with its source.
     pub gas: GasInput,
     /// Number of gaps of the recording.
@@ -87,8 +87,8 @@ impl fmt::Display for WindReport {
         writeln!(f, "gas: {}", self.gas)?;
         let fixed = if fixed { ", fixed" } else { "" };
         writeln!(f, "{} wind estimates, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}", self.estimates)?;
-        for sentence in &self.fixed_for {
-            writeln!(f, "bandwidth fixed for {sentence}")?;
+        if let Some(why) = &self.fixed_because {
+            writeln!(f, "the bandwidth stays fixed for {why}")?;
         }
         for warning in &self.gas.warnings {
             writeln!(f, "warning: {warning}")?;
