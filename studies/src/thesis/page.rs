@@ -39,17 +39,19 @@ fn page(study: &Study, findings: &StudyFindings) -> Result<String, TemplateError
     fill(study.page, &values)
 }
 
+/// What has a bar as a table, and the rest as a list below it.
 fn table(findings: &StudyFindings) -> String {
-    let rows = findings.findings.iter().map(|finding| {
-        let met = match finding.met {
-            None => "",
-            Some(true) => "met",
-            Some(false) => "**not met**",
-        };
-        format!("| {} | {} | {} | {} | {met} |\n", finding.what, finding.published, finding.ours, finding.bar)
+    let (judged, reported): (Vec<_>, Vec<_>) = findings.findings.iter().partition(|of| of.met.is_some());
+    let rows = judged.iter().map(|of| {
+        let met = if of.met == Some(true) { "met" } else { "**not met**" };
+        format!("| {} | {} | {} | {} | {met} |\n", of.what, of.published, of.ours, of.bar)
     });
-    let head = "| what | published | ours | bar | |\n|---|---|---|---|---|\n".to_owned();
-    head + &rows.collect::<String>()
+    let lines = reported.iter().map(|of| match of.published.as_str() {
+        "" => format!("- {}: {}\n", of.what, of.ours),
+        published => format!("- {}: {} (published: {published})\n", of.what, of.ours),
+    });
+    let head = "| what | published | ours | bar | |\n|---|---|---|---|---|\n";
+    format!("{head}{}\n{}", rows.collect::<String>(), lines.collect::<String>())
 }
 
 fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
@@ -59,9 +61,8 @@ fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
     });
     let missed = studies.iter().flat_map(|(study, findings)| {
         let missed = findings.findings.iter().filter(|finding| finding.met == Some(false));
-        missed.map(|of| {
-            format!("- [{}]({}.md): {}: {}, where the bar is {}\n", study.title(), study.name, of.what, of.ours, of.bar)
-        })
+        missed
+            .map(|of| format!("- [{}]({}.md): {}: {} (bar: {})\n", study.title(), study.name, of.what, of.ours, of.bar))
     });
     let missed: String = missed.collect();
     let missed = match missed.as_str() {
@@ -102,6 +103,6 @@ mod tests {
         let text = index(&[(&STUDIES[0], found(true))]).unwrap();
         assert!(text.ends_with("| [REMS: self-heating of a die](rems-self.md) | 1 | 1 |\n"), "{text}");
         let text = index(&[(&STUDIES[0], found(false))]).unwrap();
-        assert!(text.ends_with("(rems-self.md): time: 3 s, where the bar is at most 2 s\n"), "{text}");
+        assert!(text.ends_with("(rems-self.md): time: 3 s (bar: at most 2 s)\n"), "{text}");
     }
 }
