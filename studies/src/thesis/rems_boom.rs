@@ -79,7 +79,7 @@ fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Resu
     let over_air_k = reading_c - experiment.gas_temperature_c;
     findings.reported("mean reading of the dice set to 42 °C", format!("{reading_c:.2} °C"));
     let in_proportion = format!("{} K", brief(17.0 * rise_k / over_air_k));
-    findings.reported("rise in proportion to 17 K of this reading over air", in_proportion);
+    findings.reported("rise for 17 K of this reading over the air", in_proportion);
     let predicted = PredictedRecord::of(model, &record, &[FOUR], &[BOOM])?;
     findings.reported("fit of this run, unseen, by the model of the 20 h", fit(&predicted));
     let mut cool = first_cycle(&experiment);

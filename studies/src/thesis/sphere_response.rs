@@ -103,11 +103,11 @@ fn judge(
     }
     let watts = |case: &StepCase| format!("{:.2} to {:.2} mW", 1e3 * case.response.before, 1e3 * case.response.finally);
     for case in [a, b, b_off] {
-        findings.reported(format!("{}: power of the front part", case.what), watts(case));
+        findings.reported(format!("{}: power", case.what), watts(case));
     }
     for case in [power, current] {
         let celsius = format!("{:.2} to {:.2} °C", case.response.before, case.response.finally);
-        findings.reported(format!("{}: temperature of the front part", case.what), celsius);
+        findings.reported(format!("{}: temperature", case.what), celsius);
     }
     Ok(())
 }
