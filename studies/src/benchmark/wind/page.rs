@@ -20,21 +20,20 @@ pub fn page(all: &[MeasuredSphere]) -> Result<String, TemplateError> {
 fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
     let bands = of.turbulence.first().map_or(&[][..], |first| &first.bands);
     let headings: String = bands.iter().map(|band| format!(" {} to {} Hz |", band.from_hz, band.to_hz)).collect();
-    let cells = |write: &dyn Fn(&ConductanceNoise) -> String| {
-        of.noise_w_k.iter().map(|of| format!(" {} |", write(of))).collect::<String>()
-    };
-    let values: [(&str, &str); 13] = [
+    let noise =
+        |write: &dyn Fn(&ConductanceNoise) -> String| of.noise_w_k.iter().map(write).collect::<Vec<_>>().join(", ");
+    let values: [(&str, &str); 12] = [
         ("title", of.sphere.title),
         ("made_from", &of.made_from),
         (
             "findings",
             &rows(findings(of).findings.iter().map(|finding| {
-                let met = finding.met.map_or("", |met| if met { "met" } else { "**not met**" });
+                let met = if finding.met == Some(true) { "met" } else { "**not met**" };
                 let beside = match finding.published.as_str() {
                     "" => String::new(),
                     beside => format!(" ({beside})"),
                 };
-                format!("{} | {} | {}{beside} | {met}", finding.what, finding.bar, finding.ours)
+                format!("{} | {}{beside} | {}: {met}", finding.what, finding.ours, finding.bar)
             })),
         ),
         ("direction_columns", if of.sphere.whole { " direction rms | worst | linear inverse rms |" } else { "" }),
@@ -74,9 +73,8 @@ fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
                 format!("{} | {}", in_hz(row.mode), bands.collect::<Vec<_>>().join(" | "))
             })),
         ),
-        ("noise_hz", &cells(&|of| of.bandwidth_hz.to_string())),
-        ("noise_rule", &"---|".repeat(of.noise_w_k.len())),
-        ("noise", &cells(&|of| format!("{:.1}", 1e6 * of.sd_w_k))),
+        ("noise_hz", &noise(&|of| of.bandwidth_hz.to_string())),
+        ("noise", &noise(&|of| format!("{:.1}", 1e6 * of.sd_w_k))),
     ];
     fill(include_str!("pages/sphere.md"), &values)
 }
