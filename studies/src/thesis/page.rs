@@ -39,36 +39,29 @@ fn page(study: &Study, findings: &StudyFindings) -> Result<String, TemplateError
     fill(study.page, &values)
 }
 
+/// What has a bar as a table, and the rest as a list below it.
 fn table(findings: &StudyFindings) -> String {
-    let rows = findings.findings.iter().map(|finding| {
-        let met = match finding.met {
-            None => "",
-            Some(true) => "met",
-            Some(false) => "**not met**",
-        };
-        format!("| {} | {} | {} | {} | {met} |\n", finding.what, finding.published, finding.ours, finding.bar)
+    let (judged, reported): (Vec<_>, Vec<_>) = findings.findings.iter().partition(|of| of.met.is_some());
+    let rows = judged.iter().map(|of| {
+        let met = if of.met == Some(true) { "met" } else { "**not met**" };
+        format!("| {} | {} | {} | {}: {met} |\n", of.what, of.published, of.ours, of.bar)
     });
-    let head = "| what | published | ours | bar | |\n|---|---|---|---|---|\n".to_owned();
-    head + &rows.collect::<String>()
+    let lines = reported.iter().map(|of| match of.published.as_str() {
+        "" => format!("- {}: {}\n", of.what, of.ours),
+        published => format!("- {}: {} (published: {published})\n", of.what, of.ours),
+    });
+    let head = "| what | published | ours | bar |\n|---|---|---|---|\n";
+    format!("{head}{}\n{}", rows.collect::<String>(), lines.collect::<String>())
 }
 
 fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
     let scores = studies.iter().map(|(study, findings)| {
         let (bars, met) = findings.score();
-        format!("| [{}]({}.md) | {bars} | {met} |\n", study.title(), study.name)
+        let missed = findings.findings.iter().filter(|of| of.met == Some(false));
+        let missed = missed.map(|of| format!("  - not met: {}: {} (bar: {})\n", of.what, of.ours, of.bar));
+        format!("- [{}]({}.md): {met} of {bars}\n{}", study.title(), study.name, missed.collect::<String>())
     });
-    let missed = studies.iter().flat_map(|(study, findings)| {
-        let missed = findings.findings.iter().filter(|finding| finding.met == Some(false));
-        missed.map(|of| {
-            format!("- [{}]({}.md): {}: {}, where the bar is {}\n", study.title(), study.name, of.what, of.ours, of.bar)
-        })
-    });
-    let missed: String = missed.collect();
-    let missed = match missed.as_str() {
-        "" => String::new(),
-        missed => fill(include_str!("pages/not-met.md"), &[("missed", missed)])?,
-    };
-    fill(include_str!("pages/index.md"), &[("studies", &scores.collect::<String>()), ("missed", &missed)])
+    fill(include_str!("pages/index.md"), &[("studies", &scores.collect::<String>())])
 }
 
 #[cfg(test)]
@@ -100,8 +93,8 @@ mod tests {
             findings
         };
         let text = index(&[(&STUDIES[0], found(true))]).unwrap();
-        assert!(text.ends_with("| [REMS: self-heating of a die](rems-self.md) | 1 | 1 |\n"), "{text}");
+        assert!(text.ends_with("- [REMS: self-heating of a die](rems-self.md): 1 of 1\n"), "{text}");
         let text = index(&[(&STUDIES[0], found(false))]).unwrap();
-        assert!(text.ends_with("(rems-self.md): time: 3 s, where the bar is at most 2 s\n"), "{text}");
+        assert!(text.ends_with("(rems-self.md): 0 of 1\n  - not met: time: 3 s (bar: at most 2 s)\n"), "{text}");
     }
 }

@@ -54,7 +54,8 @@ fn setpoints(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(Model, Vec
     findings.reported("steady gain of the boom", in_unit(gain_k_per_w, "K/W"));
     let predicted = PredictedRecord::of(&model, &record, &[FOUR], &[BOOM])?;
     findings.reported("fit over the 20 h, six rates", fit(&predicted));
-    findings.reported("the same, two free poles", fit(&PredictedRecord::of(&free, &record, &[FOUR], &[BOOM])?));
+    findings
+        .reported("fit over the 20 h, two free poles", fit(&PredictedRecord::of(&free, &record, &[FOUR], &[BOOM])?));
     let chart = symbol_chart("Symbol from the summed power of four dice to the boom")
         .trace(symbol("six rates", pair(&model, FOUR, BOOM)?, &model.classes[0])?)
         .trace(symbol("two free poles", poles, &free.classes[0])?);
@@ -72,25 +73,20 @@ fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Resu
     let (experiment, record) = lab.run("rems-boom-switched")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.near(
-        "rise of the boom in 3 h on, 3 h off, dice at 42 °C, in air of 27 °C, which was chosen so",
-        0.5,
-        (rise_k, "K"),
-        20.0,
-    );
+    findings.near("rise, dice at 42 °C for 3 h on, 3 h off, in air at 27 °C", 0.5, (rise_k, "K"), 20.0);
     let first_on_s = experiment.changes.first().map_or(record.duration_s(), |change| experiment.time_s(change.tick));
     let reading_c = record.mean_temperature_c(FOUR, first_on_s - END_S, first_on_s)?;
     let over_air_k = reading_c - experiment.gas_temperature_c;
-    findings.reported("mean reading of the dice, held at 42 °C by a bit at 10 Hz", format!("{reading_c:.2} °C"));
+    findings.reported("mean reading of the dice set to 42 °C", format!("{reading_c:.2} °C"));
     let in_proportion = format!("{} K", brief(17.0 * rise_k / over_air_k));
-    findings.reported("that rise in proportion to 17 K of this reading over the air", in_proportion);
+    findings.reported("rise for 17 K of this reading over the air", in_proportion);
     let predicted = PredictedRecord::of(model, &record, &[FOUR], &[BOOM])?;
-    findings.reported("fit of that run, predicted by the model of the 20 h", fit(&predicted));
+    findings.reported("fit of this run, unseen, by the model of the 20 h", fit(&predicted));
     let mut cool = first_cycle(&experiment);
     let warm_c = cool.gas_temperature_c;
     (cool.gas_temperature_c, cool.support_temperature_c) = (21.0, 21.0);
     let in_cool_k = on_less_off(&cool, &lab.record(&cool)?, BOOM)?;
-    findings.reported("the same rise in air at 21 °C", in_unit(in_cool_k, "K"));
+    findings.reported("rise in air at 21 °C", in_unit(in_cool_k, "K"));
     findings.fill("gas_c", warm_c.to_string());
     let all = (0.0, record.duration_s());
     Ok(over_hours("Boom, dice at 42 °C on and off", "°C", &record, record.temperature_c(BOOM)?, "measured").trace(
@@ -113,7 +109,7 @@ fn held(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, Stud
         .compared("passive dice, boom held less boom passive", "warm with the boom", format!("{} K", brief(rise_k)))
         .judged("warmer", rise_k > 0.0);
     let boom_k = on_less_off(&experiment, &record, BOOM)?;
-    findings.reported("the boom itself, held less passive", in_unit(boom_k, "K"));
+    findings.reported("the boom, held less passive", in_unit(boom_k, "K"));
     Ok(vec![
         over_hours("Boom, held and not", "°C", &record, record.temperature_c(BOOM)?, ""),
         over_hours("Passive dice, mean of all", "°C", &record, record.temperature_c("dice")?, ""),
@@ -135,7 +131,7 @@ fn heated(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, St
             format!("{} mW/K", brief(slope)),
         )
         .judged("falls", slope < 0.0);
-    findings.reported("their correlation, means over 60 s", format!("{correlation:.2}").replace('-', "−"));
+    findings.reported("correlation of power and boom, means over 60 s", format!("{correlation:.2}").replace('-', "−"));
     let die_w = record.power_w(DICE[0])?;
     let (least, most) = die_w.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), w| (least.min(*w), most.max(*w)));
     let step_mw = 1e3 * (most - least) / (60 * per_second(&experiment)) as f64;

@@ -42,7 +42,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
     let label = &model.classes[0];
     let largest = peak(pair(&model, HEATED, OTHERS[2])?, label, (0.0, f64::INFINITY))?;
     let own = format!("{} Hz ({})", brief(largest.frequency_hz), in_unit(largest.r_k_per_w, "K/W"));
-    findings.reported("largest point of the diagonal die by itself", own);
+    findings.reported("largest point of the diagonal die", own);
     mesh_or_poles(&still, &model, findings)?;
 
     let (_, windy) = lab.run("rems-cross-wind")?;
@@ -80,7 +80,7 @@ fn peaks(model: &Model) -> Result<[Peak; 3], StudyError> {
 fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFindings) -> Result<(), StudyError> {
     let (adjacent, diagonal) = (&model.outputs[0], &model.outputs[2]);
     let fits = format!("{:.1} %, {:.1} %", adjacent.fit_percent, diagonal.fit_percent);
-    findings.reported("fit of seven rates to the record, adjacent and diagonal", fits);
+    findings.reported("fit of seven rates, adjacent and diagonal", fits);
     let free = with_free_poles(still.table(&[HEATED], &[OTHERS[0]], false)?, 4)?;
     let own = pair(&free, HEATED, OTHERS[0])?;
     let class = of(own, &free.classes[0])?;
@@ -89,7 +89,7 @@ fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFinding
         .filter(|(_, r)| r.abs() > 0.1 * most)
         .map(|(rate, r)| format!("{} Hz ({})", brief(rate / TAU), in_unit(*r, "K/W")))
         .collect();
-    findings.reported("large poles of an adjacent die, free of any mesh", poles.join(", "));
+    findings.reported("large free poles of an adjacent die", poles.join(", "));
     let fit = format!("{:.1} %", free.outputs[0].fit_percent);
     findings.reported("fit of four free poles, adjacent", fit);
     Ok(())

@@ -32,9 +32,9 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
     let model = merge(&models)?;
     let predicted = PredictedRecord::of(&model, &together, &DICE, &DICE)?;
     let fit = (predicted.least_fit_percent(), "%");
-    findings.between("fit of the die predicted least well", "matches", fit, (97.0, f64::INFINITY));
+    findings.between("least fit of a die", "matches", fit, (97.0, f64::INFINITY));
     let error = format!("{} mK rms", brief(1e3 * predicted.worst_rmse_k()));
-    findings.reported("its error", error);
+    findings.reported("error of that die", error);
 
     let heating = cross_heating(&model, &together, findings)?;
     let differences = (0..DICE.len()).map(|place| {
@@ -43,12 +43,12 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
     });
     let differences = differences.collect::<Result<Vec<f64>, StudyError>>()?;
     let warmer = format!("{} K", span(&differences));
-    findings.reported("warmer than driven alone, measured", warmer);
+    findings.reported("measured difference to a die alone", warmer);
 
     let thesis = thesis_model(lab)?;
     let coarse = PredictedRecord::of(&thesis, &together, &DICE, &DICE)?;
     let words = format!("{} %, {} mK rms", brief(coarse.least_fit_percent()), brief(1e3 * coarse.worst_rmse_k()));
-    findings.compared("the same with the meshes of the thesis", "matches", words);
+    findings.compared("least fit with the meshes of the thesis", "matches", words);
     findings.picture(
         "REMS: four dice at once",
         [

@@ -52,23 +52,19 @@ fn one(
         Ok((100.0 * found.rms_w / found.mean_w, 100.0 * found.bias_w / found.mean_w, 1e3 * found.mean_w))
     };
     let (rms, bias, mean_mw) = share(&steps.sampled)?;
-    let words = format!("{rms:.2} % rms, {bias:+.2} % in the mean, of {mean_mw:.2} mW");
+    let words = format!("{rms:.2} % rms, {bias:+.2} % mean, of {mean_mw:.2} mW");
     findings
         .compared(format!("measured against predicted power, {place}"), "matches", words)
         .judged(format!("at most {MOST_PERCENT} % rms"), rms <= MOST_PERCENT);
     let (rms, bias, _) = share(&steps.limit)?;
-    findings.reported(
-        format!("the same against the limit of fast sampling, {place}"),
-        format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
-    );
+    findings
+        .reported(format!("against the limit of fast sampling, {place}"), format!("{rms:.2} % rms, {bias:+.2} % mean"));
     let of_mesh = LoopPowers::of(&on_mesh(table()?, mesh)?, &experiment, &held, from_s)?;
     let (rms, bias, _) = share(&of_mesh.sampled)?;
-    findings.reported(
-        format!("the same with the eight rates of the thesis, one-bit rule, {place}"),
-        format!("{rms:.2} % rms, {bias:+.2} % in the mean"),
-    );
+    findings
+        .reported(format!("with the eight rates of the thesis, {place}"), format!("{rms:.2} % rms, {bias:+.2} % mean"));
     let mean_c = held.mean_temperature_c(DIE, from_s.max(20.0), experiment.duration_s())?;
-    findings.reported(format!("mean reading at a set-point of 42 °C, {place}"), format!("{mean_c:.2} °C"));
+    findings.reported(format!("mean reading, {place}"), format!("{mean_c:.2} °C"));
     findings.reported(
         format!("offset of the model over the air, {place}"),
         format!("{:.2} K", model.offset_c - experiment.gas_temperature_c),

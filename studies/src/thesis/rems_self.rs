@@ -92,7 +92,7 @@ fn wind(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyErro
             format!("{worst:.0} %"),
         )
         .judged("under 10 %", worst < 10.0);
-    findings.reported("the same among points of the mesh", format!("{on_mesh:.0} %"));
+    findings.reported("largest change of another point of the mesh, of the peak's", format!("{on_mesh:.0} %"));
     Ok(chart)
 }
 

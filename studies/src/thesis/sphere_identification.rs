@@ -217,11 +217,11 @@ fn judge(findings: &mut StudyFindings, spheres: &[IdentifiedSphere]) {
             100.0 * most / analysis.steady_gain_k_per_w
         };
         let least = of.winds.iter().map(|wind| share(&wind.together)).fold(f64::INFINITY, f64::min);
-        let what = format!("{letter}: largest pole's share in the steady gain, least of the winds");
+        let what = format!("{letter}: largest pole's least share in the steady gain");
         findings.reported(what, format!("{} %", brief(least)));
         if let Some((rate, weight)) = slowest(&of.fastest().front.analysis) {
             let words = format!("{} s, weight {} %", brief(1.0 / rate), brief(100.0 * weight));
-            findings.reported(format!("{letter}: slowest zero of the front part under equal powers, 6 m/s"), words);
+            findings.reported(format!("{letter}: slowest zero of the front part, 6 m/s"), words);
         }
     }
 }
@@ -250,22 +250,22 @@ fn predicted(findings: &mut StudyFindings, of: &IdentifiedSphere, measured: &Ste
     let (letter, wind) = (of.sphere.letter, of.fastest());
     let Some((rate, _)) = slowest(&wind.together.analysis) else { return };
     let sampled = of_one_bit(&wind.together.points, rate, period_s);
+    let mut times: [Vec<String>; 3] = Default::default();
     for share in SHARES {
-        let (limit_s, own_s) = ((100.0 / share).ln() / rate, (100.0 / share).ln() / sampled);
-        let what = format!(
-            "{letter}: time to {share} % after a step to {}: in the limit, with a bit each {} ms, measured",
-            wind.label,
-            1e3 * period_s
-        );
-        let (limit, own) = (brief(limit_s), brief(own_s));
-        let seen = match measured.settled_s(share) {
-            Some(time_s) => {
-                format!("{limit} s, {own} s ({:+.0} %), {} s", 100.0 * (own_s / time_s - 1.0), brief(time_s))
-            }
-            None => format!("{limit} s, {own} s, not in this run"),
-        };
-        findings.reported(what, seen);
+        let constants = (100.0 / share).ln();
+        let (own_s, seen_s) = (constants / sampled, measured.settled_s(share));
+        times[0].push(brief(constants / rate));
+        times[1].push(match seen_s {
+            Some(seen_s) => format!("{} ({:+.0} %)", brief(own_s), 100.0 * (own_s / seen_s - 1.0)),
+            None => brief(own_s),
+        });
+        times[2].push(seen_s.map_or("not in this run".to_owned(), brief));
     }
+    let [limit, own, seen] = times.map(|of| of.join(", "));
+    findings.reported(
+        format!("{letter}: times to 10, 5 and 2 %"),
+        format!("limit {limit} s, bit each {} ms {own} s, measured {seen} s", 1e3 * period_s),
+    );
 }
 
 #[cfg(test)]

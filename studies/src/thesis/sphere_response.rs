@@ -91,13 +91,10 @@ fn judge(
     findings.between("A: time to 2 % of the change", tail, (settled(a)?, "s"), (TAIL_S, f64::INFINITY));
     for (case, long) in [(b, b_long), (b_off, b_off_long)] {
         let most = case.response.most_missing_after(1.0);
-        let what = format!("{}: most that is missing after 1 s", case.what);
+        let what = format!("{}: most missing after 1 s", case.what);
         findings.between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT));
         let what = format!("{}: missing from 1 to 11 s, of what comes in 15 min", case.what);
         findings.between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
-    }
-    for case in [b, b_off] {
-        findings.reported(format!("{}: time to 2 %", case.what), format!("{} s", brief(settled(case)?)));
     }
     for (open, closed) in [(power, b), (current, b_off)] {
         let factor = settled(open)? / settled(closed)?;
@@ -106,11 +103,11 @@ fn judge(
     }
     let watts = |case: &StepCase| format!("{:.2} to {:.2} mW", 1e3 * case.response.before, 1e3 * case.response.finally);
     for case in [a, b, b_off] {
-        findings.reported(format!("{}: power of the front part", case.what), watts(case));
+        findings.reported(format!("{}: power", case.what), watts(case));
     }
     for case in [power, current] {
         let celsius = format!("{:.2} to {:.2} °C", case.response.before, case.response.finally);
-        findings.reported(format!("{}: temperature of the front part", case.what), celsius);
+        findings.reported(format!("{}: temperature", case.what), celsius);
     }
     Ok(())
 }
@@ -119,10 +116,10 @@ fn table(cases: &[StepCase]) -> String {
     let mut text = String::new();
     for case in cases {
         let times = SHARES.map(|share| match case.response.settled_s(share) {
-            Some(time_s) => format!("{} s", brief(time_s)),
+            Some(time_s) => brief(time_s),
             None => "not in this run".to_owned(),
         });
-        text += &format!("| {} | {} | {:.2} % |\n", case.what, times.join(" | "), case.response.noise);
+        text += &format!("| {} | {} | {:.2} |\n", case.what, times.join(" | "), case.response.noise);
     }
     text.trim_end().to_owned()
 }
