@@ -68,7 +68,6 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
         [Trace::line(format!("to {to}"), curve).colour(colour), Trace::dashed("", end).colour(colour)]
     });
     let chart = Chart::new(format!("Power after {} gives way", analysis.label), "W")
-        .y_title("Heating power")
         .x(Scale::Log, "s")
         .traces(lines)
         .note(format!("dashed: where it ends{note}"));
@@ -121,7 +120,6 @@ pub fn prediction_figure(
         let powers =
             |value: fn(&DecimatedRow) -> f64| of.powers.iter().map(|row| (row.0, factor * value(row))).collect();
         let power = Chart::new(format!("Power of {}", of.name), unit)
-            .y_title("Heating power")
             .note("decimated")
             .trace(Trace::line(what, powers(|row| row.2)).colour(7).width(1.6))
             .trace(Trace::line("predicted", powers(|row| row.1)).colour(0));
@@ -153,10 +151,7 @@ impl PredictedCharts<'_> {
         };
         let held: Vec<(f64, f64)> =
             self.target_c.iter().enumerate().step_by(every).map(|(n, c)| (n as f64 * sample_period_s, *c)).collect();
-        let chart = Chart::new(format!("Temperature of {}", self.name), "°C")
-            .y_title("Temperature")
-            .height(25.0)
-            .note("set-point dashed");
+        let chart = Chart::new(format!("Temperature of {}", self.name), "°C").height(25.0).note("set-point dashed");
         // On the way to the first set-point it goes through all that it can.
         let arrived = [taken, own].into_iter().flatten().map(|of| arrival(of, self.target_c)).max().unwrap_or(0);
         let shown: Vec<f64> =

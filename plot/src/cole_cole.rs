@@ -32,6 +32,7 @@ pub fn spectrum_charts(comparison: &ColeColeComparison) -> Vec<Chart> {
         .trace(Trace::line("exact", exact).colour(6))
         .trace(Trace::points("identified", found).errors(bars).colour(0));
     let relative = Chart::new("Relative error of the spectrum", "%")
+        .y_title("Relative error")
         .x(Scale::Log, "rad/s")
         .limit(0.0)
         .trace(Trace::stems("interior rates", errors(true)).colour(0))
@@ -55,6 +56,7 @@ pub fn output_charts(model: &Model, case: &ColeColeCase, input: ColeColeInput) -
     let output = |caption: &str, to: usize| {
         let measured = (case.output != case.clean).then(|| line("measured", &case.output[..to]).colour(7));
         Chart::new(caption, "")
+            .y_title("Output")
             .x(scale, "s")
             .traces(measured)
             .trace(line("exact", &case.clean[..to]).colour(6))
@@ -67,6 +69,6 @@ pub fn output_charts(model: &Model, case: &ColeColeCase, input: ColeColeInput) -
         charts.push(output("Output, first minute", minute));
     }
     let error = line("", &error).colour(4);
-    charts.push(Chart::new("Model less exact output", "").x(scale, "s").limit(0.0).trace(error));
+    charts.push(Chart::new("Model less exact output", "").y_title("Difference").x(scale, "s").limit(0.0).trace(error));
     charts
 }

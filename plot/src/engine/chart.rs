@@ -157,7 +157,9 @@ impl Chart {
         &self.caption
     }
 
-    /// The quantity of the y axis, whose title is "Temperature (°C)"; the caption if not called.
+    /// The quantity of the y axis, whose title is "Temperature (°C)". If not called it is that of
+    /// the unit: °C are of a temperature, K/W of a thermal resistance, W and mW of a heating power;
+    /// and the caption with any other unit.
     pub fn y_title(mut self, quantity: impl Into<String>) -> Self {
         self.y_quantity = Some(quantity.into());
         self
@@ -171,7 +173,12 @@ impl Chart {
     }
 
     pub(crate) fn y_name(&self) -> &str {
-        self.y_quantity.as_deref().unwrap_or(&self.caption)
+        self.y_quantity.as_deref().unwrap_or(match self.unit.as_str() {
+            "°C" => "Temperature",
+            "K/W" => "Thermal resistance",
+            "W" | "mW" => "Heating power",
+            _ => &self.caption,
+        })
     }
 
     pub(crate) fn x_name(&self) -> &str {

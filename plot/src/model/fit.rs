@@ -130,15 +130,12 @@ impl FitSeries {
     /// Measured and predicted, then what is left, over the ground of the event classes.
     pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
-        let mut fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
+        let fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
             .height(30.0)
-            .notes(self.fit_percent().map(|percent| format!("fit {} %", brief(percent))))
+            .notes(self.fit_percent().map(|percent| format!("fit {percent:.2} %")))
             .trace(Trace::bins("measured", self.bins(0)).colour(7).width(1.6))
             .trace(Trace::bins("predicted", self.bins(1)).colour(0).width(0.7));
         let residuals = self.bins(2);
-        if self.unit == "°C" {
-            fit = fit.y_title("Temperature");
-        }
         let mut left = Chart::new("Residuals", left_unit)
             .height(20.0)
             .notes(self.rms().map(|rms| format!("rms {}", with_unit(rms, left_unit))))

@@ -126,6 +126,7 @@ fn difference(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart
     let left: Vec<f64> = measured.iter().zip(&predicted.temperature_c[0]).map(|(a, b)| 1e3 * (a - b)).collect();
     let all = (0.0, record.duration_s());
     Ok(Chart::new("Measured less predicted", "mK")
+        .y_title("Difference")
         .note("the whole hour")
         .x(Scale::Linear, "min")
         .height(22.0)

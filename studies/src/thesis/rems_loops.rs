@@ -114,6 +114,7 @@ impl LoopPowers {
             .trace(Trace::dashed("predicted, one-bit rule", milli(|row| row.1)))
             .trace(Trace::line("predicted, limit of fast sampling", limit));
         let off = Chart::new("Measured less predicted", "mW")
+            .y_title("Difference")
             .height(22.0)
             .note("only what is compared")
             .trace(Trace::line("", milli(|row| if row.3 { row.2 - row.1 } else { f64::NAN })));
