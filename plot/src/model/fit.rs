@@ -130,7 +130,7 @@ impl FitSeries {
     /// Measured and predicted, then what is left, over the ground of the event classes.
     pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
-        let fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
+        let mut fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
             .height(30.0)
             .notes(self.fit_percent().map(|percent| format!("fit {percent:.2} %")))
             .trace(Trace::bins("measured", self.bins(0)).colour(7).width(1.6))
