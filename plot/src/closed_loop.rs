@@ -110,9 +110,10 @@ pub fn prediction_figure(
     let (factor, unit) = if greatest_w < 0.5 { (1e3, "mW") } else { (1.0, "W") };
     let mut figure =
         Figure::new(title).subtitle("predicted in the limit of fast sampling, from a model of the open loop");
-    // The first panel of an element names the winds.
+    let end_s = elements.iter().map(|of| of.target_c.len() as f64 * sample_period_s).fold(0.0, f64::max);
+    // The first panel of an element names the winds. All show the same time.
     let with_winds = |chart: Chart, named: bool| {
-        winds.iter().fold(chart, |chart, (from_s, to_s, number, label)| {
+        winds.iter().fold(chart.x_range(0.0, end_s), |chart, (from_s, to_s, number, label)| {
             chart.shading(*from_s, *to_s, *number, if named { label.as_str() } else { "" })
         })
     };
