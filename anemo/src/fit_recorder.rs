@@ -20,7 +20,7 @@ pub struct FitRecorder {
 impl FitRecorder {
     /// The file is tried at once.
     pub fn new(picture: &PictureArguments, survey: &Survey) -> Result<Self, Failure> {
-        let unit = |name: &String| if name.starts_with("temperature_c") { "°C" } else { "" };
+        let unit = |name: &String| recording::stated_unit(name).unwrap_or_default().to_owned();
         Ok(Self {
             canvas: picture.canvas()?,
             series: survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect(),

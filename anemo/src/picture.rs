@@ -15,6 +15,9 @@ pub struct PictureArguments {
     /// one. Type keeps its size.
     #[arg(long, value_name = "MM", requires = "plot", allow_negative_numbers = true)]
     plot_width: Option<PictureWidth>,
+    /// Draw only the panels whose captions begin so.
+    #[arg(long, value_name = "CAPTION", requires = "plot", num_args = 1.., action = clap::ArgAction::Append)]
+    plot_panel: Vec<String>,
 }
 
 impl PictureArguments {
@@ -31,6 +34,7 @@ impl PictureArguments {
 
     /// A picture in a file of another name.
     pub fn canvas_in(&self, path: &Path) -> Result<Canvas, Failure> {
-        Canvas::with(path, PictureOptions { width: self.plot_width, format: None }).map_err(Failure::usage)
+        let options = PictureOptions { width: self.plot_width, format: None, panels: self.plot_panel.clone() };
+        Canvas::with(path, options).map_err(Failure::usage)
     }
 }

@@ -13,7 +13,8 @@ use plot::{PictureFormat, PictureOptions, PictureWidth, TimeCrop};
 Examples:
   anemo plot gusts.parquet -o gusts.svg
   anemo plot gusts.parquet -o gust.pdf --width 88 --from 20 --to 40
-  anemo plot sector1.json -o sector1.png")]
+  anemo plot sector1.json -o sector1.png
+  anemo plot sector1.json -o bode.pdf --width 88 --panel magnitude phase")]
 pub struct Arguments {
     /// The recording, a .parquet or .csv file, or the model, a .json file.
     #[arg(value_name = "FILE")]
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// Format of the picture, whatever its name ends in.
     #[arg(long, value_parser = choice([("svg", "", PictureFormat::Svg), ("pdf", "", PictureFormat::Pdf), ("png", "300 dots an inch", PictureFormat::Png)]))]
     format: Option<PictureFormat>,
+    /// Draw only the panels whose captions begin so: magnitude, phase.
+    #[arg(long, value_name = "CAPTION", num_args = 1.., action = clap::ArgAction::Append)]
+    panel: Vec<String>,
     /// Draw a recording from this time on, s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     from: Option<f64>,
@@ -42,7 +46,8 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     finite(&[("--from", arguments.from), ("--to", arguments.to)])?;
     keep(&[&arguments.file], &[Some(&arguments.output)])?;
-    let options = PictureOptions { width: arguments.width, format: arguments.format };
+    let panels = arguments.panel.clone();
+    let options = PictureOptions { width: arguments.width, format: arguments.format, panels };
     let crop = TimeCrop { from_s: arguments.from, to_s: arguments.to };
     let report = plot::draw_file(&arguments.file, &arguments.output, options, crop).map_err(Failure::usage)?;
     print_report(&report, arguments.json)

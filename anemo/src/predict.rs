@@ -119,7 +119,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(canvas) = canvas {
         let what = if taken.is_some() { "recorded" } else { "one-bit rule" };
-        let elements = prediction.elements.iter().zip(&powers);
+        // Of elements that no loop holds nothing is predicted but their temperature.
+        let any = prediction.elements.iter().any(|of| of.regulated);
+        let elements = prediction.elements.iter().zip(&powers).filter(|(of, _)| of.regulated || !any);
         let charts = elements.map(|(of, decimated)| PredictedCharts {
             name: &of.name,
             powers: &decimated.rows,

@@ -13,19 +13,21 @@ use diffusive::model::Model;
 use recording::{Recording, Temporary};
 
 /// What a picture's file is beside its name.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct PictureOptions {
     /// Its width on paper; a figure's own if none.
     pub width: Option<PictureWidth>,
     /// Its format; that of the file's extension if none.
     pub format: Option<PictureFormat>,
+    /// Beginnings of the captions of its panels; all of them if none.
+    pub panels: Vec<String>,
 }
 
 /// A picture that is going to be drawn: its file can be written, and appears when it is complete.
 pub struct Canvas {
     path: PathBuf,
     format: PictureFormat,
-    width: Option<PictureWidth>,
+    options: PictureOptions,
     temporary: Temporary,
     file: std::fs::File,
 }
@@ -47,16 +49,20 @@ impl Canvas {
         let format = options.format.map_or_else(|| PictureFormat::of(path), Ok)?;
         let failed = |error: std::io::Error| PlotError::Io { path: path.to_owned(), reason: error.to_string() };
         let (temporary, file) = Temporary::create(path).map_err(failed)?;
-        Ok(Self { path: path.to_owned(), format, width: options.width, temporary, file })
+        Ok(Self { path: path.to_owned(), format, options, temporary, file })
     }
 
     /// Draws a figure.
     ///
     /// # Errors
-    /// If the file cannot be written; what was there before is still there.
+    /// If the figure has no such panel, or the file cannot be written; what was there before is
+    /// still there.
     pub fn draw(mut self, figure: &Figure) -> Result<(), PlotError> {
-        let svg = self.width.map_or_else(|| figure.svg(), |width| figure.clone().at(width).svg());
-        let content = self.format.encode(svg)?;
+        let mut figure = figure.clone().only(&self.options.panels)?;
+        if let Some(width) = self.options.width {
+            figure = figure.at(width);
+        }
+        let content = self.format.encode(figure.svg())?;
         let written = self.file.write_all(&content).and_then(|()| self.temporary.keep());
         written.map_err(|error| PlotError::Io { path: self.path, reason: error.to_string() })
     }

@@ -17,6 +17,14 @@ pub enum PlotError {
     /// PDF or PNG cannot be made of a figure.
     #[error("the picture cannot be converted: {0}")]
     Encoding(String),
+    /// No panel's caption begins so.
+    #[error("the picture has no panel `{name}`; it has `{panels}`")]
+    Panel {
+        /// The name that was given.
+        name: String,
+        /// Captions of the panels that there are.
+        panels: String,
+    },
     /// There is no row between the times that were requested.
     #[error("{}: has no row between these times; it lasts from {first_s} s to {last_s} s", path.display())]
     Crop {

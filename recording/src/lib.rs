@@ -75,7 +75,7 @@ pub use file_format::check_name;
 pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
-    STATE, TEMPERATURE, TIME, TRUE_WIND, column_name, element_of, in_columns, shared_column,
+    STATE, TEMPERATURE, TIME, TRUE_WIND, column_name, element_of, in_columns, shared_column, stated_unit,
 };
 pub use reader::RecordingReader;
 pub use recording::Recording;

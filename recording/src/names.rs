@@ -33,6 +33,9 @@ pub const RAW_CONDUCTANCE: &str = "raw_w_k_";
 /// Quantities that stand before an element's name.
 pub(crate) const QUANTITIES: [&str; 6] = [TEMPERATURE, POWER, EQUIVALENT_POWER, HEATER, CONDUCTANCE, RAW_CONDUCTANCE];
 
+/// More characters in brackets are a remark, and no unit.
+const MOST_UNIT: usize = 8;
+
 /// Name of the element that measures the gas beside the head.
 pub const REFERENCE: &str = "reference";
 
@@ -49,6 +52,22 @@ pub fn column_name(quantity: &str, element: &str) -> String {
 /// The element that a column belongs to: `sector1` of `power_w_sector1`, none of `time_s`.
 pub fn element_of(column: &str) -> Option<&str> {
     QUANTITIES.iter().find_map(|quantity| column.strip_prefix(quantity)).filter(|element| !element.is_empty())
+}
+
+/// The unit that a column's name states: that of a recording's temperatures and powers, of an
+/// element or not (`power_w`, `temperature_c_probe`), or one in brackets at the end, as loggers
+/// write it (`Heater [mW]`, `T1 (°C)`).
+pub fn stated_unit(column: &str) -> Option<&str> {
+    for (quantity, unit) in [(TEMPERATURE, "°C"), (POWER, "W"), (EQUIVALENT_POWER, "W")] {
+        if column.starts_with(quantity) || quantity.strip_suffix('_') == Some(column) {
+            return Some(unit);
+        }
+    }
+    let (_, unit) = column.strip_suffix([')', ']'])?.rsplit_once(['(', '['])?;
+    match unit.trim() {
+        "C" | "degC" | "deg C" => Some("°C"),
+        unit => Some(unit).filter(|unit| !unit.is_empty() && unit.chars().count() <= MOST_UNIT),
+    }
 }
 
 /// A sentence that names two elements that would share a column, if there are such.

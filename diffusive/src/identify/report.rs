@@ -6,7 +6,7 @@ use std::path::Path;
 use recording::text::{brief, estimate};
 use serde::Serialize;
 
-use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, Pair};
+use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, Pair, gain_unit};
 
 /// Tables of resistances that are read; more than that are a file's matter.
 const MOST_TABLES: usize = 6;
@@ -98,7 +98,8 @@ fn steady_gain(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, c
 
 fn resistances(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, class: &Class) -> fmt::Result {
     writeln!(f, "\n{}", subject(model, pair, label))?;
-    writeln!(f, "  {:>11} {:>11}   R ± standard error", "rate rad/s", "1/rate s")?;
+    let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(" {unit}"));
+    writeln!(f, "  {:>11} {:>11}   R{unit} ± standard error", "rate rad/s", "1/rate s")?;
     let rows = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
     for (k, ((rate, resistance), se)) in rows.enumerate() {
         let fitted = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k));

@@ -13,6 +13,7 @@ pub mod paint_axes;
 pub mod pen;
 pub mod reduce;
 pub mod scaled;
+pub mod selection;
 pub mod svg;
 pub mod trace;
 pub mod type_face;

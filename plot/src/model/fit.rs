@@ -194,11 +194,14 @@ fn autocorrelation(name: &str, whiteness: &Whiteness, rows: u64) -> Chart {
         .trace(Trace::stems("", lags.map(|(i, &rho)| ((i + 1) as f64, rho)).collect()).painted(INK))
 }
 
-/// A size with its unit, in thousandths where that reads better.
+/// A size with its unit, if it has one: in thousandths where that reads better.
 fn with_unit(value: f64, name: &str) -> String {
+    if name.is_empty() {
+        return brief(value);
+    }
     let exponent = if value > 0.0 { (value.log10() / 3.0).floor() as i32 * 3 } else { 0 };
     let exponent = if (-9..0).contains(&exponent) { exponent } else { 0 };
-    format!("{} {}", brief(value / 10_f64.powi(exponent)), unit(name, exponent)).trim_end().to_owned()
+    format!("{} {}", brief(value / 10_f64.powi(exponent)), unit(name, exponent))
 }
 
 #[cfg(test)]
@@ -272,6 +275,6 @@ mod tests {
         assert_eq!(with_unit(0.0049, "K"), "4.9 mK");
         assert_eq!(with_unit(2.5, "K"), "2.5 K");
         assert_eq!(with_unit(0.0, "V"), "0 V");
-        assert_eq!(with_unit(0.0049, ""), "4.9 10⁻³");
+        assert_eq!(with_unit(0.0049, ""), "0.0049");
     }
 }

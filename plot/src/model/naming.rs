@@ -10,11 +10,11 @@ pub const CURVES: usize = 8;
 
 /// The unit of the gains of the pairs that lead to an output.
 pub fn gain_unit(model: &Model, output: &str) -> String {
+    if let Some(unit) = diffusive::model::gain_unit(model, output) {
+        return unit;
+    }
     let inputs: Vec<&str> =
         model.pairs.iter().filter(|pair| pair.output == output).map(|pair| pair.input.as_str()).collect();
-    if output.starts_with("temperature_c") && inputs.iter().all(|input| input.starts_with("power_w")) {
-        return "K/W".to_owned();
-    }
     let input = if let [input] = inputs.as_slice() { shortened(input, 7.0, 60.0) } else { "the input".to_owned() };
     format!("unit of {} / unit of {input}", shortened(output, 7.0, 60.0))
 }

@@ -1,0 +1,47 @@
+//! The unit of a model's resistances, as far as the names of its columns state it.
+
+use super::content::Model;
+use recording::stated_unit;
+
+/// The unit of the resistances from all inputs to an output: K/W of a temperature in °C and powers
+/// in W. `None` if a name states no unit, or two inputs have different ones.
+pub fn gain_unit(model: &Model, output: &str) -> Option<String> {
+    let mut inputs = model.pairs.iter().filter(|pair| pair.output == output).map(|pair| stated_unit(&pair.input));
+    let input = inputs.next()??;
+    // A rise of temperature is in K.
+    let rise = match stated_unit(output)? {
+        "°C" => "K",
+        other => other,
+    };
+    inputs.all(|other| other == Some(input)).then(|| format!("{rise}/{input}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::testing;
+
+    #[test]
+    fn names_of_columns_state_the_unit_or_nothing_does() {
+        let unit = |input: &str, output: &str| {
+            let mut model = testing::model(&[1.0], &[2.0]);
+            (model.pairs[0].input, model.pairs[0].output) = (input.to_owned(), output.to_owned());
+            gain_unit(&model, output)
+        };
+        assert_eq!(unit("power_w", "temperature_c").as_deref(), Some("K/W"));
+        assert_eq!(unit("Heizleistung [mW]", "Temperatur (degC)").as_deref(), Some("K/mW"));
+        assert_eq!(unit("Heater (W)", "Bridge (V)").as_deref(), Some("V/W"));
+        for (input, output) in [("heater", "temperature_c"), ("power_w", "T"), ("power_w", "T (at the far end)")] {
+            assert_eq!(unit(input, output), None, "{input}, {output}");
+        }
+    }
+
+    #[test]
+    fn inputs_of_two_units_have_no_common_one() {
+        let mut model = testing::model(&[1.0], &[2.0]);
+        let mut other = model.pairs[0].clone();
+        other.input = "current_ma (mA)".to_owned();
+        model.pairs.push(other);
+        assert_eq!(gain_unit(&model, &model.pairs[0].output), None);
+    }
+}
