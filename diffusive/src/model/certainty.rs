@@ -15,6 +15,9 @@ use nalgebra::Complex;
 
 use super::content::{Class, Model, Pair, Structure};
 
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub const NORMAL_95: f64 = 1.96;
+
 /// A frequency response at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponseError {
