@@ -26,10 +26,12 @@
 //! | [`calibrate`] | from readings in known winds to a calibrated head |
 //! | [`wind`] | wind estimates of a recording, and their errors |
 //! | [`gas`], [`gas_law`] | properties of carbon dioxide and air, and as polynomials for the board |
+//! | [`vector`] | scalar product, length, angle |
 
 pub mod calibrate;
 pub mod gas;
 pub mod gas_law;
 pub mod head;
 pub mod network;
+pub mod vector;
 pub mod wind;

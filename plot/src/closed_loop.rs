@@ -2,9 +2,10 @@
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::{Chart, Figure};
+use crate::engine::extent::extent;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
-use crate::engine::words::brief;
+use crate::engine::words::{brief, power_unit};
 use diffusive::predict::analysis::Analysis;
 use diffusive::predict::compare::DecimatedRow;
 use diffusive::predict::disturbance::WindChange;
@@ -76,8 +77,8 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
 
 /// Those levels that lie within what curves reach.
 fn within(levels: &[f64], curves: &[&Vec<(f64, f64)>]) -> Vec<f64> {
-    let values = || curves.iter().flat_map(|curve| curve.iter().map(|(_, value)| *value));
-    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let values = curves.iter().flat_map(|curve| curve.iter().map(|(_, value)| *value));
+    let Some((least, most)) = extent(values) else { return Vec::new() };
     levels.iter().copied().filter(|level| least < *level && *level < most).collect()
 }
 
@@ -107,7 +108,7 @@ pub fn prediction_figure(
     let all = || elements.iter().flat_map(|of| of.powers);
     let greatest_w = all().flat_map(|row| [row.1, row.2]).fold(0.0, f64::max);
     // One unit for all panels.
-    let (factor, unit) = if greatest_w < 0.5 { (1e3, "mW") } else { (1.0, "W") };
+    let (factor, unit) = power_unit(greatest_w);
     let mut figure =
         Figure::new(title).subtitle("predicted in the limit of fast sampling, from a model of the open loop");
     let end_s = elements.iter().map(|of| of.target_c.len() as f64 * sample_period_s).fold(0.0, f64::max);
@@ -169,13 +170,32 @@ impl PredictedCharts<'_> {
 
 /// The tick at which a temperature has first reached its set-point; 0 if it never does.
 fn arrival(temperature_c: &[f64], target_c: &[f64]) -> usize {
-    let (Some(first), Some(target)) = (temperature_c.first(), target_c.first()) else { return 0 };
+    if target_c.first().is_none_or(|target| target.is_nan()) {
+        return 0;
+    }
+    // Readings at the start may be missing.
+    let Some(first) = temperature_c.iter().find(|now| now.is_finite()) else { return 0 };
     let is_there = |(now, target): (&f64, &f64)| if first < target { now >= target } else { now <= target };
-    if target.is_nan() { 0 } else { temperature_c.iter().zip(target_c).position(is_there).unwrap_or(0) }
+    temperature_c.iter().zip(target_c).position(is_there).unwrap_or(0)
 }
 
 /// With a capital at its beginning.
 fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warm_up_ends_at_the_set_point_whatever_is_missing_before() {
+        let target_c = [-20.0; 5];
+        assert_eq!(arrival(&[-50.0, -40.0, -30.0, -20.0, -20.1], &target_c), 3);
+        assert_eq!(arrival(&[f64::NAN, -40.0, -30.0, -20.0, -20.1], &target_c), 3);
+        assert_eq!(arrival(&[0.0, -10.0, -21.0, -20.0, -20.1], &target_c), 2);
+        assert_eq!((arrival(&[-50.0; 5], &target_c), arrival(&[f64::NAN; 5], &target_c), arrival(&[], &[])), (0, 0, 0));
+        assert_eq!(arrival(&[-50.0, -40.0], &[f64::NAN, -45.0]), 0);
+    }
 }

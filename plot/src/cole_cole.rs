@@ -3,6 +3,7 @@
 
 use diffusive::identify::cole_cole::{ColeColeCase, ColeColeComparison, ColeColeInput, predicted, symbol};
 use diffusive::model::Model;
+use diffusive::model::certainty::NORMAL_95;
 
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
@@ -18,8 +19,7 @@ pub fn spectrum_charts(comparison: &ColeColeComparison) -> Vec<Chart> {
     let exact = (0..=200).map(|n| first.rate_rad_s * (decades * f64::from(n) / 200.0).exp());
     let exact = exact.map(|rate| (rate, symbol(rate))).collect();
     let found = values.iter().map(|value| (value.rate_rad_s, value.identified)).collect();
-    // 95 % of a normal distribution.
-    let bars = values.iter().map(|value| 1.96 * value.se).collect();
+    let bars = values.iter().map(|value| NORMAL_95 * value.se).collect();
     let errors = |interior: bool| {
         let some = values.iter().filter(|value| value.interior == interior);
         some.map(|value| (value.rate_rad_s, 100.0 * value.relative_error)).collect()

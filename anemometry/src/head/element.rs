@@ -8,6 +8,7 @@ use dr_core::sensor::{Channel, Level, Platinum};
 
 use super::nominal::{NominalElement, PlatinumKind};
 use super::table::ElementTable;
+use crate::vector::length;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
@@ -171,7 +172,7 @@ fn characteristic(kind: PlatinumKind) -> Result<Platinum, ConfigError> {
 fn normal(source: &TomlSource, key: &str, normal: Option<[f64; 3]>) -> Result<Option<[f64; 3]>, FileError> {
     let key = format!("{key}.normal");
     let Some(normal) = normal else { return Ok(None) };
-    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = length(normal);
     if !(length.is_finite() && length > 1e-9) {
         return Err(source.refuse(&key, "is no direction: three finite numbers that are not all 0 belong here"));
     }

@@ -9,6 +9,8 @@
 use dr_core::wind::QualityFlags;
 use wire::WindSample;
 
+use crate::vector::{across, angle_deg, length};
+
 /// Winds slower than this have no direction to speak of, and no relative speed, m/s.
 pub const SLOWEST_M_S: f64 = 0.3;
 
@@ -73,13 +75,7 @@ impl WindComparison {
 
     /// Compares an estimate; `axes` are those of the surfaces, outward.
     pub fn add(&mut self, estimate: &WindSample, axes: &[[f64; 3]], truth_m_s: [f64; 3]) {
-        let truth_m_s = match self.plane {
-            Some(normal) => {
-                let share = (0..3).map(|k| truth_m_s[k] * normal[k]).sum::<f64>() / length(normal).powi(2);
-                std::array::from_fn(|k| truth_m_s[k] - share * normal[k])
-            }
-            None => truth_m_s,
-        };
+        let truth_m_s = self.plane.map_or(truth_m_s, |normal| across(truth_m_s, normal));
         let speed_m_s = length(truth_m_s);
         if speed_m_s < SLOWEST_M_S {
             return;
@@ -110,18 +106,6 @@ fn linear(estimate: &WindSample, axes: &[[f64; 3]]) -> [f64; 3] {
         }
     }
     sum
-}
-
-/// Euclidean norm.
-pub fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
-
-/// Angle between two vectors, °.
-pub fn angle_deg(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    length(cross).atan2(dot).to_degrees()
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use crate::model::Whiteness;
+use crate::model::certainty::NORMAL_95;
 
 /// Lags of the autocorrelation.
 pub const LAGS: usize = 40;
@@ -112,7 +113,7 @@ impl Residuals {
         let q = n * (n + 2.0) * terms.sum::<f64>();
         let p_value = ChiSquared::new(LAGS as f64).map_or(f64::NAN, |law| law.sf(q));
         // Up to the first lag at which the correlation is lost in chance.
-        let chance = 1.96 / n.sqrt();
+        let chance = NORMAL_95 / n.sqrt();
         let sum: f64 = autocorrelation.iter().take_while(|rho| **rho > chance).sum();
         Some(Whiteness { autocorrelation, q, p_value, inflation: (1.0 + 2.0 * sum).sqrt() })
     }

@@ -15,6 +15,9 @@ use nalgebra::Complex;
 
 use super::content::{Class, Model, Pair, Structure};
 
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub const NORMAL_95: f64 = 1.96;
+
 /// A frequency response at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponseError {
@@ -27,8 +30,8 @@ pub struct ResponseError {
 /// Standard errors of a pair's response in the class called `label`; `None` where the covariance is
 /// not known, as for the wind of structure `conductance`.
 pub fn response_error(model: &Model, pair: &Pair, label: &str, omega_rad_s: f64) -> Option<ResponseError> {
-    let is_wind = |model: &Model| model.wind.as_ref().is_some_and(|wind| wind.reference != label);
-    if model.structure == Structure::Conductance && is_wind(model) {
+    let is_wind = model.wind.as_ref().is_some_and(|wind| wind.reference != label);
+    if model.structure == Structure::Conductance && is_wind {
         return None;
     }
     let class = pair.classes.get(label)?;

@@ -7,9 +7,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::tunnel::{Tunnel, directions, speeds};
-use anemometry::calibrate::{
-    ComparisonSummary, Scheme, SphereCalibration, SteadyWind, calibrate, compare, cross_validate,
-};
+use anemometry::calibrate::{ComparisonSummary, Scheme, SphereCalibration, calibrate, compare, cross_validate};
 
 /// Angle between the mountings, degrees.
 fn off_deg(found: &SphereCalibration, tunnel: &Tunnel) -> f64 {
@@ -117,8 +115,7 @@ struct Scores {
 }
 
 impl Scores {
-    fn add(&mut self, tunnel: &Tunnel, readings: &[SteadyWind]) {
-        let found = calibrate(&tunnel.head(), readings).unwrap();
+    fn add(&mut self, tunnel: &Tunnel, found: &SphereCalibration) {
         for (surface, (gain, still)) in found.surfaces.iter().zip(tunnel.gains.iter().zip(&tunnel.quiescent_w_k())) {
             self.gains.push((surface.gain - gain) / surface.gain_error);
             self.stills.push((surface.quiescent_w_k - still) / surface.quiescent_error_w_k);
@@ -144,7 +141,8 @@ fn standard_errors_are_as_large_as_the_errors() {
     let tunnel = Tunnel::sectors();
     let mut scores = Scores::default();
     for seed in 0..40 {
-        scores.add(&tunnel, &tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-2, 100 + seed));
+        let readings = tunnel.readings(&speeds(0.5, 14.0, 12), 10, 1e-2, 100 + seed);
+        scores.add(&tunnel, &calibrate(&tunnel.head(), &readings).unwrap());
     }
     for (name, rms, within) in scores.summary(1.0) {
         // 120 and 160 numbers, not all independent: rms to 10 %, the share to 6 %; twice that, and
@@ -173,7 +171,7 @@ fn standard_uncertainties_include_what_the_amplitudes_cannot_follow() {
         let found = calibrate(&tunnel.head(), &readings).unwrap();
         assert!(found.chi_square > 1.5 * found.degrees_of_freedom, "{found}");
         assert_eq!(found.grade().name(), "good", "{found}");
-        scores.add(&tunnel, &readings);
+        scores.add(&tunnel, &found);
     }
     for (name, rms, within) in scores.summary(2.0) {
         assert!((0.8..1.35).contains(&rms) && within > 0.85, "{name}: {within} {rms}");

@@ -1,6 +1,8 @@
 //! Ranges and ticks that people would have chosen: steps of 1, 2 or 5 times a power of ten, or
 //! decades on a logarithmic axis.
 
+use super::extent::extent;
+
 /// How values are laid out along an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
@@ -27,14 +29,10 @@ pub struct Axis {
 impl Axis {
     /// A range around all finite values, with a little air; 0 stays an end if it is one.
     pub fn around(values: impl IntoIterator<Item = f64>, ticks: usize) -> Self {
-        let (low, high) = values
-            .into_iter()
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         // Of zeros alone there is no telling what would be small.
-        if low > high || (low, high) == (0.0, 0.0) {
+        let Some((low, high)) = extent(values).filter(|ends| *ends != (0.0, 0.0)) else {
             return Self::exactly(0.0, 1.0, ticks);
-        }
+        };
         // Something that never changes gets a range that does not turn its rounding into mountains.
         let least_span = 1e-6 * low.abs().max(high.abs()).max(1e-6);
         let (low, high) = if high - low < least_span { (low - least_span, high + least_span) } else { (low, high) };
@@ -60,11 +58,8 @@ impl Axis {
     /// A logarithmic range around all values that it can hold, with a little air: a decade at
     /// least.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>, ticks: usize) -> Self {
-        let (low, high) = values
-            .into_iter()
-            .filter(|value| LOG_RANGE.contains(value))
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-        let (low, high) = if low > high { (0.0, 0.0) } else { (low.log10(), high.log10()) };
+        let shown = extent(values.into_iter().filter(|value| LOG_RANGE.contains(value)));
+        let (low, high) = shown.map_or((0.0, 0.0), |(low, high)| (low.log10(), high.log10()));
         let air = 0.03 * (high - low).max(1.0);
         let widening = ((1.0 - (high - low)) / 2.0).max(0.0);
         let (low, high) = (low - air - widening, high + air + widening);

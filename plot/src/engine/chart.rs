@@ -7,6 +7,7 @@
 
 use super::axis::{Axis, Scale};
 use super::colour::Colour;
+use super::extent::extent;
 use super::pen::Pen;
 use super::reduce::Bin;
 use super::svg::MM;
@@ -205,8 +206,7 @@ impl Chart {
     /// The ends of what it shows across.
     pub(crate) fn x_ends(&self) -> Option<(f64, f64)> {
         let places = self.traces.iter().flat_map(Trace::places).filter(|place| Axis::shows(self.x, *place));
-        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        self.x_range.or((ends.0 < ends.1).then_some(ends))
+        self.x_range.or_else(|| extent(places).filter(|(low, high)| low < high))
     }
 
     /// Scale of the y axis, linear if not called. Values that a logarithmic one cannot show are
@@ -223,9 +223,8 @@ impl Chart {
     }
 
     /// Shows what holds all finite ones of some values.
-    pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
-        let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
-        let (low, high) = values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    pub(crate) fn around(self, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = extent(values).unwrap_or((0.0, 1.0));
         self.range(low, high)
     }
 
@@ -291,12 +290,8 @@ impl Chart {
             ..Trace::new(label, TraceStyle::Bars, Vec::new())
         };
         let traces: Vec<Trace> = rows.into_iter().map(row).collect();
-        Self { traces, ..self.bare() }.fitted(row_height)
-    }
-
-    fn fitted(self, row_height: f64) -> Self {
-        let rows = self.traces.len() as f64;
-        self.height(row_height * rows)
+        let height = row_height * traces.len() as f64;
+        Self { traces, ..self.bare() }.height(height)
     }
 
     /// A horizontal dashed line.
@@ -324,19 +319,23 @@ impl Chart {
             values.push(0.0);
         }
         values.retain(good);
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if self.shadings.iter().any(|shading| !shading.label.is_empty()) && high > low {
+        let ends = extent(values.iter().copied());
+        if let Some((low, high)) = ends.filter(|(low, high)| high > low)
+            && self.shadings.iter().any(|shading| !shading.label.is_empty())
+        {
             let share = HEADROOM / (self.height - HEADROOM).max(HEADROOM);
             values.push(match self.y {
                 Scale::Linear => high + share * (high - low),
                 Scale::Log => high * (high / low).powf(share),
             });
         }
-        let bounds = match self.y {
-            Scale::Linear if high > low => (low - REACH * (high - low), high + REACH * (high - low)),
-            Scale::Linear => (f64::NEG_INFINITY, f64::INFINITY),
-            Scale::Log => (low / 10.0, high * 10.0),
+        let bounds = match (self.y, ends) {
+            (Scale::Linear, Some((low, high))) if high > low => {
+                (low - REACH * (high - low), high + REACH * (high - low))
+            }
+            (Scale::Log, Some((low, high))) => (low / 10.0, high * 10.0),
+            // Bars may be on a logarithmic axis whose points are not.
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
         };
         let bars = self.traces.iter().flat_map(|trace| trace.points.iter().zip(&trace.errors));
         let ends: Vec<f64> = bars.flat_map(|(point, error)| [point.1 - error, point.1 + error]).filter(good).collect();

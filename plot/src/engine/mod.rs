@@ -4,6 +4,7 @@
 pub mod axis;
 pub mod chart;
 pub mod colour;
+pub mod extent;
 pub mod head;
 pub mod layout;
 pub mod line_ends;

@@ -6,6 +6,7 @@
 //! ```
 
 use super::axis::{Axis, Scale};
+use super::extent::extent;
 use super::words;
 
 /// Values that change by less than this share of themselves are taken for constant.
@@ -32,11 +33,7 @@ impl ScaledAxis {
             let axis = Axis::logarithmic(values.iter().copied(), ticks);
             return Self { axis, scale, base: 0.0, factor: 1.0, unit: unit.to_owned(), from: None };
         }
-        let (low, high) = values
-            .iter()
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
-        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        let (low, high) = extent(values.iter().copied()).unwrap_or((0.0, 1.0));
         let greatest = low.abs().max(high.abs());
         let constant = high - low <= CONSTANT * greatest;
         let (low, high) = match (constant, greatest == 0.0) {

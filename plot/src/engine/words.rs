@@ -56,6 +56,11 @@ pub fn unit(name: &str, exponent: i32) -> String {
     }
 }
 
+/// The unit in which powers up to one are read best, and how many of it a watt has.
+pub fn power_unit(greatest_w: f64) -> (f64, &'static str) {
+    if greatest_w < 0.5 { (1e3, "mW") } else { (1.0, "W") }
+}
+
 /// A text with its middle left out, so that it fits.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     let letters: Vec<char> = text.chars().collect();

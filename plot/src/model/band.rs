@@ -1,7 +1,8 @@
 //! Bands of 95 % around a curve: what the covariance of a model's parameters leaves open.
 
-use super::fit::NORMAL_95;
+use crate::engine::extent::extent;
 use crate::engine::reduce::Bin;
+use diffusive::model::certainty::NORMAL_95;
 use diffusive::model::{Model, ModelOutput};
 
 /// Where the standard error is not known there is a curve without a band.
@@ -11,8 +12,7 @@ const BEYOND: f64 = 0.25;
 
 /// A curve of (x, value, standard error) with its band; standard errors are widened `by` so much.
 pub fn band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
-    let values = || curve.iter().map(|(_, value, _)| *value).filter(|value| value.is_finite());
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let Some((low, high)) = extent(curve.iter().map(|(_, value, _)| *value)) else { return Vec::new() };
     let (low, high) = (low - BEYOND * (high - low), high + BEYOND * (high - low));
     let bin = |&(x, value, se): &(f64, f64, Option<f64>)| {
         let half = NORMAL_95 * by * se.unwrap_or(0.0);

@@ -11,6 +11,7 @@ use crate::engine::colour::INK;
 use crate::engine::reduce::{Bin, Reach};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened, unit};
+use diffusive::model::certainty::NORMAL_95;
 use diffusive::model::pair_class::element;
 use diffusive::model::{Model, Whiteness};
 
@@ -20,8 +21,6 @@ const MOST_BINS: usize = 1460;
 const MOST_STRETCHES: usize = 300;
 /// Residuals beyond so many times what 98 of 100 bins keep within are cut.
 const OUTLIER: f64 = 6.0;
-/// 95 % of a normal distribution lie within so many standard deviations.
-pub const NORMAL_95: f64 = 1.96;
 
 /// Some rows in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,14 +10,13 @@
 use dr_core::model::mesh;
 
 use super::band::{NO_BAND, band, inflation};
-use super::fit::NORMAL_95;
 use super::naming::{CURVES, gain_unit, label, left_out, of, parts};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::pen::{Marker, Pen};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, estimate};
-use diffusive::model::certainty::impedance;
+use diffusive::model::certainty::{NORMAL_95, impedance};
 use diffusive::model::{Class, Model, Structure};
 
 /// Residuals that inflate standard errors by more are worth a word.

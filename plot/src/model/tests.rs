@@ -61,12 +61,12 @@ fn any_data_make_a_sound_picture() {
     ];
     for points in &cases {
         let errors: Vec<f64> = points.iter().enumerate().map(|(i, _)| [0.0, 1e9, f64::NAN][i % 3]).collect();
-        for (x, y) in [(Scale::Linear, Scale::Linear), (Scale::Log, Scale::Log), (Scale::Linear, Scale::Log)] {
-            let chart = Chart::new("c", "K")
-                .x(x, "s")
-                .y(y)
-                .time_constants()
-                .limit(0.5)
+        let scales = [(Scale::Linear, Scale::Linear), (Scale::Log, Scale::Log), (Scale::Linear, Scale::Log)];
+        for ((x, y), limit) in scales.into_iter().flat_map(|of| [(of, Some(0.5)), (of, None)]) {
+            let chart = Chart::new("c", "K").x(x, "s").y(y).time_constants();
+            let chart = limit
+                .into_iter()
+                .fold(chart, Chart::limit)
                 .shading(0.0, 2.0, 1, "a stretch")
                 .trace(Trace::line("line", points.clone()))
                 .trace(Trace::dashed("dashed", points.clone()))

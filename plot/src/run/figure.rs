@@ -5,15 +5,18 @@
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
 //! has no columns are left out.
 
+use super::columns::{VectorColumns, stretches};
 use super::set_points::SetPoint;
 use super::wind::WindEstimates;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
 use crate::engine::colour::{Colour, GAS, INK, PALETTE, QUIET, REFERENCE, STRETCHES};
+use crate::engine::extent::extent;
 use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power, reach};
 use crate::engine::trace::{CURVE, Trace};
-use crate::engine::words::brief;
+use crate::engine::words::{brief, power_unit};
 use crate::error::PlotError;
+use anemometry::vector::length;
 use recording::{GAS_TEMPERATURE, HEATER, POWER, Recording, STATE, TEMPERATURE, TRUE_WIND};
 
 /// Ticks of the close-up of the heater bits.
@@ -76,7 +79,7 @@ impl<'r> RunCharts<'r> {
             return Err(PlotError::Nothing(recording.path.clone()));
         };
         let ends_s = (whole.from_s, if whole.to_s > whole.from_s { whole.to_s } else { whole.from_s + 1.0 });
-        let states = recording.words(STATE).ok().into_iter().flat_map(|words| words.stretches().collect::<Vec<_>>());
+        let states = stretches(recording.words(STATE).ok()).into_iter();
         let trip = |(row, _, state): (usize, usize, &str)| {
             Some((state.strip_prefix("tripped:")?.replacen(':', ", ", 1), row, time_s[row.min(time_s.len() - 1)]))
         };
@@ -124,10 +127,8 @@ impl<'r> RunCharts<'r> {
     fn over_time(&self, charts: &mut [Chart], last: usize) -> Option<Chart> {
         let (start_s, end_s) = self.ends_s;
         let time = |row: usize| self.time_s.get(row).copied().unwrap_or(end_s);
-        let events: Vec<(f64, f64, &str)> = (self.recording.events().into_iter())
-            .flat_map(|words| words.stretches().collect::<Vec<_>>())
-            .map(|(from, to, word)| (time(from), time(to), word))
-            .collect();
+        let events = stretches(self.recording.events()).into_iter();
+        let events: Vec<(f64, f64, &str)> = events.map(|(from, to, word)| (time(from), time(to), word)).collect();
         let events = if events.iter().any(|(_, _, word)| !word.is_empty()) { events } else { Vec::new() };
         let is_crowded = events.len() > MOST_EVENTS;
         let stretches = || events.iter().zip(STRETCHES.iter().cycle()).filter(|_| !is_crowded);
@@ -152,15 +153,11 @@ impl<'r> RunCharts<'r> {
 
     /// The true wind, or the wind estimates over it.
     fn wind(&self, estimates: Option<&WindEstimates<'_>>) -> Option<Chart> {
-        let truth = match TRUE_WIND.map(|name| self.recording.numbers(name).ok()) {
-            [Some(x), Some(y), Some(z)] => {
-                let speed = |row: usize| (x[row] * x[row] + y[row] * y[row] + z[row] * z[row]).sqrt();
-                let axes = [("x", x), ("y", y), ("z", z)].into_iter().zip(PALETTE);
-                let axes = axes.map(|((label, of), colour)| (label, colour, self.bins(|row| of[row])));
-                axes.chain([("speed", INK, self.bins(speed))]).collect()
-            }
-            _ => Vec::new(),
-        };
+        let truth = VectorColumns::of(self.recording, TRUE_WIND).map_or_else(Vec::new, |wind| {
+            let axes = ["x", "y", "z"].into_iter().zip(PALETTE).zip(wind.0);
+            let axes = axes.map(|((label, colour), of)| (label, colour, self.bins(|row| of[row])));
+            axes.chain([("speed", INK, self.bins(|row| length(wind.at(row))))]).collect()
+        });
         let line = |(label, colour, bins): &(&str, Colour, Vec<Bin>)| {
             Trace::bins(*label, bins.clone()).painted(*colour).width(if *label == "speed" { 0.9 } else { 0.7 })
         };
@@ -223,27 +220,29 @@ impl<'r> RunCharts<'r> {
         let after = |bin: &&Bin| arrived_s.is_none_or(|arrived_s| bin.from_s >= arrived_s);
         let settled = lines.iter().chain(&gas).filter(kept).flat_map(|trace| trace.bins.iter().filter(after));
         let settled: Vec<f64> = settled.flat_map(|bin| [bin.least, bin.most]).chain(distinct).collect();
-        let (low, high) = ends(settled.iter().copied());
-        let (least, _) = ends(lines.iter().flat_map(|trace| trace.bins.iter().map(|bin| bin.least)));
+        let whole = extent(lines.iter().flat_map(|trace| trace.bins.iter().map(|bin| bin.least)));
         // A tenth of the range is air.
-        let leaves = arrived_s.filter(|_| least < low - 0.1 * (high - low));
-        let chart = match leaves {
-            Some(_) => {
-                chart.around(settled.into_iter()).note(format!("the warm-up from {} °C leaves the panel", brief(least)))
-            }
+        let leaves =
+            |least: &f64| extent(settled.iter().copied()).is_some_and(|(low, high)| *least < low - 0.1 * (high - low));
+        let chart = match arrived_s.and(whole).map(|(least, _)| least).filter(leaves) {
+            Some(least) => chart.around(settled).note(format!("the warm-up from {} °C leaves the panel", brief(least))),
             None => chart,
         };
         let held = held.into_iter().map(|(from_s, to_s, celsius)| Trace::held(from_s, to_s, celsius));
         Some(chart.first_on_top(lines.into_iter().chain(gas).chain(held)))
     }
 
+    /// The row of the first trip, after which nothing is held.
+    fn running_until(&self) -> usize {
+        self.trips.first().map_or(usize::MAX, |(_, row, _)| *row)
+    }
+
     /// When the last element that arrives at its first set-point does so.
     fn arrived_s(&self) -> Option<f64> {
-        let running_until = self.trips.first().map_or(usize::MAX, |(_, row, _)| *row);
         let arrived = |&(name, _): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
             let first = self.set_points.iter().find(|of| recording::in_columns(&of.element) == name)?;
-            let rows = first.rows_held(self.time_s, temperature_c, running_until);
+            let rows = first.rows_held(self.time_s, temperature_c, self.running_until());
             (!rows.is_empty()).then(|| self.time_s[rows.start])
         };
         self.elements.iter().filter_map(arrived).reduce(f64::max)
@@ -252,11 +251,10 @@ impl<'r> RunCharts<'r> {
     /// How well the loops hold: from when an element first arrived at its set-point, with a range
     /// that the rare extremes may leave.
     fn deviations(&self) -> Option<Chart> {
-        let running_until = self.trips.first().map_or(usize::MAX, |(_, row, _)| *row);
         let deviation = |&(name, pen): &(&str, Pen)| {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
             let held: Vec<_> = (self.set_points.iter().filter(|of| recording::in_columns(&of.element) == name))
-                .map(|of| (of.rows_held(self.time_s, temperature_c, running_until), of.celsius))
+                .map(|of| (of.rows_held(self.time_s, temperature_c, self.running_until()), of.celsius))
                 .collect();
             let deviation_mk = |row: usize| {
                 let now = held.iter().find(|(rows, _)| rows.contains(&row));
@@ -282,7 +280,7 @@ impl<'r> RunCharts<'r> {
         let powers: Vec<(&str, Pen, MeanPower)> =
             self.elements.iter().filter_map(|&(name, pen)| Some((name, pen, power(name)?))).collect();
         let greatest = powers.iter().flat_map(|(_, _, mean)| &mean.power_w).copied().fold(0.0, f64::max);
-        let (factor, unit) = if greatest < 0.5 { (1e3, "mW") } else { (1.0, "W") };
+        let (factor, unit) = power_unit(greatest);
         let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
         let window_s = f64::from(powers.first()?.2.ratio) * step_s;
         let line = |(name, pen, mean): (&str, Pen, MeanPower)| {
@@ -324,12 +322,6 @@ impl<'r> RunCharts<'r> {
         let from = around.unwrap_or(rows * 3 / 4).min(rows - length);
         from..from + length
     }
-}
-
-/// The least and the greatest of the values that are there.
-fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
-    values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), ends)
 }
 
 /// The elements of a recording with their pens.

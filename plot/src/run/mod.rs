@@ -1,8 +1,10 @@
 //! Recordings as figures.
 
 mod azimuth;
+mod columns;
+mod error_charts;
 mod figure;
-mod numbers;
+mod quantity;
 mod set_points;
 mod wind;
 mod wind_error;

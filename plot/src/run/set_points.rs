@@ -54,7 +54,8 @@ impl SetPoint {
     }
 }
 
-fn number(value: &toml::Value) -> Option<f64> {
+/// A number of a TOML file, which may be written without a decimal point.
+pub fn number(value: &toml::Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 

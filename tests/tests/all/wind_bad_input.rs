@@ -145,7 +145,7 @@ fn three_sectors_answer_with_a_wider_error_that_holds() {
     let (before, after) = (whole.mean(error, 120.0, 160.0), three.mean(error, 120.0, 160.0));
     let truth = [-5.0 * 0.5_f64.sqrt(), -5.0 * 0.5_f64.sqrt(), 0.0];
     let told = WIND_ESTIMATE.map(|name| three.mean(name, 120.0, 160.0));
-    let angle_deg = anemometry::wind::comparison::angle_deg(told, truth);
+    let angle_deg = anemometry::vector::angle_deg(told, truth);
     let speed_m_s = three.mean(WIND_SPEED, 120.0, 160.0);
     let stated_deg = three.mean("wind_direction_u_deg", 120.0, 160.0);
     println!(

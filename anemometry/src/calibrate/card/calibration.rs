@@ -10,7 +10,7 @@ use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
 use super::drawn::DrawnCard;
 use crate::head::calibration::table::CardTable;
-use crate::wind::comparison::{angle_deg, length};
+use crate::vector::{angle_deg, length};
 
 /// Only a direction that is uncertain by more is none.
 const DIRECTION_ERROR_MAX_RAD: f32 = 1.0;

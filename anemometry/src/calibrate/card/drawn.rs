@@ -5,6 +5,7 @@ use dr_core::wind::card_inverse::{CONDUCTION, DICE};
 
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
+use crate::vector::{cross, dot, unit};
 
 /// p_i, q_i: neighbours follow each other from the tip on.
 pub(super) const PLACES: [[f64; 2]; DICE] = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -38,8 +39,7 @@ pub struct CardWind {
 
 impl DrawnCard {
     fn around(&self) -> [f64; 3] {
-        let ([a, b, c], [x, y, z]) = (unit(self.tip), unit(self.normal));
-        [b * z - c * y, c * x - a * z, a * y - b * x]
+        cross(unit(self.tip), unit(self.normal))
     }
 
     /// The dice as dr-core has them.
@@ -80,7 +80,6 @@ impl DrawnCard {
         if let Some(bad) = readings.iter().find(|of| !(of.overheat_k > 0.0 && of.power_w.is_finite())) {
             return Err(steady.refuse(format!("a die is {} K above the gas: it must be warmer", bad.overheat_k)));
         }
-        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
         let flat = [dot(steady.wind_m_s, unit(self.tip)), dot(steady.wind_m_s, self.around())];
         let (across, speed) = (dot(steady.wind_m_s, unit(self.normal)), flat[0].hypot(flat[1]));
         if across.abs() > MOST_ACROSS * speed {
@@ -101,11 +100,6 @@ impl DrawnCard {
             twist: sum(|[p, q]| p * q),
         }))
     }
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    v.map(|x| x / size)
 }
 
 /// The winds of a card, but for quiescent gas.

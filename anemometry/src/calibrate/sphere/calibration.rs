@@ -16,7 +16,7 @@ use super::equations::{SphereEquations, SphereProblem};
 use super::fit::SphereFit;
 use super::grade::CalibrationGrade;
 use crate::head::calibration::table::NusseltTable;
-use crate::wind::comparison::length;
+use crate::vector::length;
 use recording::text::estimate;
 
 /// A calibrated head.

@@ -17,7 +17,7 @@ use super::folds::folds;
 use super::readings::{self, DrawnSphere};
 use super::solve::solve;
 use super::speeds::{ascending, classes};
-use crate::wind::comparison::{angle_deg, length};
+use crate::vector::{across, angle_deg, dot, length, unit};
 
 /// Only a direction that is uncertain by more is none.
 const DIRECTION_ERROR_MAX_RAD: f32 = 1.0;
@@ -81,15 +81,13 @@ fn estimate<const N: usize>(
 }
 
 fn direction_deg(calibration: &SphereCalibration, estimate: &WindEstimate, wind_m_s: [f64; 3]) -> f64 {
-    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
     let found = estimate.wind_m_s.map(f64::from);
     if !estimate.quality.has(QualityFlags::UNDETERMINED) {
         return angle_deg(found, wind_m_s);
     }
     // From sine and cosine, so that small angles keep their digits.
-    let to_axis = |v: [f64; 3], across: f64, axis: [f64; 3]| across.atan2(dot(v, axis));
-    let axis = calibration.surfaces[0].axis.map(|x| x / length(calibration.surfaces[0].axis));
-    let along = dot(wind_m_s, axis);
-    let across = length(std::array::from_fn(|k| wind_m_s[k] - along * axis[k]));
-    (to_axis(found, f64::from(estimate.across_m_s), axis) - to_axis(wind_m_s, across, axis)).to_degrees()
+    let axis = unit(calibration.surfaces[0].axis);
+    let to_axis = |v: [f64; 3], across_m_s: f64| across_m_s.atan2(dot(v, axis));
+    let truth = to_axis(wind_m_s, length(across(wind_m_s, axis)));
+    (to_axis(found, f64::from(estimate.across_m_s)) - truth).to_degrees()
 }

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting. k̄ is the
-//! mean of k over the readings, so that γ is about 2. What is known beforehand enters as rows of
-//! its own: that of the [`family`](super::family), γ 2 ± `QUIESCENT`, u 0 ± `GAIN`.
+//! mean of k over the readings, so that γ is about 2. The prior enters as rows of its own:
+//! that of the [`family`](super::family), γ 2 ± `QUIESCENT`, u 0 ± `GAIN`.
 
 use dr_core::wind::nusselt::{CONDUCTION, ORDERS};
 use dr_core::wind::surface::LocalNusselt;
@@ -74,7 +74,7 @@ pub struct SphereEquations {
     pub h: DMatrix<f64>,
     /// b
     pub b: DVector<f64>,
-    /// Σ of squares, of the readings and of what is known beforehand.
+    /// Σ of squares, of the readings and of the prior.
     pub cost: f64,
     /// Of the readings alone, and their share of H.
     pub chi_square: f64,
@@ -181,7 +181,7 @@ impl<'a> SphereProblem<'a> {
             }
         }
         let (chi_square, mut of_readings) = (sums.cost, sums.h.clone());
-        self.beforehand(place, stage, &mut sums);
+        self.prior(place, stage, &mut sums);
         let NormalSums { mut h, b, cost } = sums;
         h.fill_lower_triangle_with_upper_triangle();
         of_readings.fill_lower_triangle_with_upper_triangle();
@@ -213,9 +213,9 @@ impl<'a> SphereProblem<'a> {
         nusselt
     }
 
-    fn beforehand(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
+    fn prior(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
         let mut row = vec![0.0; sums.b.len()];
-        for known in self.family.beforehand(stage.size) {
+        for known in self.family.prior(stage.size) {
             row.fill(0.0);
             let mut value = 0.0;
             for (k, factor) in known {

@@ -9,8 +9,7 @@
 //! the others faster. Towards quiescent gas, below the slowest wind, dr-core's `nusselt` continues
 //! in its own way, a_0 to 2 and the others to 0.
 //!
-//! Where winds say little, coefficients are held by what is known beforehand, as if it had been
-//! measured:
+//! Where winds say little, coefficients are held by a prior, as if it had been measured:
 //!
 //! | of | value | standard error | reason |
 //! |---|---|---|---|
@@ -92,9 +91,9 @@ impl AmplitudeFamily {
         a
     }
 
-    /// What is known beforehand: rows of (place, factor), each zero with a standard error of one;
+    /// The prior: rows of (place, factor), each zero with a standard error of one;
     /// higher orders are of this `size`.
-    pub fn beforehand(&self, size: f64) -> Vec<Vec<(usize, f64)>> {
+    pub fn prior(&self, size: f64) -> Vec<Vec<(usize, f64)>> {
         let (count, curvatures) = (self.spline.count(), self.spline.curvatures());
         let mut rows = Vec::new();
         for (j, &n) in self.orders.iter().enumerate() {

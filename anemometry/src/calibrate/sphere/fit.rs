@@ -112,10 +112,10 @@ fn step(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations, dam
     (nonnegative::solve(&h, &b, &positive) - now).component_mul(&unit)
 }
 
-/// Σ g gᵀ, and the same of what is known beforehand.
+/// Σ g gᵀ, and the same of the prior.
 fn scatter(problem: &SphereProblem<'_>, at: &SphereEquations, inverse: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (m, n) = (at.b.len(), problem.head.surfaces.len());
-    // What is known beforehand scatters as it says.
+    // The prior scatters as its standard errors say.
     let mut scatter = &at.h - &at.of_readings;
     for (w, wind) in problem.winds.iter().enumerate() {
         let rows = DMatrix::from_fn(n, m, |i, k| at.rows[n * w + i][k]);

@@ -20,7 +20,7 @@ use dr_core::wind::{SphereSurface, SurfaceConfig};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
-use crate::wind::comparison::length;
+use crate::vector::length;
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;

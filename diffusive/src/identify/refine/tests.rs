@@ -135,8 +135,8 @@ fn judged(record: &SimulatedRecord, poles: &[(f64, f64)], free_poles: Option<usi
     let y: Vec<f64> = answer(&u, poles, 0.0).into_iter().map(|y| 20.0 + y).collect();
     let mut other = table(&u, &y);
     let report = validate(&model, &mut other, ValidationStart::Rest, &mut |_| {}).unwrap();
-    let (predicted, spread) = (report.outputs[0].fit_percent.unwrap(), model.warnings);
-    println!("{} rows, {free_poles:?}: {}, {predicted:.2} %, {spread:?}", record.u.len(), model.supported);
+    let predicted = report.outputs[0].fit_percent.unwrap();
+    println!("{} rows, {free_poles:?}: {}, {predicted:.2} %, {:?}", record.u.len(), model.supported, model.warnings);
     (model.supported, predicted)
 }
 

@@ -39,9 +39,10 @@
 
 use std::f64::consts::PI;
 
-use super::flow::{continuum, dot, plate_nusselt};
+use super::flow::{continuum, plate_nusselt};
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
+use anemometry::vector::{dot, length};
 
 /// Cards around the boom.
 pub const CARDS: usize = 3;
@@ -163,7 +164,7 @@ impl Boom {
 
     /// Whether the flow over a card would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        self.reynolds * self.shape.card_length_m * dot(wind_m_s, wind_m_s).sqrt() > HIGHEST_REYNOLDS
+        self.reynolds * self.shape.card_length_m * length(wind_m_s) > HIGHEST_REYNOLDS
     }
 
     /// Conductances to the gas, W/K: of all dice, of the cards, of the boom's head, of the cells of
@@ -197,7 +198,7 @@ impl Boom {
 
     fn over_card(&self, wind_m_s: [f64; 3], card: usize) -> BoomStream {
         let [x, y, z] = wind_m_s;
-        let speed_m_s = dot(wind_m_s, wind_m_s).sqrt();
+        let speed_m_s = length(wind_m_s);
         if speed_m_s == 0.0 {
             return BoomStream { speed_m_s, along: 0.0, around: 0.0 };
         }

@@ -15,9 +15,10 @@
 
 use std::f64::consts::PI;
 
-use super::flow::{continuum, dot, plate_nusselt};
+use super::flow::{continuum, plate_nusselt};
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
+use anemometry::vector::length;
 
 /// Convection of one film in one gas.
 #[derive(Clone, Debug)]
@@ -55,7 +56,7 @@ impl Film {
     /// Conductance to the gas, W/K.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3]) -> f64 {
         let face_m2 = self.length_m * self.width_m;
-        let speed_m_s = dot(wind_m_s, wind_m_s).sqrt();
+        let speed_m_s = length(wind_m_s);
         let still_w_k = 8.0 * self.conductivity_w_m_k * (face_m2 / PI).sqrt();
         let nusselt = plate_nusselt(self.reynolds * speed_m_s, self.prandtl_third);
         still_w_k + nusselt * self.conductivity_w_m_k / self.width_m * 2.0 * face_m2

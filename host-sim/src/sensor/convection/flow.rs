@@ -1,5 +1,4 @@
-//! What every kind of convection needs: the limit of a continuum, a laminar plate, a scalar
-//! product.
+//! What every kind of convection needs: the limit of a continuum, and a laminar plate.
 
 use anemometry::gas::IdealGas;
 
@@ -25,8 +24,4 @@ pub(super) fn continuum(gas: &IdealGas, length_m: f64) -> Result<(), SensorError
 /// Mean Nusselt number of a plate in a laminar layer (Pohlhausen): 0.664 Re^½ Pr^⅓.
 pub(super) fn plate_nusselt(reynolds: f64, prandtl_third: f64) -> f64 {
     0.664 * reynolds.sqrt() * prandtl_third
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

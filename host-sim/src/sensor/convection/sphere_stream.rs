@@ -20,9 +20,10 @@
 
 use std::collections::BTreeMap;
 
-use super::flow::{continuum, dot};
+use super::flow::continuum;
 use crate::sensor::error::{SensorError, require};
 use anemometry::gas::IdealGas;
+use anemometry::vector::length;
 
 /// Number of coefficients in use, a_0 … a_5.
 pub const ORDERS: usize = 6;
@@ -82,7 +83,7 @@ impl SphereStream {
 
     /// Reynolds number of a wind, by the diameter.
     pub fn reynolds(&self, wind_m_s: [f64; 3]) -> f64 {
-        self.reynolds_per_speed * dot(wind_m_s, wind_m_s).sqrt()
+        self.reynolds_per_speed * length(wind_m_s)
     }
 
     /// Whether this wind lies beyond the end of the table, Re 200.
@@ -130,7 +131,7 @@ impl SphereStream {
     /// Coefficients in a wind, and the unit vector towards the front stagnation point, where there
     /// is a wind.
     pub fn around(&self, wind_m_s: [f64; 3]) -> (Coefficients, Option<[f64; 3]>) {
-        let speed = dot(wind_m_s, wind_m_s).sqrt();
+        let speed = length(wind_m_s);
         let a = self.coefficients(self.reynolds_per_speed * speed);
         (a, (speed != 0.0).then(|| wind_m_s.map(|v| -v / speed)))
     }

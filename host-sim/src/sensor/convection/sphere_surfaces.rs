@@ -26,10 +26,10 @@
 
 use std::f64::consts::PI;
 
-use super::flow::dot;
 use super::sphere_stream::{Coefficients, ORDERS, SphereStream, legendre};
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
+use anemometry::vector::{cross, dot, unit};
 
 /// Means of P_n over a tetrahedral sector about its own axis (c_n of the head of this file).
 const SECTOR_MEAN: [f64; ORDERS] = [
@@ -161,20 +161,15 @@ fn frame(axes: &[[f64; 3]], i: usize) -> SurfaceFrame {
     let opposite = axes[(i + 1) % axes.len()].map(|v| -v);
     let along = dot(opposite, axis);
     let across: [f64; 3] = std::array::from_fn(|k| opposite[k] - along * axis[k]);
-    let length = dot(across, across).sqrt();
-    let corner = across.map(|v| v / length);
-    let third = [
-        axis[1] * corner[2] - axis[2] * corner[1],
-        axis[2] * corner[0] - axis[0] * corner[2],
-        axis[0] * corner[1] - axis[1] * corner[0],
-    ];
-    SurfaceFrame { axis, corner, third }
+    let corner = unit(across);
+    SurfaceFrame { axis, corner, third: cross(axis, corner) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::sphere_stream::tests::{directions, gas_of_table_prandtl, mars};
     use super::*;
+    use anemometry::vector::length;
 
     const SECTORS: usize = 4;
     const HEMISPHERES: usize = 2;
@@ -301,7 +296,7 @@ mod tests {
                 .map(|direction| {
                     let nusselt = of_all::<SECTORS>(&convection, direction.map(|v| v * speed));
                     let sum: [f64; 3] = std::array::from_fn(|k| (0..4).map(|i| nusselt[i] * sector_axis(i)[k]).sum());
-                    (-dot(sum, direction) / dot(sum, sum).sqrt()).min(1.0).acos().to_degrees()
+                    (-dot(sum, direction) / length(sum)).min(1.0).acos().to_degrees()
                 })
                 .fold(0.0, f64::max);
             assert!((worst - degrees).abs() < 0.06, "Re {re}: {worst}°");

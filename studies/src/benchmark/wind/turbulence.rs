@@ -35,7 +35,7 @@ pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Tu
         let Some(wind_m_s) = moment.wind_m_s.filter(|_| moment.time_s >= from_s) else { return };
         if place == 0 {
             times_s.push(moment.time_s);
-            truth.push(anemometry::wind::comparison::length(wind_m_s));
+            truth.push(anemometry::vector::length(wind_m_s));
         }
         answers[place].push(f64::from(answer.speed_m_s));
     })?;
