@@ -117,13 +117,15 @@ pub fn sweep(winds: &[WindBesideTruth]) -> [[Chart; 2]; 2] {
         let ends = points.iter().flat_map(|(_, y, u)| [y - u, y + u]);
         let (low, high) = extent_of_most(ends.chain([0.0])).unwrap_or((0.0, 1.0));
         let air = 0.1 * (high - low);
+        // An angle between two directions is never negative: bars end at 0.
+        let low = if points.iter().any(|(_, y, _)| *y < 0.0) { low - air } else { 0.0 };
         let values = points.iter().map(|(x, y, _)| (*x, *y)).collect();
         let bars = points.iter().map(|(.., u)| *u).collect();
         Chart::new(format!("{of} error"), unit)
             .x(Scale::Linear, over[1])
             .x_title(over[0])
             .height(OTHERS)
-            .range(low - air, high + air)
+            .range(low, high + air)
             .limit(0.0)
             .trace(Trace::points("", values).errors(bars).painted(ESTIMATE))
     };
