@@ -24,17 +24,21 @@ impl Figure {
         for chart in self.charts() {
             kept.push(match chart.frame {
                 ChartFrame::CloseUp => kept.last() == Some(&true),
-                _ => chart.caption.is_empty() || names.iter().any(|name| begins(chart, name)),
+                _ => names.iter().any(|name| !chart.caption.is_empty() && begins(chart, name)),
             });
         }
-        // Of charts over one x axis the last has its labels. If it goes, the one above takes over.
-        let mut is_unlabelled = false;
-        for (chart, is_kept) in self.rows.iter_mut().flatten().rev().zip(kept.iter().rev()) {
+        // From below: of charts over one x axis the last has its labels. If it goes, the one above
+        // takes over; the strip on top stays if any of them does.
+        let (mut is_unlabelled, mut is_any_kept) = (false, false);
+        for (chart, is_kept) in self.rows.iter_mut().flatten().rev().zip(kept.iter_mut().rev()) {
             if chart.x_labels {
-                is_unlabelled = !is_kept;
-            } else if *is_kept && is_unlabelled && !chart.caption.is_empty() {
+                (is_unlabelled, is_any_kept) = (!*is_kept, false);
+            } else if chart.caption.is_empty() {
+                *is_kept = is_any_kept;
+            } else if *is_kept && is_unlabelled {
                 (chart.x_labels, is_unlabelled) = (true, false);
             }
+            is_any_kept |= *is_kept;
         }
         let mut kept = kept.into_iter();
         self.rows.iter_mut().for_each(|row| row.retain(|_| kept.next() == Some(true)));
@@ -50,7 +54,8 @@ mod tests {
 
     fn figure() -> Figure {
         let chart = |caption: &str| Chart::new(caption, "K").trace(Trace::line("", vec![(0.0, 1.0), (5.0, 2.0)]));
-        Figure::new("t").stack([chart("Temperature"), chart("Power"), chart("Off")]).row([chart("Phase")])
+        let over_time = [Chart::new("", "").bare(), chart("Temperature"), chart("Power"), chart("Off")];
+        Figure::new("t").stack(over_time).row([chart("Phase")])
     }
 
     #[test]
@@ -58,8 +63,8 @@ mod tests {
         let names = ["temp".to_owned(), "POWER".to_owned()];
         let part = figure().only(&names).unwrap();
         let left: Vec<_> = part.charts().map(|chart| (chart.caption(), chart.x_labels)).collect();
-        assert_eq!(left, [("Temperature", false), ("Power", true)]);
-        assert_eq!(figure().only(&[]).unwrap().charts().count(), 4);
+        assert_eq!(left, [("", false), ("Temperature", false), ("Power", true)]);
+        assert_eq!(figure().only(&[]).unwrap().charts().count(), 5);
         assert_eq!(figure().only(&["Phase".to_owned()]).unwrap().charts().count(), 1);
     }
 

@@ -53,7 +53,7 @@ pub fn validation_figure(model: &Model, fits: &[FitSeries], record: &Path, by: &
     let title = format!("{} as predicted by {}", file_name(record), file_name(by));
     let mut parts = Vec::new();
     parts.extend(fits.first().map(|fit| format!("{} rows", fit.rows)));
-    parts.extend((fits.len() == 1).then(|| fits[0].fit_percent()).flatten().map(|fit| format!("fit {fit:.2} %")));
+    parts.extend((fits.len() == 1).then(|| fits[0].fit_percent()).flatten().map(|fit| format!("fit {fit:.2}\u{a0}%")));
     parts.extend(identified_from(model));
     parts.extend((fits.len() > OUTPUTS).then(|| format!("the first {OUTPUTS} of {} outputs", fits.len())));
     let mut figure = with_fits(Figure::new(title).subtitle(parts.join("  ·  ")), model, fits);
@@ -110,7 +110,7 @@ fn subtitle(model: &Model, fits: usize) -> String {
         parts.push(format!("dead time {} s", brief(pair.dead_time_samples as f64 * model.sample_period_s)));
     }
     let outputs: Vec<&str> = model.outputs.iter().map(|output| output.name.as_str()).collect();
-    parts.extend((outputs.len() == 1).then(|| format!("fit {:.2} %", model.fit_percent)));
+    parts.extend((outputs.len() == 1).then(|| format!("fit {:.2}\u{a0}%", model.fit_percent)));
     parts.extend(outputs.get(OUTPUTS..).filter(|rest| !rest.is_empty()).map(rest));
     parts.extend((fits > OUTPUTS).then(|| format!("fits of the first {OUTPUTS} of {fits} outputs")));
     let warnings = match model.warnings.len() {
