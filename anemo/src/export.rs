@@ -59,6 +59,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::keep(&[&arguments.model], &[arguments.output.as_deref()])?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let part = PairClass::find(&model, arguments.pair.as_deref(), arguments.class.as_deref())
         .map_err(|error| Failure::in_file(&arguments.model, error))?;

@@ -45,6 +45,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::keep(&[&arguments.model], &[arguments.output.as_deref(), arguments.toml.as_deref()])?;
     if let Some(path) = &arguments.output {
         crate::output::writable(path, "a model", "json")?;
     }
