@@ -28,8 +28,8 @@ enum ExampleSystem {
 /// Cole and Cole's relaxation, H = 1/(1 + √p): 1000 s at 2 kHz with an exact output, with or
 /// without noise.
 ///
-/// The picture shows time-constant spectrum (diffusive symbol), output and errors; a name of --plot
-/// that is not a picture's is a folder for two of them.
+/// The picture shows time-constant spectrum, output and errors; another name of --plot is a folder
+/// for two pictures.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -40,7 +40,7 @@ struct ColeCole {
     /// Its input: a step, or pseudo-random bits of 1 s.
     #[arg(long, default_value = "prbs", value_parser = choice([("step", "", ColeColeInput::Step), ("prbs", "", ColeColeInput::Prbs)]))]
     input: ColeColeInput,
-    /// Standard deviation of white noise on the output; the output itself swings by 1.
+    /// Standard deviation of white noise on the output, which swings by 1.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
     noise: f64,
     /// Seed of the noise.

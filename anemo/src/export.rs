@@ -21,7 +21,7 @@ Examples:
   anemo export winds.json --as spice --network cauer --class gust -o gust.lib
   anemo export small.json --as c -o small.h")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify` or `anemo reduce`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
     #[arg(long = "as", value_name = "FORM", value_parser = choice([
         ("foster", "Resistor and capacitor of every pole, side by side and in series", ExportForm::Foster),
@@ -34,11 +34,10 @@ pub struct Arguments {
         ("rust", "Constant tables in f32 for a Rust program", ExportForm::Source(Language::Rust)),
     ]))]
     form: ExportForm,
-    /// Which pair, where the model has several: by columns (power_w_a:temperature_c_b) or elements
-    /// (a:b).
+    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT")]
     pair: Option<String>,
-    /// Which event class, where the model has several.
+    /// Event class, where the model has several.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
     /// Number of frequencies of a response.
@@ -50,7 +49,7 @@ pub struct Arguments {
         ("cauer", "A ladder: models without negative resistances", SpiceNetwork::Cauer),
     ]))]
     network: SpiceNetwork,
-    /// The file to write.
+    /// Write to this file instead of stdout.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object: the table, or the text.
