@@ -8,7 +8,6 @@ use diffusive::model::export::source::Language;
 use diffusive::model::export::spice::SpiceNetwork;
 use diffusive::model::export::{ExportForm, ExportReport};
 use diffusive::model::{Model, PairClass};
-use recording::Temporary;
 
 /// Write a model as a network, a netlist, a table or source text.
 #[derive(clap::Args)]
@@ -70,8 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let file = arguments.output.as_ref().map(|output| output.display().to_string());
     let report = ExportReport::new(&part, form, file).map_err(|error| Failure::in_file(&arguments.model, error))?;
     if let Some(output) = &arguments.output {
-        let failed = |error| Failure::in_file(output, format!("cannot be written: {error}"));
-        Temporary::write(output, report.text().as_bytes()).map_err(failed)?;
+        crate::output::write_text(output, &report.text()).map_err(Failure::usage)?;
     }
     crate::output::print_report(&report, arguments.json)
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::output::Failure;
 use diffusive::model::Model;
 use diffusive::model::reduce::{Rates, ReductionReport, board, reduce};
-use recording::Temporary;
 
 /// Make a smaller model in f32, for the board, and report its error.
 #[derive(clap::Args)]
@@ -58,8 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(&arguments.model, error));
     }
     if let (Some(path), Ok(table)) = (&arguments.toml, &table) {
-        let failed = |error| Failure::in_file(path, format!("cannot be written: {error}"));
-        Temporary::write(path, table.as_bytes()).map_err(failed)?;
+        crate::output::write_text(path, table).map_err(Failure::usage)?;
     }
     if let Some(path) = &arguments.output {
         reduced.model.write(path).map_err(Failure::usage)?;

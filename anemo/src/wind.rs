@@ -35,8 +35,8 @@ of 1, 2, 4 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`) with the recording's elements; by default the one that
-    /// the recording carries.
+    /// The calibrated head (`anemo calibrate`) with the recording's elements; by default the one
+    /// that the recording carries.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Bandwidth of the convective losses, 0.5 to 50 Hz: low is smooth.

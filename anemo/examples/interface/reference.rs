@@ -51,7 +51,7 @@ const JSON: &str = "Print one JSON object instead of the ";
 pub fn pages(mut root: Command) -> Vec<(&'static str, String)> {
     root.build();
     let listed: Vec<&str> = PAGES.iter().flat_map(|page| page.commands).copied().collect();
-    for command in root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help") {
+    for command in subcommands(&root) {
         assert!(listed.contains(&command.get_name()), "{} stands on no page", command.get_name());
     }
     let mut said = Said::default();
