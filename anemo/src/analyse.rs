@@ -12,18 +12,17 @@ use plot::closed_loop;
 /// responds.
 ///
 /// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
-/// zeros of the model. The analysis therefore needs no closed loop. One class of one pair is
-/// analysed, and every change of the wind from it to another. The picture shows poles, zeros and
-/// the response of the power to a step.
+/// zeros of the model. One class of one pair is analysed, and every change of the wind from it. The
+/// picture shows poles, zeros and the step response of the power.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The weight of a zero is its share of the power above the steady value, in units of the steady value, \
-right after the temperature was lifted to the set-point at once. The weights of a change of the wind \
-depend on the change; `changes` of --json has them.
+The weight of a zero is its share of the power above the steady value, in units of that value, right \
+after a jump of the temperature to the set-point. `changes` of --json has the weights of each change \
+of the wind.
 
-Settling after a change of the wind lasts until the power stays within 2 % of the whole change; \
-where a level limited the power, the temperature has to be back at its set-point, too. Settling \
-after a step of the set-point begins at rest: first at the high level, then between the levels.
+Settling after a change of the wind lasts until the power stays within 2 % of the change and, where a \
+level limited the power, the temperature is back at its set-point. Settling after a step of the \
+set-point begins at rest: first at the high level, then between the levels.
 
 Examples:
   anemo analyse heater.json
@@ -31,31 +30,31 @@ Examples:
       --high 0.042 --sample-period 0.01 --plot loop.svg
   anemo analyse winds.json --class still --json")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
-    /// The pair of input and output, as `sector1:sector1`, where the model has several.
+    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
     pair: Option<String>,
-    /// The element whose self-heating pair is used: short for `--pair NAME:NAME`.
+    /// Self-heating pair of this element: short for --pair NAME:NAME.
     #[arg(long, value_name = "NAME")]
     element: Option<String>,
-    /// The event class to analyse: the reference, or the first, if not given.
+    /// Event class; by default the reference, or the first.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
-    /// The set-point, in K above the temperature without heating; by default half-way between the
-    /// temperatures that the levels can hold.
+    /// Set-point, K above the temperature without heating; by default half-way between those that
+    /// the levels can hold.
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     target: Option<f64>,
     /// Power of the low level, W; by default the least input of the identified record.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     low: Option<f64>,
-    /// Power of the high level, W; by default the greatest input of that record.
+    /// Power of the high level, W; by default the greatest input.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     high: Option<f64>,
-    /// Sample period of the loop, s: that of the model if not given.
+    /// Sample period of the loop, s; by default the model's.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sample_period: Option<f64>,
-    /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
+    /// Gas temperature, °C, where the wind is a conductance; by default the model's.
     #[arg(long, value_name = "°C", allow_negative_numbers = true)]
     gas_temperature: Option<f64>,
     #[command(flatten)]

@@ -7,11 +7,11 @@ use crate::output::Failure;
 use crate::progress::announce;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
-/// Measure the numbers that the whole instrument has to reach, on the simulated sensors.
+/// Measure what the whole instrument has to reach, on the simulated sensors.
 ///
-/// The benchmark of the wind identifies and calibrates both spheres, and judges their estimates in
-/// 500 winds that they have not seen, in steps, turbulence and an oscillating gas temperature:
-/// speed and direction, response, drift, coherence. It takes some minutes, and two cores.
+/// Both spheres are identified and calibrated, and their estimates judged in 500 new winds, in
+/// steps, turbulence and an oscillating gas temperature: speed and direction, response, drift,
+/// coherence. It takes some minutes on two cores.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -21,16 +21,15 @@ pub(super) const EMULATED: &str = "Emulated board";
 /// The instrument that a command works with.
 #[derive(clap::Args)]
 pub(super) struct InstrumentArguments {
-    /// The instrument: simulated in this process, an emulated board or a sensor board.
+    /// The instrument: simulated in this process, an emulated or a sensor board.
     #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
     pub(super) on: On,
     #[command(flatten)]
     pub(super) emulation: Emulation,
-    /// The file that is the flash of the emulated board, as `anemo settings` uses it; without it
-    /// the board keeps nothing.
+    /// The file that is its flash, as of `anemo settings`; without it the board keeps nothing.
     #[arg(long, value_name = "FILE", help_heading = EMULATED)]
     flash: Option<PathBuf>,
-    /// Acknowledge a trip that the board still keeps from an earlier run, and go on.
+    /// Acknowledge a trip of an earlier run, and go on.
     #[arg(long)]
     acknowledge: bool,
 }
@@ -70,11 +69,10 @@ impl InstrumentArguments {
 /// How a board is emulated.
 #[derive(clap::Args)]
 pub(super) struct Emulation {
-    /// The firmware that the emulated board runs; without it, the one that came with this command
-    /// or stands in its build folder.
+    /// Firmware of the emulated board; by default that of the release or build.
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
     firmware: Option<PathBuf>,
-    /// How to talk to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
+    /// Link to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
     #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true, help_heading = EMULATED,
         value_parser = choice([("fifo", "", EmulatorLink::Fifo), ("usart", "", EmulatorLink::Usart)]))]
     link: EmulatorLink,

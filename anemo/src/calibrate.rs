@@ -12,12 +12,12 @@ use diffusive::model::Model;
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
 ///
-/// The recordings are closed-loop runs in a tunnel of known winds, which stand in the recording
-/// (simulated tunnels) or in a table (--winds). The quiescent-gas network gives the convective loss
-/// of each surface in every steady wind. All losses together give the amplitudes of the local
-/// Nusselt number over the Reynolds number, each surface's gain and conductance to quiescent gas,
-/// and the mounting of the head in the tunnel. Cross-validation gives the errors in winds that were
-/// left out. Winds that do not determine all of this are refused, and the missing ones named.
+/// The recordings are closed-loop runs in a tunnel of known winds. With the quiescent-gas network
+/// they give the convective loss of each surface in every steady wind; these losses give the
+/// amplitudes of the local Nusselt number over the Reynolds number, each surface's gain and
+/// conductance to quiescent gas, and the mounting of the head in the tunnel. Errors are
+/// cross-validated. Winds that do not determine all of this are refused, and the missing ones
+/// named.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,18 +36,18 @@ pub struct Arguments {
     /// The recordings: .parquet or .csv files.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-    /// The quiescent-gas network: a model file of `anemo head identify`.
+    /// The quiescent-gas network: a .json file of `anemo head identify`.
     #[arg(long, value_name = "MODEL")]
     network: PathBuf,
-    /// The head that is calibrated; by default the one that the first recording carries. Elements
-    /// with a `normal` are its surfaces: four sectors or two hemispheres.
+    /// The head; by default the one that the first recording carries. Elements with a `normal` are
+    /// its surfaces: four sectors or two hemispheres.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// The calibrated head to write, a .toml file; without it, the calibration is only summarised.
+    /// Write the calibrated head to this .toml file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Winds by the label of the conditions, a .csv or .parquet file; by default those that stand
-    /// in the recordings.
+    /// Winds by label, a .csv or .parquet file; by default those of the recordings (simulated
+    /// tunnels).
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
     /// Left out at the beginning of every wind, s.
@@ -56,15 +56,15 @@ pub struct Arguments {
     /// Diameter of the sphere, mm.
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     diameter_mm: f64,
-    /// Four dice of one card in a square, instead of a sphere: the two at the tip (+x), the second
-    /// of them around the boom from the first, then the two behind, each beside the one before it.
-    /// In winds of the card's plane.
+    /// Four dice of one card in a square, instead of a sphere, in winds of the card's plane: the
+    /// two at the tip (+x), the second around the boom from the first, then the two behind, each
+    /// beside the one before it.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Side of a die, mm.
     #[arg(long, value_name = "MM", default_value_t = 1.5)]
     die_mm: f64,
-    /// Directions that are more uncertain than this are flagged `no-direction`, °.
+    /// More uncertain directions are flagged `no-direction`, °.
     #[arg(long, value_name = "DEGREES", default_value_t = 20.0)]
     direction_error_max_deg: f64,
     /// Print one JSON object instead of the summary.

@@ -10,12 +10,10 @@ use diffusive::predict::loop_model::{LoopModel, of_another_gas};
 
 /// Recommend levels, sample period and set-point for a closed loop, from a model and requirements.
 ///
-/// The recommended loop is simulated once on the model; the result is printed beside the
-/// prediction.
+/// The recommended loop is simulated on the model, and the result printed beside the prediction.
 #[derive(clap::Args)]
 #[command(after_help = "\
-A requirement that cannot be met is refused, and the error names what can be met. Levels \
-that a head has already are given with --low and --high; others are recommended.
+A requirement that cannot be met is refused, and the error names what can be met.
 
 Examples:
   anemo design heater.json --target 20
@@ -25,35 +23,34 @@ Examples:
       --reach 600 --json
   anemo design conductance.json --target 10 --conductance 0..0.01")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
-    /// The set-point in K above the temperature without heating (of the first wind), or a range of
-    /// those that would do.
+    /// Set-point, K above the temperature without heating (of the first wind), or a range that
+    /// would do.
     #[arg(long, value_name = "K|LOW..HIGH", allow_hyphen_values = true)]
     target: String,
-    /// The pair of input and output, as `sector1:sector1`, where the model has several.
+    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
     pair: Option<String>,
-    /// The element whose self-heating pair is used: short for `--pair NAME:NAME`.
+    /// Self-heating pair of this element: short for --pair NAME:NAME.
     #[arg(long, value_name = "NAME")]
     element: Option<String>,
-    /// The winds in which the loop holds its set-point: all classes of the model if not given.
+    /// Winds in which the loop holds its set-point; by default all classes of the model.
     #[arg(long, value_name = "LABEL,…", value_delimiter = ',', conflicts_with = "conductance")]
     wind: Vec<String>,
-    /// The winds as a range of ΔG in W/K over the reference, of a model in which the wind is a
-    /// conductance.
+    /// Winds as a range of ΔG over the reference, W/K, where the wind is a conductance.
     #[arg(long, value_name = "LOW..HIGH", allow_hyphen_values = true)]
     conductance: Option<String>,
-    /// Temperature of the gas, °C, where the wind is a conductance: the model's own if not given.
+    /// Gas temperature, °C, where the wind is a conductance; by default the model's.
     #[arg(long, value_name = "°C", allow_negative_numbers = true)]
     gas_temperature: Option<f64>,
-    /// Power of the low level, W, if it is given.
+    /// Power of the low level, W; recommended if not given.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     low: Option<f64>,
-    /// Power of the high level, W, if it is given.
+    /// Power of the high level, W; recommended if not given.
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     high: Option<f64>,
-    /// How far the levels stay from the power of every wind, as a share of it.
+    /// Distance of the levels from the power of every wind, as a share of it.
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_negative_numbers = true)]
     margin: f64,
     /// Greatest ripple of the temperature, from peak to peak, K.

@@ -28,8 +28,8 @@ enum ExampleSystem {
 /// Cole and Cole's relaxation, H = 1/(1 + √p): 1000 s at 2 kHz with an exact output, with or
 /// without noise.
 ///
-/// The picture shows time-constant spectrum (diffusive symbol), output and errors; a name of --plot
-/// that is not a picture's is a folder for two of them.
+/// The picture shows time-constant spectrum, output and errors; another name of --plot is a folder
+/// for two pictures.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -40,7 +40,7 @@ struct ColeCole {
     /// Its input: a step, or pseudo-random bits of 1 s.
     #[arg(long, default_value = "prbs", value_parser = choice([("step", "", ColeColeInput::Step), ("prbs", "", ColeColeInput::Prbs)]))]
     input: ColeColeInput,
-    /// Standard deviation of white noise on the output; the output itself swings by 1.
+    /// Standard deviation of white noise on the output, which swings by 1.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
     noise: f64,
     /// Seed of the noise.
@@ -62,9 +62,8 @@ fn noise(text: &str) -> Result<f64, Failure> {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    match &arguments.example {
-        ExampleSystem::ColeCole(arguments) => arguments.execute(),
-    }
+    let ExampleSystem::ColeCole(arguments) = &arguments.example;
+    arguments.execute()
 }
 
 impl ColeCole {
@@ -74,16 +73,15 @@ impl ColeCole {
             recording::check_name(path).map_err(Failure::usage)?;
         }
         let canvases = self.canvases()?;
-        let input = self.input;
-        let case = cole_cole::case(input, self.noise, self.seed, None);
+        let case = cole_cole::case(self.input, self.noise, self.seed, None);
         if let Some(path) = &self.output {
             self.write(&case, path)?;
         }
-        let model = identified(&case, input)?;
+        let model = identified(&case, self.input)?;
         let comparison = cole_cole::compare(&model, &case).map_err(Failure::work)?;
-        self.draw(canvases, &model, &case, input, &comparison)?;
+        self.draw(canvases, &model, &case, &comparison)?;
         let report = ColeColeReport {
-            input,
+            input: self.input,
             noise: self.noise,
             seed: self.seed,
             rows: case.input.len(),
@@ -125,26 +123,25 @@ impl ColeCole {
         canvases: Vec<Canvas>,
         model: &Model,
         case: &ColeColeCase,
-        input: ColeColeInput,
         comparison: &ColeColeComparison,
     ) -> Result<(), Failure> {
         if canvases.is_empty() {
             return Ok(());
         }
         let mut pages =
-            vec![plot::cole_cole::spectrum_charts(comparison), plot::cole_cole::output_charts(model, case, input)];
+            vec![plot::cole_cole::spectrum_charts(comparison), plot::cole_cole::output_charts(model, case, self.input)];
         if canvases.len() == 1 {
             pages = vec![pages.concat()];
         }
         for (canvas, charts) in canvases.into_iter().zip(pages) {
-            canvas.draw(&self.figure(charts, model, input)).map_err(Failure::work)?;
+            canvas.draw(&self.figure(charts, model)).map_err(Failure::work)?;
         }
         Ok(())
     }
 
-    fn figure(&self, charts: Vec<Chart>, model: &Model, input: ColeColeInput) -> Figure {
+    fn figure(&self, charts: Vec<Chart>, model: &Model) -> Figure {
         let noise = if self.noise > 0.0 { format!("noise of {}", self.noise) } else { "no noise".to_owned() };
-        let words = format!("{}, {noise}, {} rates", input.words(), rates(model));
+        let words = format!("{}, {noise}, {} rates", self.input.words(), rates(model));
         let figure = Figure::new("Cole–Cole relaxation").subtitle(words);
         charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
     }

@@ -8,7 +8,6 @@ use diffusive::model::export::source::Language;
 use diffusive::model::export::spice::SpiceNetwork;
 use diffusive::model::export::{ExportForm, ExportReport};
 use diffusive::model::{Model, PairClass};
-use recording::Temporary;
 
 /// Write a model as a network, a netlist, a table or source text.
 #[derive(clap::Args)]
@@ -21,7 +20,7 @@ Examples:
   anemo export winds.json --as spice --network cauer --class gust -o gust.lib
   anemo export small.json --as c -o small.h")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify` or `anemo reduce`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
     #[arg(long = "as", value_name = "FORM", value_parser = choice([
         ("foster", "Resistor and capacitor of every pole, side by side and in series", ExportForm::Foster),
@@ -34,11 +33,10 @@ pub struct Arguments {
         ("rust", "Constant tables in f32 for a Rust program", ExportForm::Source(Language::Rust)),
     ]))]
     form: ExportForm,
-    /// Which pair, where the model has several: by columns (power_w_a:temperature_c_b) or elements
-    /// (a:b).
+    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT")]
     pair: Option<String>,
-    /// Which event class, where the model has several.
+    /// Event class, where the model has several.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
     /// Number of frequencies of a response.
@@ -50,7 +48,7 @@ pub struct Arguments {
         ("cauer", "A ladder: models without negative resistances", SpiceNetwork::Cauer),
     ]))]
     network: SpiceNetwork,
-    /// The file to write.
+    /// Write to this file instead of stdout.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object: the table, or the text.
@@ -59,6 +57,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::keep(&[&arguments.model], &[arguments.output.as_deref()])?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let part = PairClass::find(&model, arguments.pair.as_deref(), arguments.class.as_deref())
         .map_err(|error| Failure::in_file(&arguments.model, error))?;
@@ -70,8 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let file = arguments.output.as_ref().map(|output| output.display().to_string());
     let report = ExportReport::new(&part, form, file).map_err(|error| Failure::in_file(&arguments.model, error))?;
     if let Some(output) = &arguments.output {
-        let failed = |error| Failure::in_file(output, format!("cannot be written: {error}"));
-        Temporary::write(output, report.text().as_bytes()).map_err(failed)?;
+        crate::output::write_text(output, &report.text()).map_err(Failure::usage)?;
     }
     crate::output::print_report(&report, arguments.json)
 }

@@ -25,11 +25,10 @@ enum HeadCommand {
 
 /// Identify how all elements of a head heat themselves and each other in quiescent gas.
 ///
-/// The convective loss by wind is read off against this quiescent-gas network. It takes one record
-/// an element: the element is driven pseudo-randomly, all others stay at their low level, and the
-/// gas is at rest. The driven element is found. Every pair gets as many free rates as its record
-/// can tell apart. The result is a model file like any other, whose offsets are the temperatures
-/// with no heating at all.
+/// Convective losses are measured against this quiescent-gas network. It takes one record an
+/// element, in gas at rest: the element driven pseudo-randomly, all others at their low level.
+/// Every pair gets as many free rates as its record resolves. The result is a model, whose offsets
+/// are the temperatures without heating.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -46,18 +45,18 @@ Examples:
   anemo head identify die*.parquet -o card1.json \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4")]
 pub struct IdentifyArguments {
-    /// The records: one .parquet or .csv file an element.
+    /// The records: one .parquet or .csv file an element, in any order.
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
-    /// The network, a .json file; without it, it is only summarised.
+    /// Write the network to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The head, which has the number of layers between elements and surface; by default the one
-    /// that the records carry.
+    /// The head, with the number of layers between elements and surface; by default that of the
+    /// records.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Elements of the network with commas between them, by default all of the head; the others,
-    /// which only measure, count as part of the structure.
+    /// Elements of the network, with commas between them; by default all. The others, which only
+    /// measure, are part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Most free rates of the self-heating of an element, 1 to 8.

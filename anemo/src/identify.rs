@@ -19,10 +19,10 @@ use plot::model::figure;
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
 /// (diffusive mesh), with standard errors.
 ///
-/// Any uniformly sampled table can be identified: a recording of `anemo run`, or a CSV or Parquet
-/// file of yours with a time column first. Options that are not given are chosen by block
-/// cross-validation inside the record, and the reasons are printed. The picture shows time-constant
-/// spectrum (diffusive symbol), fit, residuals, frequency response and structure function.
+/// The record is a recording of `anemo run`, or any uniformly sampled table with the time in its
+/// first column. Options not given are chosen by block cross-validation, and the reasons printed.
+/// The picture shows time-constant spectrum (diffusive symbol), fit, residuals, frequency response
+/// and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -40,24 +40,23 @@ Examples:
   anemo identify three-winds.csv --event wind --structure conductance \\
       --non-negative all --gas-temperature 18.0 -o conductance.json
 
-A row holds the outputs at its time, and the inputs that are held until the next row's.")]
+A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {
     /// The record: a .parquet or .csv file.
     record: PathBuf,
-    /// The model, a .json file; without it, the model is only summarised.
+    /// Write the model to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output_file: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,
-    /// `symbol`: a time-constant spectrum (diffusive symbol) for every event class; `conductance`:
-    /// one spectrum, and the wind as a conductance a class.
+    /// `symbol`: a time-constant spectrum a class; `conductance`: one spectrum, and a conductance a
+    /// class.
     #[arg(long, value_parser = choice([("symbol", "", Structure::Symbol), ("conductance", "", Structure::Conductance)]))]
     structure: Option<Structure>,
-    /// Temperature of the gas, for --structure conductance: a number in °C, or a column; estimated
-    /// if it is not given.
+    /// Gas temperature for --structure conductance, °C, or its column; estimated if not given.
     #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
     gas_temperature: Option<String>,
-    /// The class whose conductance the others are counted from; by default the least.
+    /// Class from whose conductance the others are counted; by default the least.
     #[arg(long, value_name = "LABEL")]
     reference: Option<String>,
     /// Number of rates.
@@ -66,19 +65,19 @@ pub struct Arguments {
     /// Edges of the logarithmic grid of rates (diffusive mesh), rad/s.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     mesh: Option<(f64, f64)>,
-    /// Number of rates of cross-heating pairs. The first input and the first output are of one
-    /// element (self-heating), and so on.
+    /// Number of rates of cross-heating pairs: input i and output i are of one element
+    /// (self-heating).
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
     cross_order: Option<usize>,
-    /// Edges of the grid of cross-heating pairs, rad/s; number and edges are those of the others if
-    /// not given.
+    /// Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
+    /// the others.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     cross_mesh: Option<(f64, f64)>,
     /// Ridge on columns of unit norm; 0 for plain least squares.
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
-    /// Which resistances may not be negative: `auto` (those that cross-validation does not reject;
-    /// none, of structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
+    /// Resistances that may not be negative: `auto` (unless cross-validation rejects it; none, of
+    /// structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
     /// Initial state of the record.
@@ -88,24 +87,23 @@ pub struct Arguments {
         ("free", "Anything", InitialState::Free),
     ]))]
     initial_state: Option<InitialState>,
-    /// Whether the output may follow its input at once; searched for, unless both --order and
-    /// --mesh are given.
+    /// Whether the output may follow its input at once. This and --dead-time are searched for,
+    /// unless both --order and --mesh are given.
     #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
     feed_through: Option<bool>,
-    /// Samples by which the output is late; searched for, unless both --order and --mesh are given.
+    /// Samples by which the output is late.
     #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
     #[command(flatten)]
     picture: PictureArguments,
-    /// Number of free rates of an output, 1 to 8, for a small model. The fit starts from the
-    /// solution on the grid.
+    /// Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
+    /// the grid.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
     free_poles: Option<usize>,
-    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i,
-    /// in the order of --input and --output.
+    /// Reciprocal pairs: resistances from input i to output j are those from input j to output i.
     #[arg(long)]
     tie: bool,
-    /// Print the model as one JSON object instead of the summary.
+    /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
 }
@@ -113,17 +111,16 @@ pub struct Arguments {
 /// Which columns play which part: the same for every command that takes a record.
 #[derive(clap::Args)]
 pub struct Columns {
-    /// Input columns, or elements' names; by default those between the time and the last column
-    /// that change, and of a recording the powers that vary.
+    /// Input columns, or elements; by default a recording's powers that vary, another table's
+    /// columns that change between the first and the last.
     #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
     pub input: Vec<String>,
-    /// Output columns, or elements' names; by default the last column, and of a recording the
-    /// temperatures of these elements.
+    /// Output columns, or elements; by default the temperatures of a recording's inputs, another
+    /// table's last column.
     #[arg(long, value_name = "COLUMN", num_args = 1.., value_delimiter = ',')]
     pub output: Vec<String>,
-    /// The column with the labels of the conditions (winds); by default a text column `event`, or
-    /// in another table than a recording a column called `event`, `class`, `wind`, `condition`,
-    /// `phase` or `label`.
+    /// Column with the labels of the conditions (winds); by default a text column `event`, in
+    /// another table than a recording also `class`, `wind`, `condition`, `phase` or `label`.
     #[arg(long, value_name = "COLUMN")]
     pub event: Option<String>,
 }

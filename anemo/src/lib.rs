@@ -47,6 +47,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
+/// Width of help, also where a terminal is wider.
+const MOST_COLUMNS: usize = 80;
+
 /// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, identify thermal
 /// models from the recordings, and predict closed loops with these models.
 #[derive(Parser)]
@@ -54,6 +57,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
     name = "anemo",
     version,
     arg_required_else_help = true,
+    max_term_width = MOST_COLUMNS,
     after_help = "\
 Examples:
   anemo check experiments/gusts.toml
@@ -218,6 +222,14 @@ mod tests {
     fn texts(command: &clap::Command) -> Vec<String> {
         let own = command.get_after_help().map(ToString::to_string);
         own.into_iter().chain(command.get_subcommands().flat_map(texts)).collect()
+    }
+
+    #[test]
+    fn no_line_of_an_example_is_wrapped() {
+        let texts = texts(&command());
+        let wide = texts.iter().flat_map(|text| text.lines()).filter(|line| line.starts_with("  "));
+        let wide: Vec<&str> = wide.filter(|line| line.chars().count() > MOST_COLUMNS).collect();
+        assert!(wide.is_empty(), "{wide:#?}");
     }
 
     #[test]

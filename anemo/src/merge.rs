@@ -8,9 +8,9 @@ use diffusive::model::merge::{MergeReport, merge};
 
 /// Join models of different pairs of input and output into one that adds up their responses.
 ///
-/// For heads that were driven one after the other: identify each from its own record, with all
-/// outputs, and merge. Offsets and residuals of an output that several models have are the first's;
-/// `anemo validate` estimates offsets anew.
+/// For elements driven one after the other: identify each from its own record, with all outputs,
+/// and merge. An output of several models has the offset and residuals of the first; `anemo
+/// validate` estimates offsets anew.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -20,18 +20,20 @@ Examples:
       --output sector1 sector2 -o heats2.json
   anemo merge heats1.json heats2.json -o both.json")]
 pub struct Arguments {
-    /// The models: two or more .json files of `anemo identify`.
+    /// The models: two or more .json files.
     #[arg(required = true, num_args = 2.., value_name = "MODEL")]
     models: Vec<PathBuf>,
-    /// The merged model, a .json file.
+    /// Write the merged model to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Print the model as one JSON object instead of the summary.
+    /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let read: Vec<_> = arguments.models.iter().map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[Some(&arguments.output)])?;
     crate::output::writable(&arguments.output, "a model", "json")?;
     let mut models = Vec::with_capacity(arguments.models.len());
     for path in &arguments.models {

@@ -8,11 +8,11 @@ use plot::{Canvas, PictureOptions, PictureWidth};
 /// Whether and how a picture is drawn.
 #[derive(clap::Args)]
 pub struct PictureArguments {
-    /// Draw a picture into this file; its name ends in .svg, .pdf or .png.
+    /// Draw a picture into this .svg, .pdf or .png file.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Width of the picture, 60 to 400 mm: 180 (the default) for two columns of a journal, 88 for
-    /// one. Type keeps its size.
+    /// Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
+    /// Type keeps its size.
     #[arg(long, value_name = "MM", requires = "plot", allow_negative_numbers = true)]
     plot_width: Option<PictureWidth>,
     /// Draw only the panels whose captions begin so.

@@ -19,14 +19,14 @@ pub struct Arguments {
     /// The recording, a .parquet or .csv file, or the model, a .json file.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// The picture; its name ends in .svg, .pdf or .png, unless --format says what it is.
+    /// The picture: a .svg, .pdf or .png file, or what --format says.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Width of the picture, 60 to 400 mm: 180 (the default) for two columns of a journal, 88 for
-    /// one. Type keeps its size.
+    /// Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
+    /// Type keeps its size.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width: Option<PictureWidth>,
-    /// Format of the picture, whatever its name ends in.
+    /// Format of the picture, whatever its name.
     #[arg(long, value_parser = choice([("svg", "", PictureFormat::Svg), ("pdf", "", PictureFormat::Pdf), ("png", "300 dots an inch", PictureFormat::Png)]))]
     format: Option<PictureFormat>,
     /// Draw only the panels whose captions begin so: magnitude, phase.

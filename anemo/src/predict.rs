@@ -25,15 +25,15 @@ const MOST_TICKS: usize = 1 << 12;
 /// Predict the power that an experiment's loops will take, from a model that was identified open
 /// loop.
 ///
-/// Two predictions are made: the limit of infinitely fast sampling, in which the power of a
-/// regulated element is the equivalent control, and the same model under the one-bit rule at the
-/// experiment's sample period. The second or, with --against, a recording is compared with the
-/// first. Both are decimated alike; changes of the wind and approaches to the set-point are left
-/// out. The picture shows the compared powers.
+/// There are two predictions: the limit of infinitely fast sampling, in which the power of a
+/// regulated element is the equivalent control, and the one-bit rule at the experiment's sample
+/// period. The second or, with --against, a recording is compared with the first. Both are
+/// decimated alike; changes of the wind and approaches to the set-point are left out. The picture
+/// shows powers and temperatures.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Labels of the experiment's winds must be classes of the model. Elements that the model does not know \
-are left out. Only elements that are regulated are predicted and compared.
+Labels of the experiment's winds must be classes of the model. Only regulated elements that the model \
+knows are predicted.
 
 Examples:
   anemo predict sectors.json experiments/held.toml
@@ -41,7 +41,7 @@ Examples:
       --plot held.svg
   anemo predict sectors.json experiments/held.toml --from rest -o power.csv")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
     /// The experiment: a TOML file.
     experiment: PathBuf,
@@ -55,11 +55,11 @@ pub struct Arguments {
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
     from: LoopStart,
-    /// Window of the decimator, s, 2 to 1625 sample periods: 1 s, or 20 of them if those are
+    /// Window of the decimator, s, 2 to 1625 sample periods; by default 1 s, or 20 of them if
     /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     window: Option<f64>,
-    /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick into this .csv or .parquet
+    /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick to this .csv or .parquet
     /// file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,

@@ -5,20 +5,19 @@ use std::path::PathBuf;
 use crate::output::Failure;
 use diffusive::model::Model;
 use diffusive::model::reduce::{Rates, ReductionReport, board, reduce};
-use recording::Temporary;
 
 /// Make a smaller model in f32, for the board, and report its error.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The error is measured: the board's f32 arithmetic and the whole model run on the same random bits \
-and random levels.
+The error is measured: the board's f32 arithmetic and the whole model run on the same random bits and \
+levels.
 
 Examples:
   anemo reduce heater.json --order 3 -o small.json
   anemo reduce sector1.json --order 2 --json
   anemo reduce winds.json --order 4 --class still --toml still.toml")]
 pub struct Arguments {
-    /// The model: a JSON file of `anemo identify`.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
     /// Poles a pair, 1 to 8.
     #[arg(long, value_name = "K", default_value_t = 8)]
@@ -29,14 +28,14 @@ pub struct Arguments {
     /// Keep the rates on a logarithmic grid (diffusive mesh), and place its edges.
     #[arg(long)]
     mesh: bool,
-    /// The smaller model to write, JSON.
+    /// Write the smaller model to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The board's table to write, as an experiment's `models` has it: 8 rates an element that
-    /// heats itself.
+    /// Write the board's table, as an experiment's `models` has it: 8 rates an element that heats
+    /// itself.
     #[arg(long, value_name = "FILE")]
     toml: Option<PathBuf>,
-    /// The event class of the board's table, where the model has several.
+    /// Event class of that table, where the model has several.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
     /// Print one JSON object instead of the summary.
@@ -45,6 +44,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::keep(&[&arguments.model], &[arguments.output.as_deref(), arguments.toml.as_deref()])?;
     if let Some(path) = &arguments.output {
         crate::output::writable(path, "a model", "json")?;
     }
@@ -57,8 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(&arguments.model, error));
     }
     if let (Some(path), Ok(table)) = (&arguments.toml, &table) {
-        let failed = |error| Failure::in_file(path, format!("cannot be written: {error}"));
-        Temporary::write(path, table.as_bytes()).map_err(failed)?;
+        crate::output::write_text(path, table).map_err(Failure::usage)?;
     }
     if let Some(path) = &arguments.output {
         reduced.model.write(path).map_err(Failure::usage)?;

@@ -19,9 +19,8 @@ const PROGRESS_EVERY: u32 = 256;
 
 /// Run an experiment and record it.
 ///
-/// The same experiment runs in this process, on the firmware in an emulated board, or on a sensor
-/// board. The first two simulate the sensor and the wind, as fast as they can; all three understand
-/// the same commands, and the first two give the same bits.
+/// The emulated board runs the firmware, and gives the same bits as this process; both simulate
+/// sensor and wind, as fast as they can. A sensor board understands the same commands.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -15,12 +15,12 @@ use host_sim::instrument::setup;
 use host_sim::self_test::{self, SelfTestReport, StoredSelfTests};
 use host_sim::settings;
 
-/// Have an instrument test itself: offsets, references, elements, noise, and what a short pulse of
-/// heat does to each of them.
+/// Have an instrument test itself: offsets, references, elements, noise, and the response of each
+/// element to a short pulse of heat.
 ///
 /// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared
 /// with the element's model, where the experiment names one. A board keeps the result in its flash,
-/// with date and firmware; it also tests itself at each start by its settings, without heat.
+/// with date and firmware; it also tests itself, without heat, at each start.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Verdicts, and what to look at:
@@ -44,14 +44,13 @@ pub struct Arguments {
     experiment: Option<PathBuf>,
     #[command(flatten)]
     instrument: InstrumentArguments,
-    /// Length of the pulse of heat, s: at least 8 ticks, at most 10 s; without it 1 s, or 8 ticks
-    /// where that is longer.
+    /// Length of the pulse of heat, s, from 8 ticks to 10 s; by default 1 s, or 8 ticks if longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pulse: Option<f32>,
-    /// Heat nothing. A tripped instrument can be tested in this way, too.
+    /// Heat nothing; tests a tripped instrument, too.
     #[arg(long, conflicts_with = "pulse")]
     no_heat: bool,
-    /// Test nothing: show what the board has kept of its last test.
+    /// Test nothing: show the result that the board keeps.
     #[arg(long, conflicts_with_all = ["pulse", "no_heat"])]
     stored: bool,
     /// Print one JSON object instead of the table.

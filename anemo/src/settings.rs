@@ -14,11 +14,10 @@ use host_sim::instrument::InstrumentError;
 use host_sim::settings::{self, KeptSetting, SettingsReport, file, names};
 use recording::toml_file::TomlSource;
 
-/// What a board keeps in its flash: its name, the head it has and how it is set up.
+/// What a board keeps in its flash: name, head and set-up.
 ///
-/// A board sets itself up by this at each start, so that it knows its head without a host; it never
-/// starts a run by itself. Settings are read and changed in standby only. A power cut at any moment
-/// leaves each value as it was or as it was to be.
+/// A board sets itself up by this at each start; it never starts a run by itself. Settings are read
+/// and changed in standby only. A power cut leaves each value as it was or as it was to be.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -57,11 +56,10 @@ enum Task {
         /// Its new value.
         #[arg(allow_hyphen_values = true)]
         value: Option<String>,
-        /// A head file: its guard, elements and calibration, in place of all that is kept of
-        /// another head.
+        /// A head file: its guard, elements and calibration, in place of those of another head.
         #[arg(long, value_name = "FILE")]
         head: Option<PathBuf>,
-        /// Sample period for the head, s; without it the one that is kept.
+        /// Sample period for the head, s; by default the one that is kept.
         #[arg(long, value_name = "S", requires = "head")]
         sample_period: Option<f64>,
         #[command(flatten)]
@@ -101,7 +99,7 @@ struct BoardArguments {
     /// The board.
     #[arg(long, value_name = "qemu|serial:DEVICE")]
     on: On,
-    /// The file that is the flash of the emulated board; it is made if there is none.
+    /// The file that is the flash of the emulated board; made if there is none.
     #[arg(long, value_name = "FILE", default_value = "settings.flash", help_heading = EMULATED)]
     flash: PathBuf,
     #[command(flatten)]

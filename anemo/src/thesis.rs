@@ -11,8 +11,7 @@ use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
 /// Run the experiments of the thesis on the simulated sensors, and compare its findings with ours.
 ///
 /// Each study runs its experiments, identifies models, predicts with them, and leaves a page and a
-/// picture: the published value, ours, and whether the bar between them is met. All together take
-/// about a minute.
+/// picture: the published value, ours, and whether the bar is met. All take about a minute.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -20,14 +19,14 @@ Examples:
   anemo thesis
   anemo thesis rems-self -o out/results")]
 pub struct Arguments {
-    /// The studies to run, as --list names them: all, and a page over them, if none is named.
+    /// The studies, as --list names them; by default all, and a page over them.
     #[arg(value_name = "STUDY")]
     names: Vec<String>,
     /// List the studies.
     #[arg(long)]
     list: bool,
-    /// The folder for pages and pictures, which are written anew. They link to each other, and to
-    /// docs/sensors as from the default.
+    /// The folder for pages and pictures, which are written anew; their links to docs/sensors hold
+    /// from the default.
     #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
     output: PathBuf,
     /// The folder with the experiments.

@@ -14,9 +14,8 @@ use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
 ///
-/// The model runs over the record's inputs. The offset, and the heat that was stored before the
-/// first row, are estimated from the record's outputs, unless --start is given. The picture shows
-/// measured and predicted, residuals, and the model.
+/// The model runs over the record's inputs. The picture shows measured and predicted, residuals,
+/// and the model.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -28,7 +27,7 @@ Examples:
 
 A fit of 100 % is perfect, 0 % no better than the record's mean: 100 (1 − |y − ŷ| / |y − mean y|).")]
 pub struct Arguments {
-    /// The model: a .json file.
+    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
     model: PathBuf,
     /// The record: a .parquet or .csv file.
     record: PathBuf,
@@ -36,8 +35,8 @@ pub struct Arguments {
     columns: Columns,
     /// Initial state of the model.
     #[arg(long, default_value = "estimate", value_parser = choice([
-        ("estimate", "Offset and stored heat estimated from the record", ValidationStart::Estimate),
-        ("continue", "End of the identified record, for the rows that follow it; nothing is estimated from the outputs", ValidationStart::Continue),
+        ("estimate", "Offset, and heat stored before the first row, estimated from the record", ValidationStart::Estimate),
+        ("continue", "End of the identified record, for the rows that follow it; nothing is estimated", ValidationStart::Continue),
         ("rest", "All states zero, the model's own offset", ValidationStart::Rest),
     ]))]
     start: ValidationStart,

@@ -13,16 +13,15 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_
 
 /// Estimate the wind from a recording of a calibrated head.
 ///
-/// The board's own anemometer goes through the recording tick by tick, so that the wind estimates
-/// equal those of the board to the bit: convective losses against the quiescent-gas network,
-/// conductances, wind vector with standard uncertainty, and quality flags. The bandwidth is free to
-/// choose: low is smooth. Where the true wind is known (simulated tunnels, or --winds), the errors
-/// are reported.
+/// The wind estimates equal those of the board to the bit: convective losses against the
+/// quiescent-gas network, conductances, wind vector with standard uncertainty, and quality flags.
+/// Where the true wind is known (simulated tunnels, or --winds), the errors are reported.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo run experiments/wind/sphere-b/winds.toml --on sim -o winds.parquet
-  anemo wind winds.parquet --head head.toml --from 60 --settle 3 --plot winds.svg
+  anemo wind winds.parquet --head head.toml --from 60 --settle 3 \\
+      --plot winds.svg
   anemo wind winds.parquet --head head.toml --bandwidth 0.5 --every 1 \\
       -o wind.csv --json
 
@@ -31,38 +30,38 @@ Examples:
       --gas-temperature 21 --pressure 24000
 
 Quality flags: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
-uncalibrated, no-gas, not-running, saturated, starting, cold; in the table they are the sum \
-of 1, 2, 4, 8 … 4096 in this order.")]
+uncalibrated, no-gas, not-running, saturated, starting, cold; in the table the sum \
+of 1, 2, 4 … 4096 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,
-    /// The calibrated head (`anemo calibrate`), whose elements have the recording's names; by
-    /// default the one that the recording carries, of a run with a calibrated head.
+    /// The calibrated head (`anemo calibrate`) with the recording's elements; by default the one
+    /// that the recording carries.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Bandwidth of the convective losses, 0.5 to 50 Hz.
+    /// Bandwidth of the convective losses, 0.5 to 50 Hz: low is smooth.
     #[arg(long, value_name = "HZ", default_value_t = WindOutput::DEFAULT_BANDWIDTH_HZ)]
     bandwidth: f64,
     /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
     #[arg(long)]
     fixed: bool,
-    /// Output interval in seconds, a whole number of ticks; by default 0.01 or a tick.
+    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
-    /// Temperature of the gas: a number in °C, or a column; by default that of the head's
-    /// reference, or the recording's.
+    /// Gas temperature, °C, or its column; by default that of the head's reference, or the
+    /// recording's.
     #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
     gas_temperature: Option<String>,
-    /// Pressure of the gas, Pa; by default the recording's.
+    /// Gas pressure, Pa; by default the recording's.
     #[arg(long, value_name = "PA")]
     pressure: Option<f64>,
-    /// True winds by the label of the conditions, a .csv or .parquet file, for the errors.
+    /// True winds by label, a .csv or .parquet file as of `anemo calibrate`, for the errors.
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
-    /// Estimates before this time do not count in the summary, s. File and picture have all.
+    /// The summary counts estimates from this time on, s; file and picture have all.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     from: f64,
-    /// Of every stretch of one label, so many seconds do not count in the summary.
+    /// The summary leaves out so much at the beginning of every label, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Write the estimates to this .parquet or .csv file.

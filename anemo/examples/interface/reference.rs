@@ -19,30 +19,29 @@ const PAGES: [Page; 3] = [
     Page {
         file: "command-line.md",
         kind: "instruments",
-        about: "Commands that run a simulated or real instrument, and look at what it is and what it recorded.",
+        about: "Run a simulated or real instrument, and look at it and its recordings.",
         commands: &["check", "run", "self-test", "settings", "plot"],
     },
     Page {
         file: "command-line-models.md",
         kind: "thermal models",
-        about: "Commands that identify thermal models, judge and convert them, and predict closed loops with them.",
+        about: "Identify thermal models, judge and convert them, and predict closed loops with them.",
         commands: &["identify", "merge", "validate", "export", "reduce", "analyse", "design", "predict", "example"],
     },
     Page {
         file: "command-line-wind.md",
         kind: "wind",
-        about: "Commands that calibrate a head and estimate the wind, and those that measure how well this does.",
+        about: "Calibrate a head, estimate the wind, and measure how well this does.",
         commands: &["head", "calibrate", "wind", "benchmark", "thesis"],
     },
 ];
 
 const CONVENTIONS: &str = "\
-`anemo COMMAND --help` prints what stands here, `-h` a summary. With `--json` a command prints one JSON object \
-([keys](json.md)) in place of its summary; all have this option but {without}. Codes and sentences of errors: \
-[messages](messages.md).
+`anemo COMMAND --help` prints what stands here, `-h` a summary. `--json` prints one JSON object ([keys](json.md)) in \
+place of the summary; only {without} lack it. Errors: [messages](messages.md).
 
-A file is written in whole or not at all. The line below a command's name has what it cannot do without: `<…>` stands \
-for a word of yours, `[…]` may be left out, what `...` follows may be repeated.
+A file is written in whole or not at all. Below a command's name stands what it needs: `<…>` is a word of yours, `[…]` \
+may be left out, what `...` follows may be repeated.
 ";
 
 /// What an option that prints JSON says if it only says so.
@@ -52,14 +51,15 @@ const JSON: &str = "Print one JSON object instead of the ";
 pub fn pages(mut root: Command) -> Vec<(&'static str, String)> {
     root.build();
     let listed: Vec<&str> = PAGES.iter().flat_map(|page| page.commands).copied().collect();
-    for command in root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help") {
+    for command in subcommands(&root) {
         assert!(listed.contains(&command.get_name()), "{} stands on no page", command.get_name());
     }
-    PAGES.iter().map(|page| (page.file, page.text(&root))).collect()
+    let mut said = Said::default();
+    PAGES.iter().map(|page| (page.file, page.text(&root, &mut said))).collect()
 }
 
 impl Page {
-    fn text(&self, root: &Command) -> String {
+    fn text(&self, root: &Command, said: &mut Said) -> String {
         let mut text = format!(
             "# Command line: {}\n\n<!-- Written by `cargo xtask reference`. -->\n\n{}\n",
             self.kind, self.about
@@ -69,21 +69,21 @@ impl Page {
             text += &format!("\n{}", CONVENTIONS.replace("{without}", &without.join(", ")));
             text += "\n";
             for page in &PAGES {
-                let file = if page.file == self.file { "" } else { page.file };
-                text += &format!("- {}: {}\n", page.kind, page.links(file));
+                text += &format!("- {}: {}\n", page.kind, page.links());
             }
         } else {
-            text += &format!("\n{}. [Conventions of all commands](command-line.md)\n", self.links(""));
+            text += &format!("\n{}. [Conventions of all commands](command-line.md)\n", self.links());
         }
-        let mut said = Said::default();
+        said.file = self.file;
         for name in self.commands {
-            command(find(root, name), 2, &[], &mut said, &mut text);
+            command(find(root, name), 2, &[], said, &mut text);
         }
-        text
+        // A link within the page needs no file.
+        text.replace(&format!("]({}#", self.file), "](#")
     }
 
-    fn links(&self, file: &str) -> String {
-        let links = self.commands.iter().map(|name| format!("[{name}]({file}#anemo-{name})"));
+    fn links(&self) -> String {
+        let links = self.commands.iter().map(|name| format!("[{name}]({}#anemo-{name})", self.file));
         links.collect::<Vec<_>>().join(", ")
     }
 }
@@ -116,8 +116,13 @@ fn about(command: &Command) -> String {
     command.get_about().map(ToString::to_string).unwrap_or_default()
 }
 
-/// Rows that stand on the page already, and the command where.
-type Said = Vec<(Row, String)>;
+/// Rows that stand on this page or one before, and a link to the command where.
+#[derive(Default)]
+struct Said {
+    /// Of this page.
+    file: &'static str,
+    rows: Vec<(Row, String)>,
+}
 
 /// A command and its subcommands, whose `shared` rows stand with the group.
 fn command(command_: &Command, level: usize, shared: &[Row], said: &mut Said, text: &mut String) {
@@ -227,7 +232,7 @@ fn uncapitalised(text: &str) -> String {
     }
 }
 
-/// A row that stands on the page already is told by its name and where.
+/// A row that stands somewhere already is its name, and where.
 fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
     if rows.is_empty() {
         return;
@@ -236,7 +241,7 @@ fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
     let mut again: Vec<(String, Vec<String>)> = Vec::new();
     let mut new = Vec::new();
     for row in rows {
-        match said.iter().find(|(known, _)| *known == row) {
+        match said.rows.iter().find(|(known, _)| *known == row) {
             Some((_, place)) => {
                 let name = format!("`{}`", row.name);
                 match again.iter_mut().find(|(known, _)| known == place) {
@@ -255,12 +260,8 @@ fn table(rows: Vec<Row>, of: &Command, said: &mut Said, text: &mut String) {
         *text = text.trim_end().to_owned() + "\n";
     }
     for (place, names) in again {
-        *text += &format!(
-            "{}| as of [{}](#{})\n",
-            names.join(" "),
-            place.trim_start_matches("anemo "),
-            place.replace(' ', "-")
-        );
+        *text += &format!("{}| as of {place}\n", names.join(" "));
     }
-    said.extend(new.into_iter().map(|row| (row, of.to_owned())));
+    let place = format!("[{}]({}#{})", of.trim_start_matches("anemo "), said.file, of.replace(' ', "-"));
+    said.rows.extend(new.into_iter().map(|row| (row, place.clone())));
 }

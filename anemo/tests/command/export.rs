@@ -91,6 +91,10 @@ fn what_cannot_be_exported_is_refused_in_a_sentence_and_nothing_is_written() {
         (vec!["export", "m.json", "--as", "fostr", "-o", "x"], "fostr"),
         (vec!["reduce", "m.json", "--order", "9", "-o", "x.json"], "1 to 8 poles a pair, not 9"),
         (vec!["reduce", "m.json", "--free", "--mesh", "-o", "x"], "cannot be used with"),
+        (vec!["export", "m.json", "--as", "c", "-o", "m.json"], "m.json: is read by this command"),
+        (vec!["reduce", "m.json", "-o", "./m.json"], "m.json: is read by this command"),
+        (vec!["reduce", "m.json", "--toml", "m.json"], "m.json: is read by this command"),
+        (vec!["merge", "n.json", "m.json", "-o", "m.json"], "m.json: is read by this command"),
     ] {
         let output = anemo(folder, &arguments);
         assert_eq!(output.status.code(), Some(2), "{output:?}");

@@ -34,7 +34,7 @@ impl<'a> PairClass<'a> {
             (Some(wind), _) => Ok(wind.reference.as_str()),
             (None, [label]) => Ok(label.as_str()),
             (None, labels) => {
-                Err(model_error!("the model has {} classes: name one of {}", labels.len(), listed(labels)))
+                Err(model_error!("the model has {} classes: name one with --class: {}", labels.len(), listed(labels)))
             }
         };
         let label = label.map_or_else(only, Ok)?;
@@ -134,7 +134,7 @@ fn find_pair<'a>(model: &'a Model, wanted: Option<&str>) -> Result<&'a Pair, Mod
     let Some(wanted) = wanted else {
         return match &model.pairs[..] {
             [only] => Ok(only),
-            _ => Err(model_error!("the model has {} pairs: name one of {}", all.len(), listed(&all))),
+            _ => Err(model_error!("the model has {} pairs: name one with --pair: {}", all.len(), listed(&all))),
         };
     };
     let is_wanted = |pair: &&Pair| {
@@ -174,7 +174,7 @@ mod tests {
         let sentence = PairClass::find(&model, None, None).unwrap_err().to_string();
         assert_eq!(
             sentence,
-            "the model has 2 pairs: name one of `power_w_a:temperature_c_a`, `power_w_b:temperature_c_a`"
+            "the model has 2 pairs: name one with --pair: `power_w_a:temperature_c_a`, `power_w_b:temperature_c_a`"
         );
         for name in ["b:a", "power_w_b:temperature_c_a"] {
             let part = PairClass::find(&model, Some(name), None).unwrap();
@@ -197,7 +197,7 @@ mod tests {
         model.pairs[0].classes.insert("gust".to_owned(), own);
         assert_eq!(
             PairClass::find(&model, None, None).unwrap_err().to_string(),
-            "the model has 2 classes: name one of `all`, `gust`"
+            "the model has 2 classes: name one with --class: `all`, `gust`"
         );
         assert_eq!(PairClass::find(&model, None, Some("gust")).unwrap().class.r_k_per_w, [8.0]);
         assert_eq!(

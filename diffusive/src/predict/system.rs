@@ -27,7 +27,7 @@ use dr_core::model::mesh;
 use super::loop_model::{followed_k, gas_temperature_c};
 use super::sliding_surface::{feed_through, no_surface};
 use crate::model::pair_class::{element, name, unseen};
-use crate::model::{Model, ModelError, Structure};
+use crate::model::{Model, ModelError, ModelOutput, Structure};
 
 /// Masks of held elements have so many bits.
 const MOST_ELEMENTS: usize = 16;
@@ -94,9 +94,12 @@ impl System {
             elements > MOST_ELEMENTS,
             model_error!("the model has {elements} inputs; loops of {MOST_ELEMENTS} at most can be predicted")
         );
+        // By name; by order, unless that output has the name of another input.
         let output_of = |at: usize| {
-            let same = |output: &crate::model::ModelOutput| element(&output.name) == element(&model.inputs[at]);
-            model.outputs.iter().position(same).or((at < model.outputs.len()).then_some(at))
+            let named = |output: &ModelOutput, input: &String| element(&output.name) == element(input);
+            let is_free = |output: &ModelOutput| !model.inputs.iter().any(|input| named(output, input));
+            let by_name = model.outputs.iter().position(|output| named(output, &model.inputs[at]));
+            by_name.or_else(|| model.outputs.get(at).filter(|output| is_free(output)).map(|_| at))
         };
         let mut system = Self {
             rates: Vec::new(),
@@ -115,7 +118,11 @@ impl System {
         system.gas_c = gas.unwrap_or(0.0);
         for at in 0..elements {
             let input = &model.inputs[at];
-            let none = || model_error!("the model has no output that input `{input}` could be regulated by");
+            let none = || {
+                model_error!(
+                    "the model has no output of the element that input `{input}` heats: identify it again with that temperature among its --output"
+                )
+            };
             let output = output_of(at).ok_or_else(none)?;
             system.regulated_by.push(output);
             let of = &model.outputs[output];

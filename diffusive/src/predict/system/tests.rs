@@ -105,6 +105,20 @@ fn an_element_that_is_held_takes_less_beside_one_that_is_heated() {
 }
 
 #[test]
+fn an_input_without_an_output_is_refused_and_never_regulated_by_that_of_another() {
+    let mut model = neighbours();
+    let refused = |model: &Model| System::new(model, None).err().unwrap().to_string();
+    model.outputs.remove(0);
+    let sentence = refused(&model);
+    let input = &model.inputs[0];
+    assert!(sentence.starts_with(&format!("the model has no output of the element that input `{input}` heats")));
+    assert!(sentence.ends_with("identify it again with that temperature among its --output"), "{sentence}");
+    // Names that are no elements' go by their order.
+    model.outputs[0].name = "y".to_owned();
+    assert!(refused(&model).contains(&format!("input `{}` heats", model.inputs[1])));
+}
+
+#[test]
 fn a_gas_that_is_followed_moves_the_temperature_without_heating() {
     let mut model = testing::model(&RATES, &R);
     testing::add_wind(&mut model, "gust", 0.002);
