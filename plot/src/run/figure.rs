@@ -49,14 +49,13 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     let Some(last) = charts.len().checked_sub(1) else { return Err(PlotError::Nothing(recording.path.clone())) };
     let strip = run.over_time(&mut charts, last);
     let figure = Figure::new(run.title()).subtitle(run.subtitle(estimates.as_ref(), alone.is_some()));
-    let rows = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
+    let over_time = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
     // A run shows errors only where its winds are too many for a time axis.
     let errors = estimates.iter().filter(|of| alone.is_some() || of.sweep().is_some()).flat_map(WindEstimates::errors);
-    let (first, then): (Vec<_>, Vec<_>) =
-        errors.map(|row| (alone.is_some_and(|of| of.sweep().is_some()), row)).partition(|(first, _)| *first);
-    let figure = first.into_iter().fold(figure, |figure, (_, row)| figure.row(row));
-    let figure = rows.fold(figure, |figure, chart| figure.row([chart]));
-    Ok(then.into_iter().fold(figure, |figure, (_, row)| figure.row(row)))
+    Ok(match alone.and_then(WindEstimates::sweep) {
+        Some(_) => errors.fold(figure, Figure::row).stack(over_time),
+        None => errors.fold(figure.stack(over_time), Figure::row),
+    })
 }
 
 /// A recording, and what all of its charts have in common.
