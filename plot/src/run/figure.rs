@@ -1,5 +1,6 @@
-//! The figure of a recording: wind, temperatures (`temperatures.rs`), powers and heater bits over one
-//! time axis; of an anemometer its wind estimates as well, and estimates by themselves (`wind.rs`).
+//! The figure of a recording: wind, temperatures (`temperatures.rs`), powers and heater bits over
+//! one time axis; of an anemometer its wind estimates as well, and estimates by themselves
+//! (`wind.rs`).
 //!
 //! Everything is reduced to about one value a pixel, so that 100 000 ticks stay a picture of some
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
