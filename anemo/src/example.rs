@@ -142,8 +142,7 @@ impl ColeCole {
     fn figure(&self, charts: Vec<Chart>, model: &Model) -> Figure {
         let noise = if self.noise > 0.0 { format!("noise of {}", self.noise) } else { "no noise".to_owned() };
         let words = format!("{}, {noise}, {} rates", self.input.words(), rates(model));
-        let figure = Figure::new("Cole–Cole relaxation").subtitle(words);
-        charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
+        Figure::new("Cole–Cole relaxation").subtitle(words).stack(charts)
     }
 
     /// Which files were written.

@@ -74,8 +74,7 @@ fn known_system() -> Figure {
     };
     let case = case(ColeColeInput::Prbs, 0.1, 1, Some(200_000));
     let output = cole_cole::output_charts(&testing::model(&rates, &[1.0; 4]), &case, ColeColeInput::Prbs);
-    let figure = Figure::new("Cole–Cole relaxation");
-    cole_cole::spectrum_charts(&comparison).into_iter().chain(output).fold(figure, |figure, chart| figure.row([chart]))
+    Figure::new("Cole–Cole relaxation").stack(cole_cole::spectrum_charts(&comparison).into_iter().chain(output))
 }
 
 fn number(node: Node<'_, '_>, name: &str) -> f64 {

@@ -16,7 +16,7 @@ pub struct Collector {
 }
 
 impl Collector {
-    /// Starts a recording with what is known of it beforehand.
+    /// Starts a recording with the metadata that are known at its start.
     pub fn new(layout: RecordingLayout, metadata: &Metadata) -> Self {
         let empty = |(name, kind)| RecordingColumn { name, values: ColumnValues::empty(kind == ColumnKind::Text) };
         let columns = layout.columns().into_iter().map(empty).collect();

@@ -32,7 +32,7 @@
 //!
 //! Hyphens in an element's name are underscores in its columns. Metadata (`format = 2`, head,
 //! experiment, firmware, losses, hash …) are Parquet's key-values and, in CSV, lines `# key:
-//! value`: above the header what is known beforehand, below the last row what is known at the end
+//! value`: above the header what is known at the start, below the last row what is known at the end
 //! of a run. Times are stored in f64, the rest in f32, which is what the instrument computes in.
 //! Files of before 0.2 (`power_w:sector1`, `answer_x_m_s`) are read with the names above. Any other
 //! uniformly sampled table with named columns can be read just as well, with its own names.

@@ -54,7 +54,7 @@ impl RecordingReader {
         self.source.metadata()
     }
 
-    /// Number of rows, where the file knows it beforehand: a Parquet file does.
+    /// Number of rows, where the file states it, as a Parquet file does.
     pub fn rows(&self) -> Option<u64> {
         self.source.rows()
     }

@@ -57,7 +57,7 @@ pub struct RecordingWriter {
 }
 
 impl RecordingWriter {
-    /// Starts a recording with what is known of it beforehand; it says its format itself.
+    /// Starts a recording with the metadata that are known at its start; the format is added.
     ///
     /// # Errors
     /// If the file cannot be made, or two elements would share a column.

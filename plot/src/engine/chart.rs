@@ -62,15 +62,8 @@ impl Figure {
         self
     }
 
-    /// Adds charts below each other over one x axis, which reaches over all of them and is labelled
-    /// under the last.
+    /// Adds charts below each other, each as wide as the figure.
     pub fn stack(mut self, charts: impl IntoIterator<Item = Chart>) -> Self {
-        let mut charts: Vec<Chart> = charts.into_iter().collect();
-        let ends = charts.iter().filter_map(Chart::x_ends).reduce(|all, of| (all.0.min(of.0), all.1.max(of.1)));
-        let last = charts.len().saturating_sub(1);
-        for (i, chart) in charts.iter_mut().enumerate() {
-            (chart.x_range, chart.x_labels) = (ends, i == last);
-        }
         self.rows.extend(charts.into_iter().map(|chart| vec![chart]));
         self
     }

@@ -224,10 +224,7 @@ impl<'c> ChartLayout<'c> {
     pub fn pen(&self, i: usize) -> Pen {
         let trace = &self.chart.traces[i];
         let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
-        if trace.is_whole {
-            pen.dashes = "";
-        }
-        // Nothing else to be told from.
+        // A single one needs no sign of its own.
         if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
             pen.marker = Marker::Circle;
         }

@@ -54,7 +54,8 @@ mod tests {
 
     fn figure() -> Figure {
         let chart = |caption: &str| Chart::new(caption, "K").trace(Trace::line("", vec![(0.0, 1.0), (5.0, 2.0)]));
-        let over_time = [Chart::new("", "").bare(), chart("Temperature"), chart("Power"), chart("Off")];
+        let mut over_time = [Chart::new("", "").bare(), chart("Temperature"), chart("Power"), chart("Off")];
+        over_time[..3].iter_mut().for_each(|chart| chart.x_labels = false);
         Figure::new("t").stack(over_time).row([chart("Phase")])
     }
 

@@ -36,24 +36,12 @@ pub struct Trace {
     pub(crate) width: f64,
     /// Opacity of the band of a bin's extremes.
     pub(crate) band: f64,
-    /// Without the dashes of its pen.
-    pub(crate) is_whole: bool,
 }
 
 impl Trace {
     pub(crate) fn new(label: impl Into<String>, style: TraceStyle, points: Vec<(f64, f64)>) -> Self {
         let label = label.into();
-        Self {
-            label,
-            style,
-            pen: None,
-            points,
-            errors: Vec::new(),
-            bins: Vec::new(),
-            width: CURVE,
-            band: 0.25,
-            is_whole: false,
-        }
+        Self { label, style, pen: None, points, errors: Vec::new(), bins: Vec::new(), width: CURVE, band: 0.25 }
     }
 
     /// Points (x, y) that a line joins; it is broken where a value is missing (NaN).
@@ -119,12 +107,6 @@ impl Trace {
     /// lines are whole. More begin again, darker and with other dashes.
     pub fn colour(self, number: usize) -> Self {
         self.painted(Pen::numbered(number))
-    }
-
-    /// Without the dashes of its number, where a label or another style tells it apart.
-    pub fn whole(mut self) -> Self {
-        self.is_whole = true;
-        self
     }
 
     /// A plain colour is a whole line.

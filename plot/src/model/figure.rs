@@ -23,11 +23,8 @@ pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
     for output in &outputs {
         let charts = [spectrum(model, output), impedances(model, output)];
         // A legend of several takes the whole width.
-        figure = if model.inputs.len() * model.classes.len() > 2 {
-            charts.into_iter().fold(figure, |figure, chart| figure.row([chart]))
-        } else {
-            figure.row(charts)
-        };
+        let is_wide = model.inputs.len() * model.classes.len() > 2;
+        figure = if is_wide { figure.stack(charts) } else { figure.row(charts) };
     }
     figure = with_fits(figure, model, fits);
     let mut small: Vec<Chart> = Vec::new();
@@ -36,15 +33,10 @@ pub fn figure(model: &Model, fits: &[FitSeries]) -> Figure {
         let of = |of: &ModelOutput| whiteness(model, &of.name, of.whiteness.as_ref(), rows);
         small.extend(model.outputs.iter().take(OUTPUTS).filter_map(of));
     }
-    small.extend(fits.iter().take(OUTPUTS).filter_map(|of| of.autocorrelation(model)));
+    small.extend(autocorrelations(model, fits));
     small.extend(structure(model));
-    for some in small.chunks(2) {
-        figure = figure.row(some.iter().cloned());
-    }
-    for output in &outputs {
-        figure = figure.row(bode(model, output));
-    }
-    figure
+    figure = in_pairs(figure, &small);
+    outputs.iter().fold(figure, |figure, output| figure.row(bode(model, output)))
 }
 
 /// The figure of a record that a model was validated with: what was measured, what the model says,
@@ -56,17 +48,21 @@ pub fn validation_figure(model: &Model, fits: &[FitSeries], record: &Path, by: &
     parts.extend((fits.len() == 1).then(|| fits[0].fit_percent()).flatten().map(|fit| format!("fit {fit:.2}\u{a0}%")));
     parts.extend(identified_from(model));
     parts.extend((fits.len() > OUTPUTS).then(|| format!("the first {OUTPUTS} of {} outputs", fits.len())));
-    let mut figure = with_fits(Figure::new(title).subtitle(parts.join("  ·  ")), model, fits);
-    let small: Vec<Chart> = fits.iter().take(OUTPUTS).filter_map(|of| of.autocorrelation(model)).collect();
-    for some in small.chunks(2) {
-        figure = figure.row(some.iter().cloned());
-    }
-    figure
+    let figure = with_fits(Figure::new(title).subtitle(parts.join("  ·  ")), model, fits);
+    in_pairs(figure, &autocorrelations(model, fits))
+}
+
+fn autocorrelations(model: &Model, fits: &[FitSeries]) -> Vec<Chart> {
+    fits.iter().take(OUTPUTS).filter_map(|of| of.autocorrelation(model)).collect()
+}
+
+/// Adds charts two by two.
+fn in_pairs(figure: Figure, charts: &[Chart]) -> Figure {
+    charts.chunks(2).fold(figure, |figure, some| figure.row(some.iter().cloned()))
 }
 
 fn with_fits(figure: Figure, model: &Model, fits: &[FitSeries]) -> Figure {
-    let charts = fits.iter().take(OUTPUTS).flat_map(|fit| fit.charts(&model.classes));
-    charts.fold(figure, |figure, chart| figure.row([chart]))
+    figure.stack(fits.iter().take(OUTPUTS).flat_map(|fit| fit.charts(&model.classes)))
 }
 
 fn file_name(path: &Path) -> String {

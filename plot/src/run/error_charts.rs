@@ -81,11 +81,10 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
     let (low, high) = extent_of_most(values.iter().copied()).filter(|(low, high)| high > low)?;
     let wide = (high - low) / HISTOGRAM as f64;
     let mut counts = [0.0; HISTOGRAM];
-    for value in values {
-        let place = ((value - low) / wide).floor();
-        if (0.0..HISTOGRAM as f64).contains(&place) {
-            counts[place as usize] += 1.0 / (values.len() as f64 * wide);
-        }
+    for value in values.iter().filter(|value| (low..=high).contains(*value)) {
+        // The greatest is in the last bin.
+        let place = (((value - low) / wide) as usize).min(HISTOGRAM - 1);
+        counts[place] += 1.0 / (values.len() as f64 * wide);
     }
     let edge = |i: usize| low + i as f64 * wide;
     let stairs = counts.iter().enumerate().flat_map(|(i, density)| [(edge(i), *density), (edge(i + 1), *density)]);
@@ -151,6 +150,11 @@ mod tests {
     use super::super::wind_error::tests::compared;
     use super::*;
 
+    fn area(chart: &Chart) -> f64 {
+        let outline = &chart.traces[0].points;
+        outline.windows(2).map(|two| two[0].1.midpoint(two[1].1) * (two[1].0 - two[0].0)).sum()
+    }
+
     #[test]
     fn densities_add_up_to_one() {
         let all: Vec<WindBesideTruth> = (0..2000)
@@ -165,9 +169,16 @@ mod tests {
         let charts = summary(&all, true);
         // All errors of direction are 0: there is no histogram of them.
         assert_eq!(charts.len(), 2);
-        let outline = &charts[1].traces[0].points;
-        let area: f64 = outline.windows(2).map(|two| two[0].1.midpoint(two[1].1) * (two[1].0 - two[0].0)).sum();
+        let area = area(&charts[1]);
         // Half a percent at either end is left out.
         assert!((area - 0.99).abs() < 5e-3, "{area}");
+    }
+
+    #[test]
+    fn the_least_and_the_greatest_error_are_in_the_histogram() {
+        // Of so few none is left out.
+        let chart = histogram("c", "°", &[0.0, 0.1, 0.3, 1.0], |_| None).unwrap();
+        let area = area(&chart);
+        assert!((area - 1.0).abs() < 1e-12, "{area}");
     }
 }

@@ -1,5 +1,6 @@
-//! The figure of a recording: wind, temperatures, powers and heater bits over one time axis; of an
-//! anemometer its wind estimates as well, and estimates by themselves (`wind.rs`).
+//! The figure of a recording: wind, temperatures (`temperatures.rs`), powers and heater bits over
+//! one time axis; of an anemometer its wind estimates as well, and estimates by themselves
+//! (`wind.rs`).
 //!
 //! Everything is reduced to about one value a pixel, so that 100 000 ticks stay a picture of some
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
@@ -9,20 +10,17 @@ use super::columns::{VectorColumns, stretches};
 use super::set_points::SetPoint;
 use super::wind::WindEstimates;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
-use crate::engine::colour::{Colour, GAS, INK, PALETTE, QUIET, REFERENCE, STRETCHES};
-use crate::engine::extent::extent;
+use crate::engine::colour::{Colour, INK, PALETTE, REFERENCE, STRETCHES};
 use crate::engine::pen::Pen;
-use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power, reach};
-use crate::engine::trace::{CURVE, Trace};
+use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power};
+use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
 use crate::error::PlotError;
 use anemometry::vector::length;
-use recording::{GAS_TEMPERATURE, HEATER, POWER, Recording, STATE, TEMPERATURE, TRUE_WIND};
+use recording::{HEATER, POWER, Recording, STATE, TRUE_WIND};
 
 /// Ticks of the close-up of the heater bits.
 const CLOSE_UP: usize = 200;
-/// Dashed lines of set-points; more of them would be all that is seen.
-const MOST_SET_POINTS: usize = 40;
 /// Stretches of events; of more of them nothing but stripes would be seen.
 const MOST_EVENTS: usize = 150;
 /// Height of a row of bits, and of one of the close-up, mm.
@@ -49,27 +47,26 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     let Some(last) = charts.len().checked_sub(1) else { return Err(PlotError::Nothing(recording.path.clone())) };
     let strip = run.over_time(&mut charts, last);
     let figure = Figure::new(run.title()).subtitle(run.subtitle(estimates.as_ref(), alone.is_some()));
-    let rows = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
+    let over_time = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
     // A run shows errors only where its winds are too many for a time axis.
     let errors = estimates.iter().filter(|of| alone.is_some() || of.sweep().is_some()).flat_map(WindEstimates::errors);
-    let (first, then): (Vec<_>, Vec<_>) =
-        errors.map(|row| (alone.is_some_and(|of| of.sweep().is_some()), row)).partition(|(first, _)| *first);
-    let figure = first.into_iter().fold(figure, |figure, (_, row)| figure.row(row));
-    let figure = rows.fold(figure, |figure, chart| figure.row([chart]));
-    Ok(then.into_iter().fold(figure, |figure, (_, row)| figure.row(row)))
+    Ok(match alone.and_then(WindEstimates::sweep) {
+        Some(_) => errors.fold(figure, Figure::row).stack(over_time),
+        None => errors.fold(figure.stack(over_time), Figure::row),
+    })
 }
 
 /// A recording, and what all of its charts have in common.
-struct RunCharts<'r> {
-    recording: &'r Recording,
-    time_s: &'r [f64],
+pub struct RunCharts<'r> {
+    pub recording: &'r Recording,
+    pub time_s: &'r [f64],
     /// Of the time axis: to the end of the last tick.
-    ends_s: (f64, f64),
+    pub ends_s: (f64, f64),
     /// Name and pen.
-    elements: Vec<(&'r str, Pen)>,
+    pub elements: Vec<(&'r str, Pen)>,
     /// Words, row and time.
-    trips: Vec<(String, usize, f64)>,
-    set_points: Vec<SetPoint>,
+    pub trips: Vec<(String, usize, f64)>,
+    pub set_points: Vec<SetPoint>,
 }
 
 impl<'r> RunCharts<'r> {
@@ -88,11 +85,11 @@ impl<'r> RunCharts<'r> {
         Ok(Self { recording, time_s, ends_s, elements: elements(recording), trips, set_points })
     }
 
-    fn numbers(&self, prefix: &str, element: &str) -> Option<&'r [f64]> {
+    pub fn numbers(&self, prefix: &str, element: &str) -> Option<&'r [f64]> {
         self.recording.numbers(&recording::column_name(prefix, element)).ok()
     }
 
-    fn bins(&self, values: impl Fn(usize) -> f64) -> Vec<Bin> {
+    pub fn bins(&self, values: impl Fn(usize) -> f64) -> Vec<Bin> {
         bins(self.time_s, values, BINS)
     }
 
@@ -182,97 +179,6 @@ impl<'r> RunCharts<'r> {
         };
         let chart = chart.note(note).height(34.0).around(extremes.chain(means).chain([0.0]));
         Some(chart.traces(under.chain(over)))
-    }
-
-    fn temperatures(&self) -> Option<Chart> {
-        let line = |&(name, pen): &(&str, Pen)| {
-            let temperature_c = self.numbers(TEMPERATURE, name)?;
-            Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.12))
-        };
-        let lines: Vec<Trace> = self.elements.iter().filter_map(line).collect();
-        if lines.is_empty() {
-            return None;
-        }
-        // Wide and beneath: what measures the gas lies on it.
-        let gas = self.recording.numbers(GAS_TEMPERATURE).ok().map(|gas_c| self.bins(|row| gas_c[row]));
-        let gas = gas.map(|bins| Trace::bins("gas", bins).painted(GAS).width(3.0 * CURVE).band(0.0));
-        // Most elements share their set-points; one line does for them.
-        let (start_s, end_s) = self.ends_s;
-        let mut held: Vec<(f64, f64, f64)> = Vec::new();
-        for of in &self.set_points {
-            let line = (of.from_s.clamp(start_s, end_s), of.to_s.clamp(start_s, end_s), of.celsius);
-            if !held.contains(&line) {
-                held.push(line);
-            }
-        }
-        let mut distinct: Vec<f64> = self.set_points.iter().map(|of| of.celsius).collect();
-        distinct.sort_by(f64::total_cmp);
-        distinct.dedup();
-        let chart = Chart::new("Temperature", "°C").height(25.0);
-        let chart = match distinct.as_slice() {
-            [] => chart,
-            [one] => chart.note(format!("set-point {}", one.to_string().replace('-', "−"))),
-            _ => chart.note("set-points dashed"),
-        };
-        held.truncate(MOST_SET_POINTS);
-        let arrived_s = self.arrived_s();
-        let kept = |trace: &&Trace| trace.bins.iter().any(|bin| bin.mean.is_finite());
-        let after = |bin: &&Bin| arrived_s.is_none_or(|arrived_s| bin.from_s >= arrived_s);
-        let settled = lines.iter().chain(&gas).filter(kept).flat_map(|trace| trace.bins.iter().filter(after));
-        let settled: Vec<f64> = settled.flat_map(|bin| [bin.least, bin.most]).chain(distinct).collect();
-        let whole = extent(lines.iter().flat_map(|trace| trace.bins.iter().map(|bin| bin.least)));
-        // A tenth of the range is air.
-        let leaves =
-            |least: &f64| extent(settled.iter().copied()).is_some_and(|(low, high)| *least < low - 0.1 * (high - low));
-        let chart = match arrived_s.and(whole).map(|(least, _)| least).filter(leaves) {
-            Some(least) => chart.around(settled).note(format!("the warm-up from {} °C leaves the panel", brief(least))),
-            None => chart,
-        };
-        let held = held.into_iter().map(|(from_s, to_s, celsius)| Trace::held(from_s, to_s, celsius));
-        Some(chart.first_on_top(lines.into_iter().chain(gas).chain(held)))
-    }
-
-    /// The row of the first trip, after which nothing is held.
-    fn running_until(&self) -> usize {
-        self.trips.first().map_or(usize::MAX, |(_, row, _)| *row)
-    }
-
-    /// When the last element that arrives at its first set-point does so.
-    fn arrived_s(&self) -> Option<f64> {
-        let arrived = |&(name, _): &(&str, Pen)| {
-            let temperature_c = self.numbers(TEMPERATURE, name)?;
-            let first = self.set_points.iter().find(|of| recording::in_columns(&of.element) == name)?;
-            let rows = first.rows_held(self.time_s, temperature_c, self.running_until());
-            (!rows.is_empty()).then(|| self.time_s[rows.start])
-        };
-        self.elements.iter().filter_map(arrived).reduce(f64::max)
-    }
-
-    /// How well the loops hold: from when an element first arrived at its set-point, with a range
-    /// that the rare extremes may leave.
-    fn deviations(&self) -> Option<Chart> {
-        let deviation = |&(name, pen): &(&str, Pen)| {
-            let temperature_c = self.numbers(TEMPERATURE, name)?;
-            let held: Vec<_> = (self.set_points.iter().filter(|of| recording::in_columns(&of.element) == name))
-                .map(|of| (of.rows_held(self.time_s, temperature_c, self.running_until()), of.celsius))
-                .collect();
-            let deviation_mk = |row: usize| {
-                let now = held.iter().find(|(rows, _)| rows.contains(&row));
-                now.map_or(f64::NAN, |(_, celsius)| (temperature_c[row] - celsius) * 1e3)
-            };
-            let bins = self.bins(deviation_mk);
-            // Elements that never arrived have nothing to show.
-            bins.iter().any(|bin| bin.mean.is_finite()).then_some((pen, bins))
-        };
-        let deviations: Vec<(Pen, Vec<Bin>)> = self.elements.iter().filter_map(deviation).collect();
-        let ends = deviations.iter().flat_map(|(_, bins)| bins).flat_map(|bin| [bin.least.abs(), bin.most.abs()]);
-        let mut distances: Vec<f64> = ends.filter(|distance| distance.is_finite()).collect();
-        distances.sort_by(f64::total_cmp);
-        let most = distances.get(distances.len().checked_sub(1)? * 98 / 100)?.max(1e-3);
-        let all = Trace::extremes(reach(deviations.iter().map(|(_, bins)| bins.as_slice())), 0.15).painted(QUIET);
-        let lines = deviations.into_iter().map(|(pen, bins)| Trace::bins("", bins).painted(pen).width(0.7).band(0.0));
-        let chart = Chart::new("Off the set-point", "mK").note("means, and what all of them reach over");
-        Some(chart.height(20.0).range(-most, most).first_on_top(lines.chain([all])))
     }
 
     fn powers(&self) -> Option<Chart> {

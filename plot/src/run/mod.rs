@@ -6,6 +6,7 @@ mod error_charts;
 mod figure;
 mod quantity;
 mod set_points;
+mod temperatures;
 mod wind;
 mod wind_error;
 

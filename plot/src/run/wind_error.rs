@@ -177,7 +177,7 @@ pub(super) mod tests {
     #[test]
     fn estimates_without_a_direction_leave_the_direction_to_the_others() {
         let estimate = |i: usize| {
-            let has_direction = i % 3 > 0;
+            let has_direction = !i.is_multiple_of(3);
             let wind_m_s = if has_direction { [2.0, 0.0, 0.0] } else { [-2.0, 0.0, 0.0] };
             Comparison::default().of(i as f64, (wind_m_s, 2.0), [2.0, 0.0, 0.0], has_direction, [0.1, 1.0])
         };

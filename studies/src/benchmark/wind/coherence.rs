@@ -1,12 +1,12 @@
-//! How an answer follows the wind by frequency: Welch's estimate of coherence and gain.
+//! How a wind estimate follows the wind by frequency: Welch's estimate of coherence and gain.
 //!
 //! ```text
 //! γ²(f) = |Σ Y X*|² / (Σ |X|² Σ |Y|²)        |H(f)| = |Σ Y X*| / Σ |X|²
 //! ```
 //!
-//! with X the true wind and Y the answer, over segments that overlap by half, under Hann's window
+//! with X the true wind and Y the estimate, over segments that overlap by half, under Hann's window
 //! and without their means (Welch, IEEE Trans. Audio Electroacoust. 15, 70 (1967)). Only the few
-//! frequencies that are asked for are computed.
+//! frequencies that are needed are computed.
 
 use std::f64::consts::TAU;
 
