@@ -45,6 +45,11 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     finite(&[("--from", arguments.from), ("--to", arguments.to)])?;
+    if let (Some(from), Some(to)) = (arguments.from, arguments.to)
+        && from >= to
+    {
+        return Err(Failure::usage(format!("--from {from} must lie before --to {to}")));
+    }
     keep(&[&arguments.file], &[Some(&arguments.output)])?;
     let panels = arguments.panel.clone();
     let options = PictureOptions { width: arguments.width, format: arguments.format, panels };
@@ -102,6 +107,8 @@ mod tests {
         let plot = format!("plot {} --json -o {}", file.display(), svg.display());
         run(&format!("{plot} --from 20 --to 39")).unwrap();
         assert!(std::fs::read_to_string(&svg).unwrap().contains("20 ticks"));
+        let error = run(&format!("{plot} --from 20 --to 3")).unwrap_err();
+        assert_eq!(error, "--from 20 must lie before --to 3");
         let error = run(&format!("{plot} --from 200")).unwrap_err();
         assert!(error.ends_with("has no row between these times; it lasts from 0 s to 99 s"), "{error}");
     }

@@ -256,9 +256,11 @@ impl ChartLayout<'_> {
         for (from, to) in [(left, self.rect.left), (right, self.rect.right)] {
             svg.line(&[(from, bottom), (from, bottom + 11.0), (to, end)], QUIET.with_opacity(0.6), GRID_LINE);
         }
-        let half = width(&self.chart.caption, LABEL) / 2.0 + 8.0;
+        let from = self.x.from.as_ref().map_or(String::new(), |from| format!(", from {from} {}", self.chart.x_unit));
+        let caption = format!("{}{from}", self.chart.caption);
+        let half = width(&caption, LABEL) / 2.0 + 8.0;
         let middle = f64::midpoint(left, right)
             .clamp(self.rect.left + half, (self.rect.right - half).max(self.rect.left + half));
-        svg.text(&self.chart.caption, (middle, self.rect.top - 7.0), LABEL, QUIET, Anchor::Middle);
+        svg.text(&caption, (middle, self.rect.top - 7.0), LABEL, QUIET, Anchor::Middle);
     }
 }

@@ -133,11 +133,15 @@ pub fn mean_power(time_s: &[f64], power_w: &[f64], count: usize) -> Option<MeanP
     let delay_s = (f64::from(decimator.delay_ticks()) - 0.5) * step_s;
     let mut state = DecimatorState::default();
     let mut mean = MeanPower { ratio, time_s: Vec::new(), power_w: Vec::new() };
+    // The decimator remembers two windows, which a missing power spoils.
+    let mut spoilt_ticks = 0;
     for (&time_s, &power_w) in time_s.iter().zip(power_w) {
-        let power_w = if power_w.is_finite() { power_w * scale } else { 0.0 };
+        let is_there = power_w.is_finite();
+        spoilt_ticks = if is_there { u32::saturating_sub(spoilt_ticks, 1) } else { 2 * ratio };
+        let power_w = if is_there { power_w * scale } else { 0.0 };
         if let Some(output) = decimator.push(&mut state, power_w as f32) {
             mean.time_s.push(time_s - delay_s);
-            mean.power_w.push(f64::from(output) / scale);
+            mean.power_w.push(if spoilt_ticks == 0 { f64::from(output) / scale } else { f64::NAN });
         }
     }
     Some(mean)
@@ -202,6 +206,16 @@ mod tests {
             // Half a tick is the hold; two counts of the decimator of 3.7 nW are its rounding.
             assert!((power - (t - 0.005) * 1e-3).abs() < 1e-8, "{t}: {power}");
         }
+    }
+
+    #[test]
+    fn a_power_that_is_missing_leaves_a_gap_and_spoils_nothing_else() {
+        let time_s: Vec<f64> = (0..1000).map(f64::from).collect();
+        let power_w: Vec<f64> = (0..1000).map(|n| if (400..420).contains(&n) { f64::NAN } else { 0.01 }).collect();
+        let mean = mean_power(&time_s, &power_w, 100).unwrap();
+        let missing = mean.power_w.iter().filter(|power| power.is_nan()).count();
+        assert!((2..=5).contains(&missing), "{missing}");
+        assert!(mean.power_w.iter().skip(2).all(|power| power.is_nan() || (power - 0.01).abs() < 1e-6));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use super::set_points::SetPoint;
 use super::wind::WindEstimates;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
 use crate::engine::colour::{Colour, INK, PALETTE, REFERENCE, STRETCHES};
+use crate::engine::extent::extent;
 use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power};
 use crate::engine::trace::Trace;
@@ -86,7 +87,9 @@ impl<'r> RunCharts<'r> {
     }
 
     pub fn numbers(&self, prefix: &str, element: &str) -> Option<&'r [f64]> {
-        self.recording.numbers(&recording::column_name(prefix, element)).ok()
+        // The hyphens of a table of one's own stay.
+        let names = [recording::column_name(prefix, element), format!("{prefix}{element}")];
+        names.iter().find_map(|name| self.recording.numbers(name).ok())
     }
 
     pub fn bins(&self, values: impl Fn(usize) -> f64) -> Vec<Bin> {
@@ -100,8 +103,8 @@ impl<'r> RunCharts<'r> {
     fn subtitle(&self, estimates: Option<&WindEstimates<'_>>, alone: bool) -> String {
         let of = |key| self.recording.metadata(key);
         let (rows, elements) = (self.time_s.len(), self.elements.len());
-        let mut parts =
-            vec![of("head_name").map_or_else(|| format!("{elements} elements"), |head| format!("head {head}"))];
+        let count = if elements == 1 { "1 element".to_owned() } else { format!("{elements} elements") };
+        let mut parts = vec![of("head_name").map_or(count, |head| format!("head {head}"))];
         parts.extend(of("firmware").map(str::to_owned));
         if alone && estimates.is_some() {
             parts.push(format!("{rows} wind estimates"));
@@ -185,15 +188,16 @@ impl<'r> RunCharts<'r> {
         let power = |name| mean_power(self.time_s, self.numbers(POWER, name)?, BINS);
         let powers: Vec<(&str, Pen, MeanPower)> =
             self.elements.iter().filter_map(|&(name, pen)| Some((name, pen, power(name)?))).collect();
-        let greatest = powers.iter().flat_map(|(_, _, mean)| &mean.power_w).copied().fold(0.0, f64::max);
-        let (factor, unit) = power_unit(greatest);
+        let all = powers.iter().flat_map(|(_, _, mean)| &mean.power_w).copied();
+        let (least, greatest) = extent(all.chain([0.0]))?;
+        let (factor, unit) = power_unit(greatest.max(-least));
         let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
         let window_s = f64::from(powers.first()?.2.ratio) * step_s;
         let line = |(name, pen, mean): (&str, Pen, MeanPower)| {
             let power = mean.power_w.into_iter().map(|power_w| power_w * factor);
             Trace::line(name, mean.time_s.into_iter().zip(power).collect()).painted(pen)
         };
-        let chart = Chart::new("Heating power", unit).height(34.0).range(0.0, greatest * factor);
+        let chart = Chart::new("Heating power", unit).height(34.0).range(least * factor, greatest * factor);
         let chart = chart.note(format!("decimated to one value in {} s", brief(window_s)));
         Some(chart.first_on_top(powers.into_iter().map(line)))
     }

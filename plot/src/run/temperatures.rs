@@ -19,7 +19,8 @@ impl RunCharts<'_> {
             let temperature_c = self.numbers(TEMPERATURE, name)?;
             Some(Trace::bins(name, self.bins(|row| temperature_c[row])).painted(pen).band(0.12))
         };
-        let lines: Vec<Trace> = self.elements.iter().filter_map(line).collect();
+        let kept = |trace: &Trace| trace.bins.iter().any(|bin| bin.mean.is_finite());
+        let lines: Vec<Trace> = self.elements.iter().filter_map(line).filter(kept).collect();
         if lines.is_empty() {
             return None;
         }
@@ -46,9 +47,9 @@ impl RunCharts<'_> {
         };
         held.truncate(MOST_SET_POINTS);
         let arrived_s = self.arrived_s();
-        let kept = |trace: &&Trace| trace.bins.iter().any(|bin| bin.mean.is_finite());
         let after = |bin: &&Bin| arrived_s.is_none_or(|arrived_s| bin.from_s >= arrived_s);
-        let settled = lines.iter().chain(&gas).filter(kept).flat_map(|trace| trace.bins.iter().filter(after));
+        let settled =
+            lines.iter().chain(&gas).filter(|trace| kept(trace)).flat_map(|trace| trace.bins.iter().filter(after));
         let settled: Vec<f64> = settled.flat_map(|bin| [bin.least, bin.most]).chain(distinct).collect();
         let whole = extent(lines.iter().flat_map(|trace| trace.bins.iter().map(|bin| bin.least)));
         // A tenth of the range is air.
