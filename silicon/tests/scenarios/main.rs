@@ -1,0 +1,8 @@
+//! Scenarios on the image that is flashed. `cargo xtask test` builds it and then runs these.
+//!
+//! No scenario may end with a complaint of the models but those of `known_defects`.
+
+mod boot;
+mod known_defects;
+mod rig;
+mod ticks;
