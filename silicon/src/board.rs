@@ -65,6 +65,7 @@ pub struct Board {
     /// Bytes of the frame that is being sent, as they were when it began.
     sending: Option<Sending>,
     debug_control: u32,
+    debug_sleep_works: bool,
     /// Registers that only remember what was written.
     remembered: BTreeMap<u32, u32>,
     system: SystemControl,
@@ -117,6 +118,7 @@ impl Board {
             jobs: Vec::new(),
             sending: None,
             debug_control: 0,
+            debug_sleep_works: true,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
             rcc,
@@ -158,6 +160,7 @@ impl Board {
             // A debugger's settings outlast a reset of the system.
             fresh.debug_control = self.debug_control;
         }
+        fresh.adc.release(self.now);
         *self = fresh;
         self.wire_heaters();
         self.wire_converter();
@@ -186,6 +189,18 @@ impl Board {
         }
         self.set_clocks();
         self.touch();
+    }
+
+    /// Connects another sensor.
+    pub fn connect(&mut self, mut plant: SensorPlant) {
+        plant.follow(&self.plant);
+        self.plant = plant;
+    }
+
+    /// The core's clock stands still in every sleep from now on, whatever the firmware asks of the
+    /// debugger's registers.
+    pub const fn forbid_debug_sleep(&mut self) {
+        self.debug_sleep_works = false;
     }
 
     /// From now on the converter has this fault, or none.
@@ -551,7 +566,8 @@ impl ProcessorBus for Board {
     fn pass(&mut self, until: u64, asleep: bool) {
         let passed = until.saturating_sub(self.now);
         self.now += passed;
-        if asleep && self.debug_control & DEBUG_SLEEP == 0 {
+        let clock_runs = self.debug_sleep_works && self.debug_control & DEBUG_SLEEP != 0;
+        if asleep && !clock_runs {
             self.system.cycle_counter.rebase(self.now, self.clocks.core_hz, passed);
         }
     }

@@ -156,6 +156,13 @@ impl Adc {
         };
     }
 
+    /// The processor has let go of all pins, in the middle of whatever it was: no rule is broken.
+    pub fn release(&mut self, now: u64) {
+        (self.last_byte, self.selected_until) = (0, 0);
+        self.select(now, false, &mut Complaints::default());
+        (self.last_byte, self.selected_until) = (0, 0);
+    }
+
     /// Chip select.
     pub fn select(&mut self, now: u64, is_low: bool, complaints: &mut Complaints) {
         if is_low == self.is_selected {

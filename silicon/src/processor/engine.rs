@@ -23,8 +23,8 @@ const FLASH_END: u64 = 0x0810_0000;
 const RAM: u64 = 0x2000_0000;
 const RAM_BYTES: usize = 128 * 1024;
 /// Peripherals; their aliases by bits; the core's own.
-const REGISTERS: [Range<u64>; 5] =
-    [SETTINGS, 0x1fff_0000..0x2000_0000, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
+const REGISTERS: [Range<u64>; 4] =
+    [SETTINGS, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
 /// How Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
 /// Where no code stands, so that no block is the last. Zero, since Unicorn translates whatever is

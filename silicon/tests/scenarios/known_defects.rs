@@ -3,12 +3,17 @@
 
 use crate::rig::{Rig, experiment};
 use dr_core::Command;
-use dr_core::control::RunState;
+use dr_core::control::{Drive, RunState};
+use dr_core::sensor::Level;
+use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
 use host_sim::run::start;
+use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
+use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
+use wire::ResetCause;
 
 /// The watchdog's counter is reloaded while the register of its reload value is still being taken
 /// over, at the end of the start. It should wait for RVU.
@@ -39,4 +44,61 @@ fn heaters_stay_high_until_the_next_tick_after_a_stop() {
     rig.machine().run_for(ms(50)).unwrap();
     assert_eq!(rig.machine().board().heaters(), 0);
     rig.assert_no_complaint();
+}
+
+/// The crystal stops, and with it core, SysTick and the dead-man timer: a heater stays high until the
+/// watchdog comes, on its own oscillator. The clock security system should be on, and its
+/// interrupt lower the pins.
+#[test]
+fn a_crystal_that_fails_leaves_a_heater_high_until_the_watchdog_comes() {
+    let experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    start(&experiment, &mut instrument).unwrap();
+    Rig::observe(&mut instrument, 10, |_| {});
+    assert_eq!(rig.machine().board().heaters(), 1);
+    let at = rig.machine().now();
+    rig.machine().board_mut().fail_crystal();
+    rig.machine().run_for(ms(1_000)).unwrap();
+    let reset = rig.machine().resets()[0];
+    assert_eq!(reset.source, ResetSource::Watchdog);
+    let low = *rig.machine().pins().iter().find(|change| change.cycle > at).unwrap();
+    assert_eq!((low.levels, low.cycle), (0, reset.cycle));
+    // At the nominal 32 kHz; up to 0.95 s at 17 kHz. 2 ms would be right.
+    assert!((ms(430)..ms(510)).contains(&(low.cycle - at)), "{}", low.cycle - at);
+}
+
+/// A supply that dips is reported as one that was switched on: the level at which the processor
+/// resets is off by factory, and the flag of a power-on is looked at first.
+#[test]
+fn a_brown_out_is_taken_for_a_power_on() {
+    let rig = Rig::new(&MachineConfig::default());
+    rig.instrument();
+    rig.machine().reset_by(ResetSource::BrownOut).unwrap();
+    assert_eq!(rig.instrument().identity().reset, ResetCause::PowerOn);
+    // BOR_LEV = 11: off.
+    assert_eq!(rig.machine().board().flash.options >> 2 & 3, 3);
+}
+
+/// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a bit
+/// of the debugger is set. Without it, a converter that falls silent while all heaters are low is
+/// not noticed: the counter nearly stands still. Another clock should be taken.
+#[test]
+fn without_the_debuggers_clock_a_silent_converter_is_not_noticed() {
+    let noticed = |works: bool| {
+        let mut experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
+        experiment.drives[0] = Drive::Level(Level::Low);
+        let rig = Rig::of(&experiment);
+        let mut instrument = rig.instrument();
+        start(&experiment, &mut instrument).unwrap();
+        if !works {
+            rig.machine().board_mut().forbid_debug_sleep();
+        }
+        Rig::observe(&mut instrument, 5, |_| {});
+        rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+        rig.machine().run_for(ms(1_500)).unwrap();
+        matches!(rig.machine().board().witness.state(), Some(RunState::Tripped(_)))
+    };
+    assert!(noticed(true));
+    assert!(!noticed(false));
 }

@@ -3,6 +3,11 @@
 //! No scenario may end with a complaint of the models but those of `known_defects`.
 
 mod boot;
+mod closed_loop;
+mod crashes;
+mod guard;
 mod known_defects;
 mod rig;
+mod settings;
+mod snapshot;
 mod ticks;

@@ -1,13 +1,15 @@
 //! A machine with an image, and the ordinary instrument at the end of its line.
 
+use dr_core::control::{RunState, Trip};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
 use host_sim::instrument::serial::Serial;
 use silicon::complaint::{BrokenRule, Complaint};
 use silicon::image::FlashImage;
-use silicon::machine::{Machine, MachineConfig};
+use silicon::machine::{Machine, MachineConfig, Snapshot};
+use silicon::plant::SensorPlant;
 use silicon::stream::MachineStream;
-use silicon::time::seconds;
+use silicon::time::{ms, seconds};
 use std::cell::{RefCell, RefMut};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -17,6 +19,13 @@ use std::sync::{Arc, LazyLock};
 static IMAGE: LazyLock<Arc<FlashImage>> = LazyLock::new(|| {
     let path = image();
     Arc::new(FlashImage::read(&path).unwrap_or_else(|error| panic!("{error}")))
+});
+
+/// A board that has just started, which most scenarios begin with.
+static STARTED: LazyLock<Snapshot> = LazyLock::new(|| {
+    let mut machine = Machine::power_on_image(Arc::clone(&IMAGE), &MachineConfig::default()).unwrap();
+    machine.run_until(ms(450)).unwrap();
+    machine.snapshot().unwrap()
 });
 
 /// What the firmware does wrong today, by the register of the complaint. Each stands in
@@ -41,6 +50,17 @@ pub fn experiment(name: &str, ticks: u32) -> Experiment {
     Experiment { ticks, ..Experiment::read(&path).unwrap() }
 }
 
+/// What a run has come to.
+#[derive(Debug)]
+pub struct EndOfRun {
+    /// The trip.
+    pub trip: Trip,
+    /// When its sample was there.
+    pub cycle: u64,
+    /// When the pins became low, if any was high since the fault.
+    pub low_since: u64,
+}
+
 /// A machine and its instrument.
 pub struct Rig {
     machine: Rc<RefCell<Machine>>,
@@ -53,9 +73,12 @@ impl Rig {
         Self { machine: Rc::new(RefCell::new(machine)) }
     }
 
-    /// A board in the wind tunnel of an experiment.
+    /// A board that has started already, in the wind tunnel of an experiment.
     pub fn of(experiment: &Experiment) -> Self {
-        Self::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), ..MachineConfig::default() })
+        let rig = Self::new(&MachineConfig::default());
+        rig.machine().restore(&STARTED).unwrap();
+        rig.machine().board_mut().connect(SensorPlant::new(&experiment.sensor_config().unwrap()).unwrap());
+        rig
     }
 
     /// The machine, between two messages.
@@ -73,6 +96,22 @@ impl Rig {
         for _ in 0..ticks {
             judge(&instrument.observe().unwrap().sample);
         }
+    }
+
+    /// Waits for a trip, for so many ticks; pins must be low then, and stay so.
+    #[track_caller]
+    pub fn until_trip(&self, instrument: &mut dyn InstrumentPort, ticks: u32) -> EndOfRun {
+        for _ in 0..ticks {
+            let RunState::Tripped(trip) = instrument.observe().unwrap().sample.state else { continue };
+            let mut machine = self.machine();
+            let cycle = machine.now();
+            machine.run_for(ms(200)).unwrap();
+            let last = *machine.pins().last().unwrap();
+            assert_eq!(last.levels, 0);
+            assert!(last.cycle <= cycle, "a pin has moved after the trip");
+            return EndOfRun { trip, cycle, low_since: last.cycle };
+        }
+        panic!("no trip within {ticks} ticks");
     }
 
     /// Complaints that no known defect explains.
