@@ -46,8 +46,8 @@ fn heaters_stay_high_until_the_next_tick_after_a_stop() {
     rig.assert_no_complaint();
 }
 
-/// The crystal stops, and with it core, SysTick and the dead-man timer: a heater stays high until the
-/// watchdog comes, on its own oscillator. The clock security system should be on, and its
+/// The crystal stops, and with it core, SysTick and the dead-man timer: a heater stays high until
+/// the watchdog comes, on its own oscillator. The clock security system should be on, and its
 /// interrupt lower the pins.
 #[test]
 fn a_crystal_that_fails_leaves_a_heater_high_until_the_watchdog_comes() {
@@ -80,9 +80,9 @@ fn a_brown_out_is_taken_for_a_power_on() {
     assert_eq!(rig.machine().board().flash.options >> 2 & 3, 3);
 }
 
-/// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a bit
-/// of the debugger is set. Without it, a converter that falls silent while all heaters are low is
-/// not noticed: the counter nearly stands still. Another clock should be taken.
+/// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a
+/// bit of the debugger is set. Without it, a converter that falls silent while all heaters are low
+/// is not noticed: the counter nearly stands still. Another clock should be taken.
 #[test]
 fn without_the_debuggers_clock_a_silent_converter_is_not_noticed() {
     let noticed = |works: bool| {
@@ -101,4 +101,18 @@ fn without_the_debuggers_clock_a_silent_converter_is_not_noticed() {
     };
     assert!(noticed(true));
     assert!(!noticed(false));
+}
+
+/// While the models of six elements are taken in, the control task comes to a conversion so late
+/// that the next one is there before its frame is out: half of the codes are those of the next. Its
+/// mark does not show it. A conversion that is served late should be counted as lost.
+#[test]
+fn a_frame_is_read_across_an_update_while_models_are_taken_in() {
+    let experiment = experiment("steady.toml", 10);
+    let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
+    let mut instrument = rig.instrument();
+    start(&experiment, &mut instrument).unwrap();
+    let complaints = rig.complaints();
+    assert_eq!(complaints.len(), 1, "{complaints:?}");
+    assert_eq!(complaints[0].rule, BrokenRule::AdcFrameAcrossUpdate);
 }

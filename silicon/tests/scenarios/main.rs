@@ -7,6 +7,7 @@ mod closed_loop;
 mod crashes;
 mod guard;
 mod known_defects;
+mod process;
 mod rig;
 mod settings;
 mod snapshot;
