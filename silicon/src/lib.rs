@@ -42,9 +42,12 @@
 //! use silicon::machine::{Machine, MachineConfig};
 //! use silicon::time::ms;
 //!
-//! let mut machine = Machine::power_on("firmware-sensor-board.elf".as_ref(), &MachineConfig::default())?;
+//! let image = "firmware-sensor-board.elf".as_ref();
+//! let mut machine = Machine::power_on(image, &MachineConfig::default())?;
 //! machine.run_until(ms(500))?;
-//! assert!(machine.board().complaints.all().iter().all(|complaint| complaint.register == "IWDG_KR"));
+//! for complaint in machine.board().complaints.all() {
+//!     println!("{complaint}");
+//! }
 //! # Ok::<(), silicon::machine::MachineError>(())
 //! ```
 //!

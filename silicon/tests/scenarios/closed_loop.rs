@@ -53,7 +53,8 @@ fn pseudo_random_bits_are_those_of_a_controller_in_this_process() {
     // And the pins are what is said of them: as many changes, each in its tick.
     let changes = in_process.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let pins = rig.machine().pins().len();
-    // Pins that fall are written before pins that rise: up to six changes a tick; and the run's end.
+    // Pins that fall are written before pins that rise: up to six changes a tick, and at the run's
+    // end.
     assert!((changes..=6 * changes + 12).contains(&pins), "{pins} for {changes}");
     rig.assert_no_complaint();
 }
