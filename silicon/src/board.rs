@@ -66,6 +66,7 @@ pub struct Board {
     sending: Option<Sending>,
     debug_control: u32,
     debug_sleep_works: bool,
+    races_at_watchdog: bool,
     /// Registers that only remember what was written.
     remembered: BTreeMap<u32, u32>,
     system: SystemControl,
@@ -119,6 +120,7 @@ impl Board {
             sending: None,
             debug_control: 0,
             debug_sleep_works: true,
+            races_at_watchdog: false,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
             rcc,
@@ -195,6 +197,13 @@ impl Board {
     pub fn connect(&mut self, mut plant: SensorPlant) {
         plant.follow(&self.plant);
         self.plant = plant;
+    }
+
+    /// From now on the watchdog is fed right after it was unlocked, as the health task does if it
+    /// comes at that moment. The core is interrupted between blocks of instructions only, and
+    /// unlocking and writing are one block.
+    pub const fn race_at_watchdog(&mut self) {
+        self.races_at_watchdog = true;
     }
 
     /// The core's clock stands still in every sleep from now on, whatever the firmware asks of the
@@ -339,7 +348,12 @@ impl Board {
                 }
             }
             0x4000_0c00..0x4000_1000 => self.timer.store(offset, value, &access),
-            0x4000_3000..0x4000_3400 => self.watchdog.store(offset, value, &mut access),
+            0x4000_3000..0x4000_3400 => {
+                self.watchdog.store(offset, value, &mut access);
+                if self.races_at_watchdog && self.watchdog.is_unlocked() {
+                    self.watchdog.feed(&mut access);
+                }
+            }
             DEBUG_CONTROL => self.debug_control = value,
             0x4000_7000..0x4000_7400 | 0xe004_2000..0xe004_2400 => drop(self.remembered.insert(address, value)),
             0xe000_0000..0xe010_0000 => {

@@ -47,9 +47,6 @@ pub enum BrokenRule {
     #[error("programming clears bits: what is not erased cannot be written")]
     FlashNotErased,
     /// Of the flash.
-    #[error("an erase by words, and programming by words, need 2.7 V or more")]
-    FlashSupply,
-    /// Of the flash.
     #[error("the data cache is reset only while it is off")]
     CacheResetWhileOn,
     /// Of the flash.

@@ -7,44 +7,37 @@
 //!
 //! Limits: no wait states, no contention for a bus, no dependence on the instruction before.
 
-use std::collections::HashMap;
+/// Blocks that are remembered; more push each other out.
+const PLACES: usize = 1 << 14;
 
-/// Costs of blocks that have been met, by address and length.
-#[derive(Default)]
-pub struct BlockCosts {
-    known: HashMap<u64, u32, std::hash::BuildHasherDefault<AddressHasher>>,
-}
+/// Costs of blocks that have been met: each in the place that its address has, with address and
+/// length to tell it from others of that place. This is asked at every block.
+pub struct BlockCosts(Vec<(u64, u32)>);
 
-/// Spreads addresses, which are far apart already.
-#[derive(Default)]
-pub struct AddressHasher(u64);
-
-impl std::hash::Hasher for AddressHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
-    }
-
-    fn write_u64(&mut self, key: u64) {
-        self.0 = (self.0 ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+impl Default for BlockCosts {
+    fn default() -> Self {
+        Self(vec![(0, 0); PLACES])
     }
 }
 
 impl BlockCosts {
     /// The cost of the block of `length` bytes at `address`, if it is known.
+    #[inline]
     pub fn known(&self, address: u64, length: u32) -> Option<u32> {
-        self.known.get(&key(address, length)).copied()
+        let (of, cycles) = self.0[place(address)];
+        (of == key(address, length)).then_some(cycles)
     }
 
     /// Learns the cost of a block from its instructions.
     pub fn learn(&mut self, address: u64, code: &[u8]) -> u32 {
         let cycles = block_cycles(code);
-        self.known.insert(key(address, code.len() as u32), cycles);
+        self.0[place(address)] = (key(address, code.len() as u32), cycles);
         cycles
     }
+}
+
+const fn place(address: u64) -> usize {
+    (address >> 1) as usize % PLACES
 }
 
 const fn key(address: u64, length: u32) -> u64 {

@@ -50,6 +50,11 @@ impl IndependentWatchdogModel {
         }
     }
 
+    /// Whether its registers may be written.
+    pub const fn is_unlocked(&self) -> bool {
+        self.is_open
+    }
+
     /// When it resets the processor.
     pub const fn ends_at(&self) -> u64 {
         if self.is_on { self.ends_at } else { u64::MAX }
@@ -69,6 +74,11 @@ impl IndependentWatchdogModel {
     fn restart(&mut self, now: u64) {
         self.take_over(now);
         self.ends_at = now + self.period();
+    }
+
+    /// Writes the key that reloads the counter, and locks the registers.
+    pub fn feed(&mut self, access: &mut Access<'_>) {
+        self.store(0x0, RELOAD, access);
     }
 
     /// Reads a register.

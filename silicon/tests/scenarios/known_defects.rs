@@ -6,14 +6,14 @@ use dr_core::Command;
 use dr_core::control::{Drive, RunState};
 use dr_core::sensor::Level;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::InstrumentPort;
+use host_sim::instrument::{InstrumentPort, SettingsPort};
 use host_sim::run::start;
 use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::ResetCause;
+use wire::{ResetCause, SettingsRequest};
 
 /// The watchdog's counter is reloaded while the register of its reload value is still being taken
 /// over, at the end of the start. It should wait for RVU.
@@ -115,4 +115,42 @@ fn a_frame_is_read_across_an_update_while_models_are_taken_in() {
     let complaints = rig.complaints();
     assert_eq!(complaints.len(), 1, "{complaints:?}");
     assert_eq!(complaints[0].rule, BrokenRule::AdcFrameAcrossUpdate);
+}
+
+/// The health task feeds the watchdog between the moment at which the settings task has unlocked
+/// its registers and the write of the longer period, which is then not taken: an erase goes on with
+/// the period of half a second, and one of half a second ends in a reset. Both should exclude each
+/// other.
+#[test]
+fn a_feed_between_unlock_and_reload_value_takes_the_longer_period_away() {
+    let erase = |races: bool| {
+        let rig = Rig::new(&MachineConfig { oscillator_hz: Some(47_000), ..MachineConfig::default() });
+        rig.machine().board_mut().flash.erase_time = ms(500);
+        rig.machine().board_mut().flash.settings.fill(0x5a);
+        let mut instrument = rig.instrument();
+        if races {
+            rig.machine().board_mut().race_at_watchdog();
+        }
+        let erased = instrument.ask_settings(&SettingsRequest::EraseAll);
+        let resets: Vec<_> = rig.machine().resets().iter().map(|reset| reset.source).collect();
+        (erased.is_ok(), resets, rig.complaints().iter().any(|of| of.rule == BrokenRule::WatchdogProtected))
+    };
+    assert_eq!(erase(false), (true, vec![], false));
+    let (_, resets, complains) = erase(true);
+    assert!(resets.contains(&ResetSource::Watchdog) && complains, "{resets:?}");
+}
+
+/// A converter that never converts passes for one whose offsets are zero: they are read without
+/// looking at data-ready. It should be refused at the start, as one that does not answer is.
+#[test]
+fn a_converter_that_never_converts_passes_the_start() {
+    let rig = Rig::new(&MachineConfig::default());
+    rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+    let instrument = rig.instrument();
+    assert_eq!(instrument.identity().starts, 1);
+    let complaints = rig.complaints();
+    assert!(complaints.iter().any(|of| of.rule == BrokenRule::AdcNoData && of.times == 128), "{complaints:?}");
+    // Not a word in the log.
+    let log = rig.machine().log();
+    assert!(log.iter().all(|line| !line.contains("ADC")), "{log:?}");
 }
