@@ -1,9 +1,9 @@
 //! Holds the pins of the heaters against what host and board have told each other.
 //!
 //! A heater may be high from the moment at which the host has asked for a run or a test, until the
-//! board sends the sample of a tick in a state that does not heat, refuses, or starts anew. A
-//! sample of before may come after the request; only one behind the reply to it counts. Events come
-//! between ticks, and levels follow a command at the next one: they end nothing.
+//! board sends the sample of a tick in a state that does not heat, or starts anew. A sample of
+//! before may come after the request; only one behind the reply to it counts. Events come between
+//! ticks, and levels follow a command at the next one: they end nothing.
 
 use crate::complaint::{BrokenRule, Complaints};
 use dr_core::Command;
@@ -18,8 +18,8 @@ pub struct HeaterWitness {
     from_host: Option<Receiver>,
     from_board: Option<Receiver>,
     may_heat: bool,
-    /// A request to heat has not been answered yet.
-    awaits_reply: bool,
+    /// The number of a request to heat that has not been answered yet.
+    awaits_reply_to: Option<u16>,
     /// The last state that was reported.
     state: Option<RunState>,
     levels: u8,
@@ -36,7 +36,7 @@ impl HeaterWitness {
         let receiver = self.from_host.get_or_insert_with(Receiver::new);
         for message in bytes.iter().filter_map(|&byte| receiver.push::<ToBoard>(byte)) {
             if let ToBoard::Command(Command::Start | Command::SelfTest(_)) = message.message {
-                (self.may_heat, self.awaits_reply) = (true, true);
+                (self.may_heat, self.awaits_reply_to) = (true, Some(message.sequence));
             }
         }
     }
@@ -54,10 +54,7 @@ impl HeaterWitness {
                 FromBoard::Sample(sample) => self.reported(sample.state),
                 FromBoard::Observed(observed) => self.reported(observed.sample.state),
                 FromBoard::Event(event) => self.state = Some(event.state),
-                FromBoard::Reply { result, .. } => {
-                    self.awaits_reply = false;
-                    self.may_heat &= result.is_ok();
-                }
+                FromBoard::Reply { to, .. } if self.awaits_reply_to == Some(to) => self.awaits_reply_to = None,
                 _ => {}
             }
             self.check(now, complaints);
@@ -66,7 +63,7 @@ impl HeaterWitness {
 
     fn reported(&mut self, state: RunState) {
         self.state = Some(state);
-        if !self.awaits_reply && matches!(state, RunState::Standby | RunState::Tripped(_)) {
+        if self.awaits_reply_to.is_none() && matches!(state, RunState::Standby | RunState::Tripped(_)) {
             self.may_heat = false;
         }
     }
@@ -79,7 +76,7 @@ impl HeaterWitness {
 
     /// The board starts anew.
     pub fn restarted(&mut self) {
-        (self.may_heat, self.awaits_reply, self.state, self.from_board) = (false, false, None, None);
+        (self.may_heat, self.awaits_reply_to, self.state, self.from_board) = (false, None, None, None);
     }
 
     fn check(&self, now: u64, complaints: &mut Complaints) {

@@ -25,6 +25,9 @@ const RAM_BYTES: usize = 128 * 1024;
 /// Peripherals; their aliases by bits; the core's own.
 const REGISTERS: [Range<u64>; 4] =
     [SETTINGS, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
+/// What is charged for a sleep that ends at once, since something waits that a mask keeps from
+/// being handled: an idle task would go round and round.
+const FUTILE_SLEEP_CYCLES: u32 = 1_000;
 /// How Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
 /// Where no code stands, so that no block is the last. Zero, since Unicorn translates whatever is
@@ -199,6 +202,9 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             if self.is_asleep {
                 if self.bus_mut().nvic().wakes() {
                     self.is_asleep = false;
+                    if self.unicorn.get_data().is_masked {
+                        self.bus_mut().spend(FUTILE_SLEEP_CYCLES);
+                    }
                 } else {
                     self.bus_mut().pass(next, true);
                 }

@@ -7,6 +7,7 @@ mod closed_loop;
 mod crashes;
 mod guard;
 mod known_defects;
+mod lives;
 mod process;
 mod rig;
 mod settings;
