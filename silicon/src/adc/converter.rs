@@ -21,7 +21,8 @@ const SUPPLY_CODES: [i32; CHANNELS] = [5_242_880, 5_242_880, 1_730_150, 1_730_15
 const OFFSET_CODES: [i32; CHANNELS] = [700, 713, -240, 95, -611, 388];
 
 const HIGHEST: i32 = 0x7f_ffff;
-const LOWEST: i32 = -0x80_0000;
+/// The code of an input at or below the lower end of the range.
+pub const LOWEST: i32 = -0x80_0000;
 
 /// The modulators and their filters.
 #[derive(Clone, Debug, Default)]

@@ -9,6 +9,8 @@ pub enum AdcFault {
     Stuck,
     /// Its data line carries random bytes.
     Garbage,
+    /// Its inputs are at the lower end of their range.
+    LowEnd,
     /// Its data line is at one level: all ones.
     Dead,
 }

@@ -4,7 +4,7 @@
 //! asked for (RDATA). Data-ready rises with the first clock of it, and falls with the next
 //! conversion.
 
-use super::converter::Converter;
+use super::converter::{Converter, LOWEST};
 use super::fault::AdcFault;
 use super::registers::AdcRegisters;
 use super::{CHANNELS, t_clk};
@@ -101,6 +101,7 @@ impl Adc {
         match self.fault {
             Some(AdcFault::Silent) => return false,
             Some(AdcFault::Stuck) => {}
+            Some(AdcFault::LowEnd) => self.codes = [LOWEST; CHANNELS],
             _ => self.codes = codes,
         }
         self.has_converted = true;

@@ -75,3 +75,19 @@ fn a_run_goes_on_without_a_host_and_is_as_it_was_when_the_host_returns() {
     Box::new(again).finish().unwrap();
     rig.assert_no_complaint();
 }
+
+#[test]
+fn the_pins_have_the_levels_that_samples_report() {
+    let experiment = Experiment { sample_period_s: 0.01, ..experiment("prbs.toml", 100) };
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    start(&experiment, &mut instrument).unwrap();
+    let mut seen = 0;
+    // A sample is with the host some two milliseconds after its tick.
+    Rig::observe(&mut instrument, 100, |sample| {
+        assert_eq!(u16::from(rig.machine().board().heaters()), sample.heaters.0, "tick {}", sample.tick);
+        seen |= sample.heaters.0;
+    });
+    assert_eq!(seen, 0b1111);
+    rig.assert_no_complaint();
+}

@@ -113,3 +113,37 @@ fn an_element_above_its_limit_and_a_set_point_out_of_reach_trip() {
     assert_eq!(rig.until_trip(&mut instrument, 40).trip.cause, Cause::Unreachable);
     rig.assert_no_complaint();
 }
+
+#[test]
+fn inputs_at_the_lower_end_of_their_range_are_out_of_range() {
+    let (at, end) = with_adc_fault(AdcFault::LowEnd, None);
+    assert_eq!(end.trip.cause, Cause::OutOfRange);
+    assert!(end.low_since - at < ms(21), "{}", end.low_since - at);
+}
+
+#[test]
+fn a_bit_that_flips_in_a_limit_trips() {
+    // A limit that stands nowhere else in memory.
+    const MARK_C: f32 = 61.3125;
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    for command in &mut commands {
+        if let Command::Element { config, .. } = command {
+            config.limits.temperature_max_c = MARK_C;
+        }
+    }
+    setup::start(&mut instrument, &commands).unwrap();
+    Rig::observe(&mut instrument, 5, |_| {});
+    let ram = rig.machine().core_mut().ram().unwrap();
+    let places = ram.windows(4).enumerate().filter(|(_, bytes)| **bytes == MARK_C.to_le_bytes());
+    let places: Vec<u32> = places.map(|(offset, _)| 0x2000_0000 + offset as u32).collect();
+    assert!(!places.is_empty());
+    for place in places {
+        rig.machine().core_mut().write_memory(place, &[MARK_C.to_le_bytes()[0] ^ 1]).unwrap();
+    }
+    let end = rig.until_trip(&mut instrument, 10);
+    assert_eq!(end.trip.cause, Cause::BitFlip);
+    rig.assert_no_complaint();
+}

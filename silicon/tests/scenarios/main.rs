@@ -12,4 +12,5 @@ mod process;
 mod rig;
 mod settings;
 mod snapshot;
+mod soak;
 mod ticks;
