@@ -8,11 +8,16 @@ use crate::output::Failure;
 use host_sim::instrument::emulated::{Emulated, EmulatorLink};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::serial::Serial;
+use host_sim::instrument::virtual_line;
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
 use host_sim::sensor::Sensor;
 
 /// The firmware of the emulated board: beside this command in a release, in this folder of a build.
 const FIRMWARE: &str = "firmware-virtual-board.elf";
+/// The one that is flashed, for `--on silicon`.
+const SENSOR_FIRMWARE: &str = "firmware-sensor-board.elf";
+/// What runs it: a program of a build that no release contains, beside this command.
+const SILICON: &str = "anemo-silicon";
 const BUILT: &str = "thumbv7em-none-eabihf/firmware";
 
 /// Where the help has what nobody else needs.
@@ -45,9 +50,10 @@ impl InstrumentArguments {
         Ok(self.flash.as_deref())
     }
 
-    /// Opens it; what is simulated gets this sensor.
+    /// Opens it; what is simulated gets this sensor, which is that of the experiment.
     pub(super) fn open(
         &self,
+        experiment: Option<&Path>,
         sensor: impl FnOnce() -> Result<Sensor, Failure>,
     ) -> Result<Box<dyn InstrumentPort>, Failure> {
         let flash = self.flash()?;
@@ -56,6 +62,13 @@ impl InstrumentArguments {
             On::Qemu => {
                 let sensor = sensor()?;
                 Box::new(LockStep::new(self.emulation.start(flash)?, sensor))
+            }
+            On::Silicon => {
+                let missing = || Failure::usage("--on silicon: the sensor is that of an experiment: name one");
+                let firmware = self.emulation.firmware(SENSOR_FIRMWARE);
+                let program = std::env::current_exe().unwrap_or_default().with_file_name(SILICON);
+                let board = virtual_line::start(&program, &firmware, experiment.ok_or_else(missing)?);
+                Box::new(board.map_err(Failure::work)?)
             }
             On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
         };
@@ -80,16 +93,15 @@ pub(super) struct Emulation {
 
 impl Emulation {
     fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
-        Emulated::start_with(&self.firmware(), self.link, flash).map_err(Failure::work)
+        Emulated::start_with(&self.firmware(FIRMWARE), self.link, flash).map_err(Failure::work)
     }
 
     /// The firmware that was asked for, or the one that came with this command, wherever that is.
-    fn firmware(&self) -> PathBuf {
+    fn firmware(&self, file: &str) -> PathBuf {
         let own = std::env::current_exe().unwrap_or_default();
         let folders = own.ancestors().skip(1).zip(["", BUILT]);
-        let mut near = folders.map(|(folder, below)| folder.join(below).join(FIRMWARE));
-        let found =
-            || near.find(|path| path.exists()).unwrap_or_else(|| Path::new("target").join(BUILT).join(FIRMWARE));
+        let mut near = folders.map(|(folder, below)| folder.join(below).join(file));
+        let found = || near.find(|path| path.exists()).unwrap_or_else(|| Path::new("target").join(BUILT).join(file));
         self.firmware.clone().unwrap_or_else(found)
     }
 }
@@ -98,6 +110,9 @@ impl Emulation {
 pub(super) enum On {
     Sim,
     Qemu,
+    /// The image of the sensor board on models of the board: for tests of the firmware, from a
+    /// build of the whole workspace.
+    Silicon,
     Serial(String),
 }
 
@@ -108,6 +123,7 @@ impl FromStr for On {
         match text.split_once(':') {
             None if text == "sim" => Ok(Self::Sim),
             None if text == "qemu" => Ok(Self::Qemu),
+            None if text == "silicon" => Ok(Self::Silicon),
             Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.to_owned())),
             _ if text.starts_with("serial") => {
                 Err(Failure::usage("a serial port is named too, as in serial:/dev/ttyACM0"))
@@ -129,6 +145,11 @@ impl OpenBoard {
             On::Sim => {
                 return Err(Failure::usage(
                     "--on sim: a controller in this process keeps nothing; name a board: qemu or serial:DEVICE",
+                ));
+            }
+            On::Silicon => {
+                return Err(Failure::usage(
+                    "--on silicon: its flash ends with it; name a board that stays: qemu or serial:DEVICE",
                 ));
             }
             On::Qemu => Self::Emulated(Box::new(emulation.start(Some(flash))?)),
@@ -160,6 +181,7 @@ mod tests {
     fn instruments_are_named_as_in_the_help() {
         assert_eq!("sim".parse(), Ok(On::Sim));
         assert_eq!("qemu".parse(), Ok(On::Qemu));
+        assert_eq!("silicon".parse(), Ok(On::Silicon));
         assert_eq!("serial:/dev/ttyACM0".parse(), Ok(On::Serial("/dev/ttyACM0".to_owned())));
         assert_eq!(
             "serial:".parse::<On>().unwrap_err().sentence,

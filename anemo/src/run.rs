@@ -46,7 +46,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment)?;
-    let simulated = !matches!(arguments.instrument.on, On::Serial(_));
+    let simulated = matches!(arguments.instrument.on, On::Sim | On::Qemu);
     let names = experiment.head.names();
     let layout = RecordingLayout {
         elements: names.iter().copied().map(str::to_owned).collect(),
@@ -58,7 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let known = metadata(&experiment, &arguments.instrument.on);
     let mut recorded = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known)?;
     let interrupted = on_interrupt();
-    let instrument = arguments.instrument.open(|| Ok(experiment.sensor()?))?;
+    let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
     let bar = progress(&experiment.title, Some(experiment.ticks.into()));
     let (start, mut rows) = (Instant::now(), 0_u32);
     let summary = run(&experiment, instrument, &mut |row| {
@@ -91,11 +91,12 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
     let instrument = match on {
         On::Sim => "sim".to_owned(),
         On::Qemu => "qemu".to_owned(),
+        On::Silicon => "silicon".to_owned(),
         On::Serial(device) => format!("serial:{device}"),
     };
     let mut units =
         "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned();
-    if experiment.gas_swing.is_some() && !matches!(on, On::Serial(_)) {
+    if experiment.gas_swing.is_some() && matches!(on, On::Sim | On::Qemu) {
         units += "; gas_temperature_c: °C";
     }
     let pairs = [

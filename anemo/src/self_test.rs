@@ -68,7 +68,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.stored {
         return show_stored(arguments, names);
     }
-    let mut instrument = arguments.instrument.open(|| {
+    let mut instrument = arguments.instrument.open(arguments.experiment.as_deref(), || {
         let experiment = experiment.as_ref().ok_or_else(|| {
             Failure::usage("the sensor is simulated here, by an experiment: name one, or --on serial:DEVICE")
         })?;

@@ -1,12 +1,12 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets, toolchains and LLVM's tools come by rustup, QEMU and Python by the system's packages,
-//! Python's packages by pip, the rest by cargo. Whatever cannot be installed is named together with
-//! the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU, Python, cmake and libclang by the
+//! system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be installed is
+//! named together with the line to type.
 
 use crate::shell;
 use anyhow::{Context, Result, bail};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Target triple of the boards.
@@ -63,6 +63,18 @@ const MANAGERS: [PackageManager; 4] = [
 const BREW: &str = "brew";
 /// QEMU for Arm and Python with its environments, as these managers call them.
 const QEMU_PACKAGES: [&str; 4] = ["qemu-system-arm", "qemu-system-arm-core", "qemu-system-arm", "qemu"];
+/// What builds the emulated core of `silicon`: cmake, and libclang with its headers.
+const CMAKE_PACKAGES: [&str; 4] = ["cmake", "cmake", "cmake", "cmake"];
+const LIBCLANG_PACKAGES: [&str; 4] = ["libclang-dev", "clang-devel", "clang", "llvm"];
+/// Where systems keep their libraries, beside a folder for each version of LLVM.
+const LIBRARY_FOLDERS: [&str; 6] = [
+    "/usr/lib",
+    "/usr/lib64",
+    "/usr/lib/x86_64-linux-gnu",
+    "/usr/lib/aarch64-linux-gnu",
+    "/usr/local/opt/llvm/lib",
+    "/opt/homebrew/opt/llvm/lib",
+];
 const PYTHON_PACKAGES: [&str; 4] = ["python3-venv", "python3", "python", "python"];
 /// What Python has beside itself for the pages that use it.
 const PYTHON_REQUIREMENTS: &str = "xtask/python-requirements.txt";
@@ -177,6 +189,34 @@ pub fn lint_tools() -> Result<()> {
 /// The emulator.
 pub fn qemu() -> Result<()> {
     system_package(QEMU, "https://www.qemu.org/download", &QEMU_PACKAGES, || shell::answers(QEMU, &["--version"]))
+}
+
+/// What the crate `silicon` needs beside the compiler: its emulated core is C, and the binding to
+/// it is made as it is built.
+pub fn emulated_core() -> Result<()> {
+    system_package("cmake", "https://cmake.org/download", &CMAKE_PACKAGES, || shell::answers("cmake", &["--version"]))?;
+    system_package("libclang", "https://releases.llvm.org", &LIBCLANG_PACKAGES, has_libclang)
+}
+
+/// Whether the library is where its binding looks for it.
+fn has_libclang() -> bool {
+    let of_llvm = files_of(Path::new("/usr/lib")).filter(|folder| name_of(folder).starts_with("llvm"));
+    let folders = of_llvm.map(|folder| folder.join("lib")).chain(LIBRARY_FOLDERS.map(PathBuf::from));
+    let is_libclang = |file: PathBuf| {
+        let name = name_of(&file);
+        (name.starts_with("libclang.") || name.starts_with("libclang-1") || name.starts_with("libclang-2"))
+            && (name.contains(".so") || name.ends_with(".dylib"))
+    };
+    std::env::var_os("LIBCLANG_PATH").is_some() || folders.flat_map(|folder| files_of(&folder)).any(is_libclang)
+}
+
+/// What a folder contains; nothing if it cannot be read.
+fn files_of(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Python with the packages that pages use, in an environment of its own among the build's

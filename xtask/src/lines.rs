@@ -2,9 +2,9 @@
 //!
 //! A line of code is any that is neither empty nor a comment alone (`//`, `///`, `//!`) and does
 //! not belong to tests, as [`crate::sources`] tells them: a crate's `tests/`, `benches/` and
-//! `examples/`, the crates `tests` and `fuzz` as a whole, `tests.rs`, and what stands below
-//! `#[cfg(test)]`. Doc comments are counted beside it, and of tests all lines. Only Rust counts,
-//! every `.rs` file of it, formatted: no tables, texts or TOML.
+//! `examples/`, the crates `tests`, `fuzz` and `silicon` as a whole, `tests.rs`, and what stands
+//! below `#[cfg(test)]`. Doc comments are counted beside it, and of tests all lines. Only Rust
+//! counts, every `.rs` file of it, formatted: no tables, texts or TOML.
 
 use crate::sources::{self, RustFile};
 use anyhow::{Result, bail};
@@ -14,7 +14,9 @@ use std::collections::BTreeMap;
 const BAR_LINES: usize = 41_000;
 /// What it has come down to: more lines of code are refused. Lower it with every deletion; raise it
 /// only for what somebody can do with the new lines.
-const MOST_LINES: usize = 46_290;
+const MOST_LINES: usize = 46_440;
+/// A crate that is there to test another: its lines are tests as a whole.
+const TEST_EQUIPMENT: &str = "silicon";
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct LineCount {
@@ -57,6 +59,7 @@ fn count(files: &[RustFile]) -> BTreeMap<String, LineCount> {
         let name = file.path.split('/').next().unwrap_or_default();
         let count = counts.entry(name.to_owned()).or_default();
         for (line, &is_test) in file.text.lines().zip(&file.in_tests) {
+            let is_test = is_test || name == TEST_EQUIPMENT;
             let line = line.trim();
             if is_test {
                 count.tests += 1;

@@ -9,6 +9,7 @@ use anyhow::{Context, Result};
 pub fn run() -> Result<()> {
     install::thumb_target()?;
     install::lint_tools()?;
+    install::emulated_core()?;
     shell::announce("links between pages");
     links::run()?;
     shell::announce("length of pages, and whether the book lists them");

@@ -17,6 +17,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     let mut stages = shell::Stages::default();
     install::thumb_target()?;
     install::qemu()?;
+    install::emulated_core()?;
     stages.run("size of the firmware", size::run)?;
     stages.run("panics, stack, overflow", safety::run)?;
     let check = CostOptions { check: true, ..CostOptions::default() };
@@ -29,17 +30,19 @@ pub fn run(jobs: clap::Command) -> Result<()> {
         cargo.args(["test", "--release", "--workspace"]).args(arguments);
         cargo
     };
-    // Tests that cross crates start these two programs; they are handed over built.
+    // Tests that cross crates start these programs; they are handed over built.
     let (programs, interface) = stages.run("building the tests", || {
         let firmware = artefacts::firmware(FirmwareBoard::Virtual)?;
+        let sensor_firmware = artefacts::firmware(FirmwareBoard::Sensor)?;
         let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;
         // Examples are started by the tests of their crates, which compare what they print. `cargo
         // test` would build them as tests.
         let interface = artefacts::interface()?;
-        Ok(([("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo)], interface))
+        let programs = [("ANEMO_FIRMWARE", firmware), ("ANEMO_BIN", anemo), ("ANEMO_SENSOR_FIRMWARE", sensor_firmware)];
+        Ok((programs, interface))
     })?;
     stages.run("pages of the command line", || reference::check(&interface))?;
-    let [(_, firmware), (_, anemo)] = programs.clone();
+    let [(_, firmware), (_, anemo), _] = programs.clone();
     let shown = PagePrograms { anemo, interface, firmware };
     stages.run("commands in pages", || pages::run(&PagesOptions::default(), jobs, Some(shown)))?;
     let test = |arguments: &[&str]| {

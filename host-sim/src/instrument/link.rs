@@ -4,6 +4,7 @@ use super::error::InstrumentError;
 use dr_core::control::Refusal;
 use dr_core::{Command, Reply};
 use std::io::{self, ErrorKind};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use wire::{
     FromBoard, Identity, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsReply, SettingsRequest, ToBoard,
@@ -30,6 +31,12 @@ pub struct RetryPolicy {
 
 /// A way to a board.
 pub trait BoardStream {
+    /// The time by the clock that the board lives by, counted from any moment. Timeouts are meant
+    /// in it.
+    fn now(&self) -> Duration {
+        real_time()
+    }
+
     /// Reads what has come, waiting for it at most so long.
     ///
     /// # Errors
@@ -42,6 +49,12 @@ pub trait BoardStream {
     /// # Errors
     /// If the other end is gone.
     fn write_all(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// The clock of this computer, counted from its first use.
+fn real_time() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed()
 }
 
 /// A conversation over a stream.
@@ -63,6 +76,11 @@ impl<S: BoardStream> BoardLink<S> {
     /// What has come so far.
     pub fn counters(&self) -> LinkCounters {
         self.receiver.counters()
+    }
+
+    /// The time by the stream's clock.
+    pub fn now(&self) -> Duration {
+        self.stream.now()
     }
 
     /// The stream itself, for tests that put something else on it.
@@ -90,7 +108,7 @@ impl<S: BoardStream> BoardLink<S> {
     /// [`InstrumentError::Silent`] if there is none, [`InstrumentError::Unusable`] if the board
     /// speaks another version.
     pub fn receive(&mut self, timeout: Duration) -> Result<FromBoard, InstrumentError> {
-        let deadline = Instant::now() + timeout;
+        let deadline = self.now() + timeout;
         loop {
             while self.taken < self.read {
                 let byte = self.buffer[self.taken];
@@ -106,7 +124,7 @@ impl<S: BoardStream> BoardLink<S> {
                     "the firmware speaks version {theirs} of the wire protocol, this program version {VERSION}; flash the firmware of this release (`cargo xtask flash`) or use the matching program"
                 )));
             }
-            let left = deadline.saturating_duration_since(Instant::now());
+            let left = deadline.saturating_sub(self.now());
             self.taken = 0;
             self.read = 0;
             self.read = match self.stream.read_within(&mut self.buffer[..], left) {
@@ -123,20 +141,20 @@ impl<S: BoardStream> BoardLink<S> {
     /// # Errors
     /// As [`receive`](Self::receive).
     pub fn hello(&mut self, timeout: Duration) -> Result<Identity, InstrumentError> {
-        let deadline = Instant::now() + timeout;
+        let deadline = self.now() + timeout;
         loop {
             self.send(&ToBoard::Hello)?;
-            let next = Instant::now() + HELLO_EVERY;
+            let next = self.now() + HELLO_EVERY;
             loop {
-                match self.receive(next.saturating_duration_since(Instant::now())) {
+                match self.receive(next.saturating_sub(self.now())) {
                     Ok(FromBoard::Identity(identity)) => return Ok(identity),
                     // A board that is running talks all the time.
-                    Ok(_) if Instant::now() < next => {}
+                    Ok(_) if self.now() < next => {}
                     Ok(_) | Err(InstrumentError::Silent(_)) => break,
                     Err(error) => return Err(error),
                 }
             }
-            if Instant::now() >= deadline {
+            if self.now() >= deadline {
                 return Err(InstrumentError::Silent(timeout));
             }
         }
@@ -202,9 +220,9 @@ impl<S: BoardStream> BoardLink<S> {
         for _ in 0..retries.tries {
             let last = self.send(message)?;
             let first = *first.get_or_insert(last);
-            let deadline = Instant::now() + retries.timeout;
+            let deadline = self.now() + retries.timeout;
             loop {
-                match self.receive(deadline.saturating_duration_since(Instant::now())) {
+                match self.receive(deadline.saturating_sub(self.now())) {
                     Ok(message) => match answer(&message, last != first) {
                         // The answer to any of the tries: one may only have been late.
                         Some((to, result)) if to.wrapping_sub(first) <= last.wrapping_sub(first) => return result,
@@ -216,7 +234,7 @@ impl<S: BoardStream> BoardLink<S> {
                     Err(error) => return Err(error),
                 }
                 // A board that is running talks all the time.
-                if Instant::now() >= deadline {
+                if self.now() >= deadline {
                     break;
                 }
             }

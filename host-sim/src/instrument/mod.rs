@@ -1,4 +1,4 @@
-//! Instruments: what runs an experiment. All three understand the same commands and send the same
+//! Instruments: what runs an experiment. All understand the same commands and send the same
 //! samples.
 //!
 //! | instrument | controller | sensor |
@@ -6,6 +6,7 @@
 //! | [`in_process`] | dr-core in this process | simulated |
 //! | [`emulated`] | the firmware on an emulated Cortex-M4F | simulated |
 //! | [`serial`] | the firmware on the sensor board | real |
+//! | [`virtual_line`] | the firmware of the sensor board, on models of it in another process | simulated |
 //!
 //! The first two are a [`LockStepController`] in lock-step with the simulated
 //! [`Sensor`](crate::sensor::Sensor), see [`lock_step`].
@@ -24,6 +25,8 @@ mod reset_cause;
 #[cfg(feature = "serial")]
 pub mod serial;
 pub mod setup;
+#[cfg(feature = "serial")]
+pub mod virtual_line;
 
 pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};

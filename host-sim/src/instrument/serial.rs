@@ -1,5 +1,7 @@
 //! The sensor board at a serial port: real sensor, real time.
 //!
+//! Its timeouts are in the time of the stream, which for a port is that of this computer.
+//!
 //! A cable loses and garbles, so commands are repeated until they are answered (see
 //! [`BoardLink::command`]), and samples are taken by their ticks: what is missing shows as a gap. A
 //! board that falls silent, starts anew or is unplugged ends the run with an error.
@@ -14,7 +16,7 @@ use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
 
 /// Baud of the host link.
@@ -108,9 +110,9 @@ impl Heard {
     }
 }
 
-/// A board at a port.
-pub struct Serial {
-    link: BoardLink<TTYPort>,
+/// A board at a port, or at the end of another stream.
+pub struct Serial<S = TTYPort> {
+    link: BoardLink<S>,
     identity: Identity,
     heard: Heard,
     silence: Duration,
@@ -125,16 +127,26 @@ impl Serial {
         let port = TTYPort::open(&serialport::new(device, BAUD)).map_err(|error| {
             InstrumentError::Unusable(format!("the port {device} cannot be opened: {error}; {}", known_ports()))
         })?;
-        let mut link = BoardLink::new(port);
+        Self::over(port)
+    }
+}
+
+impl<S: BoardStream> Serial<S> {
+    /// Asks who is at the end of a stream.
+    ///
+    /// # Errors
+    /// If no board of our version answers.
+    pub fn over(stream: S) -> Result<Self, InstrumentError> {
+        let mut link = BoardLink::new(stream);
         // Ends whatever the board may have taken for the beginning of a frame.
-        BoardStream::write_all(link.stream_mut(), &[0])?;
+        link.stream_mut().write_all(&[0])?;
         let identity = link.hello(HELLO_TIMEOUT)?;
         let heard = Heard { starts: Some(identity.starts), ..Heard::default() };
         Ok(Self { link, identity, heard, silence: SILENCE })
     }
 }
 
-impl InstrumentPort for Serial {
+impl<S: BoardStream> InstrumentPort for Serial<S> {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -157,7 +169,7 @@ impl InstrumentPort for Serial {
     }
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
-        let deadline = Instant::now() + self.silence;
+        let deadline = self.link.now() + self.silence;
         loop {
             if let Some(TickReport { sample, equivalent_power_w, wind }) = self.heard.samples.pop_front() {
                 return Ok(Observation {
@@ -173,7 +185,7 @@ impl InstrumentPort for Serial {
                 let identity = self.link.hello(HELLO_TIMEOUT)?;
                 return Err(InstrumentError::Restarted(why_it_started(&identity)));
             }
-            if Instant::now() >= deadline {
+            if self.link.now() >= deadline {
                 // It may still send its status.
                 return Err(InstrumentError::Silent(self.silence));
             }
@@ -199,9 +211,9 @@ impl InstrumentPort for Serial {
         }
         // The status of the end counts everything; should it get lost, the one before will do.
         let before = self.heard.status.clone();
-        let deadline = Instant::now() + STATUS_TIMEOUT;
-        while self.heard.status == before && Instant::now() < deadline {
-            match self.link.receive(deadline.saturating_duration_since(Instant::now())) {
+        let deadline = self.link.now() + STATUS_TIMEOUT;
+        while self.heard.status == before && self.link.now() < deadline {
+            match self.link.receive(deadline.saturating_sub(self.link.now())) {
                 Ok(message) => self.heard.take(message),
                 Err(InstrumentError::Silent(_)) => break,
                 Err(error) => return Err(error),
@@ -211,7 +223,7 @@ impl InstrumentPort for Serial {
     }
 }
 
-impl SettingsPort for Serial {
+impl<S: BoardStream> SettingsPort for Serial<S> {
     fn firmware(&self) -> &str {
         &self.identity.firmware
     }

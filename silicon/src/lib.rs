@@ -1,0 +1,75 @@
+//! The image of the sensor board, unmodified, on models of its processor, converter and sensor: in
+//! virtual time, to the bit the same each time.
+//!
+//! ```text
+//!                       machine: from one time to the next, kept and put back
+//!                          │
+//!      processor ──────► board ──────► adc ──────► plant: host-sim's sensor
+//!      instructions,     wires           │            ▲
+//!      exceptions,         │             └ SPI, data-ready
+//!      time                └► soc: clocks, flash, pins, DMA, timers, watchdog
+//!                               │        heaters' pins ─┘
+//!      host: stream ◄───────────┘ USART
+//! ```
+//!
+//! | module | what |
+//! |---|---|
+//! | [`processor`] | a Cortex-M4F: Unicorn, our interrupt controller, exceptions, SysTick, cycle counter |
+//! | [`soc`] | RCC, flash, GPIO, EXTI, SPI1, USART2, DMA1, TIM5, IWDG, each a file |
+//! | [`adc`] | the ADS131E06: commands, frames, timing, filter, faults |
+//! | [`plant`] | the simulated sensor, levels in and codes out |
+//! | [`board`] | address map, wires, events |
+//! | [`machine`] | an image on its board |
+//! | [`stream`] | the line as a host has it: the ordinary serial instrument runs on it |
+//! | [`complaint`] | rules of the manuals that the firmware breaks |
+//! | [`witness`] | holds the heaters' pins against what the board reports |
+//! | [`image`], [`log`](mod@log) | the ELF file; its log as a probe reads it |
+//!
+//! **Time** is one count of cycles of 168 MHz ([`time`]); nothing looks at a clock of the computer.
+//! A block of instructions is charged as a whole at its head, by a table of classes of
+//! instructions, so interrupts come up to a block late.
+//!
+//! **Complaints.** A model that is used against its manual notes the cycle, the register and the
+//! rule, and goes on. A scenario that ends with a complaint fails, unless it is one of the known
+//! defects, which have scenarios of their own (`tests/scenarios/known_defects.rs`) and leave the
+//! list as they are mended.
+//!
+//! **Use.** `cargo xtask test` builds the image and runs `tests/scenarios`. The program
+//! `anemo-silicon` is a board in a process of its own; with it beside `anemo` in a build folder,
+//! `anemo run experiments/held.toml --on silicon` runs any experiment on the image.
+//!
+//! ```no_run
+//! use silicon::machine::{Machine, MachineConfig};
+//! use silicon::time::ms;
+//!
+//! let image = "firmware-sensor-board.elf".as_ref();
+//! let mut machine = Machine::power_on(image, &MachineConfig::default())?;
+//! machine.run_until(ms(500))?;
+//! for complaint in machine.board().complaints.all() {
+//!     println!("{complaint}");
+//! }
+//! # Ok::<(), silicon::machine::MachineError>(())
+//! ```
+//!
+//! **Speed**: 3 times real time with six elements at a tick of 10 ms, on one core of a small
+//! virtual machine; a start takes 0.5 s.
+//!
+//! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
+//! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
+//! sensor. The supply is there or not; an erase is whole or not begun. There is no PWR but
+//! registers that remember, no MPU, no debugger. The GPL covers Unicorn and hence this crate's
+//! programs: it is published nowhere, and no other crate may depend on it.
+
+pub mod adc;
+pub mod board;
+pub mod complaint;
+pub mod host_line;
+pub mod image;
+pub mod log;
+pub mod machine;
+pub mod plant;
+pub mod processor;
+pub mod soc;
+pub mod stream;
+pub mod time;
+pub mod witness;

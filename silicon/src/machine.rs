@@ -1,0 +1,213 @@
+//! The whole: an image on its board, run from one time to the next.
+
+use crate::board::{Board, PinChange};
+use crate::image::{FlashImage, ImageError};
+use crate::log::RttLog;
+use crate::plant::SensorPlant;
+use crate::processor::bus::ProcessorBus;
+use crate::processor::{CoreRegisters, Pause, Processor, ProcessorError};
+use crate::soc::rcc::ResetSource;
+use crate::time::ms;
+use host_sim::sensor::{SensorConfig, SensorError};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The log is read so often; its ring holds a kilobyte.
+const LOG_EVERY: u64 = ms(10);
+
+/// Nominal frequency of the watchdog's oscillator.
+pub const NOMINAL_OSCILLATOR_HZ: u64 = 32_000;
+
+/// Why there is no machine, or why it cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum MachineError {
+    /// The image.
+    #[error(transparent)]
+    FlashImage(#[from] ImageError),
+    /// The sensor.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// The emulator.
+    #[error(transparent)]
+    Processor(#[from] ProcessorError),
+}
+
+/// What a machine is made from.
+#[derive(Clone, Debug, Default)]
+pub struct MachineConfig {
+    /// The sensor at its pins; the sample period is the machine's own.
+    pub sensor: SensorConfig,
+    /// Frequency of the watchdog's oscillator, 17 to 47 kHz; `None` is the nominal one.
+    pub oscillator_hz: Option<u64>,
+}
+
+/// A reset that has happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PastReset {
+    /// When.
+    pub cycle: u64,
+    /// Why.
+    pub source: ResetSource,
+}
+
+/// An image on its board.
+pub struct Machine {
+    image: Arc<FlashImage>,
+    core: Processor<Board>,
+    log: RttLog,
+    resets: Vec<PastReset>,
+}
+
+/// Everything that a machine is between two instructions.
+#[derive(Clone)]
+pub struct Snapshot {
+    board: Board,
+    ram: Vec<u8>,
+    core: (bool, bool, CoreRegisters),
+    log: RttLog,
+    resets: Vec<PastReset>,
+}
+
+impl Machine {
+    /// Switches an image on.
+    ///
+    /// # Errors
+    /// If the image or the sensor is none.
+    pub fn power_on(image: &Path, config: &MachineConfig) -> Result<Self, MachineError> {
+        Self::power_on_image(Arc::new(FlashImage::read(image)?), config)
+    }
+
+    /// The same with an image that has been read.
+    ///
+    /// # Errors
+    /// If the sensor is none.
+    pub fn power_on_image(image: Arc<FlashImage>, config: &MachineConfig) -> Result<Self, MachineError> {
+        let oscillator_hz = config.oscillator_hz.unwrap_or(NOMINAL_OSCILLATOR_HZ);
+        let board = Board::new(SensorPlant::new(&config.sensor)?, oscillator_hz);
+        let mut core = Processor::new(board, &image.flash)?;
+        // RAM after power-on holds anything; this is one such thing, always the same.
+        core.set_ram(&vec![0xa5; core.ram()?.len()])?;
+        core.start()?;
+        Ok(Self { image, core, log: RttLog::default(), resets: Vec::new() })
+    }
+
+    /// The time.
+    pub fn now(&self) -> u64 {
+        self.core.bus().now()
+    }
+
+    /// The board.
+    pub fn board(&self) -> &Board {
+        self.core.bus()
+    }
+
+    /// The board, to do something to it.
+    pub fn board_mut(&mut self) -> &mut Board {
+        self.core.bus_mut()
+    }
+
+    /// The core, to do something to it.
+    pub const fn core_mut(&mut self) -> &mut Processor<Board> {
+        &mut self.core
+    }
+
+    /// Resets so far.
+    pub fn resets(&self) -> &[PastReset] {
+        &self.resets
+    }
+
+    /// Changes of the heaters so far.
+    pub fn pins(&self) -> &[PinChange] {
+        &self.board().pins
+    }
+
+    /// The lines of the firmware's log.
+    pub fn log(&self) -> Vec<String> {
+        self.log.lines(&self.image)
+    }
+
+    /// Runs until this time.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn run_until(&mut self, until: u64) -> Result<(), MachineError> {
+        self.run(until, false)
+    }
+
+    /// Runs for so many cycles.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn run_for(&mut self, cycles: u64) -> Result<(), MachineError> {
+        self.run_until(self.now() + cycles)
+    }
+
+    /// Runs until this time, or until something has come for the host.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn run_until_frame(&mut self, until: u64) -> Result<(), MachineError> {
+        self.run(until, true)
+    }
+
+    fn run(&mut self, until: u64, pauses_on_frames: bool) -> Result<(), MachineError> {
+        while self.now() < until && !(pauses_on_frames && self.board().host.has_frames()) {
+            let slice = until.min(self.now() + LOG_EVERY);
+            // A reset forgets it.
+            self.board_mut().pause_on_frames(pauses_on_frames);
+            if self.core.run(slice)? == Pause::Reset {
+                self.reset()?;
+            }
+            self.log.collect(&self.image, &mut self.core)?;
+        }
+        Ok(())
+    }
+
+    /// Resets the processor from outside: the pin, or the supply.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn reset_by(&mut self, source: ResetSource) -> Result<(), MachineError> {
+        self.board_mut().request_reset(source);
+        self.reset()
+    }
+
+    fn reset(&mut self) -> Result<(), MachineError> {
+        self.log.collect(&self.image, &mut self.core)?;
+        let Some(source) = self.board().pending_reset() else { return Ok(()) };
+        self.resets.push(PastReset { cycle: self.now(), source });
+        self.board_mut().reset(source);
+        if source == ResetSource::PowerOn {
+            let bytes = self.core.ram()?.len();
+            self.core.set_ram(&vec![0xa5; bytes])?;
+        }
+        Ok(self.core.start()?)
+    }
+
+    /// Everything as it is now.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn snapshot(&self) -> Result<Snapshot, MachineError> {
+        Ok(Snapshot {
+            board: self.board().clone(),
+            ram: self.core.ram()?,
+            core: self.core.state()?,
+            log: self.log.clone(),
+            resets: self.resets.clone(),
+        })
+    }
+
+    /// Everything as it was then.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), MachineError> {
+        *self.board_mut() = snapshot.board.clone();
+        self.core.set_ram(&snapshot.ram)?;
+        self.core.set_state(&snapshot.core)?;
+        self.log = snapshot.log.clone();
+        self.resets = snapshot.resets.clone();
+        Ok(())
+    }
+}

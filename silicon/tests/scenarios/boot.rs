@@ -1,0 +1,35 @@
+//! From power-on to the first message.
+
+use crate::rig::Rig;
+use host_sim::instrument::InstrumentPort;
+use silicon::machine::MachineConfig;
+use silicon::time::{ms, seconds};
+use wire::{BoardKind, ResetCause};
+
+#[test]
+fn a_board_says_who_it_is_and_why_it_has_started_with_its_heaters_low() {
+    let rig = Rig::new(&MachineConfig::default());
+    let instrument = rig.instrument();
+    let identity = instrument.identity().clone();
+    assert_eq!((identity.board, identity.elements), (BoardKind::Sensor, 6));
+    assert_eq!((identity.reset, identity.starts), (ResetCause::PowerOn, 1));
+    assert_eq!(identity.crash, None);
+    // Waiting times of the converter's start: 130 ms, 200 ms and 128 conversions of 312.5 µs.
+    let booted_s = seconds(rig.machine().now());
+    assert!((0.37..0.45).contains(&booted_s), "{booted_s}");
+    assert_eq!(rig.machine().pins().len(), 1, "no heater has moved");
+    rig.assert_no_complaint();
+    assert!(rig.machine().log()[0].contains("on the sensor board, started by power-on"));
+}
+
+#[test]
+fn two_starts_are_the_same_to_the_bit() {
+    let digest = || {
+        let rig = Rig::new(&MachineConfig::default());
+        rig.machine().run_until(ms(600)).unwrap();
+        let mut machine = rig.machine();
+        let frames: Vec<_> = machine.board_mut().host.frames().collect();
+        (machine.now(), machine.core_mut().emulated_blocks(), frames, machine.core_mut().ram().unwrap())
+    };
+    assert!(digest() == digest());
+}

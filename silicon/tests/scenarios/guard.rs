@@ -1,0 +1,149 @@
+//! What makes the guard trip, from the pins to the report, and how long heaters stay high.
+
+use crate::rig::{EndOfRun, Rig, experiment};
+use dr_core::Command;
+use dr_core::control::{Cause, Drive, GuardConfig};
+use dr_core::sensor::Level;
+use host_sim::experiment::Experiment;
+use host_sim::instrument::setup;
+use host_sim::run::{setup_of, start};
+use host_sim::sensor::{ResistorFault, TimedFault};
+use silicon::adc::AdcFault;
+use silicon::time::ms;
+
+/// A cold sector that is heated in every tick of 10 ms.
+fn heating() -> Experiment {
+    Experiment { sample_period_s: 0.01, ..experiment("held.toml", 1_000) }
+}
+
+/// Runs it for ten ticks, then has the converter fail; returns when that was, and the end.
+fn with_adc_fault(fault: AdcFault, guard: Option<GuardConfig>) -> (u64, EndOfRun) {
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    commands.extend(guard.map(Command::Guard));
+    setup::start(&mut instrument, &commands).unwrap();
+    Rig::observe(&mut instrument, 10, |_| {});
+    rig.machine().board_mut().set_adc_fault(Some(fault));
+    let at = rig.machine().now();
+    let end = rig.until_trip(&mut instrument, 20);
+    rig.assert_no_complaint();
+    (at, end)
+}
+
+#[test]
+fn a_silent_converter_lowers_the_heaters_by_the_dead_man_timer() {
+    let (at, end) = with_adc_fault(AdcFault::Silent, None);
+    assert_eq!(end.trip.cause, Cause::Deadline);
+    // Two ticks and half a millisecond after levels were last decided, at most a tick before.
+    assert!(end.low_since - at < ms(21), "{}", end.low_since - at);
+    // Three ticks and the 50 ms of the health task.
+    assert!(end.cycle - at < ms(80), "{}", end.cycle - at);
+}
+
+#[test]
+fn a_dead_data_line_is_a_missing_reading() {
+    let (at, end) = with_adc_fault(AdcFault::Dead, None);
+    assert_eq!(end.trip.cause, Cause::Missing);
+    // The tick in which it fails still has readings; the next one has none, and is low.
+    assert!(end.low_since - at < ms(21), "{}", end.low_since - at);
+}
+
+#[test]
+fn garbage_trips_whatever_it_looks_like() {
+    // One frame of 16 has its mark by chance, and any codes: a mean of them is no temperature.
+    let (at, end) = with_adc_fault(AdcFault::Garbage, None);
+    let looks_like = [Cause::Missing, Cause::Short, Cause::Open, Cause::OutOfRange, Cause::OverTemperature];
+    assert!(looks_like.contains(&end.trip.cause), "{:?}", end.trip.cause);
+    assert!(end.low_since - at < ms(31), "{}", end.low_since - at);
+}
+
+#[test]
+fn a_converter_that_repeats_itself_is_stuck() {
+    let guard = GuardConfig { stuck_limit_ticks: 5, ..GuardConfig::default() };
+    let (at, end) = with_adc_fault(AdcFault::Stuck, Some(guard));
+    assert_eq!(end.trip.cause, Cause::Stuck);
+    assert!(end.low_since - at < ms(10 * (5 + 3)), "{}", end.low_since - at);
+}
+
+#[test]
+fn a_resistor_that_breaks_trips_within_a_tick() {
+    let faults = [(ResistorFault::Open, Cause::Open), (ResistorFault::Shorted, Cause::Short)];
+    for (fault, cause) in faults {
+        let start_s = 0.3;
+        let experiment = Experiment { faults: vec![TimedFault { element: 0, fault, start_s }], ..heating() };
+        let rig = Rig::of(&experiment);
+        // The sensor's time begins as it is connected.
+        let broke_at = rig.machine().now() + ms(300);
+        let mut instrument = rig.instrument();
+        start(&experiment, &mut instrument).unwrap();
+        let end = rig.until_trip(&mut instrument, 60);
+        assert_eq!((end.trip.cause, end.trip.element), (cause, Some(0)));
+        // At the next tick: its conversions are 10 ms old at the most.
+        assert!((broke_at..broke_at + ms(21)).contains(&end.low_since), "{fault:?}: {}", end.low_since);
+        rig.assert_no_complaint();
+    }
+}
+
+#[test]
+fn an_element_above_its_limit_and_a_set_point_out_of_reach_trip() {
+    let mut experiment = heating();
+    experiment.drives[0] = Drive::Level(Level::High);
+    let start_c = experiment.sensor().unwrap().truth().element_temperature_c[0] as f32;
+    let hot = |command: &mut Command| {
+        if let Command::Element { config, .. } = command {
+            config.limits.temperature_max_c = start_c + 0.5;
+        }
+    };
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    commands.iter_mut().for_each(hot);
+    setup::start(&mut instrument, &commands).unwrap();
+    assert_eq!(rig.until_trip(&mut instrument, 500).trip.cause, Cause::OverTemperature);
+    rig.assert_no_complaint();
+
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    commands.push(Command::Guard(GuardConfig { unreachable_limit_ticks: 20, ..GuardConfig::default() }));
+    setup::start(&mut instrument, &commands).unwrap();
+    assert_eq!(rig.until_trip(&mut instrument, 40).trip.cause, Cause::Unreachable);
+    rig.assert_no_complaint();
+}
+
+#[test]
+fn inputs_at_the_lower_end_of_their_range_are_out_of_range() {
+    let (at, end) = with_adc_fault(AdcFault::LowEnd, None);
+    assert_eq!(end.trip.cause, Cause::OutOfRange);
+    assert!(end.low_since - at < ms(21), "{}", end.low_since - at);
+}
+
+#[test]
+fn a_bit_that_flips_in_a_limit_trips() {
+    // A limit that stands nowhere else in memory.
+    const MARK_C: f32 = 61.3125;
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    for command in &mut commands {
+        if let Command::Element { config, .. } = command {
+            config.limits.temperature_max_c = MARK_C;
+        }
+    }
+    setup::start(&mut instrument, &commands).unwrap();
+    Rig::observe(&mut instrument, 5, |_| {});
+    let ram = rig.machine().core_mut().ram().unwrap();
+    let places = ram.windows(4).enumerate().filter(|(_, bytes)| **bytes == MARK_C.to_le_bytes());
+    let places: Vec<u32> = places.map(|(offset, _)| 0x2000_0000 + offset as u32).collect();
+    assert!(!places.is_empty());
+    for place in places {
+        rig.machine().core_mut().write_memory(place, &[MARK_C.to_le_bytes()[0] ^ 1]).unwrap();
+    }
+    let end = rig.until_trip(&mut instrument, 10);
+    assert_eq!(end.trip.cause, Cause::BitFlip);
+    rig.assert_no_complaint();
+}

@@ -1,0 +1,16 @@
+//! Scenarios on the image that is flashed. `cargo xtask test` builds it and then runs these.
+//!
+//! No scenario may end with a complaint of the models but those of `known_defects`.
+
+mod boot;
+mod closed_loop;
+mod crashes;
+mod guard;
+mod known_defects;
+mod lives;
+mod process;
+mod rig;
+mod settings;
+mod snapshot;
+mod soak;
+mod ticks;
