@@ -19,7 +19,9 @@ pub const CLOCK_HZ: u32 = 168_000_000;
 pub const CYCLES_PER_US: u32 = CLOCK_HZ / 1_000_000;
 
 /// Starts crystal, PLL and cycle counter. If the crystal does not start, neither does the board:
-/// heaters stay low.
+/// heaters stay low. If it stops later, the clock security system puts the core on its own
+/// oscillator and raises the NMI, whose handler lowers the heaters and restarts (RM0090, "Clock
+/// security system").
 pub fn start(rcc: Rcc, core: &mut cortex_m::Peripherals) -> Rcc {
     let config = Config::hse(8.MHz())
         .sysclk(CLOCK_HZ.Hz())
@@ -29,6 +31,7 @@ pub fn start(rcc: Rcc, core: &mut cortex_m::Peripherals) -> Rcc {
     let rcc = rcc.freeze(config);
     // The HAL takes the nearest that it finds.
     assert!(rcc.clocks.hclk().raw() == CLOCK_HZ, "168 MHz can be made of 8 MHz: 8/4·168/2");
+    rcc.cr().modify(|_, w| w.csson().on());
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
     rcc

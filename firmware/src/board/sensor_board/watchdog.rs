@@ -10,57 +10,62 @@
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 use stm32f4xx_hal::gpio::{Output, PB1};
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+/// The slow oscillator over 256, nominally.
+const COUNT_MS: u16 = 8;
 /// For the start: the ADC takes 0.5 s, and the slow oscillator may be half as fast again as it
 /// says.
-const START_MS: u32 = 4_000;
+const START: u16 = 4_000 / COUNT_MS;
 /// From then on.
-const CHECK_IN_MS: u32 = 500;
+const CHECK_IN: u16 = 500 / COUNT_MS;
+/// Longest erase of a sector is 0.5 s; twice that by the slow oscillator at its fastest.
+const LONG: u16 = 2_000 / COUNT_MS;
+
+const ENABLE: u16 = 0xCCCC;
+const UNLOCK: u16 = 0x5555;
+const RELOAD: u16 = 0xAAAA;
+static SHORT: AtomicU16 = AtomicU16::new(0);
 
 /// Resets the board unless it is fed.
 pub struct HardwareWatchdog {
-    watchdog: IndependentWatchdog,
+    watchdog: IWDG,
     led: PB1<Output>,
 }
 
 impl HardwareWatchdog {
     /// Starts it with the long period.
     pub fn new(watchdog: IWDG, debug: &DBGMCU, led: PB1<Output>) -> Self {
-        let mut watchdog = IndependentWatchdog::new(watchdog);
-        watchdog.stop_on_debug(debug, true);
+        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
         // Without it a probe cannot read the log while the core sleeps.
         debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
-        watchdog.start(START_MS.millis());
+        // First of all it is enabled: its oscillator runs from then on, and takes the registers
+        // over. Until then it counts 0.5 s, the most of the smallest divider.
+        // SAFETY: keys and divider as the reference manual has them; nobody else has it yet.
+        watchdog.kr().write(|w| unsafe { w.key().bits(ENABLE) });
+        watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
+        watchdog.pr().write(|w| w.pr().divide_by256());
+        set_period(START);
         Self { watchdog, led }
     }
 
-    /// Changes to the short period. The registers take it over in some 0.2 ms of the slow clock
-    /// (RM0090, IWDG_SR), so they must not have been written just before; between `new` and this
-    /// lies the ADC's start, 0.13 s at least.
+    /// Changes to the short period.
     pub fn expect_check_ins(&mut self) {
-        self.watchdog.start(CHECK_IN_MS.millis());
+        set_period(CHECK_IN);
     }
 
-    /// Everybody is well.
+    /// Everybody is well. While another period is taken over, whoever set it feeds next.
     pub fn feed(&mut self) {
-        self.watchdog.feed();
+        if self.watchdog.sr().read().bits() == 0 {
+            // SAFETY: the key as the reference manual has it.
+            self.watchdog.kr().write(|w| unsafe { w.key().bits(RELOAD) });
+        }
         self.led.toggle();
     }
 }
 
-/// Longest erase of a sector is 0.5 s; twice that by the slow oscillator at its fastest, in its
-/// counts of 8 ms.
-const LONG: u16 = 2_000 / 8;
-const UNLOCK: u16 = 0x5555;
-const RELOAD: u16 = 0xAAAA;
-static SHORT: AtomicU16 = AtomicU16::new(0);
-
-/// For an erase of the flash, during which nobody can check in. Of the priority of the health task,
-/// or below: the two do not meet.
+/// For an erase of the flash, during which nobody can check in.
 pub fn give_time() {
-    SHORT.store(period(), Relaxed);
+    SHORT.store(settled().rlr().read().rl().bits(), Relaxed);
     set_period(LONG);
 }
 
@@ -72,21 +77,21 @@ pub fn take_time_back() {
 /// Both registers are taken over by the slow clock, in five of its periods at the most, 0.3 ms;
 /// meanwhile they are neither read nor written (RM0090, IWDG_SR).
 fn settled() -> &'static stm32f4xx_hal::pac::iwdg::RegisterBlock {
-    // SAFETY: the health task, which has the watchdog, does not run meanwhile.
+    // SAFETY: but for the key, whose writes are single, only one task at a time uses its registers:
+    // the start, then the settings'.
     let watchdog = unsafe { &*IWDG::ptr() };
     while watchdog.sr().read().bits() != 0 {}
     watchdog
 }
 
-fn period() -> u16 {
-    settled().rlr().read().rl().bits()
-}
-
 fn set_period(counts: u16) {
     let watchdog = settled();
-    // SAFETY: keys as the reference manual has them.
-    watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
-    watchdog.rlr().write(|w| w.rl().set(counts));
+    // A feeding in between would lock the register again.
+    cortex_m::interrupt::free(|_| {
+        // SAFETY: the key as the reference manual has it.
+        watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
+        watchdog.rlr().write(|w| w.rl().set(counts));
+    });
     // Taken over before the counter is loaded from it.
     // SAFETY: as above.
     settled().kr().write(|w| unsafe { w.key().bits(RELOAD) });
