@@ -38,6 +38,9 @@ const PORT_B: u32 = 1;
 /// DBGMCU_CR, whose lowest bit keeps the core's clock running in sleep.
 const DEBUG_CONTROL: u32 = 0xe004_2004;
 const DEBUG_SLEEP: u32 = 1;
+/// DBGMCU_APB1_FZ, and in it the watchdog.
+const DEBUG_FREEZE: u32 = 0xe004_2008;
+const DEBUG_FREEZE_WATCHDOG: u32 = 1 << 12;
 /// What an access to a peripheral costs beside the instruction.
 const ACCESS_CYCLES: u64 = 2;
 
@@ -67,6 +70,8 @@ pub struct Board {
     debug_control: u32,
     debug_sleep_works: bool,
     races_at_watchdog: bool,
+    /// Since when a debugger holds the core.
+    held_since: Option<u64>,
     /// Registers that only remember what was written.
     remembered: BTreeMap<u32, u32>,
     system: SystemControl,
@@ -121,6 +126,7 @@ impl Board {
             debug_control: 0,
             debug_sleep_works: true,
             races_at_watchdog: false,
+            held_since: None,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
             rcc,
@@ -197,6 +203,31 @@ impl Board {
     pub fn connect(&mut self, mut plant: SensorPlant) {
         plant.follow(&self.plant);
         self.plant = plant;
+    }
+
+    /// A debugger holds the core, or lets it go. The watchdog stands still meanwhile if the
+    /// firmware has asked for that; all other timers go on.
+    pub fn hold_core(&mut self, hold: bool) {
+        match (self.held_since, hold) {
+            (None, true) => self.held_since = Some(self.now),
+            (Some(since), false) => {
+                if self.watchdog_stands_still() {
+                    self.watchdog.postpone(self.now - since);
+                }
+                self.held_since = None;
+            }
+            _ => {}
+        }
+        self.touch();
+    }
+
+    fn watchdog_stands_still(&self) -> bool {
+        let frozen = self.remembered.get(&DEBUG_FREEZE).copied().unwrap_or(0);
+        self.held_since.is_some() && frozen & DEBUG_FREEZE_WATCHDOG != 0
+    }
+
+    fn watchdog_ends_at(&self) -> u64 {
+        if self.watchdog_stands_still() { u64::MAX } else { self.watchdog.ends_at() }
     }
 
     /// From now on the watchdog is fed right after it was unlocked, as the health task does if it
@@ -483,7 +514,7 @@ impl Board {
             self.jobs.push(MemoryJob::Fetch { address, length });
             sending.ends_at = u64::MAX;
         }
-        if self.watchdog.ends_at() <= now {
+        if self.watchdog_ends_at() <= now {
             self.request_reset(ResetSource::Watchdog);
         }
         self.wire_lines();
@@ -500,7 +531,7 @@ impl Board {
             self.host.next_arrival(),
             self.usart.next_event(),
             sending,
-            self.watchdog.ends_at(),
+            self.watchdog_ends_at(),
         ];
         times.into_iter().min().unwrap_or(u64::MAX)
     }
@@ -603,7 +634,7 @@ impl ProcessorBus for Board {
     }
 
     fn stalled_until(&self) -> Option<u64> {
-        if self.clocks.core_hz == 0 {
+        if self.clocks.core_hz == 0 || self.held_since.is_some() {
             return Some(u64::MAX);
         }
         let busy_until = self.flash.busy_until();

@@ -5,7 +5,7 @@
 //! counts for heat as it stands at the end of a step; the voltage of a step in which it changes is
 //! the mean of both levels, weighted by their times.
 //!
-//! Limits: heat is late by a change's distance from its step's begin, 46 µs of 10 ms usually, both
+//! Limits: heat is early by a change's distance from its step's begin, some 70 µs of 10 ms, both
 //! when it rises and when it falls.
 
 use crate::adc::CHANNELS;

@@ -10,6 +10,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
         install::thumb_target()?;
         install::lint_tools()?;
         install::llvm_tools()?;
+        install::emulated_core()?;
         miri::prepare()?;
         install::qemu()
     };

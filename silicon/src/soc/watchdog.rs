@@ -76,6 +76,11 @@ impl IndependentWatchdogModel {
         self.ends_at = now + self.period();
     }
 
+    /// It has stood still for a time.
+    pub const fn postpone(&mut self, time: u64) {
+        self.ends_at += time;
+    }
+
     /// Writes the key that reloads the counter, and locks the registers.
     pub fn feed(&mut self, access: &mut Access<'_>) {
         self.store(0x0, RELOAD, access);

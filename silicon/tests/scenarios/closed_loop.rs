@@ -6,7 +6,7 @@ use host_sim::experiment::Experiment;
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{InstrumentPort, LockStep};
 use host_sim::run::{run, start};
-use silicon::time::ms;
+use silicon::time::{ms, us};
 
 #[test]
 fn an_element_is_held_at_its_temperature() {
@@ -89,5 +89,13 @@ fn the_pins_have_the_levels_that_samples_report() {
         seen |= sample.heaters.0;
     });
     assert_eq!(seen, 0b1111);
+    // They change some 70 µs after a conversion is there: in the first of the three periods that
+    // the filter needs to forget the level before.
+    let machine = rig.machine();
+    let (next, period) = (machine.board().adc.next_event(), us(250));
+    let ages = machine.pins()[1..].iter().map(|change| period - (next - change.cycle) % period);
+    let oldest = ages.max().unwrap();
+    assert!((us(30)..us(100)).contains(&oldest), "{oldest}");
+    drop(machine);
     rig.assert_no_complaint();
 }

@@ -154,3 +154,23 @@ fn a_converter_that_never_converts_passes_the_start() {
     let log = rig.machine().log();
     assert!(log.iter().all(|line| !line.contains("ADC")), "{log:?}");
 }
+
+/// A debugger that holds the core stops the watchdog too, as the firmware has asked: a heater that
+/// is high then stays high for as long as somebody looks at a breakpoint. The watchdog should go on
+/// unless somebody asks otherwise, and a cut-off outside of the processor ends what remains.
+#[test]
+fn a_debugger_that_holds_the_core_leaves_a_heater_high() {
+    let experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    start(&experiment, &mut instrument).unwrap();
+    Rig::observe(&mut instrument, 10, |_| {});
+    rig.machine().board_mut().hold_core(true);
+    rig.machine().run_for(ms(10_000)).unwrap();
+    assert_eq!(rig.machine().board().heaters(), 1);
+    assert_eq!(rig.machine().resets(), []);
+    // It is low as soon as the core goes on: the dead-man timer has come meanwhile.
+    rig.machine().board_mut().hold_core(false);
+    rig.machine().run_for(us(100)).unwrap();
+    assert_eq!(rig.machine().board().heaters(), 0);
+}

@@ -1,0 +1,153 @@
+//! Exceptions on a program of a few instructions: what an interrupted program finds afterwards, in
+//! its registers, its floating-point registers and its stack, with one handler inside another.
+
+use silicon::processor::Processor;
+use silicon::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use silicon::processor::nvic::{FIRST_INTERRUPT, Nvic};
+
+const FLASH: usize = 0x0800_0000;
+const CODE: usize = 0x0801_0000;
+/// Not a multiple of eight, so that an entry has to align it.
+const STACK: u32 = 0x2000_fffc;
+const PORT: u32 = 0x4000_0000;
+
+/// `movs r4, #0x40; lsls r4, r4, #24; movs r0, #0x11; vmov s0, #1.0; vmov s15, #2.0;` then for ever
+/// `wfi`, and s0, r0, s15, sp to PORT + 16, 20, 24, 28.
+const MAIN: &[u16] = &[
+    0x2440, 0x0624, 0x2011, 0xeeb7, 0x0a00, 0xeef0, 0x7a00, 0xbf30, 0xee10, 0x3a10, 0x6123, 0x6160, 0xee17, 0x3a90,
+    0x61a3, 0x466b, 0x61e3, 0xe7f4,
+];
+/// `movs r0, #0x33; movs r1, #0; vmov s0, #3.0; vmov s15, #3.0; movs r2, #0x40; lsls r2, r2, #24; str
+/// r0, [r2]`, which has interrupt 1 wait; a branch to the next instruction; r0 to PORT + 8, s0 to
+/// PORT + 12; `bx lr`.
+const OUTER: &[u16] = &[
+    0x2033, 0x2100, 0xeeb0, 0x0a08, 0xeef0, 0x7a08, 0x2240, 0x0612, 0x6010, 0xe7ff, 0x6090, 0xee10, 0x3a10, 0x60d3,
+    0x4770,
+];
+/// `movs r0, #0x77; vmov s0, #4.0; movs r2, #0x40; lsls r2, r2, #24; str r0, [r2, #4]; bx lr`.
+const INNER: &[u16] = &[0x2077, 0xeeb1, 0x0a00, 0x2240, 0x0612, 0x6050, 0x4770];
+
+/// Two interrupts, and a port whose stores are written down.
+struct Notebook {
+    now: u64,
+    nvic: Nvic,
+    interrupt_at: u64,
+    attention: bool,
+    stores: Vec<(u32, u32)>,
+}
+
+impl ProcessorBus for Notebook {
+    fn load(&mut self, address: u32, _: usize) -> Result<u32, BusFault> {
+        Err(BusFault(address))
+    }
+
+    fn store(&mut self, address: u32, _: usize, value: u32) -> Result<(), BusFault> {
+        self.stores.push((address - PORT, value));
+        if address == PORT {
+            self.nvic.pend(FIRST_INTERRUPT + 1);
+            self.attention = true;
+        }
+        Ok(())
+    }
+
+    fn nvic(&mut self) -> &mut Nvic {
+        &mut self.nvic
+    }
+
+    fn vector_table(&self) -> u32 {
+        FLASH as u32
+    }
+
+    fn now(&self) -> u64 {
+        self.now
+    }
+
+    fn spend(&mut self, core_cycles: u32) {
+        self.now += u64::from(core_cycles);
+    }
+
+    fn pass(&mut self, until: u64, _: bool) {
+        self.now = until;
+    }
+
+    fn settle(&mut self) {
+        if self.now >= self.interrupt_at {
+            self.interrupt_at = u64::MAX;
+            self.nvic.pend(FIRST_INTERRUPT);
+        }
+    }
+
+    fn next_event(&self) -> u64 {
+        self.interrupt_at
+    }
+
+    fn needs_attention(&self) -> bool {
+        self.attention
+    }
+
+    fn attended(&mut self) {
+        self.attention = false;
+    }
+
+    fn stalled_until(&self) -> Option<u64> {
+        None
+    }
+
+    fn wants_reset(&self) -> bool {
+        false
+    }
+
+    fn wants_pause(&self) -> bool {
+        false
+    }
+
+    fn memory_jobs(&mut self) -> Vec<MemoryJob> {
+        Vec::new()
+    }
+
+    fn fetched(&mut self, _: &[u8]) {}
+}
+
+fn flash() -> Vec<u8> {
+    let mut flash = vec![0xff; 1024 * 1024];
+    let mut put = |at: usize, bytes: &[u8]| flash[at - FLASH..at - FLASH + bytes.len()].copy_from_slice(bytes);
+    let vectors = [(0, STACK), (1, CODE as u32 | 1), (16, CODE as u32 + 0x101), (17, CODE as u32 + 0x201)];
+    for (vector, value) in vectors {
+        put(FLASH + 4 * vector, &value.to_le_bytes());
+    }
+    for (place, code) in [(0, MAIN), (0x100, OUTER), (0x200, INNER)] {
+        put(CODE + place, &code.iter().flat_map(|half| half.to_le_bytes()).collect::<Vec<_>>());
+    }
+    flash
+}
+
+/// Runs the program with priorities of the outer and the inner interrupt.
+fn run(outer: u8, inner: u8) -> Vec<(u32, u32)> {
+    let mut nvic = Nvic::default();
+    nvic.write_enable(0, 0b11, true);
+    nvic.set_priority_byte(FIRST_INTERRUPT, outer);
+    nvic.set_priority_byte(FIRST_INTERRUPT + 1, inner);
+    let bus = Notebook { now: 0, nvic, interrupt_at: 1_000, attention: false, stores: Vec::new() };
+    let mut core = Processor::new(bus, &flash()).unwrap();
+    core.start().unwrap();
+    core.run(5_000).unwrap();
+    core.bus().stores.clone()
+}
+
+const ONE: u32 = 1.0_f32.to_bits();
+const TWO: u32 = 2.0_f32.to_bits();
+const THREE: u32 = 3.0_f32.to_bits();
+
+#[test]
+fn a_handler_inside_another_leaves_all_registers_as_they_were() {
+    let expected = [(0, 0x33), (4, 0x77), (8, 0x33), (12, THREE), (16, ONE), (20, 0x11), (24, TWO), (28, STACK)];
+    assert_eq!(run(0x50, 0x30), expected);
+}
+
+#[test]
+fn a_handler_of_equal_priority_comes_after_the_first() {
+    // And before the program, which sees one interruption.
+    let stores = run(0x50, 0x50);
+    assert_eq!(stores[..4], [(0, 0x33), (8, 0x33), (12, THREE), (4, 0x77)]);
+    assert_eq!(stores[4..8], [(16, ONE), (20, 0x11), (24, TWO), (28, STACK)]);
+}
