@@ -70,6 +70,7 @@ pub struct Board {
     debug_control: u32,
     debug_sleep_works: bool,
     races_at_watchdog: bool,
+    holds_back: bool,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
     /// Registers that only remember what was written.
@@ -126,6 +127,7 @@ impl Board {
             debug_control: 0,
             debug_sleep_works: true,
             races_at_watchdog: false,
+            holds_back: false,
             held_since: None,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
@@ -231,7 +233,7 @@ impl Board {
     }
 
     /// From now on the watchdog is fed right after it was unlocked, as the health task does if it
-    /// comes at that moment. The core is interrupted between blocks of instructions only, and
+    /// comes at that moment, unless interrupts are held back. The core is interrupted between blocks of instructions only, and
     /// unlocking and writing are one block.
     pub const fn race_at_watchdog(&mut self) {
         self.races_at_watchdog = true;
@@ -381,7 +383,7 @@ impl Board {
             0x4000_0c00..0x4000_1000 => self.timer.store(offset, value, &access),
             0x4000_3000..0x4000_3400 => {
                 self.watchdog.store(offset, value, &mut access);
-                if self.races_at_watchdog && self.watchdog.is_unlocked() {
+                if self.races_at_watchdog && !self.holds_back && self.watchdog.is_unlocked() {
                     self.watchdog.feed(&mut access);
                 }
             }
@@ -564,6 +566,10 @@ impl ProcessorBus for Board {
         let word = self.load_word(address & !3)?;
         let shifted = word >> (8 * (address & 3));
         Ok(if size == 4 { shifted } else { shifted & ((1 << (8 * size)) - 1) })
+    }
+
+    fn holds_back(&mut self, all: bool) {
+        self.holds_back = all;
     }
 
     fn store(&mut self, address: u32, size: usize, value: u32) -> Result<(), BusFault> {

@@ -39,6 +39,9 @@ pub trait ProcessorBus {
     /// If nothing answers.
     fn store(&mut self, address: u32, size: usize, value: u32) -> Result<(), BusFault>;
 
+    /// Whether the core holds all interrupts back, said before each of its stores.
+    fn holds_back(&mut self, _: bool) {}
+
     /// Exceptions.
     fn nvic(&mut self) -> &mut Nvic;
 

@@ -122,7 +122,9 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 }),
                 Some(move |unicorn: &mut Unicorn<'_, Surroundings<B>>, offset: u64, size: usize, value: u64| {
                     let address = (start + offset) as u32;
+                    let is_masked = unicorn.reg_read(RegisterARM::PRIMASK).is_ok_and(|mask| mask & 1 == 1);
                     let around = unicorn.get_data_mut();
+                    around.bus.holds_back(is_masked);
                     if around.bus.store(address, size, value as u32).is_err() {
                         around.bus_fault = Some(address);
                     }

@@ -15,18 +15,6 @@ use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use wire::{ResetCause, SettingsRequest};
 
-/// The watchdog's counter is reloaded while the register of its reload value is still being taken
-/// over, at the end of the start. It should wait for RVU.
-#[test]
-fn the_watchdog_is_reloaded_before_its_new_period_counts() {
-    let rig = Rig::new(&MachineConfig::default());
-    rig.instrument();
-    let machine = rig.machine();
-    let complaints = machine.board().complaints.all();
-    assert_eq!(complaints.len(), 1);
-    assert_eq!((complaints[0].register, complaints[0].rule), ("IWDG_KR", BrokenRule::WatchdogReloadedEarly));
-}
-
 /// `Stop` is answered, and standby reported, at once, while the pins follow at the next tick: of a
 /// tick of 50 ms they may be high for as long. Pins should fall with the command.
 #[test]
@@ -44,28 +32,6 @@ fn heaters_stay_high_until_the_next_tick_after_a_stop() {
     rig.machine().run_for(ms(50)).unwrap();
     assert_eq!(rig.machine().board().heaters(), 0);
     rig.assert_no_complaint();
-}
-
-/// The crystal stops, and with it core, SysTick and the dead-man timer: a heater stays high until
-/// the watchdog comes, on its own oscillator. The clock security system should be on, and its
-/// interrupt lower the pins.
-#[test]
-fn a_crystal_that_fails_leaves_a_heater_high_until_the_watchdog_comes() {
-    let experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
-    let rig = Rig::of(&experiment);
-    let mut instrument = rig.instrument();
-    start(&experiment, &mut instrument).unwrap();
-    Rig::observe(&mut instrument, 10, |_| {});
-    assert_eq!(rig.machine().board().heaters(), 1);
-    let at = rig.machine().now();
-    rig.machine().board_mut().fail_crystal();
-    rig.machine().run_for(ms(1_000)).unwrap();
-    let reset = rig.machine().resets()[0];
-    assert_eq!(reset.source, ResetSource::Watchdog);
-    let low = *rig.machine().pins().iter().find(|change| change.cycle > at).unwrap();
-    assert_eq!((low.levels, low.cycle), (0, reset.cycle));
-    // At the nominal 32 kHz; up to 0.95 s at 17 kHz. 2 ms would be right.
-    assert!((ms(430)..ms(510)).contains(&(low.cycle - at)), "{}", low.cycle - at);
 }
 
 /// A supply that dips is reported as one that was switched on: the level at which the processor
@@ -115,29 +81,6 @@ fn a_frame_is_read_across_an_update_while_models_are_taken_in() {
     let complaints = rig.complaints();
     assert_eq!(complaints.len(), 1, "{complaints:?}");
     assert_eq!(complaints[0].rule, BrokenRule::AdcFrameAcrossUpdate);
-}
-
-/// The health task feeds the watchdog between the moment at which the settings task has unlocked
-/// its registers and the write of the longer period, which is then not taken: an erase goes on with
-/// the period of half a second, and one of half a second ends in a reset. Both should exclude each
-/// other.
-#[test]
-fn a_feed_between_unlock_and_reload_value_takes_the_longer_period_away() {
-    let erase = |races: bool| {
-        let rig = Rig::new(&MachineConfig { oscillator_hz: Some(47_000), ..MachineConfig::default() });
-        rig.machine().board_mut().flash.erase_time = ms(500);
-        rig.machine().board_mut().flash.settings.fill(0x5a);
-        let mut instrument = rig.instrument();
-        if races {
-            rig.machine().board_mut().race_at_watchdog();
-        }
-        let erased = instrument.ask_settings(&SettingsRequest::EraseAll);
-        let resets: Vec<_> = rig.machine().resets().iter().map(|reset| reset.source).collect();
-        (erased.is_ok(), resets, rig.complaints().iter().any(|of| of.rule == BrokenRule::WatchdogProtected))
-    };
-    assert_eq!(erase(false), (true, vec![], false));
-    let (_, resets, complains) = erase(true);
-    assert!(resets.contains(&ResetSource::Watchdog) && complains, "{resets:?}");
 }
 
 /// A converter that never converts passes for one whose offsets are zero: they are read without

@@ -13,4 +13,5 @@ mod rig;
 mod settings;
 mod snapshot;
 mod soak;
+mod supervision;
 mod ticks;

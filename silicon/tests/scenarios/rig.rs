@@ -4,7 +4,7 @@ use dr_core::control::{RunState, Trip};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
 use host_sim::instrument::serial::Serial;
-use silicon::complaint::{BrokenRule, Complaint};
+use silicon::complaint::Complaint;
 use silicon::image::FlashImage;
 use silicon::machine::{Machine, MachineConfig, Snapshot};
 use silicon::plant::SensorPlant;
@@ -27,10 +27,6 @@ static STARTED: LazyLock<Snapshot> = LazyLock::new(|| {
     machine.run_until(ms(450)).unwrap();
     machine.snapshot().unwrap()
 });
-
-/// What the firmware does wrong today, by the register of the complaint. Each stands in
-/// `known_defects` with a scenario, and leaves this list with it.
-const KNOWN: [(&str, BrokenRule); 1] = [("IWDG_KR", BrokenRule::WatchdogReloadedEarly)];
 
 /// The sensor board's firmware.
 pub fn image() -> PathBuf {
@@ -114,14 +110,12 @@ impl Rig {
         panic!("no trip within {ticks} ticks");
     }
 
-    /// Complaints that no known defect explains.
+    /// Rules that were broken.
     pub fn complaints(&self) -> Vec<Complaint> {
-        let machine = self.machine();
-        let is_known = |complaint: &Complaint| KNOWN.contains(&(complaint.register, complaint.rule));
-        machine.board().complaints.all().iter().filter(|complaint| !is_known(complaint)).copied().collect()
+        self.machine().board().complaints.all().to_vec()
     }
 
-    /// Nothing is wrong but what is known.
+    /// No rule was broken.
     #[track_caller]
     pub fn assert_no_complaint(&self) {
         let complaints = self.complaints();
