@@ -154,14 +154,18 @@ impl Board {
         (fresh.now, fresh.next_event) = (self.now, self.now);
         fresh.rcc = Rcc::after(source, self.rcc.status());
         fresh.clocks = fresh.rcc.clocks();
-        fresh.flash = std::mem::take(&mut self.flash);
-        fresh.flash.reset();
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
         fresh.witness = std::mem::take(&mut self.witness);
         fresh.witness.restarted();
-        if matches!(source, ResetSource::PowerOn | ResetSource::BrownOut) {
+        let lost_supply = matches!(source, ResetSource::PowerOn | ResetSource::BrownOut);
+        if lost_supply {
+            self.flash.cut_supply(self.now);
+        }
+        fresh.flash = std::mem::take(&mut self.flash);
+        fresh.flash.reset();
+        if lost_supply {
             fresh.adc = Adc::powered_at(self.now);
         } else {
             fresh.adc = self.adc.clone();

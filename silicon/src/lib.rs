@@ -62,7 +62,7 @@
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
-//! sensor. The supply is there or not; an erase is whole or not begun. There is no PWR but
+//! sensor. The supply is there or not. There is no PWR but
 //! registers that remember, no MPU, no debugger. The GPL covers Unicorn and hence this crate's
 //! programs: it is published nowhere, and no other crate may depend on it.
 
