@@ -64,8 +64,8 @@
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
 //! sensor. The supply is there or not. There is no PWR but registers that remember, and no MPU.
 //!
-//! **Not yet.** Brown-out level and PVD; panics in each task; ten minutes of a run in CI and a day by
-//! command; seeded defects of the firmware as a job of `cargo xtask`.
+//! **Not yet.** Brown-out level and PVD; panics in each task; ten minutes of a run in CI and a day
+//! by command; seeded defects of the firmware as a job of `cargo xtask`.
 //!
 //! The GPL covers Unicorn and hence this crate's programs: it is published nowhere, and no other
 //! crate may depend on it.
