@@ -62,9 +62,13 @@
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
-//! sensor. The supply is there or not; an erase is whole or not begun. There is no PWR but
-//! registers that remember, no MPU, no debugger. The GPL covers Unicorn and hence this crate's
-//! programs: it is published nowhere, and no other crate may depend on it.
+//! sensor. The supply is there or not. There is no PWR but registers that remember, and no MPU.
+//!
+//! **Not yet.** Brown-out level and PVD; panics in each task; ten minutes of a run in CI and a day
+//! by command; seeded defects of the firmware as a job of `cargo xtask`.
+//!
+//! The GPL covers Unicorn and hence this crate's programs: it is published nowhere, and no other
+//! crate may depend on it.
 
 pub mod adc;
 pub mod board;

@@ -17,9 +17,9 @@ const MAIN: &[u16] = &[
     0x2440, 0x0624, 0x2011, 0xeeb7, 0x0a00, 0xeef0, 0x7a00, 0xbf30, 0xee10, 0x3a10, 0x6123, 0x6160, 0xee17, 0x3a90,
     0x61a3, 0x466b, 0x61e3, 0xe7f4,
 ];
-/// `movs r0, #0x33; movs r1, #0; vmov s0, #3.0; vmov s15, #3.0; movs r2, #0x40; lsls r2, r2, #24; str
-/// r0, [r2]`, which has interrupt 1 wait; a branch to the next instruction; r0 to PORT + 8, s0 to
-/// PORT + 12; `bx lr`.
+/// `movs r0, #0x33; movs r1, #0; vmov s0, #3.0; vmov s15, #3.0; movs r2, #0x40; lsls r2, r2, #24;
+/// str r0, [r2]`, which has interrupt 1 wait; a branch to the next instruction; r0 to PORT + 8, s0
+/// to PORT + 12; `bx lr`.
 const OUTER: &[u16] = &[
     0x2033, 0x2100, 0xeeb0, 0x0a08, 0xeef0, 0x7a08, 0x2240, 0x0612, 0x6010, 0xe7ff, 0x6090, 0xee10, 0x3a10, 0x60d3,
     0x4770,

@@ -12,7 +12,6 @@ use super::bus::{MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
 use super::nvic::HARD_FAULT;
-use super::registers::CoreRegisters;
 use std::ops::Range;
 use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
@@ -20,8 +19,8 @@ const FLASH: u64 = 0x0800_0000;
 /// Sectors 1 to 3.
 const SETTINGS: Range<u64> = 0x0800_4000..0x0801_0000;
 const FLASH_END: u64 = 0x0810_0000;
-const RAM: u64 = 0x2000_0000;
-const RAM_BYTES: usize = 128 * 1024;
+pub(super) const RAM: u64 = 0x2000_0000;
+pub(super) const RAM_BYTES: usize = 128 * 1024;
 /// Peripherals; their aliases by bits; the core's own.
 const REGISTERS: [Range<u64>; 4] =
     [SETTINGS, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
@@ -58,25 +57,25 @@ pub enum Pause {
 }
 
 /// What the hooks share with the loop.
-struct Surroundings<B> {
+pub struct Surroundings<B> {
     bus: B,
     costs: BlockCosts,
     /// When the block hook stops at the latest.
     stop_at: u64,
     /// Something waits that only a mask keeps from being handled.
-    is_masked: bool,
+    pub(super) is_masked: bool,
     /// The last stop was asked for by a hook.
     stopped: bool,
-    exception: Option<u32>,
-    bus_fault: Option<u32>,
+    pub(super) exception: Option<u32>,
+    pub(super) bus_fault: Option<u32>,
     emulated_blocks: u64,
 }
 
 /// A processor with what is around it.
 pub struct Processor<B: ProcessorBus + 'static> {
-    unicorn: Unicorn<'static, Surroundings<B>>,
-    is_asleep: bool,
-    is_locked: bool,
+    pub(super) unicorn: Unicorn<'static, Surroundings<B>>,
+    pub(super) is_asleep: bool,
+    pub(super) is_locked: bool,
 }
 
 impl<B: ProcessorBus + 'static> Processor<B> {
@@ -310,73 +309,6 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         let mut bytes = [0; 4];
         self.unicorn.mem_read(address.into(), &mut bytes)?;
         Ok(u32::from_le_bytes(bytes))
-    }
-
-    /// Bytes of RAM or code.
-    ///
-    /// # Errors
-    /// Where there is no memory.
-    pub fn read_memory(&self, address: u32, bytes: &mut [u8]) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.mem_read(address.into(), bytes)?)
-    }
-
-    /// Puts bytes into RAM.
-    ///
-    /// # Errors
-    /// Where there is no memory.
-    pub fn write_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.mem_write(address.into(), bytes)?)
-    }
-
-    /// The whole RAM.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn ram(&self) -> Result<Vec<u8>, ProcessorError> {
-        Ok(self.unicorn.mem_read_as_vec(RAM, RAM_BYTES)?)
-    }
-
-    /// Puts the whole RAM back.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn set_ram(&mut self, bytes: &[u8]) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.mem_write(RAM, bytes)?)
-    }
-
-    /// Whether it sleeps, whether it has given up, and all registers.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn state(&self) -> Result<(bool, bool, CoreRegisters), ProcessorError> {
-        Ok((self.is_asleep, self.is_locked, CoreRegisters::read(&self.unicorn)?))
-    }
-
-    /// Puts that back.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn set_state(&mut self, state: &(bool, bool, CoreRegisters)) -> Result<(), ProcessorError> {
-        (self.is_asleep, self.is_locked) = (state.0, state.1);
-        let around = self.unicorn.get_data_mut();
-        (around.exception, around.bus_fault, around.is_masked) = (None, None, false);
-        Ok(state.2.write(&mut self.unicorn)?)
-    }
-
-    /// Masks all interrupts, as a task would that never ends.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn mask_interrupts(&mut self) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.reg_write(RegisterARM::PRIMASK, 1)?)
-    }
-
-    /// Puts the stack pointer somewhere else, as a stack would that has run over.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn set_stack_pointer(&mut self, address: u32) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.reg_write(RegisterARM::SP, address.into())?)
     }
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `engine` | Unicorn with memory map and hooks; the loop between two stops |
 //! | `exception` | entry and return, with the floating-point registers |
+//! | `probe` | memory and registers from outside |
 //! | `registers` | all registers, to be kept and put back |
 //! | `cycles` | what a block of instructions costs |
 //! | `nvic` | which exceptions wait and which goes first |
@@ -16,6 +17,7 @@ mod cycles;
 mod engine;
 mod exception;
 pub mod nvic;
+mod probe;
 mod registers;
 mod system_control;
 mod systick;

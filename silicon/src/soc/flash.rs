@@ -5,8 +5,10 @@
 //! stands still. Times are those of the data sheet: 16 µs for a word, 250 ms for a sector of 16
 //! KiB, 500 ms at the most.
 //!
-//! Limits: erasing and programming concern the settings' sectors alone. A power cut inside an erase
-//! leaves it whole or not begun, as the machine decides.
+//! A supply that is cut meanwhile leaves any of the bits that were to change as they were.
+//!
+//! Limits: erasing and programming concern the settings' sectors alone. Bits that were cut short
+//! read the same every time.
 
 use super::access::Access;
 use super::rcc::check_wait_states;
@@ -38,6 +40,8 @@ pub struct Flash {
     keys_seen: usize,
     is_dead: bool,
     busy_until: u64,
+    /// What is being written or erased until then: where, and what stood there.
+    under_way: Option<(usize, Vec<u8>)>,
     /// The data cache may hold what stood in the sectors before an erase.
     is_stale: bool,
     /// Contents of the settings' sectors.
@@ -61,6 +65,7 @@ impl Default for Flash {
             keys_seen: 0,
             is_dead: false,
             busy_until: 0,
+            under_way: None,
             is_stale: false,
             settings: vec![0xff; SETTINGS.len()],
             // The factory's: no brown-out level.
@@ -84,6 +89,20 @@ impl Flash {
             writes: self.writes,
             ..fresh
         };
+    }
+
+    /// The supply goes. Of what was being written or erased, each bit has changed already or has
+    /// not: by the time at which it happens, so that it is the same again at the same time.
+    pub fn cut_supply(&mut self, now: u64) {
+        let Some((start, before)) = self.under_way.take().filter(|_| now < self.busy_until) else { return };
+        let mut chance = now | 1;
+        for (cell, before) in self.settings[start..].iter_mut().zip(before) {
+            chance ^= chance << 13;
+            chance ^= chance >> 7;
+            chance ^= chance << 17;
+            let changed = (chance >> 32) as u8;
+            *cell = *cell & changed | before & !changed;
+        }
     }
 
     /// Wait states that are set.
@@ -164,7 +183,9 @@ impl Flash {
             access.complain("FLASH_CR", BrokenRule::Unmodelled(sector));
             return;
         };
-        self.settings[index * SECTOR..(index + 1) * SECTOR].fill(0xff);
+        let cells = &mut self.settings[index * SECTOR..(index + 1) * SECTOR];
+        self.under_way = Some((index * SECTOR, cells.to_vec()));
+        cells.fill(0xff);
     }
 
     /// Reads the settings' sectors.
@@ -187,7 +208,9 @@ impl Flash {
             access.complain("FLASH_CR", BrokenRule::FlashProgramming);
             return;
         }
-        for (cell, byte) in self.settings[offset..offset + size].iter_mut().zip(value.to_le_bytes()) {
+        let cells = &mut self.settings[offset..offset + size];
+        self.under_way = Some((offset, cells.to_vec()));
+        for (cell, byte) in cells.iter_mut().zip(value.to_le_bytes()) {
             if byte & !*cell != 0 {
                 access.complain("FLASH_SR", BrokenRule::FlashNotErased);
             }

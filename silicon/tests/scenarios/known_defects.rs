@@ -6,14 +6,14 @@ use dr_core::Command;
 use dr_core::control::{Drive, RunState};
 use dr_core::sensor::Level;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::{InstrumentPort, SettingsPort};
+use host_sim::instrument::InstrumentPort;
 use host_sim::run::start;
 use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::{ResetCause, SettingsRequest};
+use wire::ResetCause;
 
 /// `Stop` is answered, and standby reported, at once, while the pins follow at the next tick: of a
 /// tick of 50 ms they may be high for as long. Pins should fall with the command.
@@ -78,7 +78,7 @@ fn a_frame_is_read_across_an_update_while_models_are_taken_in() {
     let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
     let mut instrument = rig.instrument();
     start(&experiment, &mut instrument).unwrap();
-    let complaints = rig.complaints();
+    let complaints = rig.machine().board().complaints.all().to_vec();
     assert_eq!(complaints.len(), 1, "{complaints:?}");
     assert_eq!(complaints[0].rule, BrokenRule::AdcFrameAcrossUpdate);
 }

@@ -1,25 +1,26 @@
 //! Settings in the processor's own flash.
 
 use crate::rig::{Rig, experiment};
+use host_sim::instrument::SettingsPort;
 use host_sim::instrument::serial::Serial;
-use host_sim::instrument::{InstrumentError, SettingsPort};
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
 use silicon::stream::MachineStream;
 use silicon::time::ms;
-use wire::{Setting, SettingsReply, SettingsRequest};
+use wire::{Name, Setting, SettingsReply, SettingsRequest};
 
-fn store(instrument: &mut Serial<MachineStream>, every: u16) -> Result<SettingsReply, InstrumentError> {
-    let setting = Setting::TelemetryEvery(every);
-    let key = setting.key().unwrap().number();
-    instrument.ask_settings(&SettingsRequest::Store { key, value: setting.value().unwrap() })
+/// A setting of the key that most of this is about.
+const EVERY: Setting = Setting::TelemetryEvery(0);
+
+fn store(instrument: &mut Serial<MachineStream>, every: u16) {
+    assert_eq!(instrument.ask_settings(&storing(&Setting::TelemetryEvery(every))).unwrap(), SettingsReply::Done);
 }
 
-/// What is kept under the key; none if there is nothing.
-fn kept(instrument: &mut Serial<MachineStream>) -> Option<Setting> {
-    let key = Setting::TelemetryEvery(0).key().unwrap();
-    match instrument.ask_settings(&SettingsRequest::Read { key: key.number() }).unwrap() {
-        SettingsReply::Value { value, unusable: None, .. } => Some(Setting::read(key.number(), &value).unwrap()),
+/// What is kept under the key of a setting; none if there is nothing.
+fn kept(instrument: &mut Serial<MachineStream>, like: &Setting) -> Option<Setting> {
+    let key = like.key().unwrap().number();
+    match instrument.ask_settings(&SettingsRequest::Read { key }).unwrap() {
+        SettingsReply::Value { value, unusable: None, .. } => Some(Setting::read(key, &value).unwrap()),
         SettingsReply::Nothing => None,
         other => panic!("{other:?}"),
     }
@@ -29,12 +30,12 @@ fn kept(instrument: &mut Serial<MachineStream>) -> Option<Setting> {
 fn what_is_stored_is_there_after_a_reset_and_in_force() {
     let rig = Rig::of(&experiment("held.toml", 10));
     let mut instrument = rig.instrument();
-    assert_eq!(kept(&mut instrument), None);
-    store(&mut instrument, 3).unwrap();
-    assert_eq!(kept(&mut instrument), Some(Setting::TelemetryEvery(3)));
+    assert_eq!(kept(&mut instrument, &EVERY), None);
+    store(&mut instrument, 3);
+    assert_eq!(kept(&mut instrument, &EVERY), Some(Setting::TelemetryEvery(3)));
     rig.machine().reset_by(ResetSource::Pin).unwrap();
     let mut again = rig.instrument();
-    assert_eq!(kept(&mut again), Some(Setting::TelemetryEvery(3)));
+    assert_eq!(kept(&mut again, &EVERY), Some(Setting::TelemetryEvery(3)));
     // Every third tick of 10 ms is reported.
     rig.machine().run_for(ms(50)).unwrap();
     rig.machine().board_mut().host.frames().for_each(drop);
@@ -54,7 +55,7 @@ fn an_erase_as_long_as_the_data_sheet_allows_is_no_reset_at_any_speed_of_the_wat
         let mut instrument = rig.instrument();
         instrument.ask_settings(&SettingsRequest::EraseAll).unwrap();
         assert_eq!(rig.machine().board().flash.erases, 3);
-        assert_eq!(kept(&mut instrument), None);
+        assert_eq!(kept(&mut instrument, &EVERY), None);
         assert_eq!(rig.machine().resets(), []);
         rig.assert_no_complaint();
     }
@@ -64,24 +65,64 @@ fn an_erase_as_long_as_the_data_sheet_allows_is_no_reset_at_any_speed_of_the_wat
 fn a_supply_that_is_cut_while_settings_are_written_leaves_the_old_or_the_new_value() {
     let rig = Rig::of(&experiment("held.toml", 10));
     let mut instrument = rig.instrument();
-    store(&mut instrument, 2).unwrap();
+    store(&mut instrument, 2);
     drop(instrument);
     let written = rig.machine().snapshot().unwrap();
     // The request takes some 0.5 ms to arrive and a few ms to be carried out: cuts in all of that.
-    for cut_us in (300..4_300).step_by(400) {
+    for cut_us in (300..4_300).step_by(500) {
         rig.machine().restore(&written).unwrap();
-        let setting = Setting::TelemetryEvery(7);
-        let key = setting.key().unwrap().number();
-        let request = wire::ToBoard::Settings(SettingsRequest::Store { key, value: setting.value().unwrap() });
+        let request = wire::ToBoard::Settings(storing(&Setting::TelemetryEvery(7)));
         let mut buffer = [0; wire::MAX_FRAME];
         let frame = wire::encode(900, &request, &mut buffer).unwrap().to_vec();
         rig.machine().board_mut().receive(&frame);
         rig.machine().run_for(silicon::time::us(cut_us)).unwrap();
         rig.machine().reset_by(ResetSource::PowerOn).unwrap();
         let mut again = rig.instrument();
-        let value = kept(&mut again);
+        let value = kept(&mut again, &EVERY);
         let is_one_of_both = [Some(Setting::TelemetryEvery(2)), Some(Setting::TelemetryEvery(7))].contains(&value);
         assert!(is_one_of_both, "cut after {cut_us} µs: {value:?}");
+        assert_eq!(again.ask_settings(&SettingsRequest::Check).unwrap(), SettingsReply::Done);
+        rig.assert_no_complaint();
+    }
+}
+
+/// A name that is as long as names can be, so that a sector is soon full of them.
+fn name(number: u32) -> Setting {
+    let name = Name::try_from(format!("{number:0>width$}", width = Name::new().capacity()).as_str()).unwrap();
+    Setting::Name(name)
+}
+
+fn storing(setting: &Setting) -> SettingsRequest {
+    SettingsRequest::Store { key: setting.key().unwrap().number(), value: setting.value().unwrap() }
+}
+
+#[test]
+fn a_supply_that_is_cut_while_a_sector_is_erased_loses_nothing() {
+    let rig = Rig::of(&experiment("held.toml", 10));
+    let mut instrument = rig.instrument();
+    // Until all sectors but one are full, and the oldest one has to go.
+    let mut number = 0;
+    let before = loop {
+        let before = rig.machine().snapshot().unwrap();
+        number += 1;
+        assert!(number < 3_000, "no sector is ever full");
+        instrument.ask_settings(&storing(&name(number))).unwrap();
+        if rig.machine().board().flash.erases > 0 {
+            break before;
+        }
+    };
+    drop(instrument);
+    for cut_ms in [3, 10, 125, 249, 252] {
+        rig.machine().restore(&before).unwrap();
+        let mut buffer = [0; wire::MAX_FRAME];
+        let request = wire::ToBoard::Settings(storing(&name(number)));
+        let frame = wire::encode(9_000, &request, &mut buffer).unwrap().to_vec();
+        rig.machine().board_mut().receive(&frame);
+        rig.machine().run_for(ms(cut_ms)).unwrap();
+        rig.machine().reset_by(ResetSource::PowerOn).unwrap();
+        let mut again = rig.instrument();
+        let value = kept(&mut again, &name(0));
+        assert!([Some(name(number - 1)), Some(name(number))].contains(&value), "cut after {cut_ms} ms: {value:?}");
         assert_eq!(again.ask_settings(&SettingsRequest::Check).unwrap(), SettingsReply::Done);
         rig.assert_no_complaint();
     }

@@ -2,7 +2,7 @@
 
 use crate::rig::{Rig, experiment};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::{InstrumentPort, SettingsPort};
+use host_sim::instrument::SettingsPort;
 use host_sim::run::start;
 use silicon::machine::MachineConfig;
 use silicon::time::{ms, us};

@@ -1,0 +1,62 @@
+//! Wires between pins, peripherals, converter and heaters.
+
+use super::{Board, DATA_READY_PIN, HEATERS, PORT_B, PinChange, RESET_PIN, SELECT_PIN};
+use crate::complaint::BrokenRule;
+use crate::soc::access::Access;
+use crate::soc::dma;
+use crate::soc::timer;
+use crate::soc::usart;
+
+impl Board {
+    /// Bytes that are through on the converter's bus.
+    pub(super) fn run_bus(&mut self) {
+        while let Some(byte) = self.spi.take_finished(self.now, self.clocks.apb2_hz) {
+            let was_low = self.adc.data_ready_low();
+            let answer = self.adc.exchange(byte, &mut self.plant, &mut self.complaints);
+            let mut access = Access { now: byte.at, clocks: self.clocks, complaints: &mut self.complaints };
+            self.spi.answer(answer, &mut access);
+            if was_low && !self.adc.data_ready_low() {
+                self.exti.edge(PORT_B, DATA_READY_PIN, true);
+                self.wire_lines();
+            }
+            // A conversion may have been started, which comes before what was awaited.
+            if self.adc.next_event() < self.next_event {
+                self.touch();
+            }
+        }
+    }
+
+    /// Pins that the converter listens to.
+    pub(super) fn wire_converter(&mut self) {
+        let is_selected = self.ports[0].drives_low(SELECT_PIN);
+        if self.spi.is_shifting() && is_selected != self.adc.is_selected() {
+            self.complaints.add(self.now, "GPIOA_BSRR", BrokenRule::SelectInsideByte);
+        }
+        self.adc.select(self.now, is_selected, &mut self.complaints);
+        self.adc.set_reset(self.now, self.ports[1].drives_low(RESET_PIN), &mut self.complaints);
+    }
+
+    /// Pins of the heaters: those that float are pulled down by the board.
+    pub(super) fn wire_heaters(&mut self) {
+        let levels = (self.ports[2].driven_high() & HEATERS) as u8;
+        if levels != self.plant.levels() {
+            self.plant.set_levels(self.now, levels);
+            self.pins.push(PinChange { cycle: self.now, levels });
+            self.witness.pins(self.now, levels, &mut self.complaints);
+        }
+    }
+
+    /// Lines of interrupts.
+    pub(super) fn wire_lines(&mut self) {
+        let lines = [
+            self.exti.line(DATA_READY_PIN),
+            (timer::INTERRUPT, self.timer.line()),
+            (usart::INTERRUPT, self.usart.line()),
+            self.dma.line(dma::RECEIVING),
+            self.dma.line(dma::SENDING),
+        ];
+        for (interrupt, high) in lines {
+            self.system.nvic.set_line(interrupt, high);
+        }
+    }
+}

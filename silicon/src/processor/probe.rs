@@ -1,0 +1,75 @@
+//! What a debug probe could do: look into memory and registers, and change them.
+
+use super::bus::ProcessorBus;
+use super::engine::{Processor, ProcessorError, RAM, RAM_BYTES};
+use super::registers::CoreRegisters;
+use unicorn_engine::RegisterARM;
+
+impl<B: ProcessorBus + 'static> Processor<B> {
+    /// Bytes of RAM or code.
+    ///
+    /// # Errors
+    /// Where there is no memory.
+    pub fn read_memory(&self, address: u32, bytes: &mut [u8]) -> Result<(), ProcessorError> {
+        Ok(self.unicorn.mem_read(address.into(), bytes)?)
+    }
+
+    /// Puts bytes into RAM.
+    ///
+    /// # Errors
+    /// Where there is no memory.
+    pub fn write_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), ProcessorError> {
+        Ok(self.unicorn.mem_write(address.into(), bytes)?)
+    }
+
+    /// The whole RAM.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn ram(&self) -> Result<Vec<u8>, ProcessorError> {
+        Ok(self.unicorn.mem_read_as_vec(RAM, RAM_BYTES)?)
+    }
+
+    /// Puts the whole RAM back.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn set_ram(&mut self, bytes: &[u8]) -> Result<(), ProcessorError> {
+        Ok(self.unicorn.mem_write(RAM, bytes)?)
+    }
+
+    /// Whether it sleeps, whether it has given up, and all registers.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn state(&self) -> Result<(bool, bool, CoreRegisters), ProcessorError> {
+        Ok((self.is_asleep, self.is_locked, CoreRegisters::read(&self.unicorn)?))
+    }
+
+    /// Puts that back.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn set_state(&mut self, state: &(bool, bool, CoreRegisters)) -> Result<(), ProcessorError> {
+        (self.is_asleep, self.is_locked) = (state.0, state.1);
+        let around = self.unicorn.get_data_mut();
+        (around.exception, around.bus_fault, around.is_masked) = (None, None, false);
+        Ok(state.2.write(&mut self.unicorn)?)
+    }
+
+    /// Masks all interrupts, as a task would that never ends.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn mask_interrupts(&mut self) -> Result<(), ProcessorError> {
+        Ok(self.unicorn.reg_write(RegisterARM::PRIMASK, 1)?)
+    }
+
+    /// Puts the stack pointer somewhere else, as a stack would that has run over.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn set_stack_pointer(&mut self, address: u32) -> Result<(), ProcessorError> {
+        Ok(self.unicorn.reg_write(RegisterARM::SP, address.into())?)
+    }
+}
