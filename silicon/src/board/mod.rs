@@ -248,8 +248,8 @@ impl Board {
     }
 
     /// From now on the watchdog is fed right after it was unlocked, as the health task does if it
-    /// comes at that moment, unless interrupts are held back. The core is interrupted between blocks of instructions only, and
-    /// unlocking and writing are one block.
+    /// comes at that moment, unless interrupts are held back. The core is interrupted between
+    /// blocks of instructions only, and unlocking and writing are one block.
     pub const fn race_at_watchdog(&mut self) {
         self.races_at_watchdog = true;
     }
