@@ -11,6 +11,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
         install::lint_tools()?;
         install::llvm_tools()?;
         install::emulated_core()?;
+        install::ngspice()?;
         miri::prepare()?;
         install::qemu()
     };

@@ -1,7 +1,7 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets, toolchains and LLVM's tools come by rustup, QEMU, Python, cmake and libclang by the
-//! system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be installed is
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU, ngspice, Python, cmake and libclang by
+//! the system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be installed is
 //! named together with the line to type.
 
 use crate::shell;
@@ -27,6 +27,8 @@ pub const MATHCORE: Tool = Tool { program: "mathcore", ..Tool::new("math-core-cl
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
+/// What simulates the board's netlists.
+pub const NGSPICE: &str = "ngspice";
 pub const QEMU: &str = "qemu-system-arm";
 
 /// A program that cargo installs.
@@ -63,6 +65,7 @@ const MANAGERS: [PackageManager; 4] = [
 const BREW: &str = "brew";
 /// QEMU for Arm and Python with its environments, as these managers call them.
 const QEMU_PACKAGES: [&str; 4] = ["qemu-system-arm", "qemu-system-arm-core", "qemu-system-arm", "qemu"];
+const NGSPICE_PACKAGES: [&str; 4] = [NGSPICE; 4];
 /// What builds the emulated core of `silicon`: cmake, and libclang with its headers.
 const CMAKE_PACKAGES: [&str; 4] = ["cmake", "cmake", "cmake", "cmake"];
 const LIBCLANG_PACKAGES: [&str; 4] = ["libclang-dev", "clang-devel", "clang", "llvm"];
@@ -189,6 +192,12 @@ pub fn lint_tools() -> Result<()> {
 /// The emulator.
 pub fn qemu() -> Result<()> {
     system_package(QEMU, "https://www.qemu.org/download", &QEMU_PACKAGES, || shell::answers(QEMU, &["--version"]))
+}
+
+/// The simulator of circuits.
+pub fn ngspice() -> Result<()> {
+    let is_there = || shell::answers(NGSPICE, &["--version"]);
+    system_package(NGSPICE, "https://ngspice.sourceforge.io", &NGSPICE_PACKAGES, is_there)
 }
 
 /// What the crate `silicon` needs beside the compiler: its emulated core is C, and the binding to

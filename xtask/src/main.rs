@@ -11,6 +11,7 @@ mod dist;
 mod emulator;
 mod flash;
 mod fuzz;
+mod hardware;
 mod install;
 mod limits;
 mod lines;
@@ -75,6 +76,9 @@ enum Job {
     /// Show on both boards' images that no task can panic and that the stack suffices, and that an
     /// overflow of it ends as a fault
     Safety,
+    /// Simulate the sensor board's analogue part, its cut-off and their single faults by ngspice, and
+    /// compare with hardware/results.csv
+    Hardware(hardware::HardwareOptions),
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::CostOptions),
     /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep
@@ -106,6 +110,7 @@ fn main() -> ExitCode {
         Job::Dist => dist::run(),
         Job::Size => size::run(),
         Job::Safety => safety::run(),
+        Job::Hardware(options) => hardware::run(&options),
         Job::Cost(options) => cost::run(&options),
         Job::Fuzz(options) => fuzz::run(&options),
         Job::Miri => miri::run(),

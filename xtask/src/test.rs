@@ -5,6 +5,7 @@
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::cost::{self, CostOptions};
+use crate::hardware::{self, HardwareOptions};
 use crate::pages::{self, PagePrograms, PagesOptions};
 use crate::{install, reference, safety, shell, size};
 use anyhow::Result;
@@ -22,6 +23,8 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     stages.run("panics, stack, overflow", safety::run)?;
     let check = CostOptions { check: true, ..CostOptions::default() };
     stages.run("cost of the hot paths", || cost::run(&check))?;
+
+    stages.run("netlists of the board", || hardware::run(&HardwareOptions::default()))?;
 
     // Always the whole workspace and its tests: for some of its crates alone cargo chooses other
     // features, and compiles everything once more.
