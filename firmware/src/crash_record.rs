@@ -87,12 +87,9 @@ impl CrashRecord {
         record
     }
 
-    /// The record after this reset.
-    pub fn after(record: &CrashWords, reset: ResetCause) -> Self {
-        match Self::read(record) {
-            Some(past) if reset != ResetCause::PowerOn => Self { starts: past.starts.wrapping_add(1), ..past },
-            _ => Self::FIRST,
-        }
+    /// The record after a reset of any cause: a supply that has left it valid has only dipped.
+    pub fn after(record: &CrashWords) -> Self {
+        Self::read(record).map_or(Self::FIRST, |past| Self { starts: past.starts.wrapping_add(1), ..past })
     }
 
     /// Cause for which the instrument is tripped after an unrequested start.
@@ -110,7 +107,8 @@ impl CrashRecord {
     }
 }
 
-/// Passes the cause of a trip from the start to the controller. Every value of the word is a valid
+/// Passes the cause of a trip from the start, or from a task that may interrupt the controller's, to
+/// the controller. Every value of the word is a valid
 /// trip or none, so that a flipped bit causes another trip at most.
 pub struct CrashTrip(AtomicU32);
 
@@ -123,6 +121,11 @@ impl CrashTrip {
     /// Sets the cause.
     pub fn put(&self, cause: Cause) {
         self.0.store(cause as u32 + 1, Relaxed);
+    }
+
+    /// Whether there is a cause that has not been taken.
+    pub fn waits(&self) -> bool {
+        self.0.load(Relaxed) != 0
     }
 
     /// Takes the cause; it is returned once.
@@ -164,7 +167,9 @@ mod tests {
         assert_eq!(trip.take(), None);
         for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut] {
             trip.put(cause);
+            assert!(trip.waits());
             assert_eq!([trip.take(), trip.take()], [Some(cause), None]);
+            assert!(!trip.waits());
         }
         for bit in 0..32 {
             let flipped = CrashTrip(AtomicU32::new(1 << bit));
@@ -187,7 +192,7 @@ mod tests {
             for bit in 0..32 {
                 let mut record = past().record();
                 record[word] ^= 1 << bit;
-                assert_eq!(CrashRecord::after(&record, ResetCause::Pin), CrashRecord::FIRST, "word {word}, bit {bit}");
+                assert_eq!(CrashRecord::after(&record), CrashRecord::FIRST, "word {word}, bit {bit}");
             }
         }
         for record in [[0; WORDS], [u32::MAX; WORDS]] {
@@ -196,10 +201,9 @@ mod tests {
     }
 
     #[test]
-    fn a_crash_is_remembered_until_it_is_acknowledged_or_the_supply_goes() {
-        let second = CrashRecord::after(&past().record(), ResetCause::Pin);
+    fn a_crash_is_remembered_over_any_reset_that_leaves_the_record() {
+        let second = CrashRecord::after(&past().record());
         assert_eq!((second.starts, second.trip(ResetCause::Pin)), (8, Some(Cause::Panic)));
-        assert_eq!(CrashRecord::after(&past().record(), ResetCause::PowerOn), CrashRecord::FIRST);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use wire::{Crash, CrashKind, Name, ResetCause};
 
 /// Updates the crash record for this start; returns it with the reset cause. Called once per start.
 pub fn update_record(reset: ResetCause) -> (ResetCause, CrashRecord) {
-    let record = CrashRecord::after(&read(), reset);
+    let record = CrashRecord::after(&read());
     write(&record);
     (board::reset_as_remembered(reset, &record), record)
 }

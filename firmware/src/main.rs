@@ -83,7 +83,8 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// The crash of an earlier start has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
-    /// Trip for the end of the last run of the firmware, until the controller has taken it.
+    /// Trip for the end of the last run of the firmware, or for a falling supply, until the
+    /// controller has taken it.
     static CRASH_TRIP: CrashTrip = CrashTrip::none();
     static STANDBY_LOCK: StandbyLock = StandbyLock::starting();
     /// `serve_settings` must set the instrument up before anything else; true after a start.
@@ -213,8 +214,19 @@ mod app {
         DEADLINES.store(DEADLINES.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// Owns the instrument: controller and anemometer. Priority 5: only the dead-man timer
-    /// interrupts a decision.
+    /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised by
+    /// the voltage detector, and by `health` as long as the supply is low.
+    #[cfg(feature = "sensor-board")]
+    #[task(binds = PVD, priority = 6)]
+    fn supply_low(_: supply_low::Context) {
+        board::heaters_low();
+        board::acknowledge_supply();
+        CRASH_TRIP.put(Cause::BrownOut);
+        rtic::pend(CONTROL);
+    }
+
+    /// Owns the instrument: controller and anemometer. Priority 5: only the dead-man timer and a
+    /// falling supply interrupt a decision.
     ///
     /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise
     /// still see the old levels. A missed deadline counts as a late tick; the heaters keep their
@@ -260,8 +272,9 @@ mod app {
             if !front_end.apply(&tick) {
                 instrument.trip(Cause::Heater);
             }
-            // If the timer has expired since, these levels are too old; the next tick trips.
-            if OUTPUT_TIMED_OUT.load(Relaxed) {
+            // If the timer has expired since, these levels are too old; the next tick trips. If the
+            // supply has fallen since, this task is pending again, and trips then.
+            if OUTPUT_TIMED_OUT.load(Relaxed) || CRASH_TRIP.waits() {
                 board::heaters_low();
             }
             front_end.select(instrument.input());
@@ -481,6 +494,10 @@ mod app {
                 margins: cx.shared.margins.lock(|margins| margins.clone()),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
+        }
+        #[cfg(feature = "sensor-board")]
+        if board::is_supply_low() {
+            rtic::pend(Interrupt::PVD);
         }
         rtic::pend(CONTROL);
         rtic::pend(RECEIVE);

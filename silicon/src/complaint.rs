@@ -38,11 +38,14 @@ pub enum BrokenRule {
     #[error("the flash is unlocked by its two keys in their order; anything else locks it until the next reset")]
     FlashKey,
     /// Of the flash.
-    #[error("FLASH_CR is written while it is locked, or while the flash is busy")]
+    #[error("a control register of the flash is written while it is locked, or while the flash is busy")]
     FlashLocked,
     /// Of the flash.
     #[error("a store to the flash needs PG, and the width that PSIZE says")]
     FlashProgramming,
+    /// Of the flash.
+    #[error("erasing, and programming by words, need a supply of 2.7 V")]
+    ProgrammingSupply,
     /// Of the flash.
     #[error("programming clears bits: what is not erased cannot be written")]
     FlashNotErased,

@@ -6,6 +6,7 @@ use crate::log::RttLog;
 use crate::plant::SensorPlant;
 use crate::processor::bus::ProcessorBus;
 use crate::processor::{CoreRegisters, Pause, Processor, ProcessorError};
+use crate::soc::power::NOMINAL_MV;
 use crate::soc::rcc::ResetSource;
 use crate::time::ms;
 use host_sim::sensor::{SensorConfig, SensorError};
@@ -163,6 +164,17 @@ impl Machine {
         Ok(())
     }
 
+    /// The supply falls to a voltage, mV, stays there for so many cycles, and comes back.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn dip(&mut self, supply_mv: u32, cycles: u64) -> Result<(), MachineError> {
+        self.board_mut().set_supply(supply_mv);
+        self.run_for(cycles)?;
+        self.board_mut().set_supply(NOMINAL_MV);
+        Ok(())
+    }
+
     /// Resets the processor from outside: the pin, or the supply.
     ///
     /// # Errors
@@ -176,8 +188,9 @@ impl Machine {
         self.log.collect(&self.image, &mut self.core)?;
         let Some(source) = self.board().pending_reset() else { return Ok(()) };
         self.resets.push(PastReset { cycle: self.now(), source });
+        let keeps_ram = self.board().keeps_ram();
         self.board_mut().reset(source);
-        if source == ResetSource::PowerOn {
+        if !keeps_ram {
             let bytes = self.core.ram()?.len();
             self.core.set_ram(&vec![0xa5; bytes])?;
         }

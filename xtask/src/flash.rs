@@ -1,4 +1,6 @@
 //! Programs a sensor board through a debug probe and follows its log (defmt over RTT) until Ctrl-C.
+//!
+//! Only the sectors that the image fills are erased: the settings' stay (`memory.x`).
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
@@ -15,6 +17,9 @@ pub struct FlashOptions {
     /// Which probe to use when there are several, as shown by --list
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
+    /// Read back what was programmed and compare it with the image
+    #[arg(long)]
+    verify: bool,
 }
 
 pub fn run(options: &FlashOptions) -> Result<()> {
@@ -31,10 +36,33 @@ pub fn run(options: &FlashOptions) -> Result<()> {
     shell::announce("building the firmware for the sensor board");
     let firmware = artefacts::firmware(FirmwareBoard::Sensor)?;
     shell::announce("programming the board and following its log; Ctrl-C ends");
-    let mut probe = shell::program("probe-rs");
-    probe.args(["run", "--chip", CHIP]);
-    if let Some(selector) = &options.probe {
-        probe.args(["--probe", selector]);
+    shell::run(shell::program("probe-rs").args(arguments(options)).arg(firmware))
+}
+
+/// What stands between `probe-rs` and the image. By default it holds the core at a reset and at a
+/// hard fault, before the handler that lowers the heaters.
+fn arguments(options: &FlashOptions) -> Vec<&str> {
+    let mut arguments = vec!["run", "--chip", CHIP, "--no-catch-hardfault", "--no-catch-reset"];
+    if options.verify {
+        arguments.push("--verify");
     }
-    shell::run(probe.arg(firmware))
+    if let Some(probe) = &options.probe {
+        arguments.extend(["--probe", probe]);
+    }
+    arguments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_probe_catches_nothing_erases_what_it_writes_and_compares_if_asked() {
+        let plain = FlashOptions { list: false, probe: None, verify: false };
+        let catches_nothing = ["run", "--chip", "STM32F405RGTx", "--no-catch-hardfault", "--no-catch-reset"];
+        assert_eq!(arguments(&plain), catches_nothing);
+        let all = FlashOptions { probe: Some("0483:374b".to_owned()), verify: true, ..plain };
+        assert_eq!(arguments(&all)[..5], catches_nothing);
+        assert_eq!(arguments(&all)[5..], ["--verify", "--probe", "0483:374b"]);
+    }
 }

@@ -61,7 +61,8 @@ impl Board {
             0x4000_0c00..0x4000_1000 => self.timer.load(offset, &access),
             0x4000_3000..0x4000_3400 => self.watchdog.load(offset, &access),
             DEBUG_CONTROL => self.debug_control,
-            0x4000_7000..0x4000_7400 | 0xe004_2000..0xe004_2400 => self.remembered.get(&address).copied().unwrap_or(0),
+            0x4000_7000..0x4000_7400 => self.power.load(offset),
+            0xe004_2000..0xe004_2400 => self.remembered.get(&address).copied().unwrap_or(0),
             0xe000_0000..0xe010_0000 => self.system.load(address, self.now, core_hz)?,
             _ => return Err(self.unmodelled(address)),
         };
@@ -123,7 +124,12 @@ impl Board {
                 }
             }
             DEBUG_CONTROL => self.debug_control = value,
-            0x4000_7000..0x4000_7400 | 0xe004_2000..0xe004_2400 => drop(self.remembered.insert(address, value)),
+            0x4000_7000..0x4000_7400 => {
+                let was_low = self.power.is_low();
+                self.power.store(offset, value);
+                self.wire_detector(was_low);
+            }
+            0xe004_2000..0xe004_2400 => drop(self.remembered.insert(address, value)),
             0xe000_0000..0xe010_0000 => {
                 self.system.store(address, size, value, self.now, core_hz)?;
                 if self.system.reset_requested {
@@ -139,7 +145,11 @@ impl Board {
             // afterwards is a reason to stop.
             0x4001_3c00..0x4001_4000 => {
                 self.wire_lines();
-                self.attention |= self.exti.line(DATA_READY_PIN).1;
+                self.attention |= self.exti.line(DATA_READY_PIN).1 || self.exti.supply_line().1;
+            }
+            0x4002_3c00..0x4002_4000 => {
+                self.check_programming();
+                self.touch();
             }
             _ => {
                 self.wire_lines();

@@ -35,6 +35,7 @@ impl ProcessorBus for Board {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
             self.flash.program((address - SETTINGS.start) as usize, size, value, &mut access);
+            self.check_programming();
             self.attention = true;
             return Ok(());
         }
@@ -97,7 +98,7 @@ impl ProcessorBus for Board {
     }
 
     fn stalled_until(&self) -> Option<u64> {
-        if self.clocks.core_hz == 0 || self.held_since.is_some() {
+        if self.clocks.core_hz == 0 || self.held_since.is_some() || self.power.holds_reset() {
             return Some(u64::MAX);
         }
         let busy_until = self.flash.busy_until();

@@ -10,11 +10,13 @@
 //! | `address_map` | which register stands where |
 //! | `wires` | pins, lines of interrupts, the converter's bus |
 //! | `events` | what is due by itself |
+//! | `supply` | the supply, as it falls and rises |
 //! | `core_bus` | the board as its core sees it |
 
 mod address_map;
 mod core_bus;
 mod events;
+mod supply;
 mod wires;
 
 use crate::adc::{Adc, AdcFault};
@@ -29,6 +31,7 @@ use crate::soc::dma::Dma;
 use crate::soc::exti::Exti;
 use crate::soc::flash::Flash;
 use crate::soc::gpio::GpioPort;
+use crate::soc::power::Power;
 use crate::soc::rcc::{Rcc, ResetSource};
 use crate::soc::spi::Spi;
 use crate::soc::timer::Timer;
@@ -88,6 +91,7 @@ pub struct Board {
     remembered: BTreeMap<u32, u32>,
     system: SystemControl,
     rcc: Rcc,
+    power: Power,
     /// Flash and settings.
     pub flash: Flash,
     ports: [GpioPort; 3],
@@ -125,6 +129,7 @@ impl Board {
     /// A board whose supply rises now, with this sensor. `oscillator_hz` is the watchdog's.
     pub fn new(plant: SensorPlant, oscillator_hz: u64) -> Self {
         let rcc = Rcc::after(ResetSource::PowerOn, 0);
+        let flash = Flash::default();
         Self {
             now: 0,
             remainder: 0,
@@ -143,7 +148,8 @@ impl Board {
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
             rcc,
-            flash: Flash::default(),
+            power: Power::new(flash.options),
+            flash,
             ports: [GpioPort::PORT_A, GpioPort::PORT_B, GpioPort::default()],
             exti: Exti::default(),
             spi: Spi::default(),
@@ -178,6 +184,7 @@ impl Board {
         }
         fresh.flash = std::mem::take(&mut self.flash);
         fresh.flash.reset();
+        fresh.power = self.power.reset(fresh.flash.options);
         if lost_supply {
             fresh.adc = Adc::powered_at(self.now);
         } else {
@@ -200,6 +207,11 @@ impl Board {
     pub const fn request_reset(&mut self, source: ResetSource) {
         self.pending_reset = Some(source);
         self.attention = true;
+    }
+
+    /// Whether RAM has kept its content in the reset that is wanted.
+    pub const fn keeps_ram(&self) -> bool {
+        !matches!(self.pending_reset, Some(ResetSource::PowerOn)) || self.power.keeps_ram()
     }
 
     /// Levels of the heaters.

@@ -50,6 +50,7 @@ impl Board {
     pub(super) fn wire_lines(&mut self) {
         let lines = [
             self.exti.line(DATA_READY_PIN),
+            self.exti.supply_line(),
             (timer::INTERRUPT, self.timer.line()),
             (usart::INTERRUPT, self.usart.line()),
             self.dma.line(dma::RECEIVING),

@@ -2,6 +2,9 @@
 
 /// Of EXTI lines 0 to 4, which have an interrupt each.
 const FIRST_INTERRUPT: u16 = 6;
+/// Of the voltage detector, which has a line of its own.
+const SUPPLY_INTERRUPT: u16 = 1;
+const SUPPLY_LINE: u32 = 16;
 
 /// Lines, and which port each listens to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,12 +21,27 @@ pub struct Exti {
 impl Exti {
     /// A pin of a port (0 is A) has changed.
     pub const fn edge(&mut self, port: u32, pin: u32, rises: bool) {
-        let listens = self.ports[(pin / 4) as usize] >> (4 * (pin % 4)) & 0xf == port;
+        if self.ports[(pin / 4) as usize] >> (4 * (pin % 4)) & 0xf == port {
+            self.line_edge(pin, rises);
+        }
+    }
+
+    /// The output of the voltage detector has changed.
+    pub const fn supply_edge(&mut self, rises: bool) {
+        self.line_edge(SUPPLY_LINE, rises);
+    }
+
+    const fn line_edge(&mut self, line: u32, rises: bool) {
         let edges = if rises { self.rising } else { self.falling };
         // The pending bit is set for lines that are not masked only.
-        if listens && edges >> pin & 1 == 1 && self.mask >> pin & 1 == 1 {
-            self.pending |= 1 << pin;
+        if edges >> line & 1 == 1 && self.mask >> line & 1 == 1 {
+            self.pending |= 1 << line;
         }
+    }
+
+    /// The interrupt of the voltage detector, and whether it is held.
+    pub const fn supply_line(&self) -> (u16, bool) {
+        (SUPPLY_INTERRUPT, self.pending & self.mask & 1 << SUPPLY_LINE != 0)
     }
 
     /// The interrupt of a line, 0 to 4, and whether it is held.

@@ -7,6 +7,9 @@
 //!
 //! A supply that is cut meanwhile leaves any of the bits that were to change as they were.
 //!
+//! Option bytes have keys of their own, and are erased and programmed in one go by OPTSTRT; the
+//! next reset loads them.
+//!
 //! Limits: erasing and programming concern the settings' sectors alone. Bits that were cut short
 //! read the same every time.
 
@@ -20,7 +23,15 @@ use std::ops::Range;
 pub const SETTINGS: Range<u32> = 0x0800_4000..0x0801_0000;
 const SECTOR: usize = 16 * 1024;
 
+/// Option bytes as FLASH_OPTCR shows them, of a board that has started before: brown-out level 3.
+pub const OPTIONS: u32 = FACTORY_OPTIONS & !0xc;
+/// The same by factory: no brown-out level.
+pub const FACTORY_OPTIONS: u32 = 0x0fff_aaed;
+
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+const OPTION_KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
+const OPTION_LOCK: u32 = 1;
+const OPTION_START: u32 = 1 << 1;
 const LOCK: u32 = 1 << 31;
 const START: u32 = 1 << 16;
 const BUSY: u32 = 1 << 16;
@@ -46,8 +57,17 @@ pub struct Flash {
     is_stale: bool,
     /// Contents of the settings' sectors.
     pub settings: Vec<u8>,
-    /// Option bytes, FLASH_OPTCR.
+    /// FLASH_OPTCR.
+    option_control: u32,
+    option_keys_seen: usize,
+    /// Option bytes that are being replaced.
+    replaced: Option<u32>,
+    /// Option bytes as they stand in the flash.
     pub options: u32,
+    /// They stay what they are, whatever is programmed.
+    pub options_are_stuck: bool,
+    /// How often they were programmed.
+    pub option_writes: u32,
     /// How long the erase of a sector takes.
     pub erase_time: u64,
     /// Sectors erased.
@@ -68,8 +88,12 @@ impl Default for Flash {
             under_way: None,
             is_stale: false,
             settings: vec![0xff; SETTINGS.len()],
-            // The factory's: no brown-out level.
-            options: 0x0fff_aaed,
+            option_control: OPTIONS,
+            option_keys_seen: 0,
+            replaced: None,
+            options: OPTIONS,
+            options_are_stuck: false,
+            option_writes: 0,
             erase_time: ms(250),
             erases: 0,
             writes: 0,
@@ -83,7 +107,10 @@ impl Flash {
         let fresh = Self::default();
         *self = Self {
             settings: std::mem::take(&mut self.settings),
+            option_control: self.options | OPTION_LOCK,
             options: self.options,
+            options_are_stuck: self.options_are_stuck,
+            option_writes: self.option_writes,
             erase_time: self.erase_time,
             erases: self.erases,
             writes: self.writes,
@@ -94,8 +121,15 @@ impl Flash {
     /// The supply goes. Of what was being written or erased, each bit has changed already or has
     /// not: by the time at which it happens, so that it is the same again at the same time.
     pub fn cut_supply(&mut self, now: u64) {
-        let Some((start, before)) = self.under_way.take().filter(|_| now < self.busy_until) else { return };
+        if now >= self.busy_until {
+            return;
+        }
         let mut chance = now | 1;
+        if let Some(before) = self.replaced.take() {
+            let changed = (chance ^ chance << 13) as u32;
+            self.options = self.options & changed | before & !changed;
+        }
+        let Some((start, before)) = self.under_way.take() else { return };
         for (cell, before) in self.settings[start..].iter_mut().zip(before) {
             chance ^= chance << 13;
             chance ^= chance >> 7;
@@ -121,7 +155,7 @@ impl Flash {
             0x00 => self.access_control,
             0x0c => self.status | if access.now < self.busy_until { BUSY } else { 0 },
             0x10 => self.control,
-            0x14 => self.options,
+            0x14 => self.option_control,
             _ => 0,
         }
     }
@@ -132,7 +166,9 @@ impl Flash {
             0x00 => self.set_access_control(value, access),
             0x04 => self.take_key(value, access),
             0x0c => self.status &= !value,
+            0x08 => self.take_option_key(value, access),
             0x10 => self.set_control(value, access),
+            0x14 => self.set_option_control(value, access),
             _ => {}
         }
     }
@@ -158,6 +194,35 @@ impl Flash {
         self.keys_seen += 1;
         if self.keys_seen == KEYS.len() {
             self.control &= !LOCK;
+        }
+    }
+
+    fn take_option_key(&mut self, key: u32, access: &mut Access<'_>) {
+        if OPTION_KEYS.get(self.option_keys_seen) != Some(&key) {
+            access.complain("FLASH_OPTKEYR", BrokenRule::FlashKey);
+            return;
+        }
+        self.option_keys_seen += 1;
+        if self.option_keys_seen == OPTION_KEYS.len() {
+            self.option_control &= !OPTION_LOCK;
+        }
+    }
+
+    fn set_option_control(&mut self, value: u32, access: &mut Access<'_>) {
+        if self.option_control & OPTION_LOCK != 0 || access.now < self.busy_until {
+            access.complain("FLASH_OPTCR", BrokenRule::FlashLocked);
+            return;
+        }
+        self.option_control = value & !OPTION_START;
+        if value & OPTION_LOCK != 0 {
+            self.option_keys_seen = 0;
+        }
+        if value & OPTION_START != 0 {
+            self.busy_until = access.now + self.erase_time;
+            self.option_writes += 1;
+            if !self.options_are_stuck {
+                self.replaced = Some(std::mem::replace(&mut self.options, self.option_control | OPTION_LOCK));
+            }
         }
     }
 

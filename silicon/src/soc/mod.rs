@@ -8,6 +8,7 @@ pub mod dma;
 pub mod exti;
 pub mod flash;
 pub mod gpio;
+pub mod power;
 pub mod rcc;
 pub mod spi;
 pub mod timer;

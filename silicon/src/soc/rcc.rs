@@ -42,11 +42,13 @@ pub enum ResetSource {
 }
 
 impl ResetSource {
-    /// Flags in RCC_CSR: every reset pulls the pin.
+    /// Flags in RCC_CSR: every reset pulls the pin. That of the power-on stays clear after a mere
+    /// brown-out, as the bit's description has it; the register's reset value has both.
     const fn flags(self) -> u32 {
         const PIN: u32 = 1 << 26;
         match self {
-            Self::PowerOn | Self::BrownOut => PIN | 1 << 25 | 1 << 27,
+            Self::PowerOn => PIN | 1 << 25 | 1 << 27,
+            Self::BrownOut => PIN | 1 << 25,
             Self::Pin => PIN,
             Self::Software => PIN | 1 << 28,
             Self::Watchdog => PIN | 1 << 29,

@@ -11,9 +11,7 @@ use host_sim::run::start;
 use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
-use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::ResetCause;
 
 /// `Stop` is answered, and standby reported, at once, while the pins follow at the next tick: of a
 /// tick of 50 ms they may be high for as long. Pins should fall with the command.
@@ -32,18 +30,6 @@ fn heaters_stay_high_until_the_next_tick_after_a_stop() {
     rig.machine().run_for(ms(50)).unwrap();
     assert_eq!(rig.machine().board().heaters(), 0);
     rig.assert_no_complaint();
-}
-
-/// A supply that dips is reported as one that was switched on: the level at which the processor
-/// resets is off by factory, and the flag of a power-on is looked at first.
-#[test]
-fn a_brown_out_is_taken_for_a_power_on() {
-    let rig = Rig::new(&MachineConfig::default());
-    rig.instrument();
-    rig.machine().reset_by(ResetSource::BrownOut).unwrap();
-    assert_eq!(rig.instrument().identity().reset, ResetCause::PowerOn);
-    // BOR_LEV = 11: off.
-    assert_eq!(rig.machine().board().flash.options >> 2 & 3, 3);
 }
 
 /// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a
@@ -96,24 +82,4 @@ fn a_converter_that_never_converts_passes_the_start() {
     // Not a word in the log.
     let log = rig.machine().log();
     assert!(log.iter().all(|line| !line.contains("ADC")), "{log:?}");
-}
-
-/// A debugger that holds the core stops the watchdog too, as the firmware has asked: a heater that
-/// is high then stays high for as long as somebody looks at a breakpoint. The watchdog should go on
-/// unless somebody asks otherwise, and a cut-off outside of the processor ends what remains.
-#[test]
-fn a_debugger_that_holds_the_core_leaves_a_heater_high() {
-    let experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
-    let rig = Rig::of(&experiment);
-    let mut instrument = rig.instrument();
-    start(&experiment, &mut instrument).unwrap();
-    Rig::observe(&mut instrument, 10, |_| {});
-    rig.machine().board_mut().hold_core(true);
-    rig.machine().run_for(ms(10_000)).unwrap();
-    assert_eq!(rig.machine().board().heaters(), 1);
-    assert_eq!(rig.machine().resets(), []);
-    // It is low as soon as the core goes on: the dead-man timer has come meanwhile.
-    rig.machine().board_mut().hold_core(false);
-    rig.machine().run_for(us(100)).unwrap();
-    assert_eq!(rig.machine().board().heaters(), 0);
 }

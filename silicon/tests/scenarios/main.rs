@@ -14,4 +14,5 @@ mod settings;
 mod snapshot;
 mod soak;
 mod supervision;
+mod supply;
 mod ticks;

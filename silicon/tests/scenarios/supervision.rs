@@ -2,11 +2,12 @@
 
 use crate::rig::{Rig, experiment};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::SettingsPort;
+use host_sim::instrument::{InstrumentPort, SettingsPort};
 use host_sim::run::start;
 use silicon::machine::MachineConfig;
+use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::SettingsRequest;
+use wire::{ResetCause, SettingsRequest};
 
 /// Heaters have to be low so long after the crystal has failed.
 const LOW_WITHIN: u64 = ms(2);
@@ -43,6 +44,29 @@ fn a_crystal_that_fails_lowers_the_heaters_within_two_milliseconds() {
         rig.machine().run_for(ms(1_000)).unwrap();
         let low = rig.machine().pins().iter().find(|change| change.cycle > at).copied().unwrap();
         assert!(low.levels == 0 && low.cycle - at <= LOW_WITHIN, "moment {moment}: {low:?} after {at}");
+        assert_eq!(rig.machine().board().heaters(), 0);
+    }
+}
+
+/// A breakpoint while a heater is high. The watchdog goes on, and what it resets has its pins low;
+/// the board then starts, tripped.
+#[test]
+fn a_debugger_that_holds_the_core_is_ended_by_the_watchdog() {
+    let experiment = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 100) };
+    for oscillator_hz in [17_000, 32_000, 47_000] {
+        let sensor = experiment.sensor_config().unwrap();
+        let rig = Rig::new(&MachineConfig { sensor, oscillator_hz: Some(oscillator_hz) });
+        let mut instrument = rig.instrument();
+        start(&experiment, &mut instrument).unwrap();
+        Rig::observe(&mut instrument, 10, |_| {});
+        assert_eq!(rig.machine().board().heaters(), 1);
+        let at = rig.machine().now();
+        rig.machine().board_mut().hold_core(true);
+        rig.machine().run_for(ms(2_000)).unwrap();
+        let low = rig.machine().pins().iter().find(|change| change.cycle > at).copied().unwrap();
+        assert!(low.levels == 0 && low.cycle - at <= ms(950), "{oscillator_hz} Hz: {low:?} after {at}");
+        assert_eq!(rig.machine().resets()[0].source, ResetSource::Watchdog);
+        assert_eq!(rig.instrument().identity().reset, ResetCause::Watchdog);
         assert_eq!(rig.machine().board().heaters(), 0);
     }
 }

@@ -9,6 +9,7 @@
 //! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `settings_flash.rs` | three sectors of the processor's flash |
+//! | `supply.rs` | brown-out level, and heaters low as the supply falls |
 //! | `watchdog.rs` | reset unless everybody is well |
 //!
 //! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog)
@@ -20,6 +21,7 @@ mod front_end;
 mod heater_pin;
 mod host_link;
 mod settings_flash;
+mod supply;
 mod watchdog;
 
 pub use self::InterruptIdler as Idler;
@@ -30,6 +32,7 @@ pub use host_link::{
     DmaReceiver as HostReceiver, DmaTransmitter as HostTransmitter, acknowledge_received, acknowledge_sent,
 };
 pub use settings_flash::SectorFlash as SettingsFlash;
+pub use supply::{acknowledge as acknowledge_supply, is_low as is_supply_low};
 pub use watchdog::HardwareWatchdog as Watchdog;
 
 use super::parts::BoardParts;
@@ -80,7 +83,10 @@ pub fn init(
     ])
     .expect("writing a pin of this processor cannot fail");
 
-    let reset = reset_flags::cause(rcc.csr().read().bits());
+    supply::start_detector(&device.PWR, &mut rcc);
+    let flags = rcc.csr().read().bits();
+    supply::ensure_brown_out_level(&device.FLASH, flags);
+    let reset = reset_flags::cause(flags);
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     let mut rcc = clocks::start(rcc, core);
 
@@ -99,6 +105,7 @@ pub fn init(
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
+    supply::listen(&device.EXTI);
     let dead_man = DeadManTimer::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
     let front_end = AdcFrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
     watchdog.expect_check_ins();
@@ -129,9 +136,13 @@ pub fn settings_flash() -> SectorFlash {
     SectorFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
 }
 
-/// Why it started, by its flags.
-pub const fn reset_as_remembered(reset: ResetCause, _: &CrashRecord) -> ResetCause {
-    reset
+/// Why it started, by its flags. A supply that was away so briefly that RAM has kept the crash
+/// record has dipped, and was not switched on, however far it fell.
+pub const fn reset_as_remembered(reset: ResetCause, record: &CrashRecord) -> ResetCause {
+    match reset {
+        ResetCause::PowerOn if record.starts > 1 => ResetCause::BrownOut,
+        _ => reset,
+    }
 }
 
 /// Restarts. After the restart the identity contains the reset cause and the crash.

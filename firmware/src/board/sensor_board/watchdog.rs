@@ -2,7 +2,8 @@
 //!
 //! It runs on its own oscillator of 17 … 47 kHz, nominally 32 (data sheet), so half a second is
 //! 0.34 … 0.95 s, and it cannot be stopped once it runs. A first, longer period covers the start,
-//! in which nobody can check in yet. It stands still while a debugger holds the core.
+//! in which nobody can check in yet. It goes on while a debugger holds the core, unless the probe
+//! asks otherwise (RM0090, DBGMCU_APB1_FZ): a breakpoint ends as a reset, with the heaters low.
 //!
 //! The LED changes with every feeding, 20 times a second while all is well: a dark or steady one
 //! means trouble.
@@ -35,7 +36,6 @@ pub struct HardwareWatchdog {
 impl HardwareWatchdog {
     /// Starts it with the long period.
     pub fn new(watchdog: IWDG, debug: &DBGMCU, led: PB1<Output>) -> Self {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
         // Without it a probe cannot read the log while the core sleeps.
         debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
         // First of all it is enabled: its oscillator runs from then on, and takes the registers
