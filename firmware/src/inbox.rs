@@ -30,6 +30,11 @@ impl TelemetryRequests {
         Self { identity: AtomicBool::new(true), telemetry_every: AtomicU16::new(1) }
     }
 
+    /// Requests the identity.
+    pub fn ask_identity(&self) {
+        self.identity.store(true, Relaxed);
+    }
+
     /// Whether the identity has been requested. One reply serves several requests.
     pub fn take_identity(&self) -> bool {
         // No read-modify-write: a request between the two is served by the reply under way.
@@ -101,7 +106,7 @@ impl<'a> Inbox<'a> {
         match &received.message {
             // Repeated requests do no harm: a host repeats them until it gets a reply.
             ToBoard::Hello => {
-                self.telemetry_requests.identity.store(true, Relaxed);
+                self.telemetry_requests.ask_identity();
                 Wake::Transmit
             }
             _ if received.repeated => Wake::Nobody,

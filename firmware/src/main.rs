@@ -360,10 +360,23 @@ mod app {
     #[task(binds = USART2, priority = 3, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
     fn receive(mut cx: receive::Context) {
         CHECK_INS.check_in(Member::Receive);
+        let foreign = cx.local.link.counters().foreign;
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
+        }
+        if let Some(version) = cx.local.link.foreign_version()
+            && cx.local.link.counters().foreign != foreign
+        {
+            // Any frame of ours shows such a host our version.
+            TELEMETRY_REQUESTS.ask_identity();
+            rtic::pend(TRANSMIT);
+            defmt::warn!(
+                "the host speaks version {=u8} of the wire protocol, this board {=u8}",
+                version,
+                wire::VERSION
+            );
         }
         cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
     }

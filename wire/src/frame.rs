@@ -261,6 +261,17 @@ mod tests {
         }
     }
 
+    /// What any version has looked for since the first: COBS, the version in front, the CRC of all
+    /// behind it.
+    #[test]
+    fn an_older_side_can_name_the_version_of_ours() {
+        let mut frame = bytes(300, &ToBoard::Hello);
+        assert_eq!(frame.pop(), Some(0));
+        let length = cobs::decode_in_place(&mut frame).unwrap();
+        let (checked, checksum) = frame[..length].split_last_chunk::<2>().unwrap();
+        assert_eq!((checked[0], CRC.checksum(checked)), (VERSION, u16::from_le_bytes(*checksum)));
+    }
+
     #[test]
     fn lists_are_as_long_as_there_are_elements() {
         let message = |elements: usize| {

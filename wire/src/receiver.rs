@@ -156,6 +156,23 @@ mod tests {
         assert_eq!(feed(&mut receiver, &[frame(65_535), frame(0)].concat()), [65_535, 0]);
     }
 
+    /// Hello, Start and an identity, recorded from version 6.
+    const OF_VERSION_6: [&[u8]; 3] = [
+        b"\x02\x06\x01\x01\x03\x44\xb7\x00",
+        b"\x03\x06\x01\x05\x01\x06\xba\x94\x00",
+        b"\x02\x06\x01\x01!\x1fanemo 0.8.0 on the sensor board\x03\x06\x08\x02\x01\x03E\x97\x00",
+    ];
+
+    #[test]
+    fn what_version_6_says_is_named_and_not_obeyed() {
+        let mut receiver = Receiver::new();
+        for frame in OF_VERSION_6 {
+            assert_eq!(frame.iter().filter_map(|&byte| receiver.push::<ToBoard>(byte)).count(), 0);
+            assert_eq!(receiver.foreign_version(), Some(6));
+        }
+        assert_eq!((receiver.counters().foreign, receiver.counters().damaged), (3, 0));
+    }
+
     #[test]
     fn garbage_of_any_length_is_survived() {
         let mut receiver = Receiver::new();

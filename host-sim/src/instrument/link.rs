@@ -120,9 +120,7 @@ impl<S: BoardStream> BoardLink<S> {
                 }
             }
             if let Some(theirs) = self.receiver.foreign_version() {
-                return Err(InstrumentError::Unusable(format!(
-                    "the firmware speaks version {theirs} of the wire protocol, this program version {VERSION}; flash the firmware of this release (`cargo xtask flash`) or use the matching program"
-                )));
+                return Err(InstrumentError::Unusable(other_version(theirs)));
             }
             let left = deadline.saturating_sub(self.now());
             self.taken = 0;
@@ -241,6 +239,16 @@ impl<S: BoardStream> BoardLink<S> {
         }
         Err(InstrumentError::Silent(retries.timeout * retries.tries))
     }
+}
+
+/// What to do about a board of another version.
+fn other_version(theirs: u8) -> String {
+    let way_out = if theirs < VERSION {
+        "flash the firmware of this program's release (`cargo xtask flash`), or use the older program of the board's release"
+    } else {
+        "use the newer program of the board's release, or flash the firmware of this program's release (`cargo xtask flash`)"
+    };
+    format!("the board speaks version {theirs} of the wire protocol, this program version {VERSION}; {way_out}")
 }
 
 /// Whether a command that was sent more than once was refused because it had been carried out
