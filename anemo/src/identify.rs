@@ -59,15 +59,15 @@ pub struct Arguments {
     /// Class from whose conductance the others are counted; by default the least.
     #[arg(long, value_name = "LABEL")]
     reference: Option<String>,
-    /// Number of rates.
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
+    /// Number of rates, 100 at most.
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = rates)]
     order: Option<usize>,
     /// Edges of the logarithmic grid of rates (diffusive mesh), rad/s.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     mesh: Option<(f64, f64)>,
     /// Number of rates of cross-heating pairs: input i and output i are of one element
     /// (self-heating).
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one)]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = rates)]
     cross_order: Option<usize>,
     /// Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
     /// the others.
@@ -136,6 +136,19 @@ fn edges(text: &str) -> Result<(f64, f64), Failure> {
 fn at_least_one(text: &str) -> Result<usize, Failure> {
     let count = text.parse().ok().filter(|&count: &usize| count > 0);
     count.ok_or_else(|| Failure::usage(format!("`{text}` is no whole number of at least 1")))
+}
+
+/// More rates than seven in each of fourteen decades: no record tells them apart, and the work grows
+/// with their cube.
+const MOST_RATES: usize = 100;
+
+fn rates(text: &str) -> Result<usize, Failure> {
+    let count = at_least_one(text)?;
+    if count > MOST_RATES {
+        let sentence = format!("{count} rates are more than any record tells apart: {MOST_RATES} at most");
+        return Err(Failure::usage(sentence));
+    }
+    Ok(count)
 }
 
 fn samples(text: &str) -> Result<usize, Failure> {

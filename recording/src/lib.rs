@@ -44,6 +44,7 @@
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
+//! | [`regular`] | opening files that are neither pipes nor devices |
 //! | [`toml_file`] | strict reading of TOML files: errors name file, line and key |
 //! | [`text`] | numbers and tables as text |
 //!
@@ -61,6 +62,7 @@ mod names;
 mod parquet;
 mod reader;
 mod recording;
+pub mod regular;
 mod row;
 mod temporary;
 pub mod text;

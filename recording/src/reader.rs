@@ -1,6 +1,5 @@
 //! Reading a recording in chunks.
 
-use std::fs::File;
 use std::path::Path;
 
 use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead};
@@ -9,6 +8,7 @@ use crate::error::RecordingError;
 use crate::file_format::FileFormat;
 use crate::format1::rename_columns;
 use crate::names::duplicate;
+use crate::regular;
 
 /// A recording that is read chunk by chunk, in memory that does not grow with its length.
 pub struct RecordingReader {
@@ -23,13 +23,10 @@ impl RecordingReader {
     /// If there is no such file, its extension is not known, or it is no table with named columns.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let format = FileFormat::of(path)?;
-        let file = File::open(path).map_err(|error| match error.kind() {
+        let file = regular::open(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
             _ => RecordingError::io(path, "read", error),
         })?;
-        if path.is_dir() {
-            return Err(RecordingError::io(path, "read", "it is a folder"));
-        }
         let (source, mut names) = match format {
             #[cfg(feature = "parquet")]
             FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,

@@ -1,50 +1,66 @@
 //! A file that appears under its name only when it is complete.
 //!
-//! It is written beside its destination, as `<name>.tmp-<process>`, so that the last step is a
-//! rename within one file system. Dropped before [`Temporary::keep`], it is removed: a run that
-//! fails leaves nothing half-written, and an older file as it was.
+//! It is written beside its destination, under a name that nobody else has, so that the last step
+//! is a rename within one file system. Dropped before [`Temporary::keep`], it is removed: a run
+//! that fails leaves nothing half-written, and an older file as it was.
 
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use tempfile::TempPath;
+
 /// The file, until it has its name.
 #[derive(Debug)]
 pub struct Temporary {
-    beside: PathBuf,
+    beside: TempPath,
     destination: PathBuf,
-    kept: bool,
 }
 
 impl Temporary {
-    /// Opens the file beside its destination.
+    /// Opens the file beside its destination. A destination that is a link is followed; the mode of
+    /// an older file is kept.
     ///
     /// # Errors
-    /// If the destination has no folder, is one, or cannot be written beside.
+    /// If the destination has no folder, is one or a device, or cannot be written beside.
     pub fn create(destination: &Path) -> io::Result<(Self, File)> {
-        let mut name =
-            destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?.to_owned();
-        name.push(format!(".tmp-{}", std::process::id()));
-        let folder = destination.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?;
+        let folder = folder_of(destination);
         if !folder.is_dir() {
             return Err(io::Error::other(format!("there is no folder `{}`", folder.display())));
         }
+        let older = destination.metadata().ok();
         if destination.is_dir() {
             return Err(io::Error::other("it is a folder"));
         }
-        let beside = folder.join(name);
-        let file = File::create(&beside)?;
-        Ok((Self { beside, destination: destination.to_owned(), kept: false }, file))
+        if older.as_ref().is_some_and(|older| !older.is_file()) {
+            return Err(io::Error::other("it is a pipe or a device, and only regular files are written"));
+        }
+        let destination = if older.is_some() { destination.canonicalize()? } else { destination.to_owned() };
+        let prefix = format!(".{}.tmp-", name.to_string_lossy());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix);
+        let permissions = older.map_or_else(new_file_permissions, |older| Some(older.permissions()));
+        if let Some(permissions) = permissions.clone() {
+            builder.permissions(permissions);
+        }
+        let (file, beside) = builder.tempfile_in(folder_of(&destination))?.into_parts();
+        Ok((Self { beside, destination }, file))
     }
 
-    /// Gives the file its name. The caller has flushed it.
-    pub fn keep(mut self) -> io::Result<()> {
-        std::fs::rename(&self.beside, &self.destination)?;
-        self.kept = true;
-        Ok(())
+    /// Gives the file its name, once the disk has its content. The caller has flushed it.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn keep(self) -> io::Result<()> {
+        File::open(&self.beside)?.sync_all()?;
+        self.beside.persist(&self.destination).map_err(|refused| refused.error)
     }
 
     /// Writes a whole file in one go.
+    ///
+    /// # Errors
+    /// As [`Temporary::create`] and [`Temporary::keep`].
     pub fn write(destination: &Path, content: &[u8]) -> io::Result<()> {
         let (temporary, mut file) = Self::create(destination)?;
         io::Write::write_all(&mut file, content)?;
@@ -52,11 +68,57 @@ impl Temporary {
     }
 }
 
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.kept {
-            // Nobody is left to tell; the name says what the file is.
-            let _ = std::fs::remove_file(&self.beside);
-        }
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// For everybody, less what the user's mask takes away: a temporary file would be its owner's only.
+#[cfg(unix)]
+fn new_file_permissions() -> Option<std::fs::Permissions> {
+    use std::os::unix::fs::PermissionsExt as _;
+    Some(std::fs::Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn new_file_permissions() -> Option<std::fs::Permissions> {
+    None
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+
+    #[test]
+    fn two_writers_of_one_name_do_not_meet() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        let ((first, mut one), (second, mut other)) =
+            (Temporary::create(&path).unwrap(), Temporary::create(&path).unwrap());
+        io::Write::write_all(&mut one, b"one").unwrap();
+        io::Write::write_all(&mut other, b"the other").unwrap();
+        first.keep().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        second.keep().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"the other");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_link_is_followed_and_the_mode_of_an_older_file_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        Temporary::write(&file, b"older").unwrap();
+        // Less than all by the mask, which is the user's.
+        let of_new = std::fs::metadata(&file).unwrap().permissions().mode() & 0o777;
+        assert!(of_new & 0o600 == 0o600 && of_new & 0o111 == 0, "{of_new:o}");
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o600)).unwrap();
+        symlink(&file, &link).unwrap();
+        Temporary::write(&link, b"newer").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"newer");
+        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        let device = Temporary::write(Path::new("/dev/null"), b"lost").unwrap_err();
+        assert!(device.to_string().contains("a pipe or a device"), "{device}");
     }
 }

@@ -235,6 +235,22 @@ fn time_must_ascend_and_be_uniform_to_have_a_period() {
     assert!(period("0\n").unwrap_err().ends_with("has one row: a sample period takes at least two"));
 }
 
+/// Files that pyarrow has written, each by one compression.
+#[test]
+fn compressions_of_others_are_read_or_named() {
+    let read = |codec: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../tests/fixtures/{codec}.parquet"));
+        Recording::read(&path).map_err(|error| error.to_string())
+    };
+    for codec in ["gzip", "lz4"] {
+        assert_eq!(read(codec).unwrap().numbers("power_w").unwrap(), [1.0, 2.0, 1.5], "{codec}");
+    }
+    for (codec, name) in [("zstd", "Zstandard"), ("brotli", "Brotli")] {
+        let sentence = read(codec).unwrap_err();
+        assert!(sentence.contains(&format!("is compressed by {name}, which is not read here")), "{sentence}");
+    }
+}
+
 #[test]
 fn missing_and_damaged_files_are_told_apart() {
     assert_eq!(

@@ -41,7 +41,7 @@ impl TomlSource {
     /// # Errors
     /// If it is missing or no text.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path).map_err(|error| FileError {
+        let text = crate::regular::read_text(path).map_err(|error| FileError {
             path: path.to_owned(),
             line: None,
             sentence: match error.kind() {

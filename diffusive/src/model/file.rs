@@ -16,7 +16,7 @@ impl Model {
     /// # Errors
     /// If there is none, or what it holds is no model.
     pub fn read(path: &Path) -> Result<Self, ModelError> {
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        let text = recording::regular::read_text(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => model_error!("there is no such file"),
             std::io::ErrorKind::InvalidData => model_error!(
                 "is no text: a model (.json, from `anemo identify`) belongs here, and comes before a recording"

@@ -6,7 +6,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use parquet::basic::{LogicalType, TimeUnit, Type as Physical};
+use parquet::basic::{Compression, LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArrayType, DataType};
 use parquet::errors::ParquetError;
@@ -49,6 +49,14 @@ impl ParquetReader {
             names.push(column.name().to_owned());
         }
         let groups = file.metadata().row_groups();
+        if let Some(codec) =
+            groups.iter().flat_map(|group| group.columns()).find_map(|column| unread(column.compression()))
+        {
+            let sentence = format!(
+                "is compressed by {codec}, which is not read here: write it with Snappy, gzip, LZ4 or none (compression=\"snappy\" in pandas and Polars)"
+            );
+            return Err(RecordingError::new(path, sentence));
+        }
         // The library asserts this where it reads, which would be a panic.
         for column in groups.iter().flat_map(|group| group.columns()) {
             let offsets =
@@ -70,6 +78,20 @@ impl ParquetReader {
         let column = |&index: &usize| without_panic(|| group.get_column_reader(index));
         self.open.columns = selected.iter().map(column).collect::<Result<_, _>>()?;
         Ok(())
+    }
+}
+
+/// The name of a compression whose library is C code or has its own tables of some 100 KB.
+const fn unread(compression: Compression) -> Option<&'static str> {
+    match compression {
+        Compression::UNCOMPRESSED
+        | Compression::SNAPPY
+        | Compression::GZIP(_)
+        | Compression::LZ4
+        | Compression::LZ4_RAW => None,
+        Compression::ZSTD(_) => Some("Zstandard"),
+        Compression::BROTLI(_) => Some("Brotli"),
+        Compression::LZO => Some("LZO"),
     }
 }
 
