@@ -138,8 +138,8 @@ fn at_least_one(text: &str) -> Result<usize, Failure> {
     count.ok_or_else(|| Failure::usage(format!("`{text}` is no whole number of at least 1")))
 }
 
-/// More rates than seven in each of fourteen decades: no record tells them apart, and the work grows
-/// with their cube.
+/// More rates than seven in each of fourteen decades: no record tells them apart, and the work
+/// grows with their cube.
 const MOST_RATES: usize = 100;
 
 fn rates(text: &str) -> Result<usize, Failure> {

@@ -107,9 +107,9 @@ impl CrashRecord {
     }
 }
 
-/// Passes the cause of a trip from the start, or from a task that may interrupt the controller's, to
-/// the controller. Every value of the word is a valid
-/// trip or none, so that a flipped bit causes another trip at most.
+/// Passes the cause of a trip from the start, or from a task that may interrupt the controller's,
+/// to the controller. Every value of the word is a valid trip or none, so that a flipped bit causes
+/// another trip at most.
 pub struct CrashTrip(AtomicU32);
 
 impl CrashTrip {

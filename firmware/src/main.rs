@@ -214,8 +214,8 @@ mod app {
         DEADLINES.store(DEADLINES.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised by
-    /// the voltage detector, and by `health` as long as the supply is low.
+    /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised
+    /// by the voltage detector, and by `health` as long as the supply is low.
     #[cfg(feature = "sensor-board")]
     #[task(binds = PVD, priority = 6)]
     fn supply_low(_: supply_low::Context) {

@@ -1,5 +1,5 @@
-//! Simulates the sensor board's analogue part by ngspice: one channel, the cut-off of the platinum's
-//! supply, the head's temperature, each with single faults.
+//! Simulates the sensor board's analogue part by ngspice: one channel, the cut-off of the
+//! platinum's supply, the head's temperature, each with single faults.
 //!
 //! `hardware/results.csv` has a line for every number: netlist, case, the parameters that the case
 //! overrides, the quantity (a `.meas` or a printed vector of the netlist), the bounds that the

@@ -1,8 +1,8 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
-//! Targets, toolchains and LLVM's tools come by rustup, QEMU, ngspice, Python, cmake and libclang by
-//! the system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be installed is
-//! named together with the line to type.
+//! Targets, toolchains and LLVM's tools come by rustup, QEMU, ngspice, Python, cmake and libclang
+//! by the system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be
+//! installed is named together with the line to type.
 
 use crate::shell;
 use anyhow::{Context, Result, bail};

@@ -76,8 +76,8 @@ enum Job {
     /// Show on both boards' images that no task can panic and that the stack suffices, and that an
     /// overflow of it ends as a fault
     Safety,
-    /// Simulate the sensor board's analogue part, its cut-off and their single faults by ngspice, and
-    /// compare with hardware/results.csv
+    /// Simulate the sensor board's analogue part, its cut-off and their single faults by ngspice,
+    /// and compare with hardware/results.csv
     Hardware(hardware::HardwareOptions),
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::CostOptions),

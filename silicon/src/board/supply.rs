@@ -6,7 +6,8 @@ use crate::complaint::BrokenRule;
 use crate::soc::power::PROGRAMMING_MV;
 
 impl Board {
-    /// The processor's supply is this from now on, mV. While it is in reset by that, it stands still.
+    /// The processor's supply is this from now on, mV. While it is in reset by that, it stands
+    /// still.
     pub fn set_supply(&mut self, supply_mv: u32) {
         let (was_low, was_held) = (self.power.is_low(), self.power.holds_reset());
         if let Some(source) = self.power.set_supply(supply_mv) {

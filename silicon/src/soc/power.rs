@@ -89,8 +89,8 @@ impl Power {
         self.is_low = self.control & DETECTOR_ENABLE != 0 && self.supply_mv < level;
     }
 
-    /// Wait states that a clock needs at this supply (RM0090, table "Number of wait states according
-    /// to CPU clock frequency").
+    /// Wait states that a clock needs at this supply (RM0090, table "Number of wait states
+    /// according to CPU clock frequency").
     pub const fn wait_states(&self, core_hz: u64) -> u32 {
         let each_hz = match self.supply_mv {
             PROGRAMMING_MV.. => 30_000_000,
