@@ -65,7 +65,11 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
 impl Bench<'_> {
     /// As the start of the firmware does it.
     fn start_anew(&mut self, reset: ResetCause) {
-        self.past = CrashRecord::after(&self.past.record(), reset);
+        // Without supply the RAM is lost.
+        self.past = match reset {
+            ResetCause::PowerOn => CrashRecord::FIRST,
+            _ => CrashRecord::after(&self.past.record()),
+        };
         (self.body, self.receiver) = (InProcess::new(), Receiver::new());
         (self.dead_man, self.bitten, self.pins) = (DeadManCounter::stopped(), false, Heaters::default());
         while self.requests.dequeue().is_some() {}
