@@ -57,7 +57,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         Ok(state.2.write(&mut self.unicorn)?)
     }
 
-    /// Masks all interrupts, as a task would that never ends.
+    /// Masks all interrupts.
     ///
     /// # Errors
     /// If Unicorn fails.
@@ -71,5 +71,20 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     /// If Unicorn fails.
     pub fn set_stack_pointer(&mut self, address: u32) -> Result<(), ProcessorError> {
         Ok(self.unicorn.reg_write(RegisterARM::SP, address.into())?)
+    }
+
+    /// Number of the exception that is handled; 0 outside of all handlers.
+    pub fn handled(&mut self) -> u16 {
+        self.bus_mut().nvic().handled()
+    }
+
+    /// Goes on at `address`, with this in r0, as code would that has gone astray.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn jump(&mut self, address: u32, argument: u32) -> Result<(), ProcessorError> {
+        self.is_asleep = false;
+        self.unicorn.reg_write(RegisterARM::R0, argument.into())?;
+        Ok(self.unicorn.set_pc(u64::from(address | 1))?)
     }
 }
