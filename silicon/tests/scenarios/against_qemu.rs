@@ -269,7 +269,7 @@ fn the_virtual_board_takes_the_same_exceptions_and_says_the_same_as_in_qemu() {
     let (image, input) = (image("firmware"), conversation());
     let (here, there) = (here(&image, "firmware", &input), by_qemu(&image, "firmware", &input));
     assert!(
-        here.steps.len() > 200 && here.bytes.len() > 4_000,
+        here.steps.len() > 200 && here.bytes.len() > 3_000,
         "{} steps, {} bytes",
         here.steps.len(),
         here.bytes.len()
