@@ -85,6 +85,8 @@ pub struct Board {
     debug_sleep_works: bool,
     races_at_watchdog: bool,
     holds_back: bool,
+    /// The dead-man timer's interrupt never comes.
+    has_dead_timer: bool,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
     /// Registers that only remember what was written.
@@ -144,6 +146,7 @@ impl Board {
             debug_sleep_works: true,
             races_at_watchdog: false,
             holds_back: false,
+            has_dead_timer: false,
             held_since: None,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
@@ -173,6 +176,8 @@ impl Board {
         (fresh.now, fresh.next_event) = (self.now, self.now);
         fresh.rcc = Rcc::after(source, self.rcc.status());
         fresh.clocks = fresh.rcc.clocks();
+        fresh.watchdog.is_dead = self.watchdog.is_dead;
+        fresh.has_dead_timer = self.has_dead_timer;
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -270,6 +275,11 @@ impl Board {
     /// debugger's registers.
     pub const fn forbid_debug_sleep(&mut self) {
         self.debug_sleep_works = false;
+    }
+
+    /// The interrupt of the dead-man timer never comes from now on.
+    pub const fn break_timer(&mut self) {
+        self.has_dead_timer = true;
     }
 
     /// From now on the converter has this fault, or none.

@@ -9,6 +9,7 @@ mod guard;
 mod known_defects;
 mod lives;
 mod process;
+mod proof;
 mod rig;
 mod settings;
 mod snapshot;
