@@ -5,6 +5,7 @@
 mod boot;
 mod closed_loop;
 mod crashes;
+mod crashes_in_tasks;
 mod guard;
 mod known_defects;
 mod lives;
