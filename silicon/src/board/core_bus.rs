@@ -4,6 +4,7 @@ use super::address_map::bit_alias;
 use super::{ACCESS_CYCLES, Board, DEBUG_SLEEP};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use crate::processor::mpu::Mpu;
 use crate::processor::nvic::Nvic;
 use crate::soc::access::Access;
 use crate::soc::flash::SETTINGS;
@@ -50,6 +51,10 @@ impl ProcessorBus for Board {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
+    }
+
+    fn mpu(&self) -> &Mpu {
+        &self.system.mpu
     }
 
     fn vector_table(&self) -> u32 {

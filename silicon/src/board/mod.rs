@@ -88,6 +88,8 @@ pub struct Board {
     debug_sleep_works: bool,
     races_at_watchdog: bool,
     holds_back: bool,
+    /// The dead-man timer's interrupt never comes.
+    has_dead_timer: bool,
     waiting: Option<WaitingLoop>,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
@@ -148,6 +150,7 @@ impl Board {
             debug_sleep_works: true,
             races_at_watchdog: false,
             holds_back: false,
+            has_dead_timer: false,
             waiting: None,
             held_since: None,
             remembered: BTreeMap::new(),
@@ -178,6 +181,8 @@ impl Board {
         (fresh.now, fresh.next_event) = (self.now, self.now);
         fresh.rcc = Rcc::after(source, self.rcc.status());
         fresh.clocks = fresh.rcc.clocks();
+        fresh.watchdog.is_dead = self.watchdog.is_dead;
+        fresh.has_dead_timer = self.has_dead_timer;
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -285,6 +290,11 @@ impl Board {
     /// debugger's registers.
     pub const fn forbid_debug_sleep(&mut self) {
         self.debug_sleep_works = false;
+    }
+
+    /// The interrupt of the dead-man timer never comes from now on.
+    pub const fn break_timer(&mut self) {
+        self.has_dead_timer = true;
     }
 
     /// From now on the converter has this fault, or none.

@@ -55,7 +55,7 @@ impl Board {
         let lines = [
             self.exti.line(DATA_READY_PIN),
             self.exti.supply_line(),
-            (timer::INTERRUPT, self.timer.line()),
+            (timer::INTERRUPT, self.timer.line() && !self.has_dead_timer),
             (usart::INTERRUPT, self.usart.line()),
             self.dma.line(dma::RECEIVING),
             self.dma.line(dma::SENDING),

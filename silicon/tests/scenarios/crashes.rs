@@ -89,3 +89,23 @@ fn the_reset_pin_lowers_the_heaters_at_once() {
     assert_eq!((identity.reset, cause), (ResetCause::Pin, None));
     rig.assert_no_complaint();
 }
+
+/// An endless loop in RAM, which all interrupts would go on around: without the memory protection
+/// the instrument would heat on.
+#[test]
+fn a_jump_into_ram_ends_as_a_fault_with_the_heaters_low() {
+    const STACK_END: u32 = 0x2000_0000;
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let at = rig.machine().now();
+    rig.machine().core_mut().write_memory(STACK_END, &[0xfe, 0xe7]).unwrap();
+    rig.machine().core_mut().jump(STACK_END, 0).unwrap();
+    rig.machine().run_for(ms(1_000)).unwrap();
+    let low = *rig.machine().pins().last().unwrap();
+    assert_eq!(low.levels, 0);
+    assert!(low.cycle - at < us(300), "{}", low.cycle - at);
+    let (identity, cause) = after_reset(&rig);
+    assert_eq!(identity.crash.map(|crash| (crash.kind, crash.at)), Some((CrashKind::Fault, STACK_END)));
+    assert_eq!(cause, Some(Cause::Fault));
+    rig.assert_no_complaint();
+}

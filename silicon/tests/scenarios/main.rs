@@ -12,6 +12,7 @@ mod guard;
 mod known_defects;
 mod lives;
 mod process;
+mod proof;
 mod rig;
 mod self_test;
 mod settings;

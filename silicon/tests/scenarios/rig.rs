@@ -73,6 +73,14 @@ impl Rig {
         Self { machine: Rc::new(RefCell::new(machine)) }
     }
 
+    /// A board with a defect in its flash, switched on.
+    pub fn with_flash(change: impl FnOnce(&mut [u8])) -> Self {
+        let mut image = FlashImage::clone(&IMAGE);
+        change(&mut image.flash);
+        let machine = Machine::power_on_image(Arc::new(image), &MachineConfig::default()).unwrap();
+        Self { machine: Rc::new(RefCell::new(machine)) }
+    }
+
     /// A board that has started already, in the wind tunnel of an experiment.
     pub fn of(experiment: &Experiment) -> Self {
         let rig = Self::new(&MachineConfig::default());
