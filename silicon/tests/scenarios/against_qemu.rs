@@ -15,6 +15,7 @@ use host_sim::instrument::setup::ARM;
 use host_sim::run::setup_of;
 use silicon::image::FlashImage;
 use silicon::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use silicon::processor::mpu::Mpu;
 use silicon::processor::nvic::{ExceptionStep, Nvic};
 use silicon::processor::{Pause, Processor, SystemControl};
 use std::collections::BTreeMap;
@@ -60,6 +61,10 @@ impl ProcessorBus for Bare {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
+    }
+
+    fn mpu(&self) -> &Mpu {
+        &self.system.mpu
     }
 
     fn vector_table(&self) -> u32 {
