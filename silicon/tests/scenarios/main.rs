@@ -13,6 +13,7 @@ mod rig;
 mod settings;
 mod snapshot;
 mod soak;
+mod stop;
 mod supervision;
 mod supply;
 mod ticks;
