@@ -18,6 +18,7 @@ mod self_test;
 mod settings;
 mod snapshot;
 mod soak;
+mod stop;
 mod supervision;
 mod supply;
 mod ticks;
