@@ -9,6 +9,7 @@ mod crashes_in_tasks;
 mod guard;
 mod known_defects;
 mod lives;
+mod lock_out;
 mod process;
 mod proof;
 mod rig;
