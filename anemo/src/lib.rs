@@ -37,6 +37,7 @@ mod reduce;
 mod run;
 mod self_test;
 mod settings;
+mod status;
 #[cfg(feature = "studies")]
 mod thesis;
 mod validate;
@@ -73,6 +74,7 @@ Examples:
   anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0
   anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o gusts.csv
   anemo settings show --on serial:/dev/ttyACM0
+  anemo status --on serial:/dev/ttyACM0
 
 again.parquet, id-*.parquet, tunnel.parquet and winds.parquet are made as the
 help of `validate`, `head identify`, `calibrate` and `wind` says; heater.csv and
@@ -88,6 +90,7 @@ enum Subcommands {
     Run(run::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
+    Status(status::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
     Identify(identify::Arguments),
@@ -161,6 +164,7 @@ pub fn main() -> ExitCode {
         Subcommands::Run(arguments) => run::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),
+        Subcommands::Status(arguments) => status::execute(&arguments),
         Subcommands::Check(arguments) => check::execute(&arguments),
         Subcommands::Design(arguments) => design::execute(&arguments),
         Subcommands::Identify(arguments) => identify::execute(&arguments),

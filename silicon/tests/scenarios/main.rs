@@ -11,6 +11,7 @@ mod equal_bits;
 mod guard;
 mod known_defects;
 mod lives;
+mod lock_out;
 mod process;
 mod proof;
 mod rig;
