@@ -33,6 +33,7 @@ mod predict;
 mod predict_against;
 mod progress;
 mod recorded;
+mod recover;
 mod reduce;
 mod run;
 mod self_test;
@@ -86,6 +87,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
+    Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
     Check(check::Arguments),
@@ -159,6 +161,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),
         Subcommands::Check(arguments) => check::execute(&arguments),
