@@ -107,9 +107,9 @@ impl CrashRecord {
     }
 }
 
-/// Passes the cause of a trip from the start, or from a task that may interrupt the controller's,
-/// to the controller. Every value of the word is a valid trip or none, so that a flipped bit causes
-/// another trip at most.
+/// Passes the cause of a trip from the start, from a proof test, or from a task that may interrupt
+/// the controller's, to the controller. Every value of the word is a valid trip or none, so that a
+/// flipped bit causes another trip at most.
 pub struct CrashTrip(AtomicU32);
 
 impl CrashTrip {
@@ -132,7 +132,15 @@ impl CrashTrip {
     pub fn take(&self) -> Option<Cause> {
         let word = self.0.load(Relaxed).checked_sub(1)?;
         self.0.store(0, Relaxed);
-        let known = [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut];
+        let known = [
+            Cause::Panic,
+            Cause::Fault,
+            Cause::Watchdog,
+            Cause::BrownOut,
+            Cause::Memory,
+            Cause::Clock,
+            Cause::ProofTest,
+        ];
         Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
     }
 }
@@ -165,7 +173,7 @@ mod tests {
     fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
         let trip = CrashTrip::none();
         assert_eq!(trip.take(), None);
-        for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut] {
+        for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut, Cause::Memory, Cause::ProofTest] {
             trip.put(cause);
             assert!(trip.waits());
             assert_eq!([trip.take(), trip.take()], [Some(cause), None]);

@@ -13,5 +13,6 @@ pub mod dead_man;
 pub mod drivers;
 pub mod inbox;
 pub mod outbox;
+pub mod proof;
 pub mod queue;
 pub mod settings;

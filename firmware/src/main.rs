@@ -83,8 +83,8 @@ mod app {
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// The crash of an earlier start has been acknowledged.
     static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
-    /// Trip for the end of the last run of the firmware, or for a falling supply, until the
-    /// controller has taken it.
+    /// Trip for the end of the last run of the firmware, for a failed proof test or a falling
+    /// supply, until the controller has taken it.
     static CRASH_TRIP: CrashTrip = CrashTrip::none();
     static STANDBY_LOCK: StandbyLock = StandbyLock::starting();
     /// `serve_settings` must set the instrument up before anything else; true after a start.
@@ -187,14 +187,24 @@ mod app {
         )
     }
 
-    /// Sleeps until an interrupt. The virtual board waits for its host here and passes on the bytes
-    /// received.
-    #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox])]
+    /// Proves the dead-man timer, then tests the memories and sleeps until an interrupt. The
+    /// virtual board waits for its host here and passes on the bytes received.
+    #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox, findings])]
     // Under its own name in the image, where `cargo xtask safety` looks for it: what runs before it
     // is start-up.
     #[inline(never)]
     fn idle(mut cx: idle::Context) -> ! {
+        // Of what control uses, so that control waits, and the dead-man timer does not.
+        cx.shared.findings.lock(|_| {
+            cx.local.idler.prove_dead_man();
+            OUTPUT_TIMED_OUT.store(false, Relaxed);
+            DEADLINES.store(0, Relaxed);
+        });
         loop {
+            if let Some(cause) = cx.local.idler.check() {
+                CRASH_TRIP.put(cause);
+                rtic::pend(CONTROL);
+            }
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
                     wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));

@@ -6,6 +6,7 @@
 //! | [`symbols`] | sections and symbols of an ELF image, with their sizes |
 //! | [`code`] | functions of an ELF image, with their decoded instructions |
 //! | [`call_graph`] | which function calls which, and the stack frame of each, from the machine code |
+//! | [`checksum`] | what the checksum of an image covers, and where it stands |
 //! | [`thumb`] | what one decoded instruction means for those two |
 //! | [`panics`] | ways from a task to a panic |
 //! | [`stack`] | the most stack that all priorities can take together |
@@ -16,6 +17,7 @@
 #![warn(missing_docs)]
 
 pub mod call_graph;
+pub mod checksum;
 pub mod code;
 pub mod cortex_m4;
 pub mod panics;

@@ -26,6 +26,9 @@ pub enum BrokenRule {
     /// Of the buses.
     #[error("the core runs at 168 MHz at the most, APB1 at 42, APB2 at 84")]
     ClockTooFast,
+    /// Of the memory protection.
+    #[error("a region has 32 bytes or more, a power of two, and begins at a multiple of its size")]
+    MpuRegion,
     /// Of the flash.
     #[error("{needed} wait states are needed at this clock and supply, {set} are set")]
     WaitStates {
@@ -133,6 +136,9 @@ pub enum BrokenRule {
     /// Of the board.
     #[error("a heater is high while the board reports that none may be")]
     HeaterHigh,
+    /// Of the board.
+    #[error("a heater is high without a valid reading of its element within two ticks")]
+    HeaterUnread,
 }
 
 /// A rule that was broken: when, where.

@@ -47,6 +47,15 @@ impl FlashImage {
         let rtt = rtt.ok_or_else(|| no_image("it has no log for a probe"))?;
         Ok(Self { flash, rtt, elf })
     }
+
+    /// Address of the function whose mangled name ends so; none if there is none.
+    pub fn function(&self, ending: &str) -> Option<u32> {
+        let file = object::File::parse(&*self.elf).ok()?;
+        let mut symbols = file.symbols();
+        symbols
+            .find(|symbol| symbol.name().is_ok_and(|name| name.ends_with(ending)))
+            .map(|symbol| symbol.address() as u32)
+    }
 }
 
 fn flash_of(elf: &[u8]) -> Option<Vec<u8>> {

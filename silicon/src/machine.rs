@@ -16,6 +16,9 @@ use std::sync::Arc;
 /// The log is read so often; its ring holds a kilobyte.
 const LOG_EVERY: u64 = ms(10);
 
+/// A period of the watchdog in which nothing but its proof test can run.
+const PROOF_PERIOD: u64 = ms(10);
+
 /// Nominal frequency of the watchdog's oscillator.
 pub const NOMINAL_OSCILLATOR_HZ: u64 = 32_000;
 
@@ -57,6 +60,7 @@ pub struct Machine {
     core: Processor<Board>,
     log: RttLog,
     resets: Vec<PastReset>,
+    proofs: usize,
 }
 
 /// Everything that a machine is between two instructions.
@@ -67,6 +71,7 @@ pub struct Snapshot {
     core: (bool, bool, CoreRegisters),
     log: RttLog,
     resets: Vec<PastReset>,
+    proofs: usize,
 }
 
 impl Machine {
@@ -89,7 +94,7 @@ impl Machine {
         // RAM after power-on holds anything; this is one such thing, always the same.
         core.set_ram(&vec![0xa5; core.ram()?.len()])?;
         core.start()?;
-        Ok(Self { image, core, log: RttLog::default(), resets: Vec::new() })
+        Ok(Self { image, core, log: RttLog::default(), resets: Vec::new(), proofs: 0 })
     }
 
     /// The time.
@@ -112,7 +117,13 @@ impl Machine {
         &mut self.core
     }
 
-    /// Resets so far.
+    /// Resets by which the firmware has proved its watchdog: with a period far below any that lets
+    /// it work.
+    pub const fn proofs(&self) -> usize {
+        self.proofs
+    }
+
+    /// All other resets so far.
     pub fn resets(&self) -> &[PastReset] {
         &self.resets
     }
@@ -175,6 +186,16 @@ impl Machine {
         Ok(())
     }
 
+    /// Masks all interrupts, as a task would that never ends.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn mask_interrupts(&mut self) -> Result<(), MachineError> {
+        let now = self.now();
+        self.board_mut().witness.core_stops(now);
+        Ok(self.core.mask_interrupts()?)
+    }
+
     /// Resets the processor from outside: the pin, or the supply.
     ///
     /// # Errors
@@ -187,7 +208,11 @@ impl Machine {
     fn reset(&mut self) -> Result<(), MachineError> {
         self.log.collect(&self.image, &mut self.core)?;
         let Some(source) = self.board().pending_reset() else { return Ok(()) };
-        self.resets.push(PastReset { cycle: self.now(), source });
+        if source == ResetSource::Watchdog && self.board().watchdog.period() < PROOF_PERIOD {
+            self.proofs += 1;
+        } else {
+            self.resets.push(PastReset { cycle: self.now(), source });
+        }
         let keeps_ram = self.board().keeps_ram();
         self.board_mut().reset(source);
         if !keeps_ram {
@@ -208,6 +233,7 @@ impl Machine {
             core: self.core.state()?,
             log: self.log.clone(),
             resets: self.resets.clone(),
+            proofs: self.proofs,
         })
     }
 
@@ -220,7 +246,7 @@ impl Machine {
         self.core.set_ram(&snapshot.ram)?;
         self.core.set_state(&snapshot.core)?;
         self.log = snapshot.log.clone();
-        self.resets = snapshot.resets.clone();
+        (self.resets, self.proofs) = (snapshot.resets.clone(), snapshot.proofs);
         Ok(())
     }
 }

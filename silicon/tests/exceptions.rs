@@ -3,6 +3,7 @@
 
 use silicon::processor::Processor;
 use silicon::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use silicon::processor::mpu::Mpu;
 use silicon::processor::nvic::{FIRST_INTERRUPT, Nvic};
 
 const FLASH: usize = 0x0800_0000;
@@ -31,6 +32,7 @@ const INNER: &[u16] = &[0x2077, 0xeeb1, 0x0a00, 0x2240, 0x0612, 0x6050, 0x4770];
 struct Notebook {
     now: u64,
     nvic: Nvic,
+    mpu: Mpu,
     interrupt_at: u64,
     attention: bool,
     stores: Vec<(u32, u32)>,
@@ -52,6 +54,10 @@ impl ProcessorBus for Notebook {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.nvic
+    }
+
+    fn mpu(&self) -> &Mpu {
+        &self.mpu
     }
 
     fn vector_table(&self) -> u32 {
@@ -127,7 +133,7 @@ fn run(outer: u8, inner: u8) -> Vec<(u32, u32)> {
     nvic.write_enable(0, 0b11, true);
     nvic.set_priority_byte(FIRST_INTERRUPT, outer);
     nvic.set_priority_byte(FIRST_INTERRUPT + 1, inner);
-    let bus = Notebook { now: 0, nvic, interrupt_at: 1_000, attention: false, stores: Vec::new() };
+    let bus = Notebook { now: 0, mpu: Mpu::default(), nvic, interrupt_at: 1_000, attention: false, stores: Vec::new() };
     let mut core = Processor::new(bus, &flash()).unwrap();
     core.start().unwrap();
     core.run(5_000).unwrap();

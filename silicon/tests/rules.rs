@@ -325,3 +325,16 @@ fn the_watchdog_is_watched() {
     // (499 + 1)·32/32 kHz.
     assert_eq!(bench.0.watchdog.period(), ms(500));
 }
+
+#[test]
+fn regions_of_the_memory_protection_are_watched() {
+    const MPU: u32 = 0xe000_ed90;
+    let mut bench = Bench::running();
+    assert_eq!(bench.load(MPU), 0x800);
+    // 128 KiB of RAM.
+    bench.store(MPU + 0x0c, 0x2000_0000 | 1 << 4 | 2).store(MPU + 0x10, 3 << 24 | 16 << 1 | 1);
+    bench.is_content();
+    bench.store(MPU + 0x0c, 0x2000_8000 | 1 << 4 | 2).complains(BrokenRule::MpuRegion);
+    let mut bench = Bench::running();
+    bench.store(MPU + 0x10, 3 << 24 | 3 << 1 | 1).complains(BrokenRule::MpuRegion);
+}

@@ -2,6 +2,7 @@
 //!
 //! Paths are read from cargo's own messages, so that any target directory works.
 
+use crate::checksum;
 use crate::install::{self, TARGET};
 use crate::shell;
 use anyhow::{Context, Result};
@@ -60,6 +61,7 @@ pub fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     // Both boards' images are built under one name, so each is kept apart under its own.
     let kept = built.with_file_name(format!("{bin}-{}.elf", board.feature()));
     std::fs::copy(&built, &kept).with_context(|| format!("{} cannot be written", kept.display()))?;
+    checksum::fill_in(&kept)?;
     Ok(kept)
 }
 

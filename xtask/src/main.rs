@@ -3,6 +3,7 @@
 
 mod artefacts;
 mod book;
+mod checksum;
 mod ci;
 mod cost;
 mod coverage;

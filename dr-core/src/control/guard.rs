@@ -13,8 +13,9 @@
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
-//! a pin that could not be set; and after an unrequested start `Panic`, `Fault`, `Watchdog` and
-//! `BrownOut`.
+//! a pin that could not be set; after an unrequested start `Panic`, `Fault`, `Watchdog` and
+//! `BrownOut`; and by its proof tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or
+//! the watchdog.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
@@ -47,6 +48,10 @@ pub enum Cause {
     Fault,
     Watchdog,
     BrownOut,
+    Memory,
+    Clock,
+    #[strum(to_string = "proof-test")]
+    ProofTest,
 }
 
 impl Cause {
@@ -271,7 +276,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 16] = [
+        const ALL: [Cause; 19] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -288,6 +293,9 @@ mod tests {
             Cause::Fault,
             Cause::Watchdog,
             Cause::BrownOut,
+            Cause::Memory,
+            Cause::Clock,
+            Cause::ProofTest,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {

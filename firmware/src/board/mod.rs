@@ -9,7 +9,7 @@
 //! | `HostReceiver`, `HostTransmitter` | bytes from the host, frames to it |
 //! | `Watchdog` | `feed` |
 //! | `SettingsFlash`, `settings_flash` | where settings are kept |
-//! | `Idler` | `wait` sleeps |
+//! | `Idler` | `wait` sleeps, `check` and `prove_dead_man` are proof tests |
 //! | `heaters_low` | from any context, owning nothing |
 //! | `restart` | a new start after a panic or a fault |
 //! | `acknowledge_dead_man` | clears the interrupt of the dead-man timer |

@@ -13,7 +13,7 @@ mod port;
 mod registers;
 
 pub use fault::AdcFault;
-pub use port::Adc;
+pub use port::{Adc, FRAME_BYTES};
 
 /// Channels of the chip.
 pub const CHANNELS: usize = 6;

@@ -17,7 +17,8 @@ const SPI_MODE: u32 = 0b01;
 const FASTEST_HZ: u64 = 20_000_000;
 /// Start-up of the internal reference.
 const REFERENCE_SETTLES: u64 = ms(150);
-const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
+/// Status and six codes.
+pub const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
 const MARK: u8 = 0xc0;
 
 /// The chip.
@@ -42,6 +43,8 @@ pub struct Adc {
     reference_since: Option<u64>,
     fault: Option<AdcFault>,
     random: u32,
+    /// Of the frame that leaves, what the faults have made of it.
+    sent: [u8; FRAME_BYTES],
     /// Frames read to their end.
     pub frames_read: u64,
     /// Conversions so far.
@@ -69,6 +72,7 @@ impl Adc {
             reference_since: None,
             fault: None,
             random: 0xace1,
+            sent: [0; FRAME_BYTES],
             frames_read: 0,
             conversions: 0,
         }
@@ -187,6 +191,11 @@ impl Adc {
         }
     }
 
+    /// The last frame that was read to its end, as it was on the bus.
+    pub const fn last_frame(&self) -> &[u8; FRAME_BYTES] {
+        &self.sent
+    }
+
     /// A byte on the bus; gives what the chip sends meanwhile.
     pub fn exchange(&mut self, byte: SpiByte, plant: &mut SensorPlant, complaints: &mut Complaints) -> u8 {
         if !self.is_selected || self.resets_since.is_some() {
@@ -202,7 +211,12 @@ impl Adc {
         if at < self.ready_at {
             complaints.add(at, "ADC", BrokenRule::AdcResetTime);
         }
+        let (is_frame, place) = (self.shift.len() == FRAME_BYTES && self.left > 0, self.shift.len() - self.left);
         let answer = self.shift_out(at, complaints);
+        let answer = self.disturb(answer);
+        if is_frame {
+            self.sent[place] = answer;
+        }
         let gap = at.saturating_sub(self.last_byte);
         self.last_byte = at;
         // While data leave, zeros go in: no command.
@@ -213,7 +227,7 @@ impl Adc {
             self.command.push(sent);
             self.obey(at, plant, complaints);
         }
-        self.disturb(answer)
+        answer
     }
 
     /// What the faults make of a byte that is sent.

@@ -132,6 +132,9 @@ impl Board {
             0xe004_2000..0xe004_2400 => drop(self.remembered.insert(address, value)),
             0xe000_0000..0xe010_0000 => {
                 self.system.store(address, size, value, self.now, core_hz)?;
+                if !self.system.mpu.is_valid() {
+                    self.complaints.add(self.now, "MPU_RASR", BrokenRule::MpuRegion);
+                }
                 if self.system.reset_requested {
                     self.request_reset(ResetSource::Software);
                 }

@@ -4,6 +4,7 @@ use super::address_map::bit_alias;
 use super::{ACCESS_CYCLES, Board, DEBUG_SLEEP};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use crate::processor::mpu::Mpu;
 use crate::processor::nvic::Nvic;
 use crate::soc::access::Access;
 use crate::soc::flash::SETTINGS;
@@ -12,6 +13,7 @@ use crate::time::CYCLES_PER_SECOND;
 impl ProcessorBus for Board {
     fn load(&mut self, address: u32, size: usize) -> Result<u32, BusFault> {
         self.now += ACCESS_CYCLES;
+        self.leave_out_rounds(address);
         if SETTINGS.contains(&address) {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
@@ -31,6 +33,7 @@ impl ProcessorBus for Board {
 
     fn store(&mut self, address: u32, size: usize, value: u32) -> Result<(), BusFault> {
         self.now += ACCESS_CYCLES;
+        self.waiting = None;
         if SETTINGS.contains(&address) {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
@@ -48,6 +51,10 @@ impl ProcessorBus for Board {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
+    }
+
+    fn mpu(&self) -> &Mpu {
+        &self.system.mpu
     }
 
     fn vector_table(&self) -> u32 {

@@ -11,12 +11,14 @@
 //! | `wires` | pins, lines of interrupts, the converter's bus |
 //! | `events` | what is due by itself |
 //! | `supply` | the supply, as it falls and rises |
+//! | `waiting` | loops that wait, of which most rounds are left out |
 //! | `core_bus` | the board as its core sees it |
 
 mod address_map;
 mod core_bus;
 mod events;
 mod supply;
+mod waiting;
 mod wires;
 
 use crate::adc::{Adc, AdcFault};
@@ -39,6 +41,7 @@ use crate::soc::usart::Usart;
 use crate::soc::watchdog::IndependentWatchdogModel;
 use crate::witness::HeaterWitness;
 use std::collections::BTreeMap;
+use waiting::WaitingLoop;
 
 const HEATERS: u32 = 0x3f;
 const SELECT_PIN: u32 = 4;
@@ -85,6 +88,9 @@ pub struct Board {
     debug_sleep_works: bool,
     races_at_watchdog: bool,
     holds_back: bool,
+    /// The dead-man timer's interrupt never comes.
+    has_dead_timer: bool,
+    waiting: Option<WaitingLoop>,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
     /// Registers that only remember what was written.
@@ -144,6 +150,8 @@ impl Board {
             debug_sleep_works: true,
             races_at_watchdog: false,
             holds_back: false,
+            has_dead_timer: false,
+            waiting: None,
             held_since: None,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
@@ -173,6 +181,8 @@ impl Board {
         (fresh.now, fresh.next_event) = (self.now, self.now);
         fresh.rcc = Rcc::after(source, self.rcc.status());
         fresh.clocks = fresh.rcc.clocks();
+        fresh.watchdog.is_dead = self.watchdog.is_dead;
+        fresh.has_dead_timer = self.has_dead_timer;
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -228,6 +238,13 @@ impl Board {
         self.touch();
     }
 
+    /// The crystal runs again.
+    pub fn mend_crystal(&mut self) {
+        self.rcc.mend_crystal();
+        self.set_clocks();
+        self.touch();
+    }
+
     /// Connects another sensor.
     pub fn connect(&mut self, mut plant: SensorPlant) {
         plant.follow(&self.plant);
@@ -238,7 +255,10 @@ impl Board {
     /// firmware has asked for that; all other timers go on.
     pub fn hold_core(&mut self, hold: bool) {
         match (self.held_since, hold) {
-            (None, true) => self.held_since = Some(self.now),
+            (None, true) => {
+                self.held_since = Some(self.now);
+                self.witness.core_stops(self.now);
+            }
             (Some(since), false) => {
                 if self.watchdog_stands_still() {
                     self.watchdog.postpone(self.now - since);
@@ -270,6 +290,11 @@ impl Board {
     /// debugger's registers.
     pub const fn forbid_debug_sleep(&mut self) {
         self.debug_sleep_works = false;
+    }
+
+    /// The interrupt of the dead-man timer never comes from now on.
+    pub const fn break_timer(&mut self) {
+        self.has_dead_timer = true;
     }
 
     /// From now on the converter has this fault, or none.

@@ -12,7 +12,11 @@ impl Board {
     pub(super) fn run_bus(&mut self) {
         while let Some(byte) = self.spi.take_finished(self.now, self.clocks.apb2_hz) {
             let was_low = self.adc.data_ready_low();
+            let frames = self.adc.frames_read;
             let answer = self.adc.exchange(byte, &mut self.plant, &mut self.complaints);
+            if self.adc.frames_read != frames {
+                self.witness.read(byte.at, self.adc.last_frame());
+            }
             let mut access = Access { now: byte.at, clocks: self.clocks, complaints: &mut self.complaints };
             self.spi.answer(answer, &mut access);
             if was_low && !self.adc.data_ready_low() {
@@ -51,7 +55,7 @@ impl Board {
         let lines = [
             self.exti.line(DATA_READY_PIN),
             self.exti.supply_line(),
-            (timer::INTERRUPT, self.timer.line()),
+            (timer::INTERRUPT, self.timer.line() && !self.has_dead_timer),
             (usart::INTERRUPT, self.usart.line()),
             self.dma.line(dma::RECEIVING),
             self.dma.line(dma::SENDING),

@@ -1,5 +1,6 @@
 //! What the processor is connected to: the peripherals, as it sees them.
 
+use super::mpu::Mpu;
 use super::nvic::Nvic;
 
 /// Nothing answers at this address.
@@ -44,6 +45,9 @@ pub trait ProcessorBus {
 
     /// Exceptions.
     fn nvic(&mut self) -> &mut Nvic;
+
+    /// What may be read, written and executed where.
+    fn mpu(&self) -> &Mpu;
 
     /// Where the vectors stand.
     fn vector_table(&self) -> u32;

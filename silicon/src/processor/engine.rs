@@ -11,6 +11,7 @@
 use super::bus::{MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
+use super::mpu::Mpu;
 use super::nvic::HARD_FAULT;
 use std::ops::Range;
 use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
@@ -76,6 +77,8 @@ pub struct Processor<B: ProcessorBus + 'static> {
     pub(super) unicorn: Unicorn<'static, Surroundings<B>>,
     pub(super) is_asleep: bool,
     pub(super) is_locked: bool,
+    /// What the memories are protected by now.
+    protected_by: Mpu,
 }
 
 impl<B: ProcessorBus + 'static> Processor<B> {
@@ -111,9 +114,10 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 Some(move |unicorn: &mut Unicorn<'_, Surroundings<B>>, offset: u64, size: usize| {
                     let address = (start + offset) as u32;
                     let around = unicorn.get_data_mut();
+                    let may_read = is_core(address) || around.bus.mpu().rights(address).read;
                     match around.bus.load(address, size) {
-                        Ok(value) => u64::from(value),
-                        Err(_) => {
+                        Ok(value) if may_read => u64::from(value),
+                        _ => {
                             around.bus_fault = Some(address);
                             0
                         }
@@ -124,7 +128,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     let is_masked = unicorn.reg_read(RegisterARM::PRIMASK).is_ok_and(|mask| mask & 1 == 1);
                     let around = unicorn.get_data_mut();
                     around.bus.holds_back(is_masked);
-                    if around.bus.store(address, size, value as u32).is_err() {
+                    let may_write = is_core(address) || around.bus.mpu().rights(address).write;
+                    if !may_write || around.bus.store(address, size, value as u32).is_err() {
                         around.bus_fault = Some(address);
                     }
                     do_memory_jobs(unicorn);
@@ -136,7 +141,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             unicorn.get_data_mut().exception = Some(number);
             unicorn.emu_stop().ok();
         })?;
-        Ok(Self { unicorn, is_asleep: false, is_locked: false })
+        Ok(Self { unicorn, is_asleep: false, is_locked: false, protected_by: Mpu::default() })
     }
 
     /// What is around it.
@@ -199,6 +204,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 continue;
             }
             bus.attended();
+            self.protect()?;
             self.take_exceptions()?;
             if self.is_asleep {
                 if self.bus_mut().nvic().wakes() {
@@ -213,6 +219,31 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             }
             self.emulate(next)?;
         }
+    }
+
+    /// Gives the memories the rights that the memory protection unit says, if it has changed.
+    fn protect(&mut self) -> Result<(), ProcessorError> {
+        let mpu = *self.bus().mpu();
+        if mpu == self.protected_by {
+            return Ok(());
+        }
+        self.protected_by = mpu;
+        for Range { start, end } in [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.start, SETTINGS.end..FLASH_END] {
+            let rights = mpu.rights(start as u32);
+            let mut allowed = Prot::NONE;
+            for (is_allowed, right) in [
+                (rights.read, Prot::READ),
+                // Code is never stored to: that is a fault with or without protection.
+                (rights.write && start == RAM, Prot::WRITE),
+                (rights.execute, Prot::EXEC),
+            ] {
+                if is_allowed {
+                    allowed |= right;
+                }
+            }
+            self.unicorn.mem_protect(start, end - start, allowed)?;
+        }
+        Ok(())
     }
 
     /// Emulates instructions until something asks for a stop.
@@ -310,6 +341,11 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         self.unicorn.mem_read(address.into(), &mut bytes)?;
         Ok(u32::from_le_bytes(bytes))
     }
+}
+
+/// Whether it is a register of the core, which is outside of the memory protection.
+const fn is_core(address: u32) -> bool {
+    address >> 20 == 0xe00
 }
 
 /// The priority before which nothing is handled, by the mask registers.

@@ -7,6 +7,7 @@
 //! | `probe` | memory and registers from outside |
 //! | `registers` | all registers, to be kept and put back |
 //! | `cycles` | what a block of instructions costs |
+//! | `mpu` | what may be read, written and executed where |
 //! | `nvic` | which exceptions wait and which goes first |
 //! | `systick`, `cycle_counter`, `system_control` | the core's own registers |
 //! | `bus` | what the processor asks of its surroundings |
@@ -16,6 +17,7 @@ mod cycle_counter;
 mod cycles;
 mod engine;
 mod exception;
+pub mod mpu;
 pub mod nvic;
 mod probe;
 mod registers;

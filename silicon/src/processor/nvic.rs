@@ -61,6 +61,11 @@ impl Nvic {
         }
     }
 
+    /// The exception whose handler runs; 0 if none does.
+    pub fn handled(&self) -> u16 {
+        self.active.last().copied().unwrap_or(0)
+    }
+
     /// Priority of what runs.
     pub fn running_priority(&self) -> i32 {
         self.active.iter().map(|&exception| self.priority_of(exception)).min().unwrap_or(THREAD_PRIORITY)

@@ -3,7 +3,7 @@
 use super::bus::ProcessorBus;
 use super::engine::{Processor, ProcessorError, RAM, RAM_BYTES};
 use super::registers::CoreRegisters;
-use unicorn_engine::RegisterARM;
+use unicorn_engine::{HookType, RegisterARM};
 
 impl<B: ProcessorBus + 'static> Processor<B> {
     /// Bytes of RAM or code.
@@ -57,7 +57,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         Ok(state.2.write(&mut self.unicorn)?)
     }
 
-    /// Masks all interrupts, as a task would that never ends.
+    /// Masks all interrupts.
     ///
     /// # Errors
     /// If Unicorn fails.
@@ -71,5 +71,37 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     /// If Unicorn fails.
     pub fn set_stack_pointer(&mut self, address: u32) -> Result<(), ProcessorError> {
         Ok(self.unicorn.reg_write(RegisterARM::SP, address.into())?)
+    }
+
+    /// From now on a bit of a word of RAM reads as a one, or as a zero, whatever is written.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn stick_bit(&mut self, word: u32, bit: u32, high: bool) -> Result<(), ProcessorError> {
+        let (start, mask) = (u64::from(word & !3), 1_u32 << bit);
+        self.unicorn.add_mem_hook(HookType::MEM_READ, start, start + 3, move |unicorn, _, _, _, _| {
+            let mut bytes = [0; 4];
+            let is_read = unicorn.mem_read(start, &mut bytes).is_ok();
+            let word = u32::from_le_bytes(bytes);
+            let stuck = if high { word | mask } else { word & !mask };
+            is_read && unicorn.mem_write(start, &stuck.to_le_bytes()).is_ok()
+        })?;
+        // Code that was translated before asks no hook.
+        Ok(self.unicorn.ctl_flush_tb()?)
+    }
+
+    /// Number of the exception that is handled; 0 outside of all handlers.
+    pub fn handled(&mut self) -> u16 {
+        self.bus_mut().nvic().handled()
+    }
+
+    /// Goes on at `address`, with this in r0, as code would that has gone astray.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn jump(&mut self, address: u32, argument: u32) -> Result<(), ProcessorError> {
+        self.is_asleep = false;
+        self.unicorn.reg_write(RegisterARM::R0, argument.into())?;
+        Ok(self.unicorn.set_pc(u64::from(address | 1))?)
     }
 }

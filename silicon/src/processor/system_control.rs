@@ -1,8 +1,9 @@
-//! The core's own registers: interrupt controller, SysTick, control block, cycle counter (ARMv7-M,
-//! "System Control Space").
+//! The core's own registers: interrupt controller, SysTick, control block, memory protection, cycle
+//! counter (ARMv7-M, "System Control Space").
 
 use super::bus::BusFault;
 use super::cycle_counter::CycleCounter;
+use super::mpu::Mpu;
 use super::nvic::{FIRST_INTERRUPT, Nvic, PENDSV, SYSTICK};
 use super::systick::SysTick;
 use std::collections::BTreeMap;
@@ -12,6 +13,9 @@ const AIRCR_KEY: u32 = 0x05fa;
 const SYSRESETREQ: u32 = 1 << 2;
 /// Where the flash stands besides at zero.
 const FLASH: u32 = 0x0800_0000;
+/// MPU_TYPE, and the end of its registers.
+pub const MPU: u32 = 0xe000_ed90;
+pub const MPU_END: u32 = 0xe000_eda4;
 /// Cortex-M4 r0p1.
 const CPUID: u32 = 0x410f_c241;
 
@@ -20,6 +24,8 @@ const CPUID: u32 = 0x410f_c241;
 pub struct SystemControl {
     /// Exceptions.
     pub nvic: Nvic,
+    /// What may be read, written and executed where.
+    pub mpu: Mpu,
     /// Its timer.
     pub systick: SysTick,
     /// Its cycle counter.
@@ -51,6 +57,7 @@ impl SystemControl {
             0xe000_ed00 => CPUID,
             0xe000_ed08 => self.vector_table,
             0xe000_ed18..0xe000_ed24 => self.priorities(4 + (address - 0xe000_ed18) as u16),
+            MPU..MPU_END => self.mpu.load(address - MPU),
             0xe000_0000..0xe004_0000 => self.remembered.get(&address).copied().unwrap_or(0),
             _ => return Err(BusFault(address)),
         })
@@ -86,6 +93,7 @@ impl SystemControl {
             0xe000_ed0c => self.reset_requested |= value >> 16 == AIRCR_KEY && value & SYSRESETREQ != 0,
             // STIR.
             0xe000_ef00 => self.nvic.pend(FIRST_INTERRUPT + (value & 0x1ff) as u16),
+            MPU..MPU_END => self.mpu.store(address - MPU, value),
             0xe000_0000..0xe004_0000 => drop(self.remembered.insert(address, value)),
             _ => return Err(BusFault(address)),
         }

@@ -25,6 +25,8 @@ pub struct IndependentWatchdogModel {
     reload_until: u64,
     is_open: bool,
     is_on: bool,
+    /// It never resets anything.
+    pub is_dead: bool,
     ends_at: u64,
     /// Reloads so far.
     pub reloads: u64,
@@ -44,6 +46,7 @@ impl IndependentWatchdogModel {
             reload_until: 0,
             is_open: false,
             is_on: false,
+            is_dead: false,
             ends_at: 0,
             reloads: 0,
             least_left: u64::MAX,
@@ -57,7 +60,7 @@ impl IndependentWatchdogModel {
 
     /// When it resets the processor.
     pub const fn ends_at(&self) -> u64 {
-        if self.is_on { self.ends_at } else { u64::MAX }
+        if self.is_on && !self.is_dead { self.ends_at } else { u64::MAX }
     }
 
     /// The period that counts now, in core cycles.

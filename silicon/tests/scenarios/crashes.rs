@@ -10,12 +10,12 @@ use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use wire::{CrashKind, ResetCause};
 
-fn heating() -> Experiment {
+pub fn heating() -> Experiment {
     Experiment { sample_period_s: 0.01, ..experiment("held.toml", 1_000) }
 }
 
 /// Starts heating; a heater is high then.
-fn heat(rig: &Rig) {
+pub fn heat(rig: &Rig) {
     let experiment = heating();
     let mut instrument = rig.instrument();
     start(&experiment, &mut instrument).unwrap();
@@ -25,7 +25,7 @@ fn heat(rig: &Rig) {
 
 /// What the board says of itself after a reset: why it has started, and why it keeps its heaters
 /// low.
-fn after_reset(rig: &Rig) -> (wire::Identity, Option<Cause>) {
+pub fn after_reset(rig: &Rig) -> (wire::Identity, Option<Cause>) {
     let mut instrument = rig.instrument();
     let identity = instrument.identity().clone();
     let state = instrument.observe().unwrap().sample.state;
@@ -40,7 +40,7 @@ fn a_core_that_stops_is_reset_by_the_watchdog_at_any_of_its_speeds() {
             Rig::new(&MachineConfig { sensor: heating().sensor_config().unwrap(), oscillator_hz: Some(oscillator_hz) });
         heat(&rig);
         let at = rig.machine().now();
-        rig.machine().core_mut().mask_interrupts().unwrap();
+        rig.machine().mask_interrupts().unwrap();
         rig.machine().run_for(ms(2_000)).unwrap();
         let resets = rig.machine().resets().to_vec();
         assert_eq!(resets.len(), 1);
@@ -87,5 +87,25 @@ fn the_reset_pin_lowers_the_heaters_at_once() {
     assert_eq!((last.levels, last.cycle), (0, at));
     let (identity, cause) = after_reset(&rig);
     assert_eq!((identity.reset, cause), (ResetCause::Pin, None));
+    rig.assert_no_complaint();
+}
+
+/// An endless loop in RAM, which all interrupts would go on around: without the memory protection
+/// the instrument would heat on.
+#[test]
+fn a_jump_into_ram_ends_as_a_fault_with_the_heaters_low() {
+    const STACK_END: u32 = 0x2000_0000;
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let at = rig.machine().now();
+    rig.machine().core_mut().write_memory(STACK_END, &[0xfe, 0xe7]).unwrap();
+    rig.machine().core_mut().jump(STACK_END, 0).unwrap();
+    rig.machine().run_for(ms(1_000)).unwrap();
+    let low = *rig.machine().pins().last().unwrap();
+    assert_eq!(low.levels, 0);
+    assert!(low.cycle - at < us(300), "{}", low.cycle - at);
+    let (identity, cause) = after_reset(&rig);
+    assert_eq!(identity.crash.map(|crash| (crash.kind, crash.at)), Some((CrashKind::Fault, STACK_END)));
+    assert_eq!(cause, Some(Cause::Fault));
     rig.assert_no_complaint();
 }

@@ -5,10 +5,12 @@
 mod boot;
 mod closed_loop;
 mod crashes;
+mod crashes_in_tasks;
 mod guard;
 mod known_defects;
 mod lives;
 mod process;
+mod proof;
 mod rig;
 mod settings;
 mod snapshot;

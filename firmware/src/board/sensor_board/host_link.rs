@@ -25,6 +25,7 @@
 //! only if the host goes on sending just as its line was found idle: that frame's checksum then
 //! fails, and the host repeats.
 
+use core::ops::Range;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed, Ordering::SeqCst, fence};
 use firmware::drivers::circle::Circle;
 use stm32f4xx_hal::dma::config::Priority;
@@ -48,6 +49,14 @@ const RECEIVED: usize = 512;
 // Atomics, because somebody else reads and writes them: the DMA. They cost what plain bytes do.
 static TELEMETRY_FRAME: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
 static TELEMETRY_RECEIVED: [AtomicU8; RECEIVED] = [const { AtomicU8::new(0) }; RECEIVED];
+
+/// Addresses of both buffers, which the DMA reads and writes at any time.
+pub fn buffers() -> [Range<u32>; 2] {
+    [&TELEMETRY_FRAME[..], &TELEMETRY_RECEIVED].map(|buffer| {
+        let start = buffer.as_ptr() as u32;
+        start..start + buffer.len() as u32
+    })
+}
 
 /// Sets up both directions; receiving begins.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]

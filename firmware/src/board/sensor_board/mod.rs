@@ -3,26 +3,34 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `background_checks.rs` | proof tests of flash and RAM |
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
 //! | `dead_man.rs` | heaters low unless their levels are decided anew |
+//! | `dead_man_proof.rs` | proof test of that at every start |
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
 //! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
+//! | `memory_protection.rs` | what may be written and executed where |
 //! | `settings_flash.rs` | three sectors of the processor's flash |
 //! | `supply.rs` | brown-out level, and heaters low as the supply falls |
 //! | `watchdog.rs` | reset unless everybody is well |
+//! | `watchdog_proof.rs` | proof test of that after power-on and reset pin |
 //!
 //! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog)
 //! is argued beside the code from the reference manual RM0090.
 
+mod background_checks;
 mod clocks;
 mod dead_man;
+mod dead_man_proof;
 mod front_end;
 mod heater_pin;
 mod host_link;
+mod memory_protection;
 mod settings_flash;
 mod supply;
 mod watchdog;
+mod watchdog_proof;
 
 pub use self::InterruptIdler as Idler;
 pub use clocks::{CLOCK_HZ, cycles};
@@ -36,9 +44,11 @@ pub use supply::{acknowledge as acknowledge_supply, is_low as is_supply_low};
 pub use watchdog::HardwareWatchdog as Watchdog;
 
 use super::parts::BoardParts;
+use background_checks::BackgroundChecks;
 use cortex_m::peripheral::SCB;
 use dead_man::DeadManTimer;
 use defmt_rtt as _;
+use dr_core::control::Cause;
 use firmware::crash_record::CrashRecord;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
@@ -71,6 +81,7 @@ pub fn init(
     core: &mut cortex_m::Peripherals,
     _: Consumer<'static, firmware::inbox::Exchange>,
 ) -> BoardParts<AdcFrontEnd, DmaReceiver, DmaTransmitter, HardwareWatchdog, InterruptIdler, SectorFlash> {
+    memory_protection::start(&core.MPU);
     let mut rcc = device.RCC.constrain();
     let gpioc = device.GPIOC.split(&mut rcc);
     let heaters = HeaterPins::new([
@@ -88,6 +99,7 @@ pub fn init(
     supply::ensure_brown_out_level(&device.FLASH, flags);
     let reset = reset_flags::cause(flags);
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    let (reset, watchdog_works) = watchdog_proof::prove(&device.IWDG, reset);
     let mut rcc = clocks::start(rcc, core);
 
     let gpioa = device.GPIOA.split(&mut rcc);
@@ -114,7 +126,7 @@ pub fn init(
         host_receiver,
         host_transmitter,
         watchdog,
-        idler: InterruptIdler,
+        idler: InterruptIdler { checks: BackgroundChecks::new(), has_failed: !watchdog_works },
         settings: SectorFlash::new(device.FLASH),
         reset,
     }
@@ -164,10 +176,25 @@ pub fn finish(_: u8) -> ! {
     restart()
 }
 
-/// Sleeps.
-pub struct InterruptIdler;
+/// Sleeps, and tests the memories.
+pub struct InterruptIdler {
+    checks: BackgroundChecks,
+    /// The dead-man timer or the watchdog has failed its proof test: until the next start.
+    has_failed: bool,
+}
 
 impl InterruptIdler {
+    /// Proves the dead-man timer, while the control task is held back.
+    pub fn prove_dead_man(&mut self) {
+        self.has_failed |= !dead_man_proof::prove_dead_man();
+    }
+
+    /// Tests a part of the memories, if it is time; a cause if one is defective, or if a proof test
+    /// has failed. It comes again after it was acknowledged.
+    pub fn check(&mut self) -> Option<Cause> {
+        self.checks.check(self.has_failed)
+    }
+
     /// Sleeps until an interrupt. There are no bytes that come without one.
     pub fn wait(&mut self) -> &[u8] {
         cortex_m::asm::wfi();

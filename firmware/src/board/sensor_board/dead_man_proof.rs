@@ -1,0 +1,56 @@
+//! Proof test of the dead-man timer at every start, without a heater that is high.
+//!
+//! The six pins become inputs, which the board pulls down, and their output bits are set: a level
+//! that would be high if a pin drove it. The timer is started for 0.1 ms. Its interrupt has to come
+//! in time, above the tasks that are held back meanwhile, and its handler has to clear all six bits
+//! by the very store that it makes in an emergency. Only then are the pins outputs again.
+//!
+//! Shown: the timer counts at its rate, raises its vector, goes before the control task, and its
+//! store reaches the port. Not shown: that a pin drives what its output bit says.
+
+use super::clocks::{CYCLES_PER_US, cycles};
+use super::front_end::HEATER_MASK;
+use core::ops::RangeInclusive;
+use stm32f4xx_hal::pac::{GPIOC, TIM5};
+
+const PERIOD_US: u32 = 100;
+/// What the timer may take: start and handler are some 100 cycles.
+const IN_TIME: RangeInclusive<u32> = 98 * CYCLES_PER_US..=105 * CYCLES_PER_US;
+const GIVEN_UP: u32 = 2 * PERIOD_US * CYCLES_PER_US;
+/// Two bits a pin; zero is an input.
+const MODES: u32 = (1 << (2 * HEATER_MASK.count_ones())) - 1;
+
+/// Whether the timer works. Takes 0.1 ms, 0.2 if not. To be called with the dead-man timer's
+/// interrupt open and the control task held back, before anything heats.
+pub fn prove_dead_man() -> bool {
+    // SAFETY: the control task, which has both, is held back, and the timer stands still: no heater
+    // has been raised since the start.
+    let (port, timer) = unsafe { (&*GPIOC::ptr(), &*TIM5::ptr()) };
+    let modes = port.moder().read().bits();
+    // SAFETY: inputs, and output bits of the heaters' pins alone.
+    unsafe {
+        port.moder().write(|w| w.bits(modes & !MODES));
+        port.bsrr().write(|w| w.bits(HEATER_MASK));
+    }
+    let is_any_set = || port.odr().read().bits() & HEATER_MASK != 0;
+    let were_set = port.odr().read().bits() & HEATER_MASK == HEATER_MASK;
+    // SAFETY: any number of counts will do. An update by software only loads it.
+    timer.arr().write(|w| unsafe { w.bits(PERIOD_US - 1) });
+    timer.cr1().modify(|_, w| w.urs().set_bit());
+    timer.egr().write(|w| w.ug().set_bit());
+    let started = cycles();
+    timer.cr1().modify(|_, w| w.cen().set_bit());
+    let mut took = 0;
+    while is_any_set() && took < GIVEN_UP {
+        took = cycles().wrapping_sub(started);
+    }
+    timer.cr1().modify(|_, w| w.cen().clear_bit());
+    timer.sr().modify(|_, w| w.uif().clear_bit());
+    let has_lowered = !is_any_set();
+    // SAFETY: all output bits low, then pins as they were.
+    unsafe {
+        port.bsrr().write(|w| w.bits(HEATER_MASK << 16));
+        port.moder().write(|w| w.bits(modes));
+    }
+    were_set && has_lowered && IN_TIME.contains(&took)
+}
