@@ -10,12 +10,12 @@ use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use wire::{CrashKind, ResetCause};
 
-fn heating() -> Experiment {
+pub fn heating() -> Experiment {
     Experiment { sample_period_s: 0.01, ..experiment("held.toml", 1_000) }
 }
 
 /// Starts heating; a heater is high then.
-fn heat(rig: &Rig) {
+pub fn heat(rig: &Rig) {
     let experiment = heating();
     let mut instrument = rig.instrument();
     start(&experiment, &mut instrument).unwrap();
