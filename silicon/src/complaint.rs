@@ -136,6 +136,9 @@ pub enum BrokenRule {
     /// Of the board.
     #[error("a heater is high while the board reports that none may be")]
     HeaterHigh,
+    /// Of the board.
+    #[error("a heater is high without a valid reading of its element within two ticks")]
+    HeaterUnread,
 }
 
 /// A rule that was broken: when, where.

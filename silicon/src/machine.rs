@@ -186,6 +186,16 @@ impl Machine {
         Ok(())
     }
 
+    /// Masks all interrupts, as a task would that never ends.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn mask_interrupts(&mut self) -> Result<(), MachineError> {
+        let now = self.now();
+        self.board_mut().witness.core_stops(now);
+        Ok(self.core.mask_interrupts()?)
+    }
+
     /// Resets the processor from outside: the pin, or the supply.
     ///
     /// # Errors

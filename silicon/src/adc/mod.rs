@@ -12,8 +12,9 @@ mod fault;
 mod port;
 mod registers;
 
+pub use converter::OFFSET_CODES;
 pub use fault::AdcFault;
-pub use port::Adc;
+pub use port::{Adc, FRAME_BYTES};
 
 /// Channels of the chip.
 pub const CHANNELS: usize = 6;

@@ -17,7 +17,8 @@ const SPI_MODE: u32 = 0b01;
 const FASTEST_HZ: u64 = 20_000_000;
 /// Start-up of the internal reference.
 const REFERENCE_SETTLES: u64 = ms(150);
-const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
+/// Status and six codes.
+pub const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
 const MARK: u8 = 0xc0;
 
 /// The chip.
@@ -42,6 +43,10 @@ pub struct Adc {
     reference_since: Option<u64>,
     fault: Option<AdcFault>,
     random: u32,
+    /// Of the frame that leaves, what the faults have made of it.
+    sent: [u8; FRAME_BYTES],
+    /// Frames as they were on the bus, if somebody wants them.
+    pub record: Option<Vec<[u8; FRAME_BYTES]>>,
     /// Frames read to their end.
     pub frames_read: u64,
     /// Conversions so far.
@@ -69,6 +74,8 @@ impl Adc {
             reference_since: None,
             fault: None,
             random: 0xace1,
+            sent: [0; FRAME_BYTES],
+            record: None,
             frames_read: 0,
             conversions: 0,
         }
@@ -150,6 +157,7 @@ impl Adc {
             is_selected: self.is_selected,
             ready_at: now + t_clk(18),
             fault: self.fault,
+            record: self.record.take(),
             frames_read: self.frames_read,
             conversions: self.conversions,
             codes: self.codes,
@@ -187,6 +195,11 @@ impl Adc {
         }
     }
 
+    /// The last frame that was read to its end, as it was on the bus.
+    pub const fn last_frame(&self) -> &[u8; FRAME_BYTES] {
+        &self.sent
+    }
+
     /// A byte on the bus; gives what the chip sends meanwhile.
     pub fn exchange(&mut self, byte: SpiByte, plant: &mut SensorPlant, complaints: &mut Complaints) -> u8 {
         if !self.is_selected || self.resets_since.is_some() {
@@ -202,7 +215,15 @@ impl Adc {
         if at < self.ready_at {
             complaints.add(at, "ADC", BrokenRule::AdcResetTime);
         }
+        let (is_frame, place) = (self.shift.len() == FRAME_BYTES && self.left > 0, self.shift.len() - self.left);
         let answer = self.shift_out(at, complaints);
+        let answer = self.disturb(answer);
+        if is_frame {
+            self.sent[place] = answer;
+            if self.left == 0 {
+                self.record.iter_mut().for_each(|record| record.push(self.sent));
+            }
+        }
         let gap = at.saturating_sub(self.last_byte);
         self.last_byte = at;
         // While data leave, zeros go in: no command.
@@ -213,7 +234,7 @@ impl Adc {
             self.command.push(sent);
             self.obey(at, plant, complaints);
         }
-        self.disturb(answer)
+        answer
     }
 
     /// What the faults make of a byte that is sent.

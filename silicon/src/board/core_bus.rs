@@ -13,6 +13,7 @@ use crate::time::CYCLES_PER_SECOND;
 impl ProcessorBus for Board {
     fn load(&mut self, address: u32, size: usize) -> Result<u32, BusFault> {
         self.now += ACCESS_CYCLES;
+        self.leave_out_rounds(address);
         if SETTINGS.contains(&address) {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
@@ -32,6 +33,7 @@ impl ProcessorBus for Board {
 
     fn store(&mut self, address: u32, size: usize, value: u32) -> Result<(), BusFault> {
         self.now += ACCESS_CYCLES;
+        self.waiting = None;
         if SETTINGS.contains(&address) {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };

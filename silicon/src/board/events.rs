@@ -16,6 +16,7 @@ impl Board {
         while self.adc.next_event() <= now {
             let at = self.adc.next_event();
             let was_low = self.adc.data_ready_low();
+            self.witness.passed(at, &mut self.complaints);
             if self.adc.convert(at, &mut self.plant, &mut self.complaints) {
                 if was_low {
                     self.exti.edge(PORT_B, DATA_READY_PIN, true);

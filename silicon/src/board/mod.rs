@@ -11,12 +11,14 @@
 //! | `wires` | pins, lines of interrupts, the converter's bus |
 //! | `events` | what is due by itself |
 //! | `supply` | the supply, as it falls and rises |
+//! | `waiting` | loops that wait, of which most rounds are left out |
 //! | `core_bus` | the board as its core sees it |
 
 mod address_map;
 mod core_bus;
 mod events;
 mod supply;
+mod waiting;
 mod wires;
 
 use crate::adc::{Adc, AdcFault};
@@ -39,6 +41,7 @@ use crate::soc::usart::Usart;
 use crate::soc::watchdog::IndependentWatchdogModel;
 use crate::witness::HeaterWitness;
 use std::collections::BTreeMap;
+use waiting::WaitingLoop;
 
 const HEATERS: u32 = 0x3f;
 const SELECT_PIN: u32 = 4;
@@ -87,6 +90,7 @@ pub struct Board {
     holds_back: bool,
     /// The dead-man timer's interrupt never comes.
     has_dead_timer: bool,
+    waiting: Option<WaitingLoop>,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
     /// Registers that only remember what was written.
@@ -147,6 +151,7 @@ impl Board {
             races_at_watchdog: false,
             holds_back: false,
             has_dead_timer: false,
+            waiting: None,
             held_since: None,
             remembered: BTreeMap::new(),
             system: SystemControl::default(),
@@ -242,6 +247,13 @@ impl Board {
         self.touch();
     }
 
+    /// The crystal runs again.
+    pub fn mend_crystal(&mut self) {
+        self.rcc.mend_crystal();
+        self.set_clocks();
+        self.touch();
+    }
+
     /// The slow oscillator stops, and the watchdog with it.
     pub const fn fail_slow_oscillator(&mut self) {
         self.watchdog.is_dead = true;
@@ -258,7 +270,10 @@ impl Board {
     /// firmware has asked for that; all other timers go on.
     pub fn hold_core(&mut self, hold: bool) {
         match (self.held_since, hold) {
-            (None, true) => self.held_since = Some(self.now),
+            (None, true) => {
+                self.held_since = Some(self.now);
+                self.witness.core_stops(self.now);
+            }
             (Some(since), false) => {
                 if self.watchdog_stands_still() {
                     self.watchdog.postpone(self.now - since);

@@ -12,7 +12,11 @@ impl Board {
     pub(super) fn run_bus(&mut self) {
         while let Some(byte) = self.spi.take_finished(self.now, self.clocks.apb2_hz) {
             let was_low = self.adc.data_ready_low();
+            let frames = self.adc.frames_read;
             let answer = self.adc.exchange(byte, &mut self.plant, &mut self.complaints);
+            if self.adc.frames_read != frames {
+                self.witness.read(byte.at, self.adc.last_frame());
+            }
             let mut access = Access { now: byte.at, clocks: self.clocks, complaints: &mut self.complaints };
             self.spi.answer(answer, &mut access);
             if was_low && !self.adc.data_ready_low() {

@@ -57,7 +57,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         Ok(state.2.write(&mut self.unicorn)?)
     }
 
-    /// Masks all interrupts, as a task would that never ends.
+    /// Masks all interrupts.
     ///
     /// # Errors
     /// If Unicorn fails.
@@ -71,14 +71,6 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     /// If Unicorn fails.
     pub fn set_stack_pointer(&mut self, address: u32) -> Result<(), ProcessorError> {
         Ok(self.unicorn.reg_write(RegisterARM::SP, address.into())?)
-    }
-
-    /// Has the core go on at another address, as it would after a jump that went astray.
-    ///
-    /// # Errors
-    /// If Unicorn fails.
-    pub fn jump(&mut self, address: u32) -> Result<(), ProcessorError> {
-        Ok(self.unicorn.set_pc(u64::from(address | 1))?)
     }
 
     /// From now on a bit of a word of RAM reads as a one, or as a zero, whatever is written.
@@ -96,5 +88,35 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         })?;
         // Code that was translated before asks no hook.
         Ok(self.unicorn.ctl_flush_tb()?)
+    }
+
+    /// Number of the exception that is handled; 0 outside of all handlers.
+    pub fn handled(&mut self) -> u16 {
+        self.bus_mut().nvic().handled()
+    }
+
+    /// A breakpoint is no fault from now on, but a pause.
+    pub const fn halt_at_breakpoints(&mut self) {
+        self.halts = true;
+    }
+
+    /// Where it stands, and what is in r0 and r1.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn arguments(&self) -> Result<(u32, [u32; 2]), ProcessorError> {
+        let register = |register| Ok::<_, ProcessorError>(self.unicorn.reg_read(register)? as u32);
+        let place = self.unicorn.pc_read()? as u32 & !1;
+        Ok((place, [register(RegisterARM::R0)?, register(RegisterARM::R1)?]))
+    }
+
+    /// Goes on at `address`, with this in r0, as code would that has gone astray.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn jump(&mut self, address: u32, argument: u32) -> Result<(), ProcessorError> {
+        self.is_asleep = false;
+        self.unicorn.reg_write(RegisterARM::R0, argument.into())?;
+        Ok(self.unicorn.set_pc(u64::from(address | 1))?)
     }
 }

@@ -119,6 +119,11 @@ impl Rcc {
         self.crystal_hz = crystal_hz;
     }
 
+    /// The crystal runs again.
+    pub const fn mend_crystal(&mut self) {
+        self.crystal_failed = false;
+    }
+
     /// The crystal stops. Returns whether the clock security system notices, which then takes the
     /// internal oscillator and raises the non-maskable interrupt.
     pub const fn fail_crystal(&mut self) -> bool {

@@ -49,6 +49,11 @@ impl Spi {
         self.shifting.is_some()
     }
 
+    /// When the byte on its way is through; none if none is.
+    pub fn ends_at(&self) -> Option<u64> {
+        self.shifting.map(|(at, _)| at)
+    }
+
     /// A byte that is through by now; its answer belongs to [`answer`](Self::answer).
     pub fn take_finished(&mut self, now: u64, apb2_hz: u64) -> Option<SpiByte> {
         let (at, sent) = self.shifting.filter(|&(at, _)| at <= now)?;

@@ -25,7 +25,7 @@ pub fn heat(rig: &Rig) {
 
 /// What the board says of itself after a reset: why it has started, and why it keeps its heaters
 /// low.
-fn after_reset(rig: &Rig) -> (wire::Identity, Option<Cause>) {
+pub fn after_reset(rig: &Rig) -> (wire::Identity, Option<Cause>) {
     let mut instrument = rig.instrument();
     let identity = instrument.identity().clone();
     let state = instrument.observe().unwrap().sample.state;
@@ -40,7 +40,7 @@ fn a_core_that_stops_is_reset_by_the_watchdog_at_any_of_its_speeds() {
             Rig::new(&MachineConfig { sensor: heating().sensor_config().unwrap(), oscillator_hz: Some(oscillator_hz) });
         heat(&rig);
         let at = rig.machine().now();
-        rig.machine().core_mut().mask_interrupts().unwrap();
+        rig.machine().mask_interrupts().unwrap();
         rig.machine().run_for(ms(2_000)).unwrap();
         let resets = rig.machine().resets().to_vec();
         assert_eq!(resets.len(), 1);
@@ -99,7 +99,7 @@ fn a_jump_into_ram_ends_as_a_fault_with_the_heaters_low() {
     heat(&rig);
     let at = rig.machine().now();
     rig.machine().core_mut().write_memory(STACK_END, &[0xfe, 0xe7]).unwrap();
-    rig.machine().core_mut().jump(STACK_END).unwrap();
+    rig.machine().core_mut().jump(STACK_END, 0).unwrap();
     rig.machine().run_for(ms(1_000)).unwrap();
     let low = *rig.machine().pins().last().unwrap();
     assert_eq!(low.levels, 0);

@@ -2,8 +2,8 @@
 
 use dr_core::control::{RunState, Trip};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::InstrumentPort;
 use host_sim::instrument::serial::Serial;
+use host_sim::instrument::{InstrumentError, InstrumentPort};
 use silicon::complaint::{BrokenRule, Complaint};
 use silicon::image::FlashImage;
 use silicon::machine::{Machine, MachineConfig, Snapshot};
@@ -84,9 +84,15 @@ impl Rig {
     /// A board that has started already, in the wind tunnel of an experiment.
     pub fn of(experiment: &Experiment) -> Self {
         let rig = Self::new(&MachineConfig::default());
-        rig.machine().restore(&STARTED).unwrap();
-        rig.machine().board_mut().connect(SensorPlant::new(&experiment.sensor_config().unwrap()).unwrap());
+        rig.begin_anew(experiment);
         rig
+    }
+
+    /// The same with the machine that is there, which knows the image's instructions already.
+    pub fn begin_anew(&self, experiment: &Experiment) {
+        let mut machine = self.machine();
+        machine.restore(&STARTED).unwrap();
+        machine.board_mut().connect(SensorPlant::new(&experiment.sensor_config().unwrap()).unwrap());
     }
 
     /// The machine, between two messages.
@@ -96,7 +102,17 @@ impl Rig {
 
     /// The instrument at the other end; waits until the board answers.
     pub fn instrument(&self) -> Serial<MachineStream> {
-        Serial::over(MachineStream::new(Rc::clone(&self.machine))).unwrap()
+        self.try_instrument().unwrap()
+    }
+
+    /// The same, if it answers.
+    pub fn try_instrument(&self) -> Result<Serial<MachineStream>, InstrumentError> {
+        Serial::over(MachineStream::new(Rc::clone(&self.machine)))
+    }
+
+    /// Address of a function of the image.
+    pub fn function(ending: &str) -> u32 {
+        IMAGE.function(ending).unwrap_or_else(|| panic!("the image has no {ending}"))
     }
 
     /// Samples until this one, whose levels and state `judge` sees.

@@ -33,6 +33,7 @@ fn every_refusal_has_words_of_its_own_and_its_numbers_in_them() {
         ),
         (Refusal::NoAnemometer, &["anemometer"]),
         (Refusal::NotArmed, &["arm"]),
+        (Refusal::Stopped, &["stop", "again"]),
     ];
     let mut said = BTreeSet::new();
     for (refusal, parts) in all {
