@@ -21,3 +21,4 @@ mod soak;
 mod supervision;
 mod supply;
 mod ticks;
+mod upsets;
