@@ -4,6 +4,7 @@
 use crate::command::{Command, Reply};
 use crate::control::controller::Controller;
 use crate::control::guard::{Cause, Trip};
+use crate::control::lockout::Lockout;
 use crate::control::refusal::Refusal;
 use crate::control::self_test::SelfTest;
 use crate::control::state::{Probe, RunState, Tick};
@@ -95,9 +96,31 @@ impl<const N: usize> Instrument<N> {
         Ok(Reply::Done)
     }
 
+    /// There is a link to a host, which has to send something while the instrument heats
+    /// (`Command::HostTimeout`).
+    pub fn expect_host(&mut self) {
+        self.controller.expect_host();
+    }
+
+    /// The host has sent a frame.
+    pub fn host_heard(&mut self) {
+        self.controller.host_heard();
+    }
+
+    /// Goes on with the trips of before a reset.
+    pub fn restore_lockout(&mut self, lockout: Lockout) {
+        self.controller.restore_lockout(lockout);
+    }
+
     /// Trips for a cause that the board reports, unless the instrument is tripped already.
     pub fn trip(&mut self, cause: Cause) {
         self.controller.trip(cause);
+    }
+
+    /// The board has lowered all heaters since the last tick, and begins the next one anew. To be
+    /// called after [`handle`](Self::handle), which has found no bit flip.
+    pub fn lowered(&mut self) {
+        self.controller.lowered();
     }
 
     /// Flips a bit of the controller, for fault injection: [`Controller::flip_bit`].

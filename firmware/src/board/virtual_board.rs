@@ -116,6 +116,11 @@ pub fn silence(sequence: u16) -> bool {
     DEAD_MAN.tick_passed()
 }
 
+/// The emulated processor has none.
+pub const fn unique_id() -> [u32; 3] {
+    [0; 3]
+}
+
 /// Why it started, by what is remembered.
 pub fn reset_as_remembered(_: ResetCause, life: &CrashRecord) -> ResetCause {
     match (life.starts, &life.crash) {
@@ -221,6 +226,11 @@ impl LinkFrontEnd {
         DEAD_MAN.decided(tick.heaters.0 != 0);
         PINS.store(tick.heaters.0, Relaxed);
         true
+    }
+
+    /// Its levels are those of a whole tick: they follow at the next one.
+    pub const fn lower(&mut self) -> bool {
+        false
     }
 
     /// The input of the next readings is part of the reply as well.

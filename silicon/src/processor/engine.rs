@@ -20,6 +20,9 @@ const FLASH: u64 = 0x0800_0000;
 /// Sectors 1 to 3.
 const SETTINGS: Range<u64> = 0x0800_4000..0x0801_0000;
 const FLASH_END: u64 = 0x0810_0000;
+/// ST's own memory, of which a number that is unique is read (RM0090, 39.1).
+const SYSTEM_MEMORY: Range<u64> = 0x1fff_7000..0x1fff_8000;
+const UNIQUE_ID: u64 = 0x1fff_7a10;
 pub(super) const RAM: u64 = 0x2000_0000;
 pub(super) const RAM_BYTES: usize = 128 * 1024;
 /// Peripherals; their aliases by bits; the core's own.
@@ -114,6 +117,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             let bytes = &flash[(code.start - FLASH) as usize..(code.end - FLASH) as usize];
             unicorn.mem_write(code.start, bytes)?;
         }
+        unicorn.mem_map(SYSTEM_MEMORY.start, SYSTEM_MEMORY.end - SYSTEM_MEMORY.start, Prot::READ)?;
+        unicorn.mem_write(UNIQUE_ID, b"anemo-unique")?;
         for Range { start, end } in REGISTERS {
             unicorn.mmio_map(
                 start,

@@ -73,6 +73,8 @@ pub struct AdcFrontEnd {
     line: PB4<gpio::Input>,
     heaters: HeaterPort,
     dead_man: DeadManTimer,
+    /// Some heater has been set to the high level.
+    any_high: bool,
     /// The ADC has been brought up: its reference is on and its offsets are known.
     usable: bool,
     /// The rate it converts at; `None` while it must not be believed.
@@ -128,6 +130,7 @@ impl AdcFrontEnd {
             line,
             heaters,
             dead_man,
+            any_high: false,
             usable,
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
@@ -182,8 +185,25 @@ impl AdcFrontEnd {
 
     /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
-        self.dead_man.decided(tick.heaters.0 != 0);
+        self.any_high = tick.heaters.0 != 0;
+        self.dead_man.decided(self.any_high);
         self.heaters.apply(tick.heaters).is_ok()
+    }
+
+    /// Lowers all heaters at once; returns whether any was high. If so, a tick begins anew, which
+    /// knows the low level only.
+    pub fn lower(&mut self) -> bool {
+        super::heaters_low();
+        self.dead_man.decided(false);
+        if self.any_high && self.has_edge() {
+            // This conversion is of before.
+            self.line.clear_interrupt_pending_bit();
+            self.data_ready.next(cycles(), true);
+        }
+        if self.any_high {
+            self.restart();
+        }
+        core::mem::take(&mut self.any_high)
     }
 
     /// Has the converters read something else from now on, for a self-test. It begins a tick anew:
