@@ -38,6 +38,8 @@ fn a_bit_that_flips_in_ram_leaves_no_heater_high() {
         let wrong: Vec<String> = complaints.iter().filter(|of| heats(of.rule)).map(ToString::to_string).collect();
         assert!(wrong.is_empty(), "bit {bit} at {address:#x}, number {seed}: {wrong:?}");
     }
-    println!("{flips} flips: {ended} with heaters low after a second, {deaf} deaf, no heater high against the invariant");
+    println!(
+        "{flips} flips: {ended} with heaters low after a second, {deaf} deaf, no heater high against the invariant"
+    );
     assert!(10 * u64::from(deaf) <= flips, "{deaf}");
 }
