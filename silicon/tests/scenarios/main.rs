@@ -23,3 +23,4 @@ mod stop;
 mod supervision;
 mod supply;
 mod ticks;
+mod upsets;
