@@ -23,12 +23,12 @@ impl PlatinumSupply {
     }
 
     /// The pin is now this; whether the supply is up.
-    pub const fn pass(&mut self, now: u64, is_high: bool) -> bool {
+    pub fn pass(&mut self, now: u64, is_high: bool) -> bool {
         if self.ends_at <= now {
             self.edges = 0;
         }
         if is_high && !self.is_high {
-            self.edges += (self.edges < EDGES) as u8;
+            self.edges = EDGES.min(self.edges + 1);
             self.ends_at = now + HOLDS;
         }
         self.is_high = is_high;
