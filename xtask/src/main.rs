@@ -29,6 +29,7 @@ mod same_results;
 mod shell;
 mod size;
 mod sources;
+mod stated;
 mod structure;
 mod test;
 

@@ -142,7 +142,10 @@ impl Board {
             _ => return Err(self.unmodelled(address)),
         }
         match address {
-            0x4002_0000..0x4002_0800 => self.wire_converter(),
+            0x4002_0000..0x4002_0800 => {
+                self.wire_converter();
+                self.wire_cut_off();
+            }
             0x4002_0800..0x4002_0c00 => self.wire_heaters(),
             // These pins and lines are written thousands of times a second: only what waits
             // afterwards is a reason to stop.

@@ -7,6 +7,7 @@ mod boot;
 mod closed_loop;
 mod crashes;
 mod crashes_in_tasks;
+mod cut_off;
 mod equal_bits;
 mod guard;
 mod known_defects;
