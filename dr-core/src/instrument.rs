@@ -117,6 +117,12 @@ impl<const N: usize> Instrument<N> {
         self.controller.trip(cause);
     }
 
+    /// The board has lowered all heaters since the last tick, and begins the next one anew. To be
+    /// called after [`handle`](Self::handle), which has found no bit flip.
+    pub fn lowered(&mut self) {
+        self.controller.lowered();
+    }
+
     /// Flips a bit of the controller, for fault injection: [`Controller::flip_bit`].
     #[cfg(feature = "bit-flips")]
     pub fn flip_bit(&mut self, which: usize, element: usize, bit: u32) -> Option<&'static str> {

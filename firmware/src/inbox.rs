@@ -64,6 +64,8 @@ impl TelemetryRequests {
 pub enum Wake {
     /// The control task: there is a command or a reading.
     Control,
+    /// The control task: the host stops it. The sequence number for the reply.
+    Stop(u16),
     /// The transmitter: there is a request.
     Transmit,
     /// The host ends the run.
@@ -110,6 +112,8 @@ impl<'a> Inbox<'a> {
                 Wake::Transmit
             }
             _ if received.repeated => Wake::Nobody,
+            // Ahead of the queue, which may be full.
+            ToBoard::Command(Command::Stop) => Wake::Stop(received.sequence),
             ToBoard::Command(command) => {
                 let queued = queue::put(&mut self.requests, (received.sequence, *command)).is_ok();
                 self.wake_control_if(queued)
@@ -196,9 +200,12 @@ mod tests {
     #[test]
     fn commands_beyond_the_queue_are_counted() {
         with_inbox(false, |inbox, _| {
-            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
-            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Control);
-            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Nobody);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Start))), Wake::Control);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Start))), Wake::Control);
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Start))), Wake::Nobody);
+            assert_eq!(inbox.refused, 1);
+            // But for the one that must not wait.
+            assert_eq!(inbox.accept(&received(ToBoard::Command(Command::Stop))), Wake::Stop(1));
             assert_eq!(inbox.refused, 1);
         });
     }

@@ -78,6 +78,8 @@ mod app {
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
     /// The dead-man timer has expired, and the controller has not tripped yet.
     static OUTPUT_TIMED_OUT: AtomicBool = AtomicBool::new(false);
+    /// Sequence number of a `Stop`, plus one; 0 if there is none.
+    static STOP: AtomicU32 = AtomicU32::new(0);
     static DEADLINES: AtomicU32 = AtomicU32::new(0);
     static FLIPPABLE: AtomicU32 = AtomicU32::new(0);
     static ARMED: AtomicBool = AtomicBool::new(false);
@@ -281,6 +283,15 @@ mod app {
             let result = handle(instrument, front_end, &mut cx.shared.margins, command);
             queue::put(outcomes, result.map(drop)).ok();
         }
+        if let Some(sequence) = STOP.load(Relaxed).checked_sub(1) {
+            STOP.store(0, Relaxed);
+            // What waited is void: nothing starts behind it.
+            while let Some((to, _)) = requests.dequeue() {
+                outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
+            }
+            let result = handle(instrument, front_end, &mut cx.shared.margins, Command::Stop);
+            outbox.put(FromBoard::Reply { to: sequence as u16, result });
+        }
         // While settings are written or loaded, the host's commands wait: nothing starts then.
         while !STANDBY_LOCK.is_taken()
             && let Some((sequence, command)) = requests.dequeue()
@@ -363,7 +374,11 @@ mod app {
             front_end.set_sample_period(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })?;
             TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
         }
+        let is_lowered = matches!(command, Command::Stop) && front_end.lower();
         let reply = instrument.handle(command)?;
+        if is_lowered {
+            instrument.lowered();
+        }
         margins.lock(|margins| {
             margins.clear();
             for of_element in instrument.controller().margins() {
@@ -577,6 +592,10 @@ mod app {
     fn wake(who: Wake) {
         match who {
             Wake::Control => rtic::pend(CONTROL),
+            Wake::Stop(sequence) => {
+                STOP.store(u32::from(sequence) + 1, Relaxed);
+                rtic::pend(CONTROL);
+            }
             Wake::Transmit => rtic::pend(TRANSMIT),
             Wake::SettingsServer => rtic::pend(SETTINGS),
             Wake::Finish(code) => board::finish(code),

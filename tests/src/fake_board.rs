@@ -7,7 +7,7 @@ use dr_core::control::{Cause, RunState};
 use dr_core::sensor::Reading;
 use dr_core::{Command, Instrument, Reply};
 use firmware::drivers::ads131e06::CHANNELS;
-use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests};
+use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
 use firmware::outbox::{Outbox, Sequence, Unsent};
 use heapless::spsc::Queue;
 use host_sim::experiment::Experiment;
@@ -186,7 +186,7 @@ impl Life {
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
         let mut station = Instrument::<CHANNELS>::new();
         let mut sensor = self.new_sensor();
-        let (mut obeyed, mut unheard) = (Vec::new(), None);
+        let (mut obeyed, mut unheard, mut stop) = (Vec::new(), None, None);
         let (mut reset, mut starts, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 1, 0, Instant::now());
         let mut buffer = [0; 256];
         let mut between_frames = receiver.clone();
@@ -201,14 +201,18 @@ impl Life {
                     {
                         receiver = between_frames.clone();
                     }
-                    Some(received) => drop(inbox.accept(&received)),
+                    Some(received) => {
+                        if let Wake::Stop(to) = inbox.accept(&received) {
+                            stop = Some((to, Command::Stop));
+                        }
+                    }
                     None => {}
                 }
                 if byte == 0 {
                     between_frames = receiver.clone();
                 }
             }
-            while let Some((to, command)) = requests.dequeue() {
+            while let Some((to, command)) = requests.dequeue().or_else(|| stop.take()) {
                 let result = station.handle(command);
                 if is_first(&mut self.quirks.lost_reply, &command) {
                     unheard = Some(to);

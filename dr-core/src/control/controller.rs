@@ -268,6 +268,13 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    /// The board has lowered all heaters since the last tick, and begins the next one anew: its
+    /// readings are those of the low level.
+    pub(crate) fn lowered(&mut self) {
+        self.levels = Heaters(0);
+        self.update_state_checksum();
+    }
+
     /// Trips for a bit flip outside of the controller, and counts it.
     pub(crate) fn trip_for_bit_flip(&mut self) -> Trip {
         let trip = Trip::whole(Cause::BitFlip);

@@ -49,6 +49,8 @@ pub enum Refusal {
     NoAnemometer,
     /// The command can heat, and the instrument is not armed, or no longer.
     NotArmed,
+    /// `Stop` came while the command waited.
+    Stopped,
     /// Three trips in ten minutes have locked the instrument.
     LockedOut,
     /// The head on the plug is not that of the fingerprint.
@@ -67,6 +69,9 @@ impl fmt::Display for Refusal {
             Self::NoSuchElement { element } => write!(f, "the instrument has no element {element}"),
             Self::NotConfigured { element } => write!(f, "element {element} has no configuration yet"),
             Self::NoSamplePeriod => write!(f, "the sample period has to be set first"),
+            Self::Stopped => {
+                write!(f, "a stop came before this was carried out: request it again if it is still wanted")
+            }
             Self::NoAnemometer => write!(f, "this controller has no anemometer"),
             Self::NotArmed => {
                 write!(f, "this command can heat, and the instrument is not armed, or no longer: arm it first")

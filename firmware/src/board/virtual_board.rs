@@ -228,6 +228,11 @@ impl LinkFrontEnd {
         true
     }
 
+    /// Its levels are those of a whole tick: they follow at the next one.
+    pub const fn lower(&mut self) -> bool {
+        false
+    }
+
     /// The input of the next readings is part of the reply as well.
     pub const fn select(&mut self, input: FrontEndInput) {
         self.input = input;

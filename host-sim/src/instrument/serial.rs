@@ -12,7 +12,7 @@ use super::observation::{LinkReport, Observation, TickReport};
 use super::port::{InstrumentPort, SettingsPort};
 use super::reset_cause::why_it_started;
 use super::status::BoardStatus;
-use dr_core::control::{RunState, SelfTestFinding};
+use dr_core::control::{Refusal, RunState, SelfTestFinding};
 use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
@@ -231,7 +231,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         match self.command(Command::Stop) {
             // A tripped board has its heaters low already, and stays tripped until somebody has
             // looked.
-            Ok(_) | Err(InstrumentError::Refused(_)) => {}
+            Ok(_) | Err(InstrumentError::Refused(Refusal::Tripped(_))) => {}
             Err(error) => return Err(error),
         }
         // The status of the end counts everything; should it get lost, the one before will do.

@@ -2,7 +2,6 @@
 //! turns into its opposite as the firmware is mended.
 
 use crate::rig::{Rig, experiment};
-use dr_core::Command;
 use dr_core::control::{Drive, RunState};
 use dr_core::sensor::Level;
 use host_sim::experiment::Experiment;
@@ -11,26 +10,7 @@ use host_sim::run::start;
 use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
-use silicon::time::{ms, us};
-
-/// `Stop` is answered, and standby reported, at once, while the pins follow at the next tick: of a
-/// tick of 50 ms they may be high for as long. Pins should fall with the command.
-#[test]
-fn heaters_stay_high_until_the_next_tick_after_a_stop() {
-    let experiment = experiment("held.toml", 10);
-    let rig = Rig::of(&experiment);
-    let mut instrument = rig.instrument();
-    start(&experiment, &mut instrument).unwrap();
-    // A cold sector is heated in every tick; this is just behind one.
-    Rig::observe(&mut instrument, 5, |_| {});
-    instrument.command(Command::Stop).unwrap();
-    rig.machine().run_for(us(1_000)).unwrap();
-    assert_eq!(rig.machine().board().witness.state(), Some(RunState::Standby));
-    assert_eq!(rig.machine().board().heaters(), 1);
-    rig.machine().run_for(ms(50)).unwrap();
-    assert_eq!(rig.machine().board().heaters(), 0);
-    rig.assert_no_complaint();
-}
+use silicon::time::ms;
 
 /// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a
 /// bit of the debugger is set. Without it, a converter that falls silent while all heaters are low

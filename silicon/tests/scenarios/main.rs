@@ -2,10 +2,12 @@
 //!
 //! No scenario may end with a complaint of the models but those of `known_defects`.
 
+mod against_qemu;
 mod boot;
 mod closed_loop;
 mod crashes;
 mod crashes_in_tasks;
+mod equal_bits;
 mod guard;
 mod known_defects;
 mod lives;
@@ -13,9 +15,11 @@ mod lock_out;
 mod process;
 mod proof;
 mod rig;
+mod self_test;
 mod settings;
 mod snapshot;
 mod soak;
+mod stop;
 mod supervision;
 mod supply;
 mod ticks;

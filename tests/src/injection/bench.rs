@@ -7,7 +7,7 @@ use dr_core::sensor::Reading;
 use dr_core::{Command, Reply};
 use firmware::crash_record::{CrashRecord, end_of};
 use firmware::dead_man::DeadManCounter;
-use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests};
+use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{InstrumentError, LinkReport, LockStepController, TickReport};
@@ -131,12 +131,12 @@ impl Subject for Bench<'_> {
     fn hear(&mut self, bytes: &[u8]) -> Result<(), InstrumentError> {
         for &byte in bytes {
             if let Some(received) = self.receiver.push::<ToBoard>(byte) {
-                self.inbox.accept(&received);
+                let stop = matches!(self.inbox.accept(&received), Wake::Stop(_)).then_some(Command::Stop);
+                if let Some(command) = stop.or_else(|| self.requests.dequeue().map(|(_, command)| command)) {
+                    // What is refused is told to whoever sent it.
+                    self.command(command).ok();
+                }
             }
-        }
-        while let Some((_, command)) = self.requests.dequeue() {
-            // What is refused is told to whoever sent it.
-            self.command(command).ok();
         }
         Ok(())
     }

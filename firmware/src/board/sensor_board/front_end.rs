@@ -10,10 +10,10 @@
 //! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue,
 //! count as conversions without codes: the tick keeps its length. If the ADC falls silent, ticks go
 //! on in the same way with readings that are missing. Without edges the task runs 20 times a
-//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. The
-//! tick in which the ADC fell silent may still have a reading, the next has none and puts the
-//! heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms
-//! of the last edge, tripped within three and 50 ms.
+//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. Codes
+//! whose last one is older than a quarter of a tick by then are stale: levels stand for up to 7/4
+//! of a tick, and no heater is high by a reading of more than two. The guard trips within three
+//! ticks and 50 ms of the last edge (its default limit).
 //!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
@@ -73,11 +73,15 @@ pub struct AdcFrontEnd {
     line: PB4<gpio::Input>,
     heaters: HeaterPort,
     dead_man: DeadManTimer,
+    /// Some heater has been set to the high level.
+    any_high: bool,
     /// The ADC has been brought up: its reference is on and its offsets are known.
     usable: bool,
     /// The rate it converts at; `None` while it must not be believed.
     rate: Option<DataRate>,
     data_ready: DataReady,
+    /// When the last frame was read.
+    read_at: u32,
     mean: SettledMean<ELEMENTS>,
     plan: TickPlan,
     /// What the converters are connected to; none while they have not taken it.
@@ -126,9 +130,11 @@ impl AdcFrontEnd {
             line,
             heaters,
             dead_man,
+            any_high: false,
             usable,
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
+            read_at: cycles(),
             mean: SettledMean::new(plan),
             plan,
             connected: Some(FrontEndInput::Element),
@@ -152,10 +158,14 @@ impl AdcFrontEnd {
                 }
                 Due::Read => {
                     self.line.clear_interrupt_pending_bit();
-                    self.adc.read_frame().ok()
+                    self.adc.read_frame().ok().inspect(|_| self.read_at = now)
                 }
             };
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
+                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * CYCLES_PER_US {
+                    readings =
+                        readings.map(|reading| if reading == Reading::Missing { reading } else { Reading::Stale });
+                }
                 if self.input == FrontEndInput::Reference {
                     scale_supplies(&mut readings);
                 }
@@ -175,8 +185,25 @@ impl AdcFrontEnd {
 
     /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
-        self.dead_man.decided(tick.heaters.0 != 0);
+        self.any_high = tick.heaters.0 != 0;
+        self.dead_man.decided(self.any_high);
         self.heaters.apply(tick.heaters).is_ok()
+    }
+
+    /// Lowers all heaters at once; returns whether any was high. If so, a tick begins anew, which
+    /// knows the low level only.
+    pub fn lower(&mut self) -> bool {
+        super::heaters_low();
+        self.dead_man.decided(false);
+        if self.any_high && self.has_edge() {
+            // This conversion is of before.
+            self.line.clear_interrupt_pending_bit();
+            self.data_ready.next(cycles(), true);
+        }
+        if self.any_high {
+            self.restart();
+        }
+        core::mem::take(&mut self.any_high)
     }
 
     /// Has the converters read something else from now on, for a self-test. It begins a tick anew:
