@@ -54,12 +54,12 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment)?;
-    let simulated = matches!(arguments.instrument.on, On::Sim | On::Qemu);
+    let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let names = experiment.head.names();
     let layout = RecordingLayout {
         elements: names.iter().copied().map(str::to_owned).collect(),
         true_wind: simulated,
-        gas: simulated && experiment.gas_swing.is_some(),
+        gas: simulated && arguments.instrument.on != On::Silicon && experiment.gas_swing.is_some(),
         estimates: experiment.surfaces(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };

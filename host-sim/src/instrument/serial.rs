@@ -201,7 +201,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
                     sample,
                     equivalent_power_w,
                     wind,
-                    true_wind_m_s: None,
+                    true_wind_m_s: self.link.stream_mut().true_wind_m_s(),
                     gas_temperature_c: None,
                     extrapolated: false,
                 });
