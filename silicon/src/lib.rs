@@ -30,9 +30,7 @@
 //! instructions, so interrupts come up to a block late.
 //!
 //! **Complaints.** A model that is used against its manual notes the cycle, the register and the
-//! rule, and goes on. A scenario that ends with a complaint fails, unless it is one of the known
-//! defects, which have scenarios of their own (`tests/scenarios/known_defects.rs`) and leave the
-//! list as they are mended.
+//! rule, and goes on. A scenario that ends with a complaint fails.
 //!
 //! **Use.** `cargo xtask test` builds the image and runs `tests/scenarios`. The program
 //! `anemo-silicon` is a board in a process of its own; with it beside `anemo` in a build folder,
@@ -58,7 +56,7 @@
 //! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/exceptions.rs`
 //! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop,
 //! causes of the guard, crashes, settings, random lives (`ANEMO_LIVES=150` for more), a long run
-//! (`ANEMO_SOAK_S=600`), and the known defects.
+//! (`ANEMO_SOAK_S=600`).
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the

@@ -284,6 +284,7 @@ impl Life {
                     refused,
                     unsent,
                     late_ticks,
+                    lost_conversions: 0,
                     deadlines: 0,
                     bit_flips: station.controller().bit_flips(),
                     armed: station.controller().is_armed(),

@@ -13,9 +13,9 @@
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
-//! a pin that could not be set; after an unrequested start `Panic`, `Fault`, `Watchdog` and
-//! `BrownOut`; and by its proof tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or
-//! the watchdog.
+//! a pin that could not be set, or has another level; `AdcRegister`, a register of the ADC that has
+//! changed; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; and by its proof
+//! tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
@@ -52,6 +52,7 @@ pub enum Cause {
     Clock,
     #[strum(to_string = "proof-test")]
     ProofTest,
+    AdcRegister,
 }
 
 impl Cause {
@@ -276,7 +277,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 19] = [
+        const ALL: [Cause; 20] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -296,6 +297,7 @@ mod tests {
             Cause::Memory,
             Cause::Clock,
             Cause::ProofTest,
+            Cause::AdcRegister,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {

@@ -1,13 +1,13 @@
 //! Scenarios on the image that is flashed. `cargo xtask test` builds it and then runs these.
 //!
-//! No scenario may end with a complaint of the models but those of `known_defects`.
+//! No scenario may end with a complaint of the models.
 
 mod boot;
 mod closed_loop;
 mod crashes;
 mod crashes_in_tasks;
+mod front_end;
 mod guard;
-mod known_defects;
 mod lives;
 mod process;
 mod proof;

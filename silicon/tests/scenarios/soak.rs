@@ -26,6 +26,6 @@ fn a_long_run_has_no_late_tick() {
     println!("{seconds} s: {status:?}");
     assert_eq!((status.unsent, status.deadlines, report.link.damaged), (0, 0, 0));
     assert_eq!(rig.machine().resets(), []);
-    // Its set-up, with models, may be late once: known_defects.
+    // Its set-up, with models, may be late once.
     assert!(status.late_ticks <= 1, "{}", status.late_ticks);
 }

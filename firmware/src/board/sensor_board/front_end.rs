@@ -7,22 +7,27 @@
 //! before the frame is read, so that an edge that comes meanwhile raises the task again; the bit
 //! holds the interrupt until it is cleared, so it is cleared even while the ADC is out of use.
 //!
-//! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue,
-//! count as conversions without codes: the tick keeps its length. If the ADC falls silent, ticks go
+//! **What is lost.** A frame without its mark, one that is read late, and an edge that [`DataReady`]
+//! knows to be overdue count as conversions without codes: the tick keeps its length, and the host is
+//! told their number. If the ADC falls silent, ticks go
 //! on in the same way with readings that are missing. Without edges the task runs 20 times a
 //! second, so such a tick comes up to 50 ms after its time, several at once if they are short. The
 //! tick in which the ADC fell silent may still have a reading, the next has none and puts the
 //! heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms
 //! of the last edge, tripped within three and 50 ms.
 //!
+//! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5 ms
+//! at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
+//!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
 //! (`docs/reference/board.md`, "One tick").
 
-use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
+use super::clocks::CycleDelay;
 use super::dead_man::DeadManTimer;
 use super::heater_pin::HeaterPin;
-use dr_core::control::Tick;
+use super::stopwatch::{COUNTS_PER_US, counts};
+use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::wind::WindTick;
@@ -46,6 +51,11 @@ pub const ELEMENTS: usize = ads131e06::CHANNELS;
 pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 /// Until the host sets one.
 pub const FIRST_PERIOD_US: u32 = 10_000;
+
+/// A frame, and by how much [`DataReady`] may be wrong about its begin.
+const FRAME_US: u32 = 60;
+/// Frames from one read-back of the ADC's registers to the next.
+const FRAMES_A_CHECK: u32 = 250;
 
 /// Six pins of port C.
 pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
@@ -88,6 +98,12 @@ pub struct AdcFrontEnd {
     input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
+    /// Conversions without codes so far.
+    lost: u32,
+    /// Frames since the ADC's registers were read back.
+    unchecked: u32,
+    /// What that has found.
+    fault: Option<Cause>,
 }
 
 impl AdcFrontEnd {
@@ -109,7 +125,8 @@ impl AdcFrontEnd {
         let device =
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
         let mut adc = Ads131e06::new(device, pins.reset);
-        let usable = match adc.initialise(plan.rate(), &mut CycleDelay) {
+        let mut line = pins.data_ready;
+        let usable = match adc.initialise(plan.rate(), &mut line, &mut CycleDelay) {
             Ok(()) => true,
             Err(error) => {
                 defmt::error!("all readings are missing, the ADC did not start: {}", error);
@@ -117,7 +134,6 @@ impl AdcFrontEnd {
             }
         };
 
-        let mut line = pins.data_ready;
         line.make_interrupt_source(&mut syscfg.constrain(rcc));
         line.trigger_on_edge(&mut exti, Edge::Falling);
         // Edges of the ADC's start.
@@ -137,6 +153,9 @@ impl AdcFrontEnd {
             connected: Some(FrontEndInput::Element),
             input: FrontEndInput::Element,
             overran: false,
+            lost: 0,
+            unchecked: 0,
+            fault: None,
         }
     }
 
@@ -145,7 +164,7 @@ impl AdcFrontEnd {
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         loop {
             // The time before the line: an edge that is not seen was not there at that time.
-            let now = cycles();
+            let now = counts();
             let edge = self.has_edge();
             let codes = match self.data_ready.next(now, edge) {
                 Due::Wait => return None,
@@ -153,18 +172,43 @@ impl AdcFrontEnd {
                     self.overran |= edge;
                     None
                 }
+                Due::Late => {
+                    self.line.clear_interrupt_pending_bit();
+                    None
+                }
                 Due::Read => {
                     self.line.clear_interrupt_pending_bit();
-                    self.adc.read_frame().ok()
+                    // An edge that has come meanwhile has changed the rest of the frame.
+                    self.adc.read_frame().ok().filter(|_| !self.line.check_interrupt())
                 }
             };
+            match codes {
+                Some(_) => self.unchecked += 1,
+                None => self.lost = self.lost.wrapping_add(1),
+            }
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
                 if self.input == FrontEndInput::Reference {
                     scale_supplies(&mut readings);
                 }
                 return Some(readings);
             }
+            if self.unchecked >= FRAMES_A_CHECK
+                && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
+            {
+                self.unchecked = 0;
+                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+            }
         }
+    }
+
+    /// Conversions so far that have not been read, or whose frame was damaged.
+    pub const fn lost_conversions(&self) -> u32 {
+        self.lost
+    }
+
+    /// What the last check of the ADC has found, once.
+    pub const fn take_fault(&mut self) -> Option<Cause> {
+        self.fault.take()
     }
 
     /// Whether a conversion waits. Edges of an ADC that must not be believed are taken away.
@@ -180,18 +224,23 @@ impl AdcFrontEnd {
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
         self.any_high = tick.heaters.0 != 0;
         self.dead_man.decided(self.any_high);
-        self.heaters.apply(tick.heaters).is_ok()
+        self.heaters.apply(tick.heaters, &mut CycleDelay).is_ok()
+    }
+
+    /// Whether the pins have the levels that were put on them.
+    pub fn holds_levels(&mut self) -> bool {
+        self.heaters.verify().is_ok()
     }
 
     /// Lowers all heaters at once; returns whether any was high. If so, a tick begins anew, which
     /// knows the low level only.
     pub fn lower(&mut self) -> bool {
-        super::heaters_low();
+        self.heaters.all_low().ok();
         self.dead_man.decided(false);
         if self.any_high && self.has_edge() {
             // This conversion is of before.
             self.line.clear_interrupt_pending_bit();
-            self.data_ready.next(cycles(), true);
+            self.data_ready.next(counts(), true);
         }
         if self.any_high {
             self.restart();
@@ -283,5 +332,5 @@ fn scale_supplies(readings: &mut [Reading; ELEMENTS]) {
 
 /// Conversions of this plan from an ADC that starts now.
 fn expectation(plan: TickPlan) -> DataReady {
-    DataReady::new(plan.rate().conversion_us() * CYCLES_PER_US, cycles())
+    DataReady::new(plan.rate().conversion_us() * COUNTS_PER_US, FRAME_US * COUNTS_PER_US, counts())
 }
