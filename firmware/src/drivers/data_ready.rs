@@ -34,9 +34,8 @@
 //! Limits: the clock must be polled at least once in half of the time in which it wraps, and d_k is
 //! wrong by some lateness of before, which F must allow for. An edge that is not one of the ADC's (a disturbance on the line) counts as a conversion.
 
-/// Counts until the first conversion after a start, in periods: the ADC's filter has to fill, 4.5
-/// periods.
-const FIRST: u32 = 5;
+/// Half periods from a start to the first conversion: the ADC's filter has to fill.
+const FIRST: u32 = 9;
 
 /// The expected course of data-ready edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +62,7 @@ impl DataReady {
     /// Conversions of `period` counts from an ADC that was started at `now`, whose frames take
     /// `frame` counts.
     pub const fn new(period: u32, frame: u32, now: u32) -> Self {
-        Self { period, frame, due: now.wrapping_add(FIRST * period) }
+        Self { period, frame, due: now.wrapping_add(FIRST * period / 2) }
     }
 
     /// Whether `counts` are left at `now` before the next conversion.
@@ -176,11 +175,18 @@ mod tests {
     }
 
     #[test]
+    fn a_first_conversion_that_is_served_too_late_is_not_read() {
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
+        assert_eq!(data_ready.next(PERIOD / 10 * 53 + 1, true), Due::Late);
+    }
+
+    #[test]
     fn an_adc_that_never_starts_is_silent_from_its_first_conversion_on() {
         let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
-        assert_eq!(data_ready.next(6 * PERIOD - 1, false), Due::Wait);
-        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Lost);
-        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Wait);
+        let overdue = 11 * PERIOD / 2;
+        assert_eq!(data_ready.next(overdue - 1, false), Due::Wait);
+        assert_eq!(data_ready.next(overdue, false), Due::Lost);
+        assert_eq!(data_ready.next(overdue, false), Due::Wait);
     }
 
     #[test]

@@ -300,13 +300,14 @@ impl AdcFrontEnd {
     /// sees.
     pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
         let plan = TickPlan::from_seconds(sample_period_s)?;
-        if self.usable && self.rate != Some(plan.rate()) {
-            let taken = self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
+        // An ADC that keeps its rate keeps the times of its conversions.
+        if self.rate != Some(plan.rate()) {
+            let taken = self.usable && self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
             self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
             self.line.clear_interrupt_pending_bit();
+            self.data_ready = expectation(plan);
         }
-        self.data_ready = expectation(plan);
         self.mean = SettledMean::new(plan);
         self.plan = plan;
         self.dead_man.set_tick(plan.tick_us());
