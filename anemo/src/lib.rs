@@ -33,10 +33,12 @@ mod predict;
 mod predict_against;
 mod progress;
 mod recorded;
+mod recover;
 mod reduce;
 mod run;
 mod self_test;
 mod settings;
+mod status;
 #[cfg(feature = "studies")]
 mod thesis;
 mod validate;
@@ -73,6 +75,7 @@ Examples:
   anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0
   anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o gusts.csv
   anemo settings show --on serial:/dev/ttyACM0
+  anemo status --on serial:/dev/ttyACM0
 
 again.parquet, id-*.parquet, tunnel.parquet and winds.parquet are made as the
 help of `validate`, `head identify`, `calibrate` and `wind` says; heater.csv and
@@ -86,8 +89,10 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
+    Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
+    Status(status::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
     Identify(identify::Arguments),
@@ -159,8 +164,10 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),
+        Subcommands::Status(arguments) => status::execute(&arguments),
         Subcommands::Check(arguments) => check::execute(&arguments),
         Subcommands::Design(arguments) => design::execute(&arguments),
         Subcommands::Identify(arguments) => identify::execute(&arguments),

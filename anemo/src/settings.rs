@@ -47,8 +47,8 @@ enum Task {
     /// Change one value, or the whole head.
     ///
     /// Keys: name, telemetry_every, sample_period_s, guard.missing_limit_ticks,
-    /// guard.unreachable_limit_ticks, guard.stuck_limit_ticks, observe, gas.pressure_pa,
-    /// gas.temperature_c.
+    /// guard.unreachable_limit_ticks, guard.stuck_limit_ticks, observe, host_timeout_s,
+    /// gas.pressure_pa, gas.temperature_c.
     Set {
         /// The key.
         #[arg(requires = "value", required_unless_present = "head", conflicts_with = "head")]

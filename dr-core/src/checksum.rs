@@ -27,6 +27,11 @@ impl Default for Checksum {
 }
 
 impl Checksum {
+    /// The word that stands for it in memory.
+    pub(crate) const fn word_of_it(self) -> u32 {
+        self.0
+    }
+
     /// The checksum of one value.
     pub(crate) fn of(what: &impl Fields) -> Self {
         let mut checksum = Self::default();

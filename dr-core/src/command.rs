@@ -73,7 +73,21 @@ pub enum Command {
     /// armed; the length of the test replaces the armed time. Without: in standby or tripped, and
     /// the state stays. Any other command that changes something ends it.
     SelfTest(SelfTestPlan),
+    /// Longest time without a frame of the host while heating; longer trips. In standby;
+    /// [`HOST_TIMEOUT_S`] after `Clear`.
+    HostTimeout {
+        /// Seconds, up to [`LONGEST_HOST_TIMEOUT_S`], counted in ticks. 0: for ever, for an
+        /// instrument that nobody attends.
+        timeout_s: f32,
+    },
 }
+
+/// A host that sends nothing for so long is gone, if nothing else has been said, s. Shorter than
+/// anything that a lost cable could heat up unseen; longer than a slow disk holds up a host.
+pub const HOST_TIMEOUT_S: f32 = 60.0;
+
+/// Longest timeout of a host, s: a day.
+pub const LONGEST_HOST_TIMEOUT_S: f32 = 86_400.0;
 
 /// Longest time for which an instrument can be armed, s.
 pub const LONGEST_ARMED_S: f32 = 600.0;

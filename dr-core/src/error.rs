@@ -87,6 +87,7 @@ pub enum Parameter {
     CardShare,
     WindowS,
     PulseS,
+    HostTimeoutS,
 }
 
 impl Parameter {

@@ -4,6 +4,7 @@
 use crate::command::{Command, Reply};
 use crate::control::controller::Controller;
 use crate::control::guard::{Cause, Trip};
+use crate::control::lockout::Lockout;
 use crate::control::refusal::Refusal;
 use crate::control::self_test::SelfTest;
 use crate::control::state::{Probe, RunState, Tick};
@@ -93,6 +94,22 @@ impl<const N: usize> Instrument<N> {
         let invalid = |error| Refusal::Invalid { element, error };
         self.anemometer.handle(command, sample_period_s).map_err(invalid)?;
         Ok(Reply::Done)
+    }
+
+    /// There is a link to a host, which has to send something while the instrument heats
+    /// (`Command::HostTimeout`).
+    pub fn expect_host(&mut self) {
+        self.controller.expect_host();
+    }
+
+    /// The host has sent a frame.
+    pub fn host_heard(&mut self) {
+        self.controller.host_heard();
+    }
+
+    /// Goes on with the trips of before a reset.
+    pub fn restore_lockout(&mut self, lockout: Lockout) {
+        self.controller.restore_lockout(lockout);
     }
 
     /// Trips for a cause that the board reports, unless the instrument is tripped already.

@@ -8,19 +8,23 @@
 //! | 1 | 0: no crash; 1: panic; 2: fault; in the upper half the length of the text |
 //! | 2 | line or address |
 //! | 3 … 10 | text |
-//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹ |
+//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹; changed by [`LAYOUT`] |
 //! | 12 | CRC-32 of the words before |
 //!
 //! An invalid record, after power-on or a bit flip, counts as a first start.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-use dr_core::control::Cause;
+use dr_core::control::{Cause, Lockout};
 use wire::{Crash, CrashKind, Name, ResetCause};
 
 /// Length of the record.
 pub const WORDS: usize = 13;
 const TEXT: core::ops::Range<usize> = 3..11;
+
+/// What RAM keeps beside this record: a firmware that has been flashed over another one does not
+/// look for what that has not kept.
+const LAYOUT: u32 = 1;
 
 /// The record as words in RAM.
 pub type CrashWords = [u32; WORDS];
@@ -46,7 +50,7 @@ impl CrashRecord {
         let [words @ .., check] = record;
         let [starts, head, at, ..] = *words;
         let complement = words.last().copied()?;
-        if check_of(words) != *check || complement != !starts {
+        if check_of(words) != *check || complement != !starts ^ LAYOUT {
             return None;
         }
         let kind = match head & 0xffff {
@@ -69,7 +73,7 @@ impl CrashRecord {
         let mut record = [0; WORDS];
         let [words @ .., check] = &mut record;
         let [starts, head, at, text @ .., complement] = words;
-        (*starts, *complement) = (self.starts, !self.starts);
+        (*starts, *complement) = (self.starts, !self.starts ^ LAYOUT);
         if let Some(crash) = &self.crash {
             let kind = match crash.kind {
                 CrashKind::Panic => 1,
@@ -90,6 +94,17 @@ impl CrashRecord {
     /// The record after a reset of any cause: a supply that has left it valid has only dipped.
     pub fn after(record: &CrashWords) -> Self {
         Self::read(record).map_or(Self::FIRST, |past| Self { starts: past.starts.wrapping_add(1), ..past })
+    }
+
+    /// The trip counter after this reset, given what RAM has kept of it. One that is lost although
+    /// this record is whole is taken for locked: no crash may erase it.
+    pub fn lockout(&self, reset: ResetCause, kept: Option<Lockout>) -> Lockout {
+        match (reset, kept) {
+            (ResetCause::PowerOn | ResetCause::Pin, _) => Lockout::new(),
+            (_, Some(kept)) => kept,
+            (_, None) if self.starts > 1 => Lockout::locked(),
+            (_, None) => Lockout::new(),
+        }
     }
 
     /// Cause for which the instrument is tripped after an unrequested start.
@@ -212,6 +227,20 @@ mod tests {
     fn a_crash_is_remembered_over_any_reset_that_leaves_the_record() {
         let second = CrashRecord::after(&past().record());
         assert_eq!((second.starts, second.trip(ResetCause::Pin)), (8, Some(Cause::Panic)));
+    }
+
+    #[test]
+    fn only_supply_and_reset_pin_lift_a_lock_and_a_lost_one_is_a_lock() {
+        let is_locked = |reset, kept| past().lockout(reset, kept).is_locked();
+        for kept in [None, Some(Lockout::locked())] {
+            assert!(!is_locked(ResetCause::PowerOn, kept) && !is_locked(ResetCause::Pin, kept));
+            for reset in [ResetCause::Software, ResetCause::Watchdog, ResetCause::BrownOut, ResetCause::Unknown] {
+                assert!(is_locked(reset, kept), "{reset:?}");
+                assert!(!is_locked(reset, Some(Lockout::new())), "{reset:?}");
+            }
+        }
+        // Nothing has been kept at all: RAM was without power, or another firmware's.
+        assert!(!CrashRecord::FIRST.lockout(ResetCause::BrownOut, None).is_locked());
     }
 
     #[test]

@@ -3,9 +3,10 @@
 //! ([`firmware::crash_record`]).
 
 use crate::board;
-use crate::crash_memory::{read, write};
+use crate::crash_memory::{self, read, write};
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
+use dr_core::control::Lockout;
 use firmware::crash_record::{self, CrashRecord};
 use wire::{Crash, CrashKind, Name, ResetCause};
 
@@ -14,6 +15,14 @@ pub fn update_record(reset: ResetCause) -> (ResetCause, CrashRecord) {
     let record = CrashRecord::after(&read());
     write(&record);
     (board::reset_as_remembered(reset, &record), record)
+}
+
+/// The trip counter after this reset: as it was, unless the supply or the reset pin has started the
+/// board.
+pub fn lockout_after(reset: ResetCause, past: &CrashRecord) -> Lockout {
+    let lockout = past.lockout(reset, crash_memory::read_lockout());
+    crash_memory::write_lockout(&lockout.words());
+    lockout
 }
 
 /// The crash has been acknowledged: the next start is one like any other.

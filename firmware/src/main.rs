@@ -30,11 +30,11 @@ use defmt as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
-    use super::halt;
     use super::settings_loader::{Outcome, SettingsLoader};
     use super::vitals::{self, Health};
+    use super::{crash_memory, halt};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Cause, Margins, Refusal, RunState};
+    use dr_core::control::{Cause, LockoutWords, Margins, Refusal, RunState, TripHistory};
     use dr_core::{Command, Instrument};
     use firmware::check_ins::{CheckIns, Member};
     use firmware::crash_record::CrashTrip;
@@ -92,6 +92,8 @@ mod app {
     static STANDBY_LOCK: StandbyLock = StandbyLock::starting();
     /// `serve_settings` must set the instrument up before anything else; true after a start.
     static SET_UP: AtomicBool = AtomicBool::new(true);
+    /// A host has sent a frame since the last run of control.
+    static HOST_HEARD: AtomicBool = AtomicBool::new(false);
     /// The instrument has been set up.
     static IS_SET_UP: AtomicBool = AtomicBool::new(false);
 
@@ -105,11 +107,17 @@ mod app {
         /// Of each element, to the levels. The health task copies them once a second, some 200
         /// bytes, for which the control task waits a microsecond.
         margins: List<Option<Margins>>,
+        /// Trips so far, for the status.
+        history: TripHistory,
+        /// As it was after the last run of control.
+        run_state: RunState,
     }
 
     #[local]
     struct Local {
         instrument: Instrument<ELEMENTS>,
+        /// The trip counter as RAM keeps it across a reset.
+        kept_lockout: LockoutWords,
         front_end: FrontEnd,
         requests: Consumer<'static, Request>,
         orders: Consumer<'static, Command>,
@@ -119,7 +127,6 @@ mod app {
         answers: Producer<'static, SettingsAnswer>,
         answered: Consumer<'static, SettingsAnswer>,
         outbox: Outbox<'static>,
-        last_state: RunState,
         messages: Consumer<'static, FromBoard>,
         host_receiver: HostReceiver,
         host_transmitter: HostTransmitter,
@@ -150,10 +157,14 @@ mod app {
         vitals::start_ticking(&mut core.SYST);
         let (reset, past) = halt::update_record(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
+        let lockout = halt::lockout_after(reset, &past);
         if let Some(cause) = past.trip(reset) {
             CRASH_TRIP.put(cause);
             STANDBY_LOCK.standby(false);
         }
+        let mut instrument = Instrument::new();
+        instrument.restore_lockout(lockout);
+        instrument.expect_host();
         let identity = vitals::identity(reset, past);
         // The identity goes first: a host that was connected before the reset must notice the
         // reset.
@@ -167,9 +178,12 @@ mod app {
                 status: None,
                 findings: PendingFindings::of(&identity),
                 margins: List::new(),
+                history: lockout.history(),
+                run_state: RunState::Standby,
             },
             Local {
-                instrument: Instrument::new(),
+                instrument,
+                kept_lockout: lockout.words(),
                 front_end: parts.front_end,
                 requests,
                 orders,
@@ -179,7 +193,6 @@ mod app {
                 answers: answer_in,
                 answered,
                 outbox: Outbox::new(message_in, &UNSENT),
-                last_state: RunState::Standby,
                 messages,
                 host_receiver: parts.host_receiver,
                 host_transmitter: parts.host_transmitter,
@@ -210,6 +223,7 @@ mod app {
             }
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
+                    HOST_HEARD.store(true, Relaxed);
                     wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
@@ -246,15 +260,19 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, front_end, requests, orders, outcomes, outbox, last_state], shared = [findings, margins])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, kept_lockout, front_end, requests, orders, outcomes, outbox], shared = [findings, margins, history, run_state])]
     fn control(mut cx: control::Context) {
-        let control::LocalResources { instrument, front_end, requests, orders, outcomes, outbox, last_state, .. } =
+        let control::LocalResources { instrument, kept_lockout, front_end, requests, orders, outcomes, outbox, .. } =
             cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
         // Before any command.
         if let Some(cause) = CRASH_TRIP.take() {
             instrument.trip(cause);
+        }
+        if HOST_HEARD.load(Relaxed) {
+            HOST_HEARD.store(false, Relaxed);
+            instrument.host_heard();
         }
         if matches!(instrument.controller().state(), RunState::Running | RunState::Testing) {
             // Nothing holds the lock while the instrument runs; a flipped bit in it must not block
@@ -337,10 +355,16 @@ mod app {
         FLIPPABLE.store(instrument.controller().bit_flips(), Relaxed);
         ARMED.store(instrument.controller().is_armed(), Relaxed);
 
+        let lockout = instrument.controller().lockout();
+        if lockout.words() != *kept_lockout {
+            // Once a second, and with each trip.
+            *kept_lockout = lockout.words();
+            crash_memory::write_lockout(kept_lockout);
+            cx.shared.history.lock(|history| *history = lockout.history());
+        }
         let state = instrument.controller().state();
         STANDBY_LOCK.standby(state == RunState::Standby);
-        if state != *last_state {
-            *last_state = state;
+        if cx.shared.run_state.lock(|last| core::mem::replace(last, state)) != state {
             outbox.put(FromBoard::Event(Event { tick: instrument.controller().ticks(), state }));
         }
         if outbox.waits() {
@@ -399,6 +423,7 @@ mod app {
         let foreign = cx.local.link.counters().foreign;
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
+                HOST_HEARD.store(true, Relaxed);
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -423,6 +448,7 @@ mod app {
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
+                HOST_HEARD.store(true, Relaxed);
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -524,7 +550,7 @@ mod app {
     /// Twenty times a second: feeds the watchdog if every task has checked in, and clears the
     /// check-ins. Once a second: status. Priority 2; late by more than the watchdog's half second
     /// resets the board.
-    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins])]
+    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, run_state])]
     fn health(mut cx: health::Context) {
         if cx.local.health.beat(&CHECK_INS) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
@@ -542,6 +568,8 @@ mod app {
                 control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
                 tick_cycles: TICK_CYCLES.load(Relaxed),
                 margins: cx.shared.margins.lock(|margins| margins.clone()),
+                history: cx.shared.history.lock(|history| *history),
+                state: cx.shared.run_state.lock(|state| *state),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
         }

@@ -38,14 +38,23 @@ impl FlashImage {
     /// # Errors
     /// If the file is no image of the sensor board.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let name = || path.display().to_string();
-        let elf = std::fs::read(path).map_err(|error| ImageError::Unreadable(name(), error))?;
-        let no_image = |reason| ImageError::NoImage(name(), reason);
-        let flash = flash_of(&elf).ok_or_else(|| no_image("it has no segments for the flash"))?;
+        let (elf, flash) = Self::read_flash(path)?;
+        let no_image = |reason| ImageError::NoImage(path.display().to_string(), reason);
         let file = object::File::parse(&*elf).map_err(|_| no_image("it is no ELF file"))?;
         let rtt = file.symbols().find(|symbol| symbol.name() == Ok(RTT)).map(|symbol| symbol.address() as u32);
         let rtt = rtt.ok_or_else(|| no_image("it has no log for a probe"))?;
         Ok(Self { flash, rtt, elf })
+    }
+
+    /// Reads any image for this processor: the file, and the flash with it.
+    ///
+    /// # Errors
+    /// If the file has nothing for the flash.
+    pub fn read_flash(path: &Path) -> Result<(Vec<u8>, Vec<u8>), ImageError> {
+        let name = || path.display().to_string();
+        let elf = std::fs::read(path).map_err(|error| ImageError::Unreadable(name(), error))?;
+        let flash = flash_of(&elf).ok_or_else(|| ImageError::NoImage(name(), "it has no segments for the flash"))?;
+        Ok((elf, flash))
     }
 
     /// Address of the function whose mangled name ends so; none if there is none.

@@ -269,7 +269,17 @@ impl Life {
             if questions.take_identity() {
                 let firmware = Name::try_from("fake board").expect("it is short");
                 let (board, elements, order) = (BoardKind::Sensor, CHANNELS as u8, dr_core::model::ORDER as u8);
-                send(&FromBoard::Identity(Identity { firmware, board, elements, order, reset, starts, crash: None }));
+                let (crash, unique_id) = (None, [0; 3]);
+                send(&FromBoard::Identity(Identity {
+                    firmware,
+                    board,
+                    elements,
+                    order,
+                    reset,
+                    starts,
+                    crash,
+                    unique_id,
+                }));
             }
             while let Some(message) = messages.dequeue() {
                 send(&message);
@@ -280,6 +290,7 @@ impl Life {
                 let (late_ticks, control_cycles_max, tick_cycles) = (0, 0, 0);
                 send(&FromBoard::Status(Status {
                     uptime_s,
+                    state: station.controller().state(),
                     link,
                     refused,
                     unsent,
@@ -287,6 +298,7 @@ impl Life {
                     lost_conversions: 0,
                     deadlines: 0,
                     bit_flips: station.controller().bit_flips(),
+                    history: station.controller().lockout().history(),
                     armed: station.controller().is_armed(),
                     control_cycles_max,
                     tick_cycles,

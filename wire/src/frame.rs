@@ -84,7 +84,8 @@ mod tests {
     };
     use dr_core::Command;
     use dr_core::control::{
-        Cause, Controller, Drive, ElementConfig, Heaters, Limits, Margins, Refusal, RunState, Trip,
+        Cause, Controller, Drive, ElementConfig, FirstTrip, Heaters, Limits, Margins, Refusal, RunState, Trip,
+        TripHistory,
     };
     use dr_core::model::{AlarmConfig, GainsConfig, NetworkSelfHeatingConfig, Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
@@ -125,8 +126,9 @@ mod tests {
         assert_eq!(firmware.len(), firmware.capacity());
         let crash = Crash { kind: CrashKind::Fault, file: firmware.clone(), at: u32::MAX };
         let (board, reset) = (BoardKind::Virtual, ResetCause::Unknown);
+        let (elements, order, unique_id) = (255, 255, [u32::MAX; 3]);
         let identity =
-            Identity { firmware, board, elements: 255, order: 255, reset, starts: u32::MAX, crash: Some(crash) };
+            Identity { firmware, board, elements, order, reset, starts: u32::MAX, crash: Some(crash), unique_id };
         let counters = LinkCounters {
             messages: u32::MAX,
             damaged: u32::MAX,
@@ -137,6 +139,7 @@ mod tests {
         };
         let status = Status {
             uptime_s: u32::MAX,
+            state: RunState::Tripped(Trip::of(15, Cause::HostTimeout)),
             link: counters,
             refused: u32::MAX,
             unsent: u32::MAX,
@@ -148,6 +151,11 @@ mod tests {
             control_cycles_max: u32::MAX,
             tick_cycles: u32::MAX,
             margins: List::from_array([Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); MOST_ELEMENTS]),
+            history: TripHistory {
+                trips: u32::MAX,
+                is_locked: true,
+                first: Some(FirstTrip { trip: Trip::of(15, Cause::HostTimeout), at_s: u32::MAX }),
+            },
         };
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };

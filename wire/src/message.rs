@@ -3,7 +3,7 @@
 use crate::counters::LinkCounters;
 use crate::list::{List, MOST_ELEMENTS, Name};
 use crate::settings::{SettingsAnswer, SettingsRequest};
-use dr_core::control::{Heaters, Margins, Refusal, RunState, SelfTestFinding, Tick};
+use dr_core::control::{Heaters, Margins, Refusal, RunState, SelfTestFinding, Tick, TripHistory};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::wind::{MOST_SURFACES, QualityFlags, WindTick};
 use dr_core::{Command, Reply};
@@ -132,6 +132,8 @@ pub struct Identity {
     pub starts: u32,
     /// The last crash, if it has not been acknowledged yet.
     pub crash: Option<Crash>,
+    /// A number that no other board has; 0 for one that is no hardware.
+    pub unique_id: [u32; 3],
 }
 
 /// Cause of a crash of the firmware.
@@ -340,6 +342,8 @@ impl From<&WindTick> for WindSample {
 pub struct Status {
     /// Seconds since the start.
     pub uptime_s: u32,
+    /// Run state, for hosts that get no samples.
+    pub state: RunState,
     /// What arrived on the host link, and what was wrong with it.
     pub link: LinkCounters,
     /// Messages that found their queue full, or that this board does not accept.
@@ -363,6 +367,9 @@ pub struct Status {
     /// Margins to the low and the high level of each element that controls a temperature and has a
     /// model, W.
     pub margins: List<Option<Margins>>,
+    /// Trips since the supply or the reset pin started the board, the first of them, and whether
+    /// they have locked it.
+    pub history: TripHistory,
 }
 
 /// A change of the run state.

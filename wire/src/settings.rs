@@ -7,6 +7,7 @@
 //! | 0x0300 | `sample_period_s` | command `SamplePeriod` |
 //! | 0x0400 | `guard` | command `Guard` |
 //! | 0x0500 | `observe` | command `Observe` |
+//! | 0x0600 | `host_timeout_s` | command `HostTimeout` |
 //! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
 //! | 0x20ee | `own` | command `SelfHeating` of element ee |
 //! | 0x21es | `faster` | command `FasterGains`: set s of element e |
@@ -60,6 +61,9 @@ pub enum SettingKind {
     Guard = 0x04,
     /// Whether observers run.
     Observe = 0x05,
+    /// Longest run without a host.
+    #[strum(to_string = "host_timeout_s")]
+    HostTimeout = 0x06,
     /// Wiring and limits of an element.
     Element = 0x10,
     /// Its model.
@@ -186,6 +190,7 @@ impl Setting {
                 Command::SamplePeriod { .. } => (SettingKind::SamplePeriod, 0),
                 Command::Guard(_) => (SettingKind::Guard, 0),
                 Command::Observe { .. } => (SettingKind::Observe, 0),
+                Command::HostTimeout { .. } => (SettingKind::HostTimeout, 0),
                 Command::Element { element, .. } => (SettingKind::Element, *element),
                 Command::Model { element, .. } => (SettingKind::Model, *element),
                 Command::Drive { element, .. } => (SettingKind::Drive, *element),
@@ -236,7 +241,8 @@ impl Setting {
     pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
         let key = SettingKey::of_number(number).ok_or(Unusable::UnknownKey)?;
         let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
-        // Formats that are older than this one are converted here, once there are any.
+        // Values of older formats are converted here, once there are any: `format1.txt` has bytes of
+        // the first, and a test reads them.
         if found != FORMAT {
             return Err(Unusable::Format { found });
         }

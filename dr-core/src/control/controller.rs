@@ -15,9 +15,11 @@
 
 use super::drive::{Drive, DriveInput, DriveState};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
+use super::lockout::Lockout;
 use super::state::{ElementConfig, Heaters, Probe, RunState, Tick};
 use super::targets::{self, Margins};
 use crate::checksum::Checksum;
+use crate::command::HOST_TIMEOUT_S;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
 use crate::sensor::{Channel, Level, Reading};
 
@@ -82,6 +84,11 @@ pub struct Controller<const N: usize> {
     sealed_elements: [Checksum; N],
     /// Number of checksums that have failed.
     bit_flips: u32,
+    lockout: Lockout,
+    /// Longest time without a frame of the host while heating, s; 0 for ever.
+    host_timeout_s: f32,
+    /// Ticks since the last frame of the host; none where there is no link.
+    host_silence: Option<u32>,
 }
 
 impl<const N: usize> Default for Controller<N> {
@@ -111,6 +118,9 @@ impl<const N: usize> Controller<N> {
             sealed_states: Checksum::default(),
             sealed_elements: [Checksum::default(); N],
             bit_flips: 0,
+            lockout: Lockout::new(),
+            host_timeout_s: HOST_TIMEOUT_S,
+            host_silence: None,
         };
         new.update_checksums();
         new
@@ -134,6 +144,11 @@ impl<const N: usize> Controller<N> {
     /// Number of bit flips found in settings, states or models.
     pub const fn bit_flips(&self) -> u32 {
         self.bit_flips
+    }
+
+    /// Trips so far, and whether they can be acknowledged.
+    pub const fn lockout(&self) -> &Lockout {
+        &self.lockout
     }
 
     /// Number of configured elements.
@@ -204,7 +219,7 @@ impl<const N: usize> Controller<N> {
             // Readings skipped on purpose do not count as missing.
             self.states.iter_mut().for_each(|state| state.absent_ticks = 0);
         }
-        let mut trip = flipped.or(fault.filter(|_| guarded));
+        let mut trip = flipped.or(fault.filter(|_| guarded)).or(self.await_host());
         if trip.is_none() {
             match self.state {
                 RunState::Running => trip = self.decide(valid),
@@ -219,6 +234,9 @@ impl<const N: usize> Controller<N> {
             self.levels = Heaters(0);
         }
         self.armed_ticks = self.armed_ticks.saturating_sub(1);
+        if let Some(sample_period_s) = self.sample_period_s {
+            self.lockout.tick(sample_period_s);
+        }
         let (power_w, equivalent_power_w) = self.update_models(valid);
         let output = Tick {
             tick: self.tick,
@@ -269,8 +287,34 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Enters `Tripped` from any state.
-    const fn enter_tripped(&mut self, trip: Trip) {
+    /// There is a link, and a host that is to be heard while the instrument heats.
+    pub(crate) fn expect_host(&mut self) {
+        self.host_silence = Some(0);
+        self.update_checksums();
+    }
+
+    /// The host has sent a frame.
+    pub(crate) fn host_heard(&mut self) {
+        self.host_silence = self.host_silence.map(|_| 0);
+    }
+
+    /// Counts a tick without a frame of the host, and trips after too many.
+    fn await_host(&mut self) -> Option<Trip> {
+        let heats = matches!(self.state, RunState::Running | RunState::Testing);
+        let ticks = self.host_silence.as_mut().filter(|_| heats)?;
+        *ticks = ticks.saturating_add(1);
+        let silence_s = *ticks as f32 * self.sample_period_s?;
+        (self.host_timeout_s > 0.0 && silence_s > self.host_timeout_s).then_some(Trip::whole(Cause::HostTimeout))
+    }
+
+    /// Goes on with the trips of before a reset.
+    pub(crate) fn restore_lockout(&mut self, lockout: Lockout) {
+        self.lockout = lockout;
+    }
+
+    /// Enters `Tripped` from any state, and counts the trip.
+    fn enter_tripped(&mut self, trip: Trip) {
+        self.lockout.count(self.state, trip);
         self.state = RunState::Tripped(trip);
         self.armed_ticks = 0;
     }

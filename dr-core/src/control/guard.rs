@@ -13,9 +13,10 @@
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
-//! a pin that could not be set, or has another level; `AdcRegister`, a register of the ADC that has
-//! changed; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; and by its proof
-//! tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog.
+//! a pin that could not be set, or has another level; `HostTimeout`, no frame of a host for too long
+//! while heating; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; by its proof
+//! tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog; and `AdcRegister`,
+//! a register of the ADC that has changed.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
@@ -24,7 +25,7 @@ use crate::sensor::{Channel, Level, Platinum, Reading};
 use core::fmt;
 
 /// Why the heaters went off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::IntoStaticStr)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, strum::FromRepr, strum::IntoStaticStr)]
 #[strum(serialize_all = "kebab-case")]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(missing_docs)] // the table above is the documentation
@@ -52,6 +53,7 @@ pub enum Cause {
     Clock,
     #[strum(to_string = "proof-test")]
     ProofTest,
+    HostTimeout,
     AdcRegister,
 }
 
@@ -199,6 +201,7 @@ pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level)
 mod tests {
     extern crate std;
     use super::*;
+    use crate::control::state::RunState;
     use std::string::ToString;
 
     const LIMITS: Limits =
@@ -277,7 +280,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 20] = [
+        const ALL: [Cause; 21] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -297,11 +300,15 @@ mod tests {
             Cause::Memory,
             Cause::Clock,
             Cause::ProofTest,
+            Cause::HostTimeout,
             Cause::AdcRegister,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {
-            assert_eq!(ALL[place] as usize, place);
+            assert_eq!((ALL[place] as usize, Cause::from_repr(place)), (place, Some(ALL[place])));
+            for trip in [Trip::whole(ALL[place]), Trip::of(15, ALL[place])] {
+                assert_eq!(RunState::tripped_of(RunState::Tripped(trip).word()), Some(trip));
+            }
             assert!(!name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{name}");
             assert!(!names[..place].contains(name), "{name} is there twice");
         }

@@ -4,6 +4,7 @@
 pub mod controller;
 pub mod drive;
 pub mod guard;
+pub mod lockout;
 pub mod refusal;
 pub mod self_test;
 pub mod state;
@@ -12,6 +13,7 @@ pub mod targets;
 pub use controller::Controller;
 pub use drive::Drive;
 pub use guard::{Cause, GuardConfig, Limits, Trip};
+pub use lockout::{FirstTrip, Lockout, LockoutWords, TripHistory};
 pub use refusal::Refusal;
 pub use self_test::SelfTest;
 pub use self_test::finding::{PulseResponse, SelfTestFault, SelfTestFaults, SelfTestFinding};

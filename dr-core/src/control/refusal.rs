@@ -2,6 +2,7 @@
 //! would be right.
 
 use super::guard::Trip;
+use super::lockout::{LOCK_TRIPS, LOCK_WINDOW_S};
 use crate::error::ConfigError;
 use crate::model::Reachability;
 use core::fmt;
@@ -50,6 +51,8 @@ pub enum Refusal {
     NotArmed,
     /// `Stop` came while the command waited.
     Stopped,
+    /// Three trips in ten minutes have locked the instrument.
+    LockedOut,
 }
 
 impl fmt::Display for Refusal {
@@ -68,6 +71,11 @@ impl fmt::Display for Refusal {
             Self::NotArmed => {
                 write!(f, "this command can heat, and the instrument is not armed, or no longer: arm it first")
             }
+            Self::LockedOut => write!(
+                f,
+                "{LOCK_TRIPS} trips in {} minutes have locked the instrument: mend the cause, then restart it by its supply or its reset pin",
+                LOCK_WINDOW_S / 60
+            ),
             Self::Invalid { element: Some(element), error } => write!(f, "element {element}: {error}"),
             Self::Invalid { element: None, error } => write!(f, "{error}"),
             Self::Unreachable { element, target_c, verdict } => match verdict {

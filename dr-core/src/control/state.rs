@@ -1,7 +1,7 @@
 //! The controller's shared types: run state, heater levels, an element's configuration, and the
 //! result of one tick.
 
-use super::guard::{Limits, Trip};
+use super::guard::{Cause, Limits, Trip};
 use crate::sensor::{Channel, Level};
 
 /// Run state of the instrument.
@@ -30,6 +30,13 @@ impl RunState {
             }
             Self::Testing => 3,
         }
+    }
+
+    /// The trip of a state's word, if it is tripped.
+    pub(crate) fn tripped_of(word: u32) -> Option<Trip> {
+        let [2, cause, element, 0] = word.to_le_bytes() else { return None };
+        let cause = Cause::from_repr(usize::from(cause))?;
+        Some(Trip { cause, element: (element != 0xff).then_some(element) })
     }
 }
 

@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 66] = [
+const ALL: [Parameter; 67] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -76,6 +76,7 @@ const ALL: [Parameter; 66] = [
     Parameter::CardShare,
     Parameter::WindowS,
     Parameter::PulseS,
+    Parameter::HostTimeoutS,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

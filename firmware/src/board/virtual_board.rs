@@ -116,6 +116,11 @@ pub fn silence(sequence: u16) -> bool {
     DEAD_MAN.tick_passed()
 }
 
+/// The emulated processor has none.
+pub const fn unique_id() -> [u32; 3] {
+    [0; 3]
+}
+
 /// Why it started, by what is remembered.
 pub fn reset_as_remembered(_: ResetCause, life: &CrashRecord) -> ResetCause {
     match (life.starts, &life.crash) {

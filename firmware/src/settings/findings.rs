@@ -43,8 +43,9 @@ mod tests {
     fn each_is_given_once_and_a_newer_test_replaces_what_waits() {
         let firmware = Name::try_from("anemo 1").unwrap();
         let (board, reset) = (BoardKind::Sensor, ResetCause::PowerOn);
+        let (crash, unique_id) = (None, [0; 3]);
         let identity =
-            Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash: None };
+            Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash, unique_id };
         let mut findings = PendingFindings::of(&identity);
         assert_eq!(findings.take_one(), None);
         let of = |element| SelfTestFinding { element, of: 2, ..SelfTestFinding::default() };

@@ -29,6 +29,9 @@ pub struct Experiment {
     /// Whether the models are held on the measured temperatures while it runs, and what the
     /// structures take is recorded.
     pub observe: bool,
+    /// How long a board heats without a host, s, if it is not [`dr_core::HOST_TIMEOUT_S`]; 0 for
+    /// ever.
+    pub host_timeout_s: Option<f32>,
     /// How the head outputs the wind; none without a calibration.
     pub wind_output: Option<WindOutput>,
     /// Sample period, s.

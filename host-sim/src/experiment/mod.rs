@@ -2,7 +2,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
+//! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `host_timeout_s` (0 … 86 400), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c`, and optionally `swing = { amplitude_k, period_s, start_s }`: a sine about that temperature, zero at its start, which is 0 if not given |
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |

@@ -11,6 +11,7 @@ use super::{held, sweep, wind};
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
+use dr_core::LONGEST_HOST_TIMEOUT_S;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
@@ -85,6 +86,7 @@ impl Experiment {
             head,
             models,
             observe: table.observe,
+            host_timeout_s: table.host_timeout_s,
             wind_output,
             sample_period_s,
             ticks: grid.ticks,
@@ -104,6 +106,12 @@ impl Experiment {
             let sentence =
                 "needs a model to observe, and no element has one: name a file with `models`, or leave it out";
             return Err(source.refuse("observe", sentence));
+        }
+        if let Some(timeout_s) = experiment.host_timeout_s
+            && !(0.0..=LONGEST_HOST_TIMEOUT_S).contains(&timeout_s)
+        {
+            let sentence = format!("must lie between 0, for ever, and {LONGEST_HOST_TIMEOUT_S} s");
+            return Err(source.refuse("host_timeout_s", sentence));
         }
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;

@@ -19,6 +19,7 @@ pub(super) struct ExperimentTable {
     pub models: Option<PathBuf>,
     #[serde(default)]
     pub observe: bool,
+    pub host_timeout_s: Option<f32>,
     pub wind_output: Option<WindOutputTable>,
     /// Name of `wind_output` before version 0.2.
     pub answer: Option<AnswerTable>,

@@ -36,6 +36,7 @@ impl InProcess {
                 reset: ResetCause::PowerOn,
                 starts: 1,
                 crash: None,
+                unique_id: [0; 3],
             },
             station: Instrument::new(),
             digest: Digest::default(),

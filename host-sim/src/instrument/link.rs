@@ -19,6 +19,9 @@ pub const TIMEOUT: Duration = Duration::from_secs(20);
 /// starts.
 const HELLO_EVERY: Duration = Duration::from_millis(50);
 
+/// A host that has sent nothing for so long shows that it is still there.
+const KEEP_ALIVE: Duration = Duration::from_secs(1);
+
 /// How often a command is sent before its board counts as gone, and how long each attempt waits for
 /// an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +64,8 @@ fn real_time() -> Duration {
 pub struct BoardLink<S> {
     stream: S,
     sequence: u16,
+    /// When the last message was sent.
+    sent: Duration,
     receiver: Receiver,
     buffer: Box<[u8; 4096]>,
     read: usize,
@@ -70,7 +75,8 @@ pub struct BoardLink<S> {
 impl<S: BoardStream> BoardLink<S> {
     /// A conversation that has not begun.
     pub fn new(stream: S) -> Self {
-        Self { stream, sequence: 0, receiver: Receiver::new(), buffer: Box::new([0; 4096]), read: 0, taken: 0 }
+        let (sent, receiver, buffer) = (Duration::ZERO, Receiver::new(), Box::new([0; 4096]));
+        Self { stream, sequence: 0, sent, receiver, buffer, read: 0, taken: 0 }
     }
 
     /// What has come so far.
@@ -99,7 +105,20 @@ impl<S: BoardStream> BoardLink<S> {
             .map_err(|error| InstrumentError::Protocol(format!("a message does not fit a frame: {error}")))?;
         self.stream.write_all(frame)?;
         self.sequence = sequence.wrapping_add(1);
+        self.sent = self.now();
         Ok(sequence)
+    }
+
+    /// Shows a board that its host is still there, where nothing else has been said for a second: a
+    /// board that heats and hears nothing for its `host_timeout_s` trips.
+    ///
+    /// # Errors
+    /// If the other end is gone.
+    pub fn keep_alive(&mut self) -> Result<(), InstrumentError> {
+        if self.now().saturating_sub(self.sent) >= KEEP_ALIVE {
+            self.send(&ToBoard::Hello)?;
+        }
+        Ok(())
     }
 
     /// The next message, waiting for it at most so long.

@@ -26,9 +26,13 @@ mod reset_cause;
 pub mod serial;
 pub mod setup;
 #[cfg(feature = "serial")]
+mod status;
+#[cfg(feature = "serial")]
 pub mod virtual_line;
 
 pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};
 pub use observation::{LinkReport, Observation, TickReport};
 pub use port::{InstrumentPort, SettingsPort};
+#[cfg(feature = "serial")]
+pub use status::{BoardStatus, FirstTripReport};

@@ -11,7 +11,8 @@ use super::link::{BoardLink, BoardStream, RetryPolicy};
 use super::observation::{LinkReport, Observation, TickReport};
 use super::port::{InstrumentPort, SettingsPort};
 use super::reset_cause::why_it_started;
-use dr_core::control::{RunState, SelfTestFinding};
+use super::status::BoardStatus;
+use dr_core::control::{Refusal, RunState, SelfTestFinding};
 use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
@@ -144,6 +145,29 @@ impl<S: BoardStream> Serial<S> {
         let heard = Heard { starts: Some(identity.starts), ..Heard::default() };
         Ok(Self { link, identity, heard, silence: SILENCE })
     }
+
+    /// The next status of the board, which comes each second; whatever it does, it goes on with it.
+    ///
+    /// # Errors
+    /// If none comes.
+    pub fn status(&mut self) -> Result<BoardStatus, InstrumentError> {
+        self.await_status()?;
+        let status = self.heard.status.as_ref().ok_or(InstrumentError::Silent(STATUS_TIMEOUT))?;
+        Ok(BoardStatus::of(&self.identity, status))
+    }
+
+    fn await_status(&mut self) -> Result<(), InstrumentError> {
+        let before = self.heard.status.clone();
+        let deadline = self.link.now() + STATUS_TIMEOUT;
+        while self.heard.status == before && self.link.now() < deadline {
+            match self.link.receive(deadline.saturating_sub(self.link.now())) {
+                Ok(message) => self.heard.take(message),
+                Err(InstrumentError::Silent(_)) => break,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
 }
 
 impl<S: BoardStream> InstrumentPort for Serial<S> {
@@ -170,6 +194,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
 
     fn observe(&mut self) -> Result<Observation, InstrumentError> {
         let deadline = self.link.now() + self.silence;
+        self.link.keep_alive()?;
         loop {
             if let Some(TickReport { sample, equivalent_power_w, wind }) = self.heard.samples.pop_front() {
                 return Ok(Observation {
@@ -206,19 +231,11 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         match self.command(Command::Stop) {
             // A tripped board has its heaters low already, and stays tripped until somebody has
             // looked.
-            Ok(_) | Err(InstrumentError::Refused(_)) => {}
+            Ok(_) | Err(InstrumentError::Refused(Refusal::Tripped(_))) => {}
             Err(error) => return Err(error),
         }
         // The status of the end counts everything; should it get lost, the one before will do.
-        let before = self.heard.status.clone();
-        let deadline = self.link.now() + STATUS_TIMEOUT;
-        while self.heard.status == before && self.link.now() < deadline {
-            match self.link.receive(deadline.saturating_sub(self.link.now())) {
-                Ok(message) => self.heard.take(message),
-                Err(InstrumentError::Silent(_)) => break,
-                Err(error) => return Err(error),
-            }
-        }
+        self.await_status()?;
         Ok(LinkReport { link: self.link.counters(), status: self.heard.status, log: Vec::new() })
     }
 }

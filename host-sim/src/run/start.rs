@@ -90,6 +90,7 @@ pub fn setup_of(experiment: &Experiment) -> Result<Vec<Command>, RunError> {
         Command::SamplePeriod { sample_period_s: sample_period_s as f32 },
         Command::Guard(experiment.head.guard_config(sample_period_s)),
     ];
+    commands.extend(experiment.host_timeout_s.map(|timeout_s| Command::HostTimeout { timeout_s }));
     commands.extend(experiment.observe.then_some(Command::Observe { on: true }));
     for (i, (of, &drive)) in experiment.head.elements.iter().zip(&experiment.drives).enumerate() {
         let element = i as u8;

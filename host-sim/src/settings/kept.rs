@@ -25,6 +25,7 @@ pub fn default_of(kind: SettingKind) -> Option<Setting> {
         SettingKind::TelemetryEvery => Some(Setting::TelemetryEvery(1)),
         SettingKind::Guard => Some(Setting::Command(Command::Guard(dr_core::control::GuardConfig::default()))),
         SettingKind::Observe => Some(Setting::Command(Command::Observe { on: false })),
+        SettingKind::HostTimeout => Some(Setting::Command(Command::HostTimeout { timeout_s: dr_core::HOST_TIMEOUT_S })),
         _ => None,
     }
 }
@@ -37,6 +38,7 @@ pub fn content(setting: &Setting) -> serde_json::Value {
         Setting::TelemetryEvery(every) => (*every).into(),
         Setting::Command(Command::SamplePeriod { sample_period_s }) => of(serde_json::to_value(sample_period_s)),
         Setting::Command(Command::Observe { on }) => (*on).into(),
+        Setting::Command(Command::HostTimeout { timeout_s }) => of(serde_json::to_value(timeout_s)),
         Setting::Command(Command::Guard(guard)) => of(serde_json::to_value(guard)),
         Setting::Command(Command::Element { config, .. }) => of(serde_json::to_value(config)),
         Setting::Command(Command::Model { model, .. }) => of(serde_json::to_value(model)),

@@ -13,7 +13,7 @@ use super::error::SettingsError;
 use recording::text::suggest;
 
 /// Keys that `set` takes with a value.
-pub const PLAIN: [&str; 9] = [
+pub const PLAIN: [&str; 10] = [
     "name",
     "telemetry_every",
     "sample_period_s",
@@ -21,6 +21,7 @@ pub const PLAIN: [&str; 9] = [
     "guard.unreachable_limit_ticks",
     "guard.stuck_limit_ticks",
     "observe",
+    "host_timeout_s",
     "gas.pressure_pa",
     "gas.temperature_c",
 ];
@@ -88,6 +89,9 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
             Setting::Command(Command::SamplePeriod { sample_period_s: parse(key, value, "a number of seconds")? })
         }
         "observe" => Setting::Command(Command::Observe { on: parse(key, value, "true or false")? }),
+        "host_timeout_s" => {
+            Setting::Command(Command::HostTimeout { timeout_s: parse(key, value, "a number of seconds, 0 for ever")? })
+        }
         "guard.missing_limit_ticks" | "guard.unreachable_limit_ticks" | "guard.stuck_limit_ticks" => {
             let mut guard = guard(settings);
             let ticks = parse(key, value, "a whole number of ticks that is not negative")?;
@@ -154,7 +158,7 @@ mod tests {
     #[test]
     fn every_key_has_a_name_that_leads_back_to_it() {
         let keys: Vec<SettingKey> = (0..=KeyNumber::MAX).filter_map(SettingKey::of_number).collect();
-        assert_eq!(keys.len(), 19 * 256);
+        assert_eq!(keys.len(), 20 * 256);
         for number in keys.iter().map(|key| key.number()) {
             assert_eq!(super::number(&of(number)), Some(number), "{}", of(number));
         }

@@ -51,6 +51,7 @@ impl SettingsReport {
             SettingKind::SamplePeriod,
             SettingKind::Guard,
             SettingKind::Observe,
+            SettingKind::HostTimeout,
         ];
         numbers.extend(always.map(|kind| SettingKey { kind, which: 0 }.number()));
         numbers.sort_unstable();

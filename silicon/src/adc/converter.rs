@@ -18,7 +18,7 @@ use crate::plant::SensorPlant;
 /// Codes that half of AVDD and a quarter of DVDD give, on the channels that have them.
 const SUPPLY_CODES: [i32; CHANNELS] = [5_242_880, 5_242_880, 1_730_150, 1_730_150, 5_242_880, 5_242_880];
 /// Offsets of the six modulators, within the typical 0.35 mV.
-const OFFSET_CODES: [i32; CHANNELS] = [700, 713, -240, 95, -611, 388];
+pub const OFFSET_CODES: [i32; CHANNELS] = [700, 713, -240, 95, -611, 388];
 
 const HIGHEST: i32 = 0x7f_ffff;
 /// The code of an input at or below the lower end of the range.

@@ -12,6 +12,7 @@ mod fault;
 mod port;
 mod registers;
 
+pub use converter::OFFSET_CODES;
 pub use fault::AdcFault;
 pub use port::{Adc, FRAME_BYTES};
 

@@ -45,6 +45,8 @@ pub struct Adc {
     random: u32,
     /// Of the frame that leaves, what the faults have made of it.
     sent: [u8; FRAME_BYTES],
+    /// Frames as they were on the bus, if somebody wants them.
+    pub record: Option<Vec<[u8; FRAME_BYTES]>>,
     /// Frames read to their end.
     pub frames_read: u64,
     /// Conversions so far.
@@ -73,6 +75,7 @@ impl Adc {
             fault: None,
             random: 0xace1,
             sent: [0; FRAME_BYTES],
+            record: None,
             frames_read: 0,
             conversions: 0,
         }
@@ -159,6 +162,7 @@ impl Adc {
             is_selected: self.is_selected,
             ready_at: now + t_clk(18),
             fault: self.fault,
+            record: self.record.take(),
             frames_read: self.frames_read,
             conversions: self.conversions,
             codes: self.codes,
@@ -221,6 +225,9 @@ impl Adc {
         let answer = self.disturb(answer);
         if is_frame {
             self.sent[place] = answer;
+            if self.left == 0 {
+                self.record.iter_mut().for_each(|record| record.push(self.sent));
+            }
         }
         let gap = at.saturating_sub(self.last_byte);
         self.last_byte = at;

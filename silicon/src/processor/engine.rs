@@ -20,6 +20,9 @@ const FLASH: u64 = 0x0800_0000;
 /// Sectors 1 to 3.
 const SETTINGS: Range<u64> = 0x0800_4000..0x0801_0000;
 const FLASH_END: u64 = 0x0810_0000;
+/// ST's own memory, of which a number that is unique is read (RM0090, 39.1).
+const SYSTEM_MEMORY: Range<u64> = 0x1fff_7000..0x1fff_8000;
+const UNIQUE_ID: u64 = 0x1fff_7a10;
 pub(super) const RAM: u64 = 0x2000_0000;
 pub(super) const RAM_BYTES: usize = 128 * 1024;
 /// Peripherals; their aliases by bits; the core's own.
@@ -30,6 +33,8 @@ const REGISTERS: [Range<u64>; 4] =
 const FUTILE_SLEEP_CYCLES: u32 = 1_000;
 /// How Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
+/// And a breakpoint.
+const BREAKPOINT: u32 = 7;
 /// Where no code stands, so that no block is the last. Zero, since Unicorn translates whatever is
 /// at another address anew after every stop.
 const NOWHERE: u64 = 0;
@@ -55,6 +60,9 @@ pub enum Pause {
     Reset,
     /// Its surroundings have asked for it.
     Asked,
+    /// It stands at a breakpoint, and somebody is there who wants to know
+    /// ([`Processor::halt_at_breakpoints`]).
+    Breakpoint,
 }
 
 /// What the hooks share with the loop.
@@ -77,6 +85,8 @@ pub struct Processor<B: ProcessorBus + 'static> {
     pub(super) unicorn: Unicorn<'static, Surroundings<B>>,
     pub(super) is_asleep: bool,
     pub(super) is_locked: bool,
+    pub(super) halts: bool,
+    at_breakpoint: bool,
     /// What the memories are protected by now.
     protected_by: Mpu,
 }
@@ -107,6 +117,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             let bytes = &flash[(code.start - FLASH) as usize..(code.end - FLASH) as usize];
             unicorn.mem_write(code.start, bytes)?;
         }
+        unicorn.mem_map(SYSTEM_MEMORY.start, SYSTEM_MEMORY.end - SYSTEM_MEMORY.start, Prot::READ)?;
+        unicorn.mem_write(UNIQUE_ID, b"anemo-unique")?;
         for Range { start, end } in REGISTERS {
             unicorn.mmio_map(
                 start,
@@ -141,7 +153,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             unicorn.get_data_mut().exception = Some(number);
             unicorn.emu_stop().ok();
         })?;
-        Ok(Self { unicorn, is_asleep: false, is_locked: false, protected_by: Mpu::default() })
+        let protected_by = Mpu::default();
+        Ok(Self { unicorn, is_asleep: false, is_locked: false, halts: false, at_breakpoint: false, protected_by })
     }
 
     /// What is around it.
@@ -218,6 +231,9 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 continue;
             }
             self.emulate(next)?;
+            if std::mem::take(&mut self.at_breakpoint) {
+                return Ok(Pause::Breakpoint);
+            }
         }
     }
 
@@ -275,6 +291,10 @@ impl<B: ProcessorBus + 'static> Processor<B> {
 
     /// What Unicorn leaves to us: returns from exceptions, and instructions that are faults here.
     fn unicorn_exception(&mut self, number: u32) -> Result<(), ProcessorError> {
+        if number == BREAKPOINT && self.halts {
+            self.at_breakpoint = true;
+            return Ok(());
+        }
         if number != EXCEPTION_EXIT {
             return self.fault();
         }

@@ -36,11 +36,22 @@ pub struct Nvic {
     priority: [u8; EXCEPTIONS],
     /// The last one runs, the others were interrupted.
     active: Vec<u16>,
+    /// What has been entered and left, if somebody wants it.
+    pub trace: Option<Vec<ExceptionStep>>,
+}
+
+/// A handler begins or returns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExceptionStep {
+    /// That of this exception begins.
+    Enter(u16),
+    /// It returns.
+    Leave(u16),
 }
 
 impl Default for Nvic {
     fn default() -> Self {
-        Self { enabled: 0xffff, pending: 0, lines: 0, priority: [0; EXCEPTIONS], active: Vec::new() }
+        Self { enabled: 0xffff, pending: 0, lines: 0, priority: [0; EXCEPTIONS], active: Vec::new(), trace: None }
     }
 }
 
@@ -93,11 +104,13 @@ impl Nvic {
     pub fn enter(&mut self, exception: u16) {
         self.pending &= !(1 << exception);
         self.active.push(exception);
+        self.trace.iter_mut().for_each(|trace| trace.push(ExceptionStep::Enter(exception)));
     }
 
     /// Its handler returns; a line that is still high makes it wait again.
     pub fn leave(&mut self, exception: u16) {
         self.active.retain(|&running| running != exception);
+        self.trace.iter_mut().for_each(|trace| trace.push(ExceptionStep::Leave(exception)));
         self.pending |= self.lines & 1 << exception;
     }
 

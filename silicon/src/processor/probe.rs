@@ -95,6 +95,21 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         self.bus_mut().nvic().handled()
     }
 
+    /// A breakpoint is no fault from now on, but a pause.
+    pub const fn halt_at_breakpoints(&mut self) {
+        self.halts = true;
+    }
+
+    /// Where it stands, and what is in r0 and r1.
+    ///
+    /// # Errors
+    /// If Unicorn fails.
+    pub fn arguments(&self) -> Result<(u32, [u32; 2]), ProcessorError> {
+        let register = |register| Ok::<_, ProcessorError>(self.unicorn.reg_read(register)? as u32);
+        let place = self.unicorn.pc_read()? as u32 & !1;
+        Ok((place, [register(RegisterARM::R0)?, register(RegisterARM::R1)?]))
+    }
+
     /// Goes on at `address`, with this in r0, as code would that has gone astray.
     ///
     /// # Errors

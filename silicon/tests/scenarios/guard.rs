@@ -1,15 +1,20 @@
 //! What makes the guard trip, from the pins to the report, and how long heaters stay high.
+//!
+//! Causes that are not here: panic, fault and watchdog (`crashes`), brown-out (`supply`). A number
+//! that is none (`NonFinite`) cannot be made of codes and a head that was accepted, but by a flip
+//! of a bit, which is found first.
 
+use crate::crashes::heat;
 use crate::rig::{EndOfRun, Rig, experiment};
 use dr_core::Command;
-use dr_core::control::{Cause, Drive, GuardConfig};
+use dr_core::control::{Cause, Drive, GuardConfig, RunState};
 use dr_core::sensor::Level;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::setup;
 use host_sim::run::{setup_of, start};
 use host_sim::sensor::{ResistorFault, TimedFault};
 use silicon::adc::AdcFault;
-use silicon::time::ms;
+use silicon::time::{ms, us};
 
 /// A cold sector that is heated in every tick of 10 ms.
 fn heating() -> Experiment {
@@ -42,6 +47,42 @@ fn a_silent_converter_lowers_the_heaters_by_the_dead_man_timer() {
     assert!(end.cycle - at < ms(80), "{}", end.cycle - at);
 }
 
+/// The health task looks twenty times a second, and may find a tick just over whose last
+/// conversions never came.
+#[test]
+fn a_converter_that_falls_silent_at_any_moment_leaves_no_heater_high_for_two_ticks() {
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let heated = rig.machine().snapshot().unwrap();
+    for moment in 0..60 {
+        rig.machine().restore(&heated).unwrap();
+        rig.machine().run_for(us(870) * moment).unwrap();
+        rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+        rig.machine().run_for(ms(100)).unwrap();
+        assert_eq!(rig.machine().board().heaters(), 0, "moment {moment}");
+        rig.assert_no_complaint();
+    }
+}
+
+/// A conversion or two that nobody reads make a mean of fewer; what lasts a tick trips.
+#[test]
+fn a_silence_of_half_a_millisecond_is_borne_and_one_of_thirty_is_not() {
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let heated = rig.machine().snapshot().unwrap();
+    for (silence, expected) in [(us(500), None), (ms(30), Some(Cause::Deadline))] {
+        rig.machine().restore(&heated).unwrap();
+        rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+        rig.machine().run_for(silence).unwrap();
+        rig.machine().board_mut().set_adc_fault(None);
+        rig.machine().run_for(ms(100)).unwrap();
+        let state = rig.machine().board().witness.state();
+        let cause = if let Some(RunState::Tripped(trip)) = state { Some(trip.cause) } else { None };
+        assert_eq!(cause, expected, "{state:?}");
+        rig.assert_no_complaint();
+    }
+}
+
 #[test]
 fn a_dead_data_line_is_a_missing_reading() {
     let (at, end) = with_adc_fault(AdcFault::Dead, None);
@@ -54,7 +95,8 @@ fn a_dead_data_line_is_a_missing_reading() {
 fn garbage_trips_whatever_it_looks_like() {
     // One frame of 16 has its mark by chance, and any codes: a mean of them is no temperature.
     let (at, end) = with_adc_fault(AdcFault::Garbage, None);
-    let looks_like = [Cause::Missing, Cause::Short, Cause::Open, Cause::OutOfRange, Cause::OverTemperature];
+    let looks_like =
+        [Cause::Missing, Cause::Stale, Cause::Short, Cause::Open, Cause::OutOfRange, Cause::OverTemperature];
     assert!(looks_like.contains(&end.trip.cause), "{:?}", end.trip.cause);
     assert!(end.low_since - at < ms(31), "{}", end.low_since - at);
 }

@@ -2,16 +2,20 @@
 //!
 //! No scenario may end with a complaint of the models.
 
+mod against_qemu;
 mod boot;
 mod closed_loop;
 mod crashes;
 mod crashes_in_tasks;
+mod equal_bits;
 mod front_end;
 mod guard;
 mod lives;
+mod lock_out;
 mod process;
 mod proof;
 mod rig;
+mod self_test;
 mod settings;
 mod snapshot;
 mod soak;

@@ -49,6 +49,7 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
             reset: ResetCause::PowerOn,
             starts: 1,
             crash: None,
+            unique_id: [0; 3],
         },
         body: InProcess::new(),
         receiver: Receiver::new(),

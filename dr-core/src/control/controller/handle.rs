@@ -1,7 +1,7 @@
 //! How a controller carries out commands.
 
 use super::{ControlledElement, Controller, ElementState};
-use crate::command::{Command, LONGEST_ARMED_S, Reply};
+use crate::command::{Command, LONGEST_ARMED_S, LONGEST_HOST_TIMEOUT_S, Reply};
 use crate::control::drive::Drive;
 use crate::control::guard::{Cause, Trip};
 use crate::control::refusal::Refusal;
@@ -84,6 +84,7 @@ impl<const N: usize> Controller<N> {
                 (self.state, self.armed_ticks) = (RunState::Standby, 0);
             }
             Command::Acknowledge => match self.state {
+                RunState::Tripped(_) if self.lockout.is_locked() => return Err(Refusal::LockedOut),
                 RunState::Tripped(Trip { cause: Cause::BitFlip, .. }) => self.forget(),
                 RunState::Tripped(_) => self.state = RunState::Standby,
                 RunState::Standby | RunState::Running | RunState::Testing => return Err(Refusal::NotTripped),
@@ -91,13 +92,19 @@ impl<const N: usize> Controller<N> {
             Command::Arm { window_s } => self.arm(window_s)?,
             Command::Disarm => self.armed_ticks = 0,
             Command::SelfTest(plan) => self.begin_test(&plan)?,
+            Command::HostTimeout { timeout_s } => {
+                self.in_standby()?;
+                let timeout_s = error::within(Parameter::HostTimeoutS, timeout_s, 0.0, LONGEST_HOST_TIMEOUT_S);
+                self.host_timeout_s = timeout_s.map_err(|error| Refusal::Invalid { element: None, error })?;
+            }
         }
         Ok(Reply::Done)
     }
 
-    /// Clears everything except the count of bit flips.
+    /// Clears everything except the counts of bit flips and trips, and the link.
     fn forget(&mut self) {
-        *self = Self { bit_flips: self.bit_flips, ..Self::new() };
+        let Self { bit_flips, lockout, host_silence, .. } = *self;
+        *self = Self { bit_flips, lockout, host_silence, ..Self::new() };
     }
 
     fn arm(&mut self, window_s: f32) -> Result<(), Refusal> {
@@ -138,7 +145,10 @@ impl<const N: usize> Controller<N> {
         plan.pulse_ticks(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })
     }
 
-    const fn armed(&self) -> Result<(), Refusal> {
+    fn armed(&self) -> Result<(), Refusal> {
+        if self.lockout.is_locked() {
+            return Err(Refusal::LockedOut);
+        }
         if self.is_armed() { Ok(()) } else { Err(Refusal::NotArmed) }
     }
 

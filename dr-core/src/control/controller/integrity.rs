@@ -2,7 +2,7 @@
 //!
 //! | values | checksum updated | verified |
 //! |---|---|---|
-//! | what trips an element, for all of them: wiring, limits, guard, sample period, number of elements | by each command that is carried out | every tick, before any decision |
+//! | what trips an element, for all of them: wiring, limits, guard, timeout of the host, sample period, number of elements | by each command that is carried out | every tick, before any decision |
 //! | run state, levels, armed time, number of the tick, what each drive remembers and decides by | at the end of each tick, and by each command | every tick, before any decision |
 //! | an element's drive, model and observer | by each command that is carried out | one element per tick, in turn |
 //!
@@ -84,9 +84,14 @@ impl<const N: usize> Controller<N> {
             sealed_states: _,
             sealed_elements: _,
             bit_flips: _, // decides nothing
+            lockout: _,   // has a checksum of its own
+            host_timeout_s,
+            host_silence,
         } = self;
         let mut checksum = Checksum::of(&(*sample_period_s, *guard));
-        checksum.word(*configured as u32 | u32::from(*observing) << 8);
+        checksum.word(host_timeout_s.to_bits());
+        let switches = u32::from(*observing) | u32::from(host_silence.is_some()) << 1;
+        checksum.word(*configured as u32 | switches << 8);
         elements.iter().map_while(Option::as_ref).for_each(|element| element.config.visit(&mut checksum));
         checksum
     }

@@ -13,6 +13,7 @@ use std::vec::Vec;
 mod arming;
 mod bit_flips;
 mod elements;
+mod lock_out;
 mod messages;
 mod observing;
 mod powers;

@@ -11,10 +11,10 @@
 //! knows to be overdue count as conversions without codes: the tick keeps its length, and the host is
 //! told their number. If the ADC falls silent, ticks go
 //! on in the same way with readings that are missing. Without edges the task runs 20 times a
-//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. The
-//! tick in which the ADC fell silent may still have a reading, the next has none and puts the
-//! heaters low, the one after it trips (the guard's default limit): low within two ticks and 50 ms
-//! of the last edge, tripped within three and 50 ms.
+//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. Codes
+//! whose last one is older than a quarter of a tick by then are stale: levels stand for up to 7/4
+//! of a tick, and no heater is high by a reading of more than two. The guard trips within three
+//! ticks and 50 ms of the last edge (its default limit).
 //!
 //! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5 ms
 //! at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
@@ -90,6 +90,8 @@ pub struct AdcFrontEnd {
     /// The rate it converts at; `None` while it must not be believed.
     rate: Option<DataRate>,
     data_ready: DataReady,
+    /// When the last frame was read.
+    read_at: u32,
     mean: SettledMean<ELEMENTS>,
     plan: TickPlan,
     /// What the converters are connected to; none while they have not taken it.
@@ -148,6 +150,7 @@ impl AdcFrontEnd {
             usable,
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
+            read_at: counts(),
             mean: SettledMean::new(plan),
             plan,
             connected: Some(FrontEndInput::Element),
@@ -179,7 +182,8 @@ impl AdcFrontEnd {
                 Due::Read => {
                     self.line.clear_interrupt_pending_bit();
                     // An edge that has come meanwhile has changed the rest of the frame.
-                    self.adc.read_frame().ok().filter(|_| !self.line.check_interrupt())
+                    let codes = self.adc.read_frame().ok().filter(|_| !self.line.check_interrupt());
+                    codes.inspect(|_| self.read_at = now)
                 }
             };
             match codes {
@@ -187,6 +191,10 @@ impl AdcFrontEnd {
                 None => self.lost = self.lost.wrapping_add(1),
             }
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
+                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * COUNTS_PER_US {
+                    readings =
+                        readings.map(|reading| if reading == Reading::Missing { reading } else { Reading::Stale });
+                }
                 if self.input == FrontEndInput::Reference {
                     scale_supplies(&mut readings);
                 }

@@ -151,6 +151,13 @@ pub fn settings_flash() -> SectorFlash {
     SectorFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
 }
 
+/// The number of this processor (RM0090, 39.1).
+pub fn unique_id() -> [u32; 3] {
+    const ADDRESS: *const [u32; 3] = 0x1fff_7a10 as *const _;
+    // SAFETY: three aligned words that ST has programmed and nothing changes.
+    unsafe { ADDRESS.read_volatile() }
+}
+
 /// Why it started, by its flags. A supply that was away so briefly that RAM has kept the crash
 /// record has dipped, and was not switched on, however far it fell.
 pub const fn reset_as_remembered(reset: ResetCause, record: &CrashRecord) -> ResetCause {

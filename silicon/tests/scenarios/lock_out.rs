@@ -1,0 +1,89 @@
+//! Trips that lock, and a host that is gone.
+
+use crate::rig::{Rig, experiment};
+use dr_core::Command;
+use dr_core::control::{Cause, Refusal, RunState};
+use host_sim::experiment::Experiment;
+use host_sim::instrument::serial::Serial;
+use host_sim::instrument::{InstrumentError, InstrumentPort};
+use host_sim::run::start;
+use silicon::adc::AdcFault;
+use silicon::soc::rcc::ResetSource;
+use silicon::stream::MachineStream;
+use silicon::time::ms;
+
+/// A cold sector that is heated in every tick of 10 ms.
+fn heating(host_timeout_s: Option<f32>) -> Experiment {
+    Experiment { sample_period_s: 0.01, host_timeout_s, ..experiment("held.toml", 1_000) }
+}
+
+/// Runs until a fault of the converter trips it.
+fn trip(rig: &Rig, instrument: &mut Serial<MachineStream>) {
+    start(&heating(None), instrument).unwrap();
+    rig.machine().board_mut().set_adc_fault(Some(AdcFault::Dead));
+    assert_eq!(rig.until_trip(instrument, 30).trip.cause, Cause::Missing);
+    rig.machine().board_mut().set_adc_fault(None);
+}
+
+fn is_locked(instrument: &mut Serial<MachineStream>) -> bool {
+    match instrument.command(Command::Acknowledge) {
+        Ok(_) | Err(InstrumentError::Refused(Refusal::NotTripped)) => false,
+        Err(InstrumentError::Refused(Refusal::LockedOut)) => true,
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn three_trips_in_ten_minutes_lock_until_the_supply_or_the_reset_pin() {
+    let rig = Rig::of(&heating(None));
+    let mut instrument = rig.instrument();
+    for _ in 0..2 {
+        trip(&rig, &mut instrument);
+        assert!(!is_locked(&mut instrument));
+    }
+    trip(&rig, &mut instrument);
+    assert!(is_locked(&mut instrument));
+    for source in [ResetSource::Software, ResetSource::Watchdog, ResetSource::BrownOut] {
+        rig.machine().reset_by(source).unwrap();
+        instrument = rig.instrument();
+        assert!(is_locked(&mut instrument), "{source:?}");
+    }
+    let status = instrument.status().unwrap();
+    assert!(status.locked && status.trips >= 3, "{status:?}");
+    assert_eq!(status.first_trip.map(|first| first.cause), Some("missing"));
+    for source in [ResetSource::Pin, ResetSource::PowerOn] {
+        rig.machine().reset_by(source).unwrap();
+        instrument = rig.instrument();
+        let status = instrument.status().unwrap();
+        assert!(!status.locked && status.trips == 0 && status.first_trip.is_none(), "{source:?}: {status:?}");
+        start(&heating(None), &mut instrument).unwrap();
+        Rig::observe(&mut instrument, 10, |sample| assert_eq!(sample.state, RunState::Running));
+    }
+    rig.assert_no_complaint();
+}
+
+#[test]
+fn without_a_host_the_heaters_are_low_after_its_timeout_unless_it_is_for_ever() {
+    for (host_timeout_s, is_tripped) in [(Some(2.0), true), (Some(0.0), false)] {
+        let rig = Rig::of(&heating(host_timeout_s));
+        let mut instrument = rig.instrument();
+        start(&heating(host_timeout_s), &mut instrument).unwrap();
+        // A host that only listens shows once a second that it is there.
+        Rig::observe(&mut instrument, 350, |sample| assert_eq!(sample.state, RunState::Running));
+        let gone = rig.machine().now();
+        rig.machine().run_for(ms(950)).unwrap();
+        assert_eq!(rig.machine().board().witness.state(), Some(RunState::Running));
+        rig.machine().run_for(ms(1_300)).unwrap();
+        let tripped = match rig.machine().board().witness.state() {
+            Some(RunState::Tripped(trip)) => Some(trip.cause),
+            _ => None,
+        };
+        assert_eq!(tripped, is_tripped.then_some(Cause::HostTimeout));
+        if is_tripped {
+            let last = *rig.machine().pins().last().unwrap();
+            // At the latest two ticks after the timeout, which began a second ago at most.
+            assert!(last.levels == 0 && last.cycle - gone < ms(2_020), "{last:?} after {gone}");
+        }
+        rig.assert_no_complaint();
+    }
+}
