@@ -1,15 +1,15 @@
-//! Judges the pins of the heaters by itself: by what host and board have told each other, and by the
-//! codes that have passed from the converter to the processor.
+//! Judges the pins of the heaters by itself: by what host and board have told each other, and by
+//! the codes that have passed from the converter to the processor.
 //!
 //! **Asked for.** A heater may be high from the moment at which the host has asked for a run or a
-//! test, until the board answers a `Stop`, sends the sample of a tick in a state that does not heat,
-//! or starts anew. A sample of before may come after the request; only one behind the reply to it
-//! counts. Events come between ticks, and end nothing.
+//! test, until the board answers a `Stop`, sends the sample of a tick in a state that does not
+//! heat, or starts anew. A sample of before may come after the request; only one behind the reply
+//! to it counts. Events come between ticks, and end nothing.
 //!
 //! **Read.** A heater may be high only while a valid code of its element is younger than two ticks.
 //! This is judged by the bytes on the converter's bus, whatever the board makes of them: the frame
-//! begins with its mark, and the code is not at an end of its range. It is judged at every change of
-//! the pins and at every conversion. The length of a tick is the last one to which the board has
+//! begins with its mark, and the code is not at an end of its range. It is judged at every change
+//! of the pins and at every conversion. The length of a tick is the last one to which the board has
 //! agreed; one that it has from its flash is not known here. A core that is stopped from outside
 //! can lower nothing: its watchdog does, within its slowest period.
 

@@ -13,10 +13,10 @@
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
-//! a pin that could not be set, or has another level; `HostTimeout`, no frame of a host for too long
-//! while heating; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; by its proof
-//! tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog; and `AdcRegister`,
-//! a register of the ADC that has changed.
+//! a pin that could not be set, or has another level; `HostTimeout`, no frame of a host for too
+//! long while heating; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; by
+//! its proof tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog; and
+//! `AdcRegister`, a register of the ADC that has changed.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 

@@ -9,10 +9,10 @@
 //! ns.
 //!
 //! Start-up ([`Ads131e06::initialise`]): reset, identity, configuration with all inputs shorted
-//! inside the chip, every register read back, the offset of each channel measured by conversions that
-//! data-ready has announced, inputs connected, all registers read back again, continuous conversion.
-//! From then on every falling edge of data-ready requires one [`Ads131e06::read_frame`], and
-//! [`Ads131e06::verify`] finds a register that has changed.
+//! inside the chip, every register read back, the offset of each channel measured by conversions
+//! that data-ready has announced, inputs connected, all registers read back again, continuous
+//! conversion. From then on every falling edge of data-ready requires one
+//! [`Ads131e06::read_frame`], and [`Ads131e06::verify`] finds a register that has changed.
 //!
 //! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can
 //! be refused: 0.35 mV (typical) would be 0.2 K at the low current and 0.04 K at the high one, a

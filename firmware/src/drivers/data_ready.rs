@@ -32,7 +32,8 @@
 //! not show it: what is served too late for its frame is not read.
 //!
 //! Limits: the clock must be polled at least once in half of the time in which it wraps, and d_k is
-//! wrong by some lateness of before, which F must allow for. An edge that is not one of the ADC's (a disturbance on the line) counts as a conversion.
+//! wrong by some lateness of before, which F must allow for. An edge that is not one of the ADC's
+//! (a disturbance on the line) counts as a conversion.
 
 /// Half periods from a start to the first conversion: the ADC's filter has to fill.
 const FIRST: u32 = 9;

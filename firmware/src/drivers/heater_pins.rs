@@ -5,8 +5,8 @@
 //! sensing current only (about 1.5 mW an element). This module keeps that direction: a wrong
 //! request or a pin that fails ends with everything low that can be put low.
 //!
-//! Every pin is read back after the writes, and before the next ones: one that a short holds high or
-//! low is an error.
+//! Every pin is read back after the writes, and before the next ones: one that a short holds high
+//! or low is an error.
 //!
 //! Limits: what is read is the pin's level. That the current really follows is seen by the guard in
 //! the voltage.

@@ -7,17 +7,17 @@
 //! before the frame is read, so that an edge that comes meanwhile raises the task again; the bit
 //! holds the interrupt until it is cleared, so it is cleared even while the ADC is out of use.
 //!
-//! **What is lost.** A frame without its mark, one that is read late, and an edge that [`DataReady`]
-//! knows to be overdue count as conversions without codes: the tick keeps its length, and the host is
-//! told their number. If the ADC falls silent, ticks go
-//! on in the same way with readings that are missing. Without edges the task runs 20 times a
-//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. Codes
-//! whose last one is older than a quarter of a tick by then are stale: levels stand for up to 7/4
-//! of a tick, and no heater is high by a reading of more than two. The guard trips within three
-//! ticks and 50 ms of the last edge (its default limit).
+//! **What is lost.** A frame without its mark, one that is read late, and an edge that
+//! [`DataReady`] knows to be overdue count as conversions without codes: the tick keeps its length,
+//! and the host is told their number. If the ADC falls silent, ticks go on in the same way with
+//! readings that are missing. Without edges the task runs 20 times a second, so such a tick comes
+//! up to 50 ms after its time, several at once if they are short. Codes whose last one is older
+//! than a quarter of a tick by then are stale: levels stand for up to 7/4 of a tick, and no heater
+//! is high by a reading of more than two. The guard trips within three ticks and 50 ms of the last
+//! edge (its default limit).
 //!
-//! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5 ms
-//! at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
+//! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5
+//! ms at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
 //!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take

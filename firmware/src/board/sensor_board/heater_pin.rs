@@ -33,8 +33,8 @@ impl ErrorType for HeaterPin {
     type Error = Infallible;
 }
 
-/// What the pin has, whatever it should have: the input of an output stays connected (RM0090, "Output
-/// configuration").
+/// What the pin has, whatever it should have: the input of an output stays connected (RM0090,
+/// "Output configuration").
 impl InputPin for HeaterPin {
     fn is_high(&mut self) -> Result<bool, Infallible> {
         // SAFETY: a read that changes nothing.

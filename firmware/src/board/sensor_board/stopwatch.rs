@@ -1,7 +1,7 @@
 //! Time that goes on while the core sleeps: timer 2, 32 bit, at 84 MHz.
 //!
-//! The cycle counter stands still in sleep unless a debugger's bit (DBG_SLEEP) is set. A timer has a
-//! clock of its own, which sleep leaves on (RM0090, RCC_APB1LPENR after reset).
+//! The cycle counter stands still in sleep unless a debugger's bit (DBG_SLEEP) is set. A timer has
+//! a clock of its own, which sleep leaves on (RM0090, RCC_APB1LPENR after reset).
 
 use super::clocks::CYCLES_PER_US;
 use stm32f4xx_hal::pac::TIM2;
