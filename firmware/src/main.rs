@@ -77,6 +77,7 @@ mod app {
     static UNSENT: Unsent = Unsent::none();
     static CHECK_INS: CheckIns = CheckIns::none();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
+    static LOST_CONVERSIONS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
     /// The dead-man timer has expired, and the controller has not tripped yet.
@@ -314,9 +315,14 @@ mod app {
 
         // One tick or none; several if the front end was silent.
         while let Some(readings) = front_end.poll() {
+            // Before the reasons for which others have lowered them.
+            let held = front_end.holds_levels();
             if OUTPUT_TIMED_OUT.load(Relaxed) {
                 OUTPUT_TIMED_OUT.store(false, Relaxed);
                 instrument.trip(Cause::Deadline);
+            }
+            if !held && !CRASH_TRIP.waits() {
+                instrument.trip(Cause::Heater);
             }
             let tick = instrument.tick(&readings);
             // The heaters first: the wind decides nothing.
@@ -352,9 +358,14 @@ mod app {
             started = ended;
         }
 
+        if let Some(cause) = front_end.take_fault() {
+            board::heaters_low();
+            instrument.trip(cause);
+        }
         if let Some(reply) = front_end.reply_to_silence() {
             outbox.put(reply);
         }
+        LOST_CONVERSIONS.store(front_end.lost_conversions(), Relaxed);
         FLIPPABLE.store(instrument.controller().bit_flips(), Relaxed);
         ARMED.store(instrument.controller().is_armed(), Relaxed);
 
@@ -564,6 +575,7 @@ mod app {
                 refused,
                 unsent: UNSENT.count(),
                 late_ticks: LATE_TICKS.load(Relaxed),
+                lost_conversions: LOST_CONVERSIONS.load(Relaxed),
                 deadlines: DEADLINES.load(Relaxed),
                 bit_flips: FLIPPABLE.load(Relaxed),
                 armed: ARMED.load(Relaxed),

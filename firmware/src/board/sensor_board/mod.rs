@@ -13,6 +13,7 @@
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `memory_protection.rs` | what may be written and executed where |
 //! | `settings_flash.rs` | three sectors of the processor's flash |
+//! | `stopwatch.rs` | time that goes on while the core sleeps |
 //! | `supply.rs` | brown-out level, and heaters low as the supply falls |
 //! | `watchdog.rs` | reset unless everybody is well |
 //! | `watchdog_proof.rs` | proof test of that after power-on and reset pin |
@@ -30,6 +31,7 @@ mod heater_pin;
 mod host_link;
 mod memory_protection;
 mod settings_flash;
+mod stopwatch;
 mod supply;
 mod watchdog;
 mod watchdog_proof;
@@ -119,6 +121,7 @@ pub fn init(
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
+    stopwatch::start(&device.TIM2, &mut rcc);
     supply::listen(&device.EXTI);
     let dead_man = DeadManTimer::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
     let front_end = AdcFrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
