@@ -10,7 +10,7 @@ use host_sim::run::start;
 use silicon::adc::AdcFault;
 use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
-use silicon::time::ms;
+use silicon::time::{ms, us};
 
 /// Data-ready is watched by the cycle counter, which counts while the core sleeps only because a
 /// bit of the debugger is set. Without it, a converter that falls silent while all heaters are low
@@ -41,12 +41,15 @@ fn without_the_debuggers_clock_a_silent_converter_is_not_noticed() {
 #[test]
 fn a_frame_is_read_across_an_update_while_models_are_taken_in() {
     let experiment = experiment("steady.toml", 10);
-    let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
-    let mut instrument = rig.instrument();
-    start(&experiment, &mut instrument).unwrap();
-    let complaints = rig.machine().board().complaints.all().to_vec();
-    assert_eq!(complaints.len(), 1, "{complaints:?}");
-    assert_eq!(complaints[0].rule, BrokenRule::AdcFrameAcrossUpdate);
+    // Not at every moment of a conversion.
+    let is_across = |moment| {
+        let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
+        let mut instrument = rig.instrument();
+        rig.machine().run_for(us(50) * moment).unwrap();
+        start(&experiment, &mut instrument).unwrap();
+        rig.machine().board().complaints.all().iter().any(|one| one.rule == BrokenRule::AdcFrameAcrossUpdate)
+    };
+    assert!((0..5).any(is_across));
 }
 
 /// A converter that never converts passes for one whose offsets are zero: they are read without
