@@ -73,6 +73,11 @@ impl SensorPlant {
         self.sensor.truth()
     }
 
+    /// Wind of the last step, m/s.
+    pub fn wind_m_s(&self) -> [f64; 3] {
+        self.sensor.wind_m_s()
+    }
+
     /// Levels at the pins.
     pub const fn levels(&self) -> u8 {
         self.levels

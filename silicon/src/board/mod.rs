@@ -172,7 +172,7 @@ impl Board {
             spi: Spi::default(),
             usart: Usart::default(),
             dma: Dma::default(),
-            timer: Timer::default(),
+            timer: Timer::new(oscillator_hz),
             watchdog: IndependentWatchdogModel::new(oscillator_hz),
             adc: Adc::powered_at(0),
             plant,
@@ -194,6 +194,8 @@ impl Board {
         fresh.clocks = fresh.rcc.clocks();
         fresh.watchdog.is_dead = self.watchdog.is_dead;
         fresh.has_dead_timer = self.has_dead_timer;
+        fresh.timer.slow_hz = self.timer.slow_hz;
+        fresh.rcc.fit_crystal(self.rcc.crystal_hz());
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -251,11 +253,24 @@ impl Board {
         self.touch();
     }
 
+    /// A crystal of this frequency, Hz, is fitted.
+    pub fn fit_crystal(&mut self, crystal_hz: u64) {
+        self.rcc.fit_crystal(crystal_hz);
+        self.set_clocks();
+        self.touch();
+    }
+
     /// The crystal runs again.
     pub fn mend_crystal(&mut self) {
         self.rcc.mend_crystal();
         self.set_clocks();
         self.touch();
+    }
+
+    /// The slow oscillator stops, and the watchdog with it.
+    pub const fn fail_slow_oscillator(&mut self) {
+        self.watchdog.is_dead = true;
+        self.timer.slow_hz = 0;
     }
 
     /// Connects another sensor.

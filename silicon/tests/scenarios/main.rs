@@ -24,3 +24,4 @@ mod stop;
 mod supervision;
 mod supply;
 mod ticks;
+mod upsets;
