@@ -33,10 +33,10 @@ impl Defect {
 /// All defects.
 pub fn read() -> Result<Vec<Defect>> {
     #[derive(Deserialize)]
-    struct List {
+    struct DefectList {
         defects: Vec<Defect>,
     }
-    let list: List = toml::from_str(include_str!("defects.toml")).context("defects.toml cannot be read")?;
+    let list: DefectList = toml::from_str(include_str!("defects.toml")).context("defects.toml cannot be read")?;
     Ok(list.defects)
 }
 
