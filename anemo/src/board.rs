@@ -8,7 +8,7 @@ use crate::output::Failure;
 use host_sim::instrument::emulated::{Emulated, EmulatorLink};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::serial::Serial;
-use host_sim::instrument::virtual_line;
+use host_sim::instrument::virtual_line::{self, VirtualBoardFiles, VirtualLine};
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
 use host_sim::sensor::Sensor;
 
@@ -42,7 +42,7 @@ pub(super) struct InstrumentArguments {
 impl InstrumentArguments {
     /// The file that is its flash, if it has one; refused where that could not be.
     pub(super) fn flash(&self) -> Result<Option<&Path>, Failure> {
-        if self.flash.is_some() && self.on != On::Qemu {
+        if self.flash.is_some() && !matches!(self.on, On::Qemu | On::Silicon) {
             return Err(Failure::usage(
                 "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
             ));
@@ -65,10 +65,7 @@ impl InstrumentArguments {
             }
             On::Silicon => {
                 let missing = || Failure::usage("--on silicon: the sensor is that of an experiment: name one");
-                let firmware = self.emulation.firmware(SENSOR_FIRMWARE);
-                let program = std::env::current_exe().unwrap_or_default().with_file_name(SILICON);
-                let board = virtual_line::start(&program, &firmware, experiment.ok_or_else(missing)?);
-                Box::new(board.map_err(Failure::work)?)
+                Box::new(self.emulation.start_silicon(Some(experiment.ok_or_else(missing)?), flash)?)
             }
             On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
         };
@@ -94,6 +91,12 @@ pub(super) struct Emulation {
 impl Emulation {
     fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
         Emulated::start_with(&self.firmware(FIRMWARE), self.link, flash).map_err(Failure::work)
+    }
+
+    fn start_silicon(&self, experiment: Option<&Path>, flash: Option<&Path>) -> Result<Serial<VirtualLine>, Failure> {
+        let program = std::env::current_exe().unwrap_or_default().with_file_name(SILICON);
+        let files = VirtualBoardFiles { firmware: &self.firmware(SENSOR_FIRMWARE), experiment, flash };
+        virtual_line::start(&program, &files).map_err(Failure::work)
     }
 
     /// The firmware that was asked for, or the one that came with this command, wherever that is.
@@ -136,6 +139,7 @@ impl FromStr for On {
 /// A board that is open for what it keeps.
 pub(super) enum OpenBoard {
     Emulated(Box<Emulated>),
+    Silicon(Box<Serial<VirtualLine>>),
     Serial(Box<Serial>),
 }
 
@@ -147,11 +151,7 @@ impl OpenBoard {
                     "--on sim: a controller in this process keeps nothing; name a board: qemu or serial:DEVICE",
                 ));
             }
-            On::Silicon => {
-                return Err(Failure::usage(
-                    "--on silicon: its flash ends with it; name a board that stays: qemu or serial:DEVICE",
-                ));
-            }
+            On::Silicon => Self::Silicon(Box::new(emulation.start_silicon(None, Some(flash))?)),
             On::Qemu => Self::Emulated(Box::new(emulation.start(Some(flash))?)),
             On::Serial(device) => Self::Serial(Box::new(Serial::open(device).map_err(Failure::work)?)),
         })
@@ -160,6 +160,7 @@ impl OpenBoard {
     pub(super) fn port(&mut self) -> &mut dyn SettingsPort {
         match self {
             Self::Emulated(board) => board.as_mut(),
+            Self::Silicon(board) => board.as_mut(),
             Self::Serial(board) => board.as_mut(),
         }
     }
@@ -168,7 +169,7 @@ impl OpenBoard {
         match self {
             Self::Emulated(board) => board.finish().map(|_: LinkReport| ()).map_err(Failure::work),
             // It goes on with whatever it does.
-            Self::Serial(_) => Ok(()),
+            Self::Serial(_) | Self::Silicon(_) => Ok(()),
         }
     }
 }

@@ -33,6 +33,7 @@ mod predict;
 mod predict_against;
 mod progress;
 mod recorded;
+mod recover;
 mod reduce;
 mod run;
 mod self_test;
@@ -88,6 +89,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
+    Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
     Status(status::Arguments),
@@ -162,6 +164,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),
         Subcommands::Status(arguments) => status::execute(&arguments),

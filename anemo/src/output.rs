@@ -53,7 +53,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Refused(error) => Self::usage(error),
-            RunError::Instrument(_) | RunError::Recording(_) | RunError::Interrupted { .. } => Self::work(error),
+            error => Self::work(error),
         }
     }
 }

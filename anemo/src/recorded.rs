@@ -1,15 +1,15 @@
 //! File and picture of a recording, for `run` and `wind`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use plot::Canvas;
-use recording::{Collector, Metadata, RecordingError, RecordingLayout, RecordingRow, RecordingWriter};
+use recording::{Collector, Metadata, Recorder, RecordingError, RecordingLayout, RecordingRow, WriterOptions, recover};
 
 /// What is written of a recording, as far as it is requested.
 pub struct RecordingOutputs {
-    writer: Option<RecordingWriter>,
+    recorder: Option<(PathBuf, Recorder)>,
     picture: Option<(Canvas, Collector)>,
 }
 
@@ -20,27 +20,59 @@ impl RecordingOutputs {
         picture: &PictureArguments,
         layout: RecordingLayout,
         metadata: &Metadata,
+        options: &WriterOptions,
     ) -> Result<Self, Failure> {
-        let writer = output.map(|path| RecordingWriter::create(path, layout.clone(), metadata));
-        let writer = writer.transpose().map_err(Failure::usage)?;
         let canvas = picture.canvas()?;
-        Ok(Self { writer, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
+        let recorder = output.map(|path| {
+            Recorder::create(path, layout.clone(), metadata, options).map(|recorder| (path.to_owned(), recorder))
+        });
+        let recorder = recorder.transpose().map_err(Failure::usage)?;
+        Ok(Self { recorder, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
     }
 
     pub fn push(&mut self, row: &RecordingRow<'_>) -> Result<(), RecordingError> {
-        self.writer.as_mut().map_or(Ok(()), |writer| writer.push(row))?;
+        self.recorder.as_mut().map_or(Ok(()), |(_, recorder)| recorder.push(row))?;
         self.picture.as_mut().map_or(Ok(()), |(_, collector)| collector.push(row))
     }
 
     /// Completes them with what the end adds to the metadata.
     pub fn finish(self, outcome: &Metadata) -> Result<(), Failure> {
-        if let Some(writer) = self.writer {
-            writer.finish(outcome).map_err(Failure::work)?;
+        if let Some((path, recorder)) = self.recorder {
+            recorder.finish(outcome).map_err(|error| kept(&path, error))?;
         }
         if let Some((canvas, collector)) = self.picture {
             let figure = plot::run::figure(&collector.finish(outcome)).map_err(Failure::work)?;
             canvas.draw(&figure).map_err(Failure::work)?;
         }
         Ok(())
+    }
+
+    /// The file cannot be written: what its journal has, if it has one, is kept.
+    pub fn rescue(self, error: RecordingError) -> Failure {
+        match self.recorder {
+            Some((path, recorder)) => {
+                drop(recorder);
+                kept(&path, error)
+            }
+            None => Failure::work(error),
+        }
+    }
+}
+
+/// Makes a file of what the journal has; where there is no room for it, it stays a journal.
+fn kept(path: &Path, error: RecordingError) -> Failure {
+    match recover(path) {
+        Ok(Some(recovered)) => {
+            let (rows, file) = (recovered.rows, recovered.file.display());
+            Failure { code: 4, sentence: format!("{error}; the {rows} rows before are in {file}") }
+        }
+        Ok(None) => Failure::work(error),
+        Err(_) => {
+            let path = path.display();
+            Failure {
+                code: 4,
+                sentence: format!("{error}; the rows before are kept: make room, then `anemo recover {path}`"),
+            }
+        }
     }
 }

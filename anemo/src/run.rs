@@ -10,9 +10,10 @@ use crate::picture::PictureArguments;
 use crate::progress::{on_interrupt, progress};
 use crate::recorded::RecordingOutputs;
 use host_sim::experiment::Experiment;
-use host_sim::run::RunSummary;
-use host_sim::run::{RunError, run};
-use recording::{Metadata, RecordingLayout};
+use host_sim::run::{RunError, RunSummary, TripSummary, run};
+use recording::{Metadata, RecordingLayout, SegmentLength, WriterOptions};
+use time::OffsetDateTime;
+use time::format_description::well_known::Rfc3339;
 
 /// Rows between two steps of the progress bar.
 const PROGRESS_EVERY: u32 = 256;
@@ -21,6 +22,9 @@ const PROGRESS_EVERY: u32 = 256;
 ///
 /// The emulated board runs the firmware, and gives the same bits as this process; both simulate
 /// sensor and wind, as fast as they can. A sensor board understands the same commands.
+///
+/// Ended early, by Ctrl-C or a lost link, it keeps what it has recorded. Exit codes: 0
+/// done, 1 failed, 2 wrong usage, 3 tripped, 4 ended early.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -28,15 +32,19 @@ Examples:
   anemo run experiments/prbs.toml --on sim -o prbs.parquet
   anemo run experiments/held.toml --on sim -o held.parquet
   anemo run experiments/gusts.toml --on qemu --firmware firmware.elf --json
-  anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv")]
+  anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv
+  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o night/ --segment 1h")]
 pub struct Arguments {
     /// The experiment: a TOML file.
     experiment: PathBuf,
     #[command(flatten)]
     instrument: InstrumentArguments,
-    /// Record every tick to this .parquet or .csv file.
-    #[arg(short, long, value_name = "FILE")]
+    /// Record every tick to this .parquet or .csv file, or to a folder of segments.
+    #[arg(short, long, value_name = "FILE|FOLDER")]
     output: Option<PathBuf>,
+    /// Length of a folder's segments: a time, or a size (64MB).
+    #[arg(long, value_name = "LENGTH", default_value = "10min")]
+    segment: SegmentLength,
     #[command(flatten)]
     picture: PictureArguments,
     /// Print one JSON object instead of the summary.
@@ -46,44 +54,63 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment)?;
-    let simulated = matches!(arguments.instrument.on, On::Sim | On::Qemu);
+    let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let names = experiment.head.names();
     let layout = RecordingLayout {
         elements: names.iter().copied().map(str::to_owned).collect(),
         true_wind: simulated,
-        gas: simulated && experiment.gas_swing.is_some(),
+        gas: simulated && arguments.instrument.on != On::Silicon && experiment.gas_swing.is_some(),
         estimates: experiment.surfaces(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     };
     let known = metadata(&experiment, &arguments.instrument.on);
-    let mut recorded = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known)?;
+    // What is simulated can be run again; what is measured cannot.
+    let options = WriterOptions { has_journal: !simulated, segment: arguments.segment };
+    let mut recorded =
+        RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
     let bar = progress(&experiment.title, Some(experiment.ticks.into()));
     let (start, mut rows) = (Instant::now(), 0_u32);
     let summary = run(&experiment, instrument, &mut |row| {
-        if interrupted.load(Ordering::Relaxed) {
-            return Err(RunError::Interrupted { time_s: row.time_s });
-        }
         recorded.push(row)?;
         rows += 1;
         if rows.is_multiple_of(PROGRESS_EVERY) {
             bar.set_position(u64::from(rows));
         }
-        Ok(())
+        if interrupted.load(Ordering::Relaxed) { Err(RunError::Interrupted) } else { Ok(()) }
     });
     bar.finish_and_clear();
-    let (summary, wall_s) = (summary?, start.elapsed().as_secs_f64());
+    let summary = match summary {
+        Ok(summary) => summary,
+        Err(RunError::Recording(error)) => return Err(recorded.rescue(error)),
+        Err(error) => return Err(error.into()),
+    };
+    let wall_s = start.elapsed().as_secs_f64();
 
     recorded.finish(&outcome(&summary))?;
     if arguments.json {
-        return crate::output::print_json(&summary);
+        crate::output::print_json(&summary)?;
+    } else {
+        let mut text = summary.to_string();
+        if simulated {
+            text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
+        }
+        crate::output::print(&text)?;
     }
-    let mut text = summary.to_string();
-    if simulated {
-        text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
+    verdict(&summary)
+}
+
+/// A run that tripped or ended early has its own exit code; what was recorded is kept.
+fn verdict(summary: &RunSummary) -> Result<(), Failure> {
+    if let Some(trip) = summary.trips.first() {
+        let TripSummary { time_s, cause, element } = trip;
+        return Err(Failure { code: 3, sentence: format!("the run tripped at {time_s} s: {cause}, {element}") });
     }
-    crate::output::print(&text)
+    match &summary.ended {
+        Some(ended) => Err(Failure { code: 4, sentence: format!("the run ended early: {ended}") }),
+        None => Ok(()),
+    }
 }
 
 /// Metadata of the recording, as far as they are known before the run.
@@ -107,11 +134,18 @@ fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("head_name", experiment.head.name.clone()),
         ("experiment", experiment.source.text.clone()),
         ("head", experiment.head.source.text.clone()),
+        ("start_utc", start_utc()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
     let known = pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value));
     known.chain(experiment.conditions().to_metadata()).collect()
+}
+
+/// This moment by the computer's clock, which may be off.
+fn start_utc() -> String {
+    // The formatter refuses years of five digits only.
+    OffsetDateTime::now_utc().format(&Rfc3339).unwrap_or_default()
 }
 
 /// What the end of the run adds.
@@ -120,7 +154,9 @@ fn outcome(summary: &RunSummary) -> Metadata {
         ("firmware".to_owned(), summary.firmware.clone()),
         ("lost".to_owned(), summary.lost.to_string()),
         ("trips".to_owned(), summary.trips.len().to_string()),
+        ("complete".to_owned(), summary.ended.is_none().to_string()),
     ];
+    pairs.extend(summary.ended.iter().map(|ended| ("ended".to_owned(), ended.to_string())));
     pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
     pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
     pairs

@@ -112,7 +112,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn show_stored(arguments: &Arguments, names: Vec<String>) -> Result<(), Failure> {
     let InstrumentArguments { on, emulation, .. } = &arguments.instrument;
     let flash = arguments.instrument.flash()?;
-    if *on == On::Qemu && flash.is_none() {
+    if matches!(on, On::Qemu | On::Silicon) && flash.is_none() {
         return Err(Failure::usage("--stored: an emulated board has kept something in its --flash FILE only"));
     }
     let mut board = OpenBoard::open(on, emulation, flash.unwrap_or(Path::new("")))?;

@@ -25,6 +25,7 @@ Examples:
   anemo settings set name \"north mast\" --on serial:/dev/ttyACM0
   anemo settings set --head heads/sphere-b.toml --sample-period 0.001 \\
       --on serial:/dev/ttyACM0
+  anemo settings set fingerprint measured --on serial:/dev/ttyACM0
   anemo settings backup -o north-mast.toml --on serial:/dev/ttyACM0
   anemo settings restore north-mast.toml --on serial:/dev/ttyACM0
   anemo settings erase gas --on serial:/dev/ttyACM0
@@ -48,7 +49,7 @@ enum Task {
     ///
     /// Keys: name, telemetry_every, sample_period_s, guard.missing_limit_ticks,
     /// guard.unreachable_limit_ticks, guard.stuck_limit_ticks, observe, host_timeout_s,
-    /// gas.pressure_pa, gas.temperature_c.
+    /// fingerprint (`measured`), gas.pressure_pa, gas.temperature_c.
     Set {
         /// The key.
         #[arg(requires = "value", required_unless_present = "head", conflicts_with = "head")]

@@ -9,7 +9,7 @@ use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::given_winds;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
-use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, check_name, wind};
+use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
 /// Estimate the wind from a recording of a calibrated head.
 ///
@@ -94,7 +94,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let estimates = estimation.surfaces();
     let layout = RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates };
     let known = metadata(arguments, &head, &estimation)?;
-    let mut recorded = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known)?;
+    let mut recorded = RecordingOutputs::create(
+        arguments.output.as_deref(),
+        &arguments.picture,
+        layout,
+        &known,
+        &WriterOptions::default(),
+    )?;
     while let Some(estimate) = estimation.next_estimate().map_err(|error| match error {
         WindError::Gas(_) => Failure::usage(error),
         _ => Failure::work(error),

@@ -5,6 +5,7 @@
 //! `Drive` for each element, `Arm`, `Start`.
 
 use crate::control::drive::Drive;
+use crate::control::fingerprint::Fingerprint;
 use crate::control::guard::GuardConfig;
 use crate::control::self_test::plan::SelfTestPlan;
 use crate::control::state::ElementConfig;
@@ -79,6 +80,11 @@ pub enum Command {
         /// Seconds, up to [`LONGEST_HOST_TIMEOUT_S`], counted in ticks. 0: for ever, for an
         /// instrument that nobody attends.
         timeout_s: f32,
+    },
+    /// Fingerprint of the head, without which any head will do. In standby; stays after `Clear`.
+    Fingerprint {
+        /// Resistance of each element at the low level, Ω; 0 for one that is not compared.
+        resistance_ohm: Fingerprint,
     },
 }
 

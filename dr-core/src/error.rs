@@ -88,6 +88,7 @@ pub enum Parameter {
     WindowS,
     PulseS,
     HostTimeoutS,
+    FingerprintOhm,
 }
 
 impl Parameter {

@@ -9,6 +9,7 @@
 
 pub mod check_ins;
 pub mod crash_record;
+pub mod cut_off;
 pub mod dead_man;
 pub mod drivers;
 pub mod inbox;

@@ -38,6 +38,7 @@ mod app {
     use dr_core::{Command, Instrument};
     use firmware::check_ins::{CheckIns, Member};
     use firmware::crash_record::CrashTrip;
+    use firmware::cut_off::CutOff;
     use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
     use firmware::outbox::{Outbox, Sequence, Unsent};
     use firmware::queue;
@@ -70,6 +71,8 @@ mod app {
     /// sample.
     const TELEMETRY_SLOTS: usize = 32;
 
+    /// The platinum is to lose its supply.
+    static CUT: AtomicBool = AtomicBool::new(false);
     static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
     static UNSENT: Unsent = Unsent::none();
     static CHECK_INS: CheckIns = CheckIns::none();
@@ -259,10 +262,19 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, kept_lockout, front_end, requests, orders, outcomes, outbox], shared = [findings, margins, history, run_state])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
     fn control(mut cx: control::Context) {
-        let control::LocalResources { instrument, kept_lockout, front_end, requests, orders, outcomes, outbox, .. } =
-            cx.local;
+        let control::LocalResources {
+            instrument,
+            kept_lockout,
+            front_end,
+            requests,
+            orders,
+            outcomes,
+            outbox,
+            cut_off,
+            ..
+        } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
         // Before any command.
@@ -311,6 +323,8 @@ mod app {
             if !front_end.apply(&tick) {
                 instrument.trip(Cause::Heater);
             }
+            let tripped = matches!(tick.state, RunState::Tripped(_));
+            CUT.store(cut_off.judge(tripped, &readings), Relaxed);
             // If the timer has expired since, these levels are too old; the next tick trips. If the
             // supply has fallen since, this task is pending again, and trips then.
             if OUTPUT_TIMED_OUT.load(Relaxed) || CRASH_TRIP.waits() {
@@ -541,7 +555,7 @@ mod app {
     /// resets the board.
     #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, run_state])]
     fn health(mut cx: health::Context) {
-        if cx.local.health.beat(&CHECK_INS) {
+        if cx.local.health.beat(&CHECK_INS, CUT.load(Relaxed)) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
             let refused = cx.shared.inbox.lock(|inbox| inbox.refused);
             let status = wire::Status {

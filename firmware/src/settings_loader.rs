@@ -7,7 +7,7 @@ use firmware::inbox::TelemetryRequests;
 use firmware::queue;
 use firmware::settings::{SettingsServer, StandbyLock, server::Next};
 use heapless::spsc::{Consumer, Producer};
-use wire::{Setting, Unusable};
+use wire::{MOST_ELEMENTS, Setting, Unusable};
 
 /// Result of a command.
 pub type Outcome = Result<(), Refusal>;
@@ -48,8 +48,11 @@ impl SettingsLoader {
         if !self.server.is_well() {
             defmt::warn!("the settings in flash are corrupt, or the flash holds other data");
         }
-        if self.send(Command::Clear, &wake_control).is_err() {
-            return false;
+        // `Clear` leaves the fingerprint, since a host sends it, too.
+        for command in [Command::Clear, Command::Fingerprint { resistance_ohm: [0.0; MOST_ELEMENTS] }] {
+            if self.send(command, &wake_control).is_err() {
+                return false;
+            }
         }
         loop {
             match self.server.next_piece() {

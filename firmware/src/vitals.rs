@@ -27,10 +27,10 @@ impl Health {
         Self { watchdog, beats: 0, uptime_s: 0 }
     }
 
-    /// One beat; true once a second.
-    pub fn beat(&mut self, check_ins: &CheckIns) -> bool {
+    /// One beat; true once a second. `cut`: the platinum is to lose its supply.
+    pub fn beat(&mut self, check_ins: &CheckIns, cut: bool) -> bool {
         if check_ins.all_anew() {
-            self.watchdog.feed();
+            self.watchdog.feed(cut);
         }
         self.beats += 1;
         let second = self.beats >= BEATS_PER_SECOND;

@@ -18,7 +18,10 @@ pub struct Collector {
 impl Collector {
     /// Starts a recording with the metadata that are known at its start.
     pub fn new(layout: RecordingLayout, metadata: &Metadata) -> Self {
-        let empty = |(name, kind)| RecordingColumn { name, values: ColumnValues::empty(kind == ColumnKind::Text) };
+        let empty = |name: String| {
+            let values = ColumnValues::empty(ColumnKind::of(&name) == ColumnKind::Text);
+            RecordingColumn { name, values }
+        };
         let columns = layout.columns().into_iter().map(empty).collect();
         let recording = Recording { path: PathBuf::from("this run"), metadata: with_format(metadata), columns };
         Self { layout, recording }

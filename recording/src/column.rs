@@ -5,9 +5,21 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::error::RecordingError;
+use crate::names::{EVENT, HEATER, STATE, TIME};
+use crate::wind::QUALITY_FLAGS;
 
 /// Ordered pairs of key and value; a key stands once.
 pub type Metadata = Vec<(String, String)>;
+
+/// Adds pairs to metadata; a key that is known gets the new value.
+pub(crate) fn overlay(metadata: &mut Metadata, more: impl IntoIterator<Item = (String, String)>) {
+    for (key, value) in more {
+        match metadata.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, old)) => *old = value,
+            None => metadata.push((key, value)),
+        }
+    }
+}
 
 /// Rows that are handed on at once, at most.
 pub const CHUNK: usize = 16_384;
@@ -153,6 +165,29 @@ pub(crate) enum ColumnKind {
     Text,
 }
 
+impl ColumnKind {
+    /// The kind that a column of a recording has by its name.
+    pub(crate) fn of(name: &str) -> Self {
+        match name {
+            TIME => Self::Wide,
+            EVENT | STATE => Self::Text,
+            QUALITY_FLAGS => Self::Flags,
+            name if name.starts_with(HEATER) => Self::Bit,
+            _ => Self::Number,
+        }
+    }
+
+    /// Columns of a recording with their kinds.
+    pub(crate) fn of_each(names: impl IntoIterator<Item = String>) -> Vec<(String, Self)> {
+        names.into_iter().map(|name| (name.clone(), Self::of(&name))).collect()
+    }
+
+    /// Bytes of a value that is not compressed, about.
+    pub(crate) const fn bytes(self) -> u64 {
+        if matches!(self, Self::Wide) { 8 } else { 4 }
+    }
+}
+
 /// A value on its way into a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum RowCell<'a> {
@@ -164,6 +199,10 @@ pub(crate) enum RowCell<'a> {
 /// The writer of a format: rows go in, cell by cell in the order of the columns.
 pub(crate) trait RowSink {
     fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()>;
+    /// Hands what waits in memory to the system, as far as the format can.
+    fn flush(&mut self) -> io::Result<()>;
+    /// Length of the file if it ended here, at most.
+    fn bytes(&self) -> u64;
     fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()>;
 }
 

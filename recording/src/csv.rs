@@ -17,6 +17,7 @@ pub(crate) struct CsvWriter {
     field: String,
     /// Whether a column's numbers are f64.
     wide: Vec<bool>,
+    bytes: u64,
 }
 
 impl CsvWriter {
@@ -26,7 +27,7 @@ impl CsvWriter {
         let mut csv = csv::Writer::from_writer(file);
         csv.write_record(columns.iter().map(|(name, _)| name))?;
         let wide = columns.iter().map(|(_, kind)| *kind == ColumnKind::Wide).collect();
-        Ok(Self { csv, field: String::new(), wide })
+        Ok(Self { csv, field: String::new(), wide, bytes: 0 })
     }
 }
 
@@ -42,9 +43,18 @@ impl RowSink for CsvWriter {
                 RowCell::Number(number) => write!(self.field, "{}", number as f32),
                 RowCell::Text(text) => self.field.write_str(text),
             };
+            self.bytes += self.field.len() as u64 + 1;
             self.csv.write_field(&self.field)?;
         }
         Ok(self.csv.write_record(None::<&[u8]>)?)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.csv.flush()
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()> {
@@ -87,24 +97,44 @@ struct Uncommented {
     taken: usize,
     /// A line break inside quotes does not start a line.
     quoted: bool,
+    /// Whether the file may end in the middle of a row, which is then none: a journal whose
+    /// program was killed, or whose last blocks the disk has not got.
+    may_be_torn: bool,
     metadata: Metadata,
+}
+
+impl Uncommented {
+    /// The next line, or a whole row where the end may be torn; none at the end.
+    fn next_line(&mut self) -> io::Result<bool> {
+        self.line.clear();
+        self.taken = 0;
+        loop {
+            let start = self.line.len();
+            let read = self.file.read_until(b'\n', &mut self.line)?;
+            let line = &self.line[start..];
+            if read == 0 || self.may_be_torn && (!line.ends_with(b"\n") || line.contains(&0)) {
+                // What stands before belongs to a row that is not whole.
+                self.line.truncate(if self.may_be_torn { 0 } else { start });
+                return Ok(!self.line.is_empty());
+            }
+            if !self.quoted && line.starts_with(b"#") {
+                let line = String::from_utf8_lossy(line);
+                self.metadata.extend(metadata_of(line.trim_end_matches(['\r', '\n'])));
+                self.line.truncate(start);
+                continue;
+            }
+            self.quoted ^= line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1;
+            if !(self.quoted && self.may_be_torn) {
+                return Ok(true);
+            }
+        }
+    }
 }
 
 impl io::Read for Uncommented {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        while self.taken == self.line.len() {
-            self.line.clear();
-            self.taken = 0;
-            if self.file.read_until(b'\n', &mut self.line)? == 0 {
-                return Ok(0);
-            }
-            if !self.quoted && self.line.starts_with(b"#") {
-                let line = String::from_utf8_lossy(&self.line);
-                self.metadata.extend(metadata_of(line.trim_end_matches(['\r', '\n'])));
-                self.line.clear();
-            } else {
-                self.quoted ^= self.line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1;
-            }
+        if self.taken == self.line.len() && !self.next_line()? {
+            return Ok(0);
         }
         let count = into.len().min(self.line.len() - self.taken);
         into[..count].copy_from_slice(&self.line[self.taken..self.taken + count]);
@@ -127,12 +157,17 @@ pub(crate) struct CsvReader {
 
 impl CsvReader {
     /// The reader, and the names of the columns.
-    pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+    pub(crate) fn open(
+        file: File,
+        path: &Path,
+        may_be_torn: bool,
+    ) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
         let file = Uncommented {
             file: BufReader::with_capacity(1 << 16, file),
             line: Vec::new(),
             taken: 0,
             quoted: false,
+            may_be_torn,
             metadata: Metadata::new(),
         };
         let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);

@@ -9,7 +9,12 @@ pub(crate) enum FileFormat {
     #[cfg(feature = "parquet")]
     Parquet,
     Csv,
+    /// CSV that may end in the middle of a row.
+    Journal,
 }
+
+/// Extension of a journal.
+pub(crate) const JOURNAL: &str = "journal";
 
 impl FileFormat {
     pub(crate) fn of(path: &Path) -> Result<Self, RecordingError> {
@@ -23,9 +28,14 @@ impl FileFormat {
                 "this program was built without Parquet: use a .csv file, or build it with the feature `parquet`",
             )),
             "csv" => Ok(Self::Csv),
-            _ => Err(RecordingError::new(path, "a recording's name ends in .parquet or .csv")),
+            JOURNAL => Ok(Self::Journal),
+            _ => Err(unknown(path)),
         }
     }
+}
+
+fn unknown(path: &Path) -> RecordingError {
+    RecordingError::new(path, "a recording's name ends in .parquet or .csv")
 }
 
 /// Refuses a name that could only fail once the work is done: the extension first of all.
@@ -33,7 +43,10 @@ impl FileFormat {
 /// # Errors
 /// If the extension is none of a recording.
 pub fn check_name(path: &Path) -> Result<(), RecordingError> {
-    FileFormat::of(path).map(|_| ())
+    match FileFormat::of(path)? {
+        FileFormat::Journal => Err(unknown(path)),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(all(test, not(feature = "parquet")))]

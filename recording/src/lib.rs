@@ -40,7 +40,8 @@
 //! | module or type | what it is |
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
-//! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file; into memory; columns into a file |
+//! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
+//! | [`Recorder`], [`recover`] | a writer in a thread of its own; what a journal has kept |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
@@ -60,6 +61,7 @@ mod format1;
 mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod parts;
 mod reader;
 mod recording;
 pub mod regular;
@@ -83,7 +85,7 @@ pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
 pub use temporary::Temporary;
-pub use writer::{RecordingWriter, write_columns};
+pub use writer::{Recorder, RecordingWriter, Recovered, SegmentLength, WriterOptions, recover, write_columns};
 
 #[cfg(all(test, feature = "parquet"))]
 mod tests;

@@ -55,7 +55,7 @@ impl ParquetWriter {
         Ok(Self { file, buffers: columns.iter().map(|(_, kind)| empty(*kind)).collect(), rows: 0 })
     }
 
-    fn flush(&mut self) -> Result<(), ParquetError> {
+    fn write_group(&mut self) -> Result<(), ParquetError> {
         if self.rows == 0 {
             return Ok(());
         }
@@ -78,11 +78,21 @@ impl RowSink for ParquetWriter {
             buffer.push(cell);
         }
         self.rows += 1;
-        if self.rows == GROUP { self.flush().map_err(io::Error::other) } else { Ok(()) }
+        if self.rows == GROUP { self.write_group().map_err(io::Error::other) } else { Ok(()) }
+    }
+
+    /// A group is written when it is full.
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn bytes(&self) -> u64 {
+        let row: u64 = self.buffers.iter().map(|(kind, _)| kind.bytes()).sum();
+        self.file.bytes_written() as u64 + self.rows as u64 * row
     }
 
     fn finish(mut self: Box<Self>, metadata: &Metadata) -> io::Result<()> {
-        self.flush().map_err(io::Error::other)?;
+        self.write_group().map_err(io::Error::other)?;
         for (key, value) in metadata {
             self.file.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }

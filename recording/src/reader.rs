@@ -1,43 +1,42 @@
-//! Reading a recording in chunks.
+//! Reading a recording in chunks, file after file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead};
+use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead, overlay};
 use crate::csv::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::FileFormat;
 use crate::format1::rename_columns;
 use crate::names::duplicate;
+use crate::parts::files_of;
 use crate::regular;
 
 /// A recording that is read chunk by chunk, in memory that does not grow with its length.
 pub struct RecordingReader {
     head: TableHead,
     source: Box<dyn ChunkSource>,
+    /// Files that follow, the next one last.
+    following: Vec<PathBuf>,
+    /// What the files before have said of themselves.
+    passed: Metadata,
+    /// Columns to be taken for text.
+    as_text: Vec<usize>,
 }
 
 impl RecordingReader {
-    /// Opens a file. Columns of format 1 get their names of today.
+    /// Opens a file, a folder of segments, or the files that a pattern (`run/*.parquet`) names.
+    /// Columns of format 1 get their names of today.
     ///
     /// # Errors
     /// If there is no such file, its extension is not known, or it is no table with named columns.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        let format = FileFormat::of(path)?;
-        let file = regular::open(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
-            _ => RecordingError::io(path, "read", error),
-        })?;
-        let (source, mut names) = match format {
-            #[cfg(feature = "parquet")]
-            FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
-            FileFormat::Csv => CsvReader::open(file, path)?,
-        };
-        rename_columns(&mut names, &source.metadata());
-        if let Some(name) = duplicate(names.iter().map(String::as_str)) {
-            return Err(RecordingError::new(path, format!("two columns are named `{name}`: rename one of them")));
-        }
+        let mut following = files_of(path)?;
+        following.reverse();
+        let first = following.pop().unwrap_or_else(|| path.to_owned());
+        let (source, names) = open_file(&first)?;
         let selected = (0..names.len()).collect();
-        Ok(Self { head: TableHead { path: path.to_owned(), names, selected }, source })
+        let head = TableHead { path: first, names, selected };
+        Ok(Self { head, source, following, passed: Metadata::new(), as_text: Vec::new() })
     }
 
     /// Names of the columns, in the file's order.
@@ -45,15 +44,17 @@ impl RecordingReader {
         &self.head.names
     }
 
-    /// What the file says of itself. A CSV file may say more below its last row: complete after the
-    /// last chunk.
+    /// What the files say of themselves, the later ones in place of the earlier. A CSV file may say
+    /// more below its last row: complete after the last chunk.
     pub fn metadata(&self) -> Metadata {
-        self.source.metadata()
+        let mut metadata = self.passed.clone();
+        overlay(&mut metadata, self.source.metadata());
+        metadata
     }
 
-    /// Number of rows, where the file states it, as a Parquet file does.
+    /// Number of rows, where a single file states it, as a Parquet file does.
     pub fn rows(&self) -> Option<u64> {
-        self.source.rows()
+        self.source.rows().filter(|_| self.following.is_empty())
     }
 
     /// Whether each column holds text: by its type, or by its first row in a CSV file.
@@ -70,20 +71,72 @@ impl RecordingReader {
     /// Takes a column of a CSV file for text even if its first row looks like a number. Parquet's
     /// columns have their types.
     pub fn read_as_text(&mut self, column: usize) {
+        self.as_text.push(column);
         self.source.read_as_text(column);
     }
 
     /// Passes over rows before the first chunk; returns how many there were.
     pub fn skip(&mut self, rows: u64) -> Result<u64, RecordingError> {
-        self.source.skip(rows, &self.head)
+        let mut skipped = 0;
+        loop {
+            skipped += self.source.skip(rows - skipped, &self.head)?;
+            if skipped == rows || !self.open_next()? {
+                return Ok(skipped);
+            }
+        }
     }
 
     /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after
     /// the last.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
+        let chunk = loop {
+            match self.source.next_chunk(&self.head)? {
+                None if self.open_next()? => {}
+                chunk => break chunk,
+            }
+        };
         let head = &self.head;
         let named = |(&at, values): (&usize, _)| RecordingColumn { name: head.names[at].clone(), values };
-        let chunk = self.source.next_chunk(head)?;
         Ok(chunk.map(|columns| head.selected.iter().zip(columns).map(named).collect()))
     }
+
+    /// Goes on with the next file, if there is one. It has the columns of the first.
+    fn open_next(&mut self) -> Result<bool, RecordingError> {
+        let Some(path) = self.following.pop() else { return Ok(false) };
+        let (source, names) = open_file(&path)?;
+        if names != self.head.names {
+            let other = names.iter().zip(&self.head.names).find(|(name, first)| name != first);
+            let what = other.map_or_else(
+                || format!("{} columns where {} belong", names.len(), self.head.names.len()),
+                |(name, first)| format!("`{name}` where `{first}` belongs"),
+            );
+            let sentence = format!("has {what}: it is of another recording than {}", self.head.path.display());
+            return Err(RecordingError::new(&path, sentence));
+        }
+        overlay(&mut self.passed, self.source.metadata());
+        self.source = source;
+        self.as_text.iter().for_each(|&column| self.source.read_as_text(column));
+        self.head.path = path;
+        Ok(true)
+    }
+}
+
+/// Opens one file, and tells the names of its columns.
+fn open_file(path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+    let format = FileFormat::of(path)?;
+    let file = regular::open(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
+        _ => RecordingError::io(path, "read", error),
+    })?;
+    let (source, mut names) = match format {
+        #[cfg(feature = "parquet")]
+        FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
+        FileFormat::Csv => CsvReader::open(file, path, false)?,
+        FileFormat::Journal => CsvReader::open(file, path, true)?,
+    };
+    rename_columns(&mut names, &source.metadata());
+    if let Some(name) = duplicate(names.iter().map(String::as_str)) {
+        return Err(RecordingError::new(path, format!("two columns are named `{name}`: rename one of them")));
+    }
+    Ok((source, names))
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::column::{ColumnKind, RowCell};
+use crate::column::RowCell;
 use crate::error::RecordingError;
 use crate::names::{
     EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, STATE, TEMPERATURE, TIME, TRUE_WIND, column_name,
@@ -72,27 +72,24 @@ fn numbers<'a>(numbers: &'a [f32]) -> impl Iterator<Item = RowCell<'a>> {
 }
 
 impl RecordingLayout {
-    /// Names and kinds of the columns, in the order in which they are written.
-    pub(crate) fn columns(&self) -> Vec<(String, ColumnKind)> {
-        let of = |quantity: &'static str, kind, elements: &[String]| -> Vec<(String, ColumnKind)> {
-            elements.iter().map(|element| (column_name(quantity, element), kind)).collect()
+    /// Names of the columns, in the order in which they are written.
+    pub(crate) fn columns(&self) -> Vec<String> {
+        let of = |quantity: &'static str, elements: &[String]| -> Vec<String> {
+            elements.iter().map(|element| column_name(quantity, element)).collect()
         };
-        let mut columns = vec![(TIME.to_owned(), ColumnKind::Wide)];
-        columns.extend(of(TEMPERATURE, ColumnKind::Number, &self.elements));
-        columns.extend(of(POWER, ColumnKind::Number, &self.elements));
-        columns.extend(of(EQUIVALENT_POWER, ColumnKind::Number, &self.observed));
-        columns.extend(of(HEATER, ColumnKind::Bit, &self.elements));
-        columns.extend([EVENT, STATE].map(|name| (name.to_owned(), ColumnKind::Text)));
+        let mut columns = vec![TIME.to_owned()];
+        columns.extend(of(TEMPERATURE, &self.elements));
+        columns.extend(of(POWER, &self.elements));
+        columns.extend(of(EQUIVALENT_POWER, &self.observed));
+        columns.extend(of(HEATER, &self.elements));
+        columns.extend([EVENT, STATE].map(str::to_owned));
         if self.true_wind {
-            columns.extend(TRUE_WIND.map(|name| (name.to_owned(), ColumnKind::Number)));
+            columns.extend(TRUE_WIND.map(str::to_owned));
         }
         if self.gas {
-            columns.push((GAS_TEMPERATURE.to_owned(), ColumnKind::Number));
+            columns.push(GAS_TEMPERATURE.to_owned());
         }
-        columns.extend(wind::columns(&self.estimates).into_iter().map(|name| {
-            let kind = if name == wind::QUALITY_FLAGS { ColumnKind::Flags } else { ColumnKind::Number };
-            (name, kind)
-        }));
+        columns.extend(wind::columns(&self.estimates));
         columns
     }
 

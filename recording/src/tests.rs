@@ -380,7 +380,7 @@ fn a_recording_of_format_1_is_read_with_the_names_of_today() {
             estimates: ["sector1", "sector2", "sector3", "sector4"].map(str::to_owned).to_vec(),
             ..RecordingLayout::default()
         };
-        let today: Vec<String> = layout.columns().into_iter().map(|(name, _)| name).collect();
+        let today = layout.columns();
         assert_eq!(read.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>(), today, "{name}");
         let speed_m_s = TRUE_WIND.map(|name| read.numbers(name).unwrap()[0]).iter().map(|v| v * v).sum::<f64>().sqrt();
         assert!((speed_m_s - 5.0).abs() < 1e-6, "{name}: the simulation blew with {speed_m_s} m/s");

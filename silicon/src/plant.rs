@@ -6,7 +6,8 @@
 //! the mean of both levels, weighted by their times.
 //!
 //! Limits: heat is early by a change's distance from its step's begin, some 70 µs of 10 ms, both
-//! when it rises and when it falls.
+//! when it rises and when it falls. Without its supply the platinum has no current, but is
+//! simulated with the low level's.
 
 use crate::adc::CHANNELS;
 use crate::time::us;
@@ -23,6 +24,10 @@ pub struct SensorPlant {
     sensor: Sensor,
     /// Bit i: element i has its high current.
     levels: u8,
+    /// Heaters that have their high current whatever the level is.
+    stuck_high: u8,
+    /// Whether the platinum has its supply, which the board has switched.
+    is_supplied: bool,
     step_ends: u64,
     /// Since when the levels are these, and what they were at the step's begin.
     changed_at: u64,
@@ -45,6 +50,8 @@ impl SensorPlant {
         Ok(Self {
             sensor,
             levels: 0,
+            stuck_high: 0,
+            is_supplied: true,
             step_ends: STEP,
             changed_at: 0,
             levels_before: 0,
@@ -58,11 +65,17 @@ impl SensorPlant {
     pub const fn follow(&mut self, other: &Self) {
         (self.step_ends, self.changed_at) = (other.step_ends, other.changed_at);
         (self.levels, self.levels_before) = (other.levels, other.levels_before);
+        self.is_supplied = other.is_supplied;
     }
 
     /// What only a simulation knows.
     pub fn truth(&self) -> SensorTruth {
         self.sensor.truth()
+    }
+
+    /// Wind of the last step, m/s.
+    pub fn wind_m_s(&self) -> [f64; 3] {
+        self.sensor.wind_m_s()
     }
 
     /// Levels at the pins.
@@ -75,6 +88,27 @@ impl SensorPlant {
         self.pass(now);
         self.levels = levels;
         self.changed_at = now;
+    }
+
+    /// Whether the platinum has its supply.
+    pub const fn is_supplied(&self) -> bool {
+        self.is_supplied
+    }
+
+    /// The platinum has its supply, or no current, from now on.
+    pub fn set_supply(&mut self, now: u64, is_supplied: bool) {
+        self.pass(now);
+        self.is_supplied = is_supplied;
+    }
+
+    /// The switches of these heaters are stuck.
+    pub const fn stick_high(&mut self, heaters: u8) {
+        self.stuck_high = heaters;
+    }
+
+    /// Heaters that have their high current.
+    pub const fn heated(&self) -> u8 {
+        if self.is_supplied { self.levels | self.stuck_high } else { 0 }
     }
 
     /// Puts the steps so that one ends at `end`.
@@ -99,8 +133,8 @@ impl SensorPlant {
     }
 
     fn step(&mut self) {
-        self.sensor.advance(self.levels.into());
-        let after = six(self.sensor.codes());
+        self.sensor.advance(self.heated().into());
+        let after = if self.is_supplied { six(self.sensor.codes()) } else { [0; CHANNELS] };
         let begin = self.step_ends - STEP;
         let part_before = self.changed_at.saturating_sub(begin) as f64 / STEP as f64;
         let channels = self.codes.iter().zip(&after).zip(&mut self.sum);

@@ -29,6 +29,10 @@ impl BoardStream for MachineStream {
         duration(self.machine.borrow().now())
     }
 
+    fn true_wind_m_s(&self) -> Option<[f64; 3]> {
+        Some(self.machine.borrow().board().plant.wind_m_s())
+    }
+
     fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
         if self.unread.is_empty() {
             let mut machine = self.machine.borrow_mut();

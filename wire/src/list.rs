@@ -1,7 +1,6 @@
 //! Lists and texts of bounded length, which need no heap.
 
-/// Most elements of any instrument; `Identity` contains the number of a board.
-pub const MOST_ELEMENTS: usize = 16;
+pub use dr_core::control::state::MOST_ELEMENTS;
 
 /// One entry an element: as many as are configured.
 pub type List<T> = heapless::Vec<T, MOST_ELEMENTS>;

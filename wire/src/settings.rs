@@ -8,6 +8,7 @@
 //! | 0x0400 | `guard` | command `Guard` |
 //! | 0x0500 | `observe` | command `Observe` |
 //! | 0x0600 | `host_timeout_s` | command `HostTimeout` |
+//! | 0x0700 | `fingerprint` | command `Fingerprint` |
 //! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
 //! | 0x20ee | `own` | command `SelfHeating` of element ee |
 //! | 0x21es | `faster` | command `FasterGains`: set s of element e |
@@ -64,6 +65,8 @@ pub enum SettingKind {
     /// Longest run without a host.
     #[strum(to_string = "host_timeout_s")]
     HostTimeout = 0x06,
+    /// Resistances of the head.
+    Fingerprint = 0x07,
     /// Wiring and limits of an element.
     Element = 0x10,
     /// Its model.
@@ -191,6 +194,7 @@ impl Setting {
                 Command::Guard(_) => (SettingKind::Guard, 0),
                 Command::Observe { .. } => (SettingKind::Observe, 0),
                 Command::HostTimeout { .. } => (SettingKind::HostTimeout, 0),
+                Command::Fingerprint { .. } => (SettingKind::Fingerprint, 0),
                 Command::Element { element, .. } => (SettingKind::Element, *element),
                 Command::Model { element, .. } => (SettingKind::Model, *element),
                 Command::Drive { element, .. } => (SettingKind::Drive, *element),

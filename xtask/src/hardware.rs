@@ -4,7 +4,8 @@
 //! `hardware/results.csv` has a line for every number: netlist, case, the parameters that the case
 //! overrides, the quantity (a `.meas` or a printed vector of the netlist), the bounds that the
 //! design wants of it, and what was simulated last. A number outside its bounds fails, and so does
-//! one that has moved by more than [`TOLERANCE`], which another version of ngspice does not.
+//! one that has moved by more than [`TOLERANCE`], which another version of ngspice does not. The
+//! drawing of the cut-off has the netlist's values.
 
 use crate::{install, shell};
 use anyhow::{Context, Result, bail, ensure};
@@ -16,6 +17,8 @@ use std::path::Path;
 
 const FOLDER: &str = "hardware";
 const RESULTS: &str = "hardware/results.csv";
+/// The cut-off's netlist, and its drawing in the pages.
+const CUT_OFF: [&str; 2] = ["hardware/cut-off.cir", "docs/images/cut-off.svg"];
 /// Share of the number, or of its larger bound, by which it may move.
 const TOLERANCE: f64 = 0.03;
 /// Stands for a crossing that does not come.
@@ -61,6 +64,8 @@ pub fn run(options: &HardwareOptions) -> Result<()> {
     if options.write {
         fs::write(&path, written).with_context(|| format!("{RESULTS} cannot be written"))?;
     }
+    let [netlist, drawing] = CUT_OFF.map(|name| fs::read_to_string(shell::root().join(name)));
+    faults.extend(drawn_otherwise(&drawing.context(CUT_OFF[1])?, &netlist.context(CUT_OFF[0])?));
     println!("{} simulations, {} numbers", simulated.len(), text.lines().count() - 1);
     ensure!(faults.is_empty(), "the board does not behave as {RESULTS} states:\n{}", faults.join("\n"));
     Ok(())
@@ -138,6 +143,23 @@ fn moved(value: Option<f64>, last: &str, bounds: [&str; 2]) -> Option<String> {
     (!as_before).then(|| format!("which was {last}; if that is right: cargo xtask hardware --write"))
 }
 
+/// Values of a drawing that are not the netlist's. A text of the drawing whose id is a parameter
+/// states its value.
+fn drawn_otherwise(drawing: &str, netlist: &str) -> Vec<String> {
+    let texts = drawing.split("<text id=\"").skip(1).filter_map(|text| {
+        let (name, rest) = text.split_once('"')?;
+        Some((name, rest.split_once('>')?.1.split_once('<')?.0))
+    });
+    let differs = |&(name, drawn): &(&str, &str)| {
+        let value = drawn.replace([' ', 'Ω', 'F', 'V'], "").replace('M', "meg").replace('µ', "u");
+        !netlist.lines().any(|line| line == format!(".param {name} = {value}"))
+    };
+    texts
+        .filter(differs)
+        .map(|(name, drawn)| format!("{}: {name} is not {drawn} in {}", CUT_OFF[1], CUT_OFF[0]))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,5 +188,14 @@ mod tests {
         let text = ".param r_s = 20\nr_sense source 0 {r_s}\n";
         assert!(with_parameter(text, "r_s=1m").expect("there").starts_with(".param r_s = 1m\nr_sense"));
         assert!(with_parameter(text, "r_t=1m").is_err());
+    }
+
+    #[test]
+    fn a_value_that_is_drawn_otherwise_than_it_is_simulated_is_named() {
+        let netlist = ".param hold_ohm = 4.7meg\n.param c_hold = 1u\n";
+        let drawing = |ohm: &str| format!("<text id=\"hold_ohm\" x=\"1\">{ohm}</text><text id=\"c_hold\">1 µF</text>");
+        assert_eq!(drawn_otherwise(&drawing("4.7 MΩ"), netlist), Vec::<String>::new());
+        assert_eq!(drawn_otherwise(&drawing("4.7 kΩ"), netlist).len(), 1);
+        assert_eq!(drawn_otherwise("<text id=\"gone\">1</text>", netlist).len(), 1);
     }
 }

@@ -30,6 +30,7 @@ mod seeded;
 mod shell;
 mod size;
 mod sources;
+mod stated;
 mod structure;
 mod test;
 

@@ -4,7 +4,7 @@
 //! What is found in an image is the work of `image-analysis`; what of it is allowed stands here.
 
 use crate::artefacts::{self, FirmwareBoard};
-use crate::{install, overflow, shell};
+use crate::{install, overflow, shell, stated};
 use anyhow::{Context, Result, bail};
 use image_analysis::call_graph::CallGraph;
 use image_analysis::code::ImageCode;
@@ -37,6 +37,9 @@ const STACK_BUDGET: u32 = 44 * 1024;
 const FAULT_ROOM: u32 = 1024;
 /// Where RAM begins (`memory.x`); below it there is nothing that can be written.
 const RAM_START: u32 = 0x2000_0000;
+const NUMBERS: &str = "docs/reference/numbers.md";
+/// What stands there before the stack of the boards.
+const STACK_CELL: &str = "[in storage and logger](../explanation/safety-campaigns.md#panics); ";
 /// The tasks with their priorities.
 const TASKS: &str = "firmware/src/main.rs";
 
@@ -44,19 +47,20 @@ pub fn run() -> Result<()> {
     install::thumb_target()?;
     install::flip_link()?;
     install::qemu()?;
-    let mut faults = Vec::new();
+    let (mut faults, mut stacks_kib) = (Vec::new(), Vec::new());
     for board in FirmwareBoard::ALL {
         let graph = CallGraph::new(ImageCode::read(&artefacts::firmware(board)?)?)?;
         println!("\n{}", board.feature());
         let found = panics::find(&graph, &RULES).context("panics");
         let reachable = found.as_ref().map_or(0, |found| found.reachable);
-        let checked =
-            [found.and_then(|found| check_panics(&found).context("panics")), check_stack(&graph).context("stack")];
+        let stack = check_stack(&graph).context("stack").map(|bytes| stacks_kib.push(f64::from(bytes) / 1024.0));
+        let checked = [found.and_then(|found| check_panics(&found).context("panics")), stack];
         faults
             .extend(checked.into_iter().filter_map(Result::err).map(|fault| format!("{}: {fault:#}", board.feature())));
         println!("  {:<40} {reachable:>8} of {}", "functions that run after start-up", graph.functions.len());
     }
     faults.extend(overflow::run().context("overflow").err().map(|fault| format!("{fault:#}")));
+    faults.extend(stated::check(NUMBERS, STACK_CELL, &stacks_kib).err().map(|fault| format!("{fault:#}")));
     if !faults.is_empty() {
         bail!("{}", faults.join("\n"));
     }
@@ -73,8 +77,8 @@ fn check_panics(found: &panics::PanicFindings) -> Result<()> {
     Ok(())
 }
 
-/// Compares the worst case of the stack with the budget and with what there is.
-fn check_stack(graph: &CallGraph) -> Result<()> {
+/// Compares the worst case of the stack with the budget and with what there is; gives it.
+fn check_stack(graph: &CallGraph) -> Result<u32> {
     let source =
         std::fs::read_to_string(shell::root().join(TASKS)).with_context(|| format!("{TASKS} cannot be read"))?;
     let worst = stack::worst(graph, &stack::priorities(&source), RULES.idle)?;
@@ -102,7 +106,7 @@ fn check_stack(graph: &CallGraph) -> Result<()> {
     if total > top - bottom {
         bail!("{total} bytes of stack may be needed, there are {}", top - bottom);
     }
-    Ok(())
+    Ok(total)
 }
 
 #[cfg(test)]

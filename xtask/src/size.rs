@@ -6,8 +6,8 @@
 //! known by their name.
 
 use crate::artefacts::{self, FirmwareBoard};
-use crate::install;
-use anyhow::{Result, bail};
+use crate::{install, stated};
+use anyhow::{Context, Result, bail};
 use image_analysis::symbols::{Image, ImageSection, ImageSymbol};
 
 const KIB: u64 = 1024;
@@ -30,6 +30,11 @@ const FORBIDDEN: [(&str, &str); 7] = [
     ("__rg_", "allocation"),
     ("alloc::", "allocation"),
 ];
+const NUMBERS: &str = "docs/reference/numbers.md";
+const DMA_PAGE: &str = "docs/reference/board-firmware.md";
+/// Statics that the DMA fills and empties, and what stands before their size.
+const DMA_BUFFERS: [(&str, &str); 2] =
+    [("TELEMETRY_RECEIVED", "priority very high, "), ("TELEMETRY_FRAME", "priority medium, ")];
 /// How many of the largest symbols are shown for each memory.
 const SHOWN: usize = 8;
 
@@ -46,6 +51,9 @@ pub fn run() -> Result<()> {
         let image = Image::read(&artefacts::firmware(board)?)?;
         let usage = usage(&image);
         print(board, &image, &usage);
+        if board == FirmwareBoard::Sensor {
+            faults.extend(compare(&image, &usage).err().map(|fault| format!("{fault:#}")));
+        }
         faults.extend(judge(&image, &usage).into_iter().map(|fault| format!("{}: {fault}", board.feature())));
     }
     if !faults.is_empty() {
@@ -91,6 +99,19 @@ fn judge(image: &Image, usage: &Usage) -> Vec<String> {
         }
     }
     faults
+}
+
+/// Compares the sensor board's image with its pages.
+fn compare(image: &Image, usage: &Usage) -> Result<()> {
+    let kib = |bytes: u64| bytes as f64 / KIB as f64;
+    let measured = [kib(usage.flash), kib(usage.ram - usage.telemetry)];
+    stated::check(NUMBERS, "| ≤ 512 KiB; ≤ 32 KiB | ", &measured)?;
+    for (name, before) in DMA_BUFFERS {
+        let buffers = symbols(image, true);
+        let buffer = buffers.iter().find(|symbol| symbol.name.ends_with(name)).with_context(|| format!("no {name}"))?;
+        stated::check(DMA_PAGE, before, &[buffer.size as f64])?;
+    }
+    Ok(())
 }
 
 fn print(board: FirmwareBoard, image: &Image, usage: &Usage) {

@@ -14,9 +14,10 @@
 //! anywhere. Heaters are low in `Standby` and `Tripped`.
 
 use super::drive::{Drive, DriveInput, DriveState};
+use super::fingerprint::{Fingerprint, HeadCheck};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::lockout::Lockout;
-use super::state::{ElementConfig, Heaters, Probe, RunState, Tick};
+use super::state::{ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
 use crate::checksum::Checksum;
 use crate::command::HOST_TIMEOUT_S;
@@ -89,6 +90,8 @@ pub struct Controller<const N: usize> {
     host_timeout_s: f32,
     /// Ticks since the last frame of the host; none where there is no link.
     host_silence: Option<u32>,
+    fingerprint_ohm: Fingerprint,
+    head: HeadCheck,
 }
 
 impl<const N: usize> Default for Controller<N> {
@@ -98,7 +101,7 @@ impl<const N: usize> Default for Controller<N> {
 }
 
 impl<const N: usize> Controller<N> {
-    const FITS_THE_MASKS: () = assert!(N <= 16, "heaters and validity are masks of 16 bits");
+    const FITS_THE_MASKS: () = assert!(N <= MOST_ELEMENTS, "heaters and validity are masks of 16 bits");
 
     /// A controller in standby that knows no element yet.
     pub fn new() -> Self {
@@ -121,6 +124,8 @@ impl<const N: usize> Controller<N> {
             lockout: Lockout::new(),
             host_timeout_s: HOST_TIMEOUT_S,
             host_silence: None,
+            fingerprint_ohm: [0.0; MOST_ELEMENTS],
+            head: HeadCheck::default(),
         };
         new.update_checksums();
         new
@@ -219,7 +224,7 @@ impl<const N: usize> Controller<N> {
             // Readings skipped on purpose do not count as missing.
             self.states.iter_mut().for_each(|state| state.absent_ticks = 0);
         }
-        let mut trip = flipped.or(fault.filter(|_| guarded)).or(self.await_host());
+        let mut trip = flipped.or(fault.filter(|_| guarded)).or(self.compare_head(valid)).or(self.await_host());
         if trip.is_none() {
             match self.state {
                 RunState::Running => trip = self.decide(valid),
@@ -230,7 +235,7 @@ impl<const N: usize> Controller<N> {
         if let Some(trip) = trip {
             self.enter_tripped(trip);
         }
-        if !matches!(self.state, RunState::Running | RunState::Testing) {
+        if !matches!(self.state, RunState::Running | RunState::Testing) || self.head != HeadCheck::Same {
             self.levels = Heaters(0);
         }
         self.armed_ticks = self.armed_ticks.saturating_sub(1);
@@ -287,6 +292,28 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    /// Compares the head on the plug with the fingerprint until it fits; trips before another one is
+    /// heated.
+    fn compare_head(&mut self, valid: u16) -> Option<Trip> {
+        if self.head == HeadCheck::Same {
+            return None;
+        }
+        let heats = matches!(self.state, RunState::Running | RunState::Testing);
+        let all = self.elements.iter().zip(&self.states).zip(&self.fingerprint_ohm).zip(0..);
+        let compared = HeadCheck::of(all.filter_map(|(((element, state), &taken_ohm), i)| {
+            // In standby more elements may be configured yet.
+            let is_compared = taken_ohm > 0.0 && (element.is_some() || !heats);
+            let change_k = element
+                .as_ref()
+                .filter(|_| valid >> i & 1 == 1)
+                .map(|element| state.temperature_c - element.config.channel.platinum().temperature_c(taken_ohm));
+            is_compared.then_some((i, change_k))
+        }));
+        self.head = compared.unwrap_or(self.head);
+        let HeadCheck::Other(element) = self.head else { return None };
+        heats.then_some(Trip::of(element.into(), Cause::OtherHead))
+    }
+
     /// There is a link, and a host that is to be heard while the instrument heats.
     pub(crate) fn expect_host(&mut self) {
         self.host_silence = Some(0);
@@ -315,6 +342,7 @@ impl<const N: usize> Controller<N> {
     /// Enters `Tripped` from any state, and counts the trip.
     fn enter_tripped(&mut self, trip: Trip) {
         self.lockout.count(self.state, trip);
+        self.head = self.head.after(trip);
         self.state = RunState::Tripped(trip);
         self.armed_ticks = 0;
     }

@@ -53,6 +53,7 @@ pub enum Cause {
     #[strum(to_string = "proof-test")]
     ProofTest,
     HostTimeout,
+    OtherHead,
 }
 
 impl Cause {
@@ -278,7 +279,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 20] = [
+        const ALL: [Cause; 21] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -299,6 +300,7 @@ mod tests {
             Cause::Clock,
             Cause::ProofTest,
             Cause::HostTimeout,
+            Cause::OtherHead,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {

@@ -3,6 +3,7 @@
 
 pub mod controller;
 pub mod drive;
+pub mod fingerprint;
 pub mod guard;
 pub mod lockout;
 pub mod refusal;
@@ -12,6 +13,7 @@ pub mod targets;
 
 pub use controller::Controller;
 pub use drive::Drive;
+pub use fingerprint::Fingerprint;
 pub use guard::{Cause, GuardConfig, Limits, Trip};
 pub use lockout::{FirstTrip, Lockout, LockoutWords, TripHistory};
 pub use refusal::Refusal;

@@ -53,6 +53,11 @@ pub enum Refusal {
     Stopped,
     /// Three trips in ten minutes have locked the instrument.
     LockedOut,
+    /// The head on the plug is not that of the fingerprint.
+    OtherHead {
+        /// The first element that does not fit.
+        element: u8,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -75,6 +80,10 @@ impl fmt::Display for Refusal {
                 f,
                 "{LOCK_TRIPS} trips in {} minutes have locked the instrument: mend the cause, then restart it by its supply or its reset pin",
                 LOCK_WINDOW_S / 60
+            ),
+            Self::OtherHead { element } => write!(
+                f,
+                "by the resistance of element {element} the head is not the one whose fingerprint is kept: plug that one in, let it cool if it was heated, or keep the fingerprint of this one"
             ),
             Self::Invalid { element: Some(element), error } => write!(f, "element {element}: {error}"),
             Self::Invalid { element: None, error } => write!(f, "{error}"),

@@ -51,6 +51,9 @@ pub(crate) enum Probe {
     Pulse(u8),
 }
 
+/// Most elements of any controller: as many as a mask of levels or readings has bits.
+pub const MOST_ELEMENTS: usize = 16;
+
 /// Levels of all elements: bit i is set while element i is at its high level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

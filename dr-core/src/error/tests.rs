@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 67] = [
+const ALL: [Parameter; 68] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -77,6 +77,7 @@ const ALL: [Parameter; 67] = [
     Parameter::WindowS,
     Parameter::PulseS,
     Parameter::HostTimeoutS,
+    Parameter::FingerprintOhm,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

@@ -336,7 +336,7 @@ pub struct NoWatchdog;
 
 impl NoWatchdog {
     /// Nothing to feed.
-    pub const fn feed(&mut self) {}
+    pub const fn feed(&mut self, _: bool) {}
 }
 
 /// Waits for the host on the fast link, for an interrupt otherwise.

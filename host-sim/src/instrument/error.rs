@@ -29,6 +29,11 @@ pub enum InstrumentError {
     /// It forgot everything in the middle of a run.
     #[error("the board has started anew in the middle of the run, heaters low; it says that {0}")]
     Restarted(String),
+    /// It went to standby in the middle of a run, by no command of ours.
+    #[error(
+        "the board went to standby in the middle of the run, heaters low, and did not trip: did another program stop it?"
+    )]
+    Stopped,
     /// Nobody answers.
     #[error("the board has not answered for {:.1} s; is its firmware running, and is this its port?", .0.as_secs_f64())]
     Silent(std::time::Duration),

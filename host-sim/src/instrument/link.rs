@@ -40,6 +40,11 @@ pub trait BoardStream {
         real_time()
     }
 
+    /// The wind that a simulated sensor at the other end has felt last, m/s.
+    fn true_wind_m_s(&self) -> Option<[f64; 3]> {
+        None
+    }
+
     /// Reads what has come, waiting for it at most so long.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use super::observation::{LinkReport, Observation, TickReport};
 use super::port::{InstrumentPort, SettingsPort};
 use super::reset_cause::why_it_started;
 use super::status::BoardStatus;
-use dr_core::control::{RunState, SelfTestFinding};
+use dr_core::control::{Refusal, RunState, SelfTestFinding};
 use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
@@ -201,7 +201,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
                     sample,
                     equivalent_power_w,
                     wind,
-                    true_wind_m_s: None,
+                    true_wind_m_s: self.link.stream_mut().true_wind_m_s(),
                     gas_temperature_c: None,
                     extrapolated: false,
                 });
@@ -231,7 +231,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         match self.command(Command::Stop) {
             // A tripped board has its heaters low already, and stays tripped until somebody has
             // looked.
-            Ok(_) | Err(InstrumentError::Refused(_)) => {}
+            Ok(_) | Err(InstrumentError::Refused(Refusal::Tripped(_))) => {}
             Err(error) => return Err(error),
         }
         // The status of the end counts everything; should it get lost, the one before will do.

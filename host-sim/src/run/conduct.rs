@@ -4,17 +4,23 @@
 //! RecordingRow n holds sample n and the wind of the interval after it. Samples that got lost on
 //! the way leave a gap in the rows' times and are counted.
 
-use super::error::RunError;
+use super::error::{EarlyEnd, RunError};
 use super::start::{change_drives, start};
 use super::statistics::RunStatistics;
 use super::summary::RunSummary;
 use crate::experiment::Experiment;
-use crate::instrument::{InstrumentError, InstrumentPort};
+use crate::instrument::{InstrumentError, InstrumentPort, LinkReport};
+use dr_core::control::RunState;
 use recording::{RecordingRow, wind};
 
 /// Runs an experiment from start to end and hands every row to `sink`.
 ///
-/// If the sink fails, the instrument is stopped and the sink's error returned.
+/// What ends it early after its first row (the link, the instrument, somebody's request) is no
+/// error: the rows are worth keeping, and [`RunSummary::ended`] says what it was.
+///
+/// # Errors
+/// If it does not come to its first row, or the sink cannot take one. The instrument is stopped
+/// first.
 pub fn run(
     experiment: &Experiment,
     mut instrument: Box<dyn InstrumentPort>,
@@ -22,14 +28,21 @@ pub fn run(
 ) -> Result<RunSummary, RunError> {
     let mut statistics = RunStatistics::new(experiment, &instrument.identity().firmware);
     let observed = start(experiment, instrument.as_mut()).and_then(|judgement| {
-        observe(experiment, instrument.as_mut(), &mut statistics, sink)?;
-        Ok(judgement)
+        let ended = observe(experiment, instrument.as_mut(), &mut statistics, sink).err();
+        match ended.map(|error| statistics.early_end(error)).transpose()? {
+            None if statistics.rows() == 0 => Err(RunError::NoSample),
+            ended => Ok((judgement, ended)),
+        }
     });
     let hash = instrument.digest();
     // Stopped whatever happened: a board must not be left heating.
     let finished = instrument.finish();
-    let (judgement, report) = (observed?, finished?);
-    Ok(statistics.summary(experiment, judgement, hash, &report))
+    let (judgement, mut ended) = observed?;
+    let report = finished.unwrap_or_else(|error| {
+        ended = Some(EarlyEnd::not_stopped(ended.take(), &error));
+        LinkReport::default()
+    });
+    Ok(statistics.summary(experiment, judgement, hash, &report, ended))
 }
 
 fn observe(
@@ -63,6 +76,8 @@ fn observe(
             break;
         }
         next = sample.tick + 1;
+        // Nobody here has stopped it; a trip would say so.
+        let is_stopped = statistics.is_running() && sample.state == RunState::Standby;
         statistics.add(&observation, experiment, &names);
         let mut temperature_c = sample.temperature_c.clone();
         for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
@@ -86,6 +101,9 @@ fn observe(
             gas_temperature_c: observation.gas_temperature_c,
             estimate: &wind::numbers(observation.wind.as_ref(), parts),
         })?;
+        if is_stopped {
+            return Err(InstrumentError::Stopped.into());
+        }
     }
     Ok(())
 }

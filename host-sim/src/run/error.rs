@@ -1,8 +1,11 @@
 //! Why a run did not come to its end.
 
+use std::fmt;
+
 use crate::instrument::error::InstrumentError;
 use recording::RecordingError;
 use recording::toml_file::FileError;
+use serde::Serialize;
 
 /// Why a run did not come to its end.
 #[derive(Debug, thiserror::Error)]
@@ -17,9 +20,36 @@ pub enum RunError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// Somebody asked for the end.
-    #[error("interrupted at {time_s} s; nothing was kept")]
-    Interrupted {
-        /// When, s after the start.
-        time_s: f64,
-    },
+    #[error("interrupted")]
+    Interrupted,
+    /// The run has passed, and nothing of it has arrived.
+    #[error("no sample of the whole run arrived: look at the cable, and at its length for this speed")]
+    NoSample,
+}
+
+/// Why a run ended before its time, its rows kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct EarlyEnd {
+    /// A sentence.
+    pub why: String,
+    /// Whether the instrument has confirmed its stop: its heaters are low.
+    pub stopped: bool,
+}
+
+impl EarlyEnd {
+    /// The last `Stop` was not confirmed, after the run or after what had ended it.
+    pub(super) fn not_stopped(ended: Option<Self>, error: &InstrumentError) -> Self {
+        let why = ended.map_or_else(|| format!("the instrument could not be stopped: {error}"), |ended| ended.why);
+        Self { why, stopped: false }
+    }
+}
+
+impl fmt::Display for EarlyEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.why)?;
+        if !self.stopped {
+            f.write_str("; its `Stop` was not confirmed, so heaters may still be on: switch its supply off")?;
+        }
+        Ok(())
+    }
 }

@@ -18,7 +18,7 @@ pub mod summary;
 
 pub use check::CheckReport;
 pub use conduct::run;
-pub use error::RunError;
+pub use error::{EarlyEnd, RunError};
 pub use start::{SetPointJudgement, rehearse, setup_of, start};
 pub use summary::{ElementSummary, RunSummary, TripSummary};
 

@@ -3,6 +3,7 @@
 
 use dr_core::control::{Drive, RunState};
 
+use super::error::{EarlyEnd, RunError};
 use super::start::SetPointJudgement;
 use super::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::experiment::Experiment;
@@ -83,6 +84,30 @@ impl RunStatistics {
         self.summary.lost += ticks;
     }
 
+    /// How many rows there are.
+    pub(super) const fn rows(&self) -> u32 {
+        self.summary.ticks
+    }
+
+    /// Whether the last sample was of a run.
+    pub(super) fn is_running(&self) -> bool {
+        self.last == Some(RunState::Running)
+    }
+
+    /// What an error makes of the run: an early end, where there is something to keep and the
+    /// recording can take it.
+    ///
+    /// # Errors
+    /// Otherwise, the error.
+    pub(super) fn early_end(&self, error: RunError) -> Result<EarlyEnd, RunError> {
+        match error {
+            RunError::Instrument(_) | RunError::Interrupted if self.rows() > 0 => {
+                Ok(EarlyEnd { why: error.to_string(), stopped: true })
+            }
+            error => Err(error),
+        }
+    }
+
     /// What the instrument does now, as a row has it: "running", "tripped:open:sector3" …
     pub(super) fn state(&self) -> &str {
         &self.state
@@ -129,6 +154,7 @@ impl RunStatistics {
         judgement: SetPointJudgement,
         hash: Option<u64>,
         report: &LinkReport,
+        ended: Option<EarlyEnd>,
     ) -> RunSummary {
         let names = experiment.head.names();
         let named = || names.iter().zip(&self.elements);
@@ -137,6 +163,7 @@ impl RunStatistics {
             late: report.status.as_ref().map_or(0, |status| status.late_ticks),
             hash: hash.map(|hash| format!("{hash:016x}")),
             judgement,
+            ended,
             unreached: named()
                 .filter(|(_, element)| element.missed || element.misses())
                 .map(|(&name, _)| name.to_owned())

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::error::EarlyEnd;
 use super::start::SetPointJudgement;
 use anemometry::wind::tally::EstimateSummary;
 
@@ -29,6 +30,9 @@ pub struct RunSummary {
     pub late: u32,
     /// All trips, in the order of time.
     pub trips: Vec<TripSummary>,
+    /// What ended it before its time; left out if nothing did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended: Option<EarlyEnd>,
     /// Of all states, temperatures and bits, where the instrument shows them all.
     pub hash: Option<String>,
     /// Of its set-points, by the models.
@@ -104,6 +108,9 @@ impl fmt::Display for RunSummary {
                 "whether {unjudged} {what} can be held was not judged before the run: the experiment names no `models` of these elements"
             )?;
         }
+        if let Some(ended) = &self.ended {
+            writeln!(f, "ended early, what had arrived is kept: {ended}")?;
+        }
         for element in &self.unreached {
             writeln!(f, "{element} never came within 0.1 K of its set-point")?;
         }
@@ -144,6 +151,7 @@ mod tests {
             lost: 0,
             damaged: 0,
             late: 0,
+            ended: None,
             trips: vec![TripSummary { time_s: 0.05, cause: "open", element: "core1".to_owned() }],
             hash: Some("00ff".to_owned()),
             unreached: vec!["sector9".to_owned()],

@@ -1,9 +1,14 @@
 use std::path::Path;
+use std::time::Duration;
 
 use super::*;
 use crate::experiment::Experiment;
 use crate::instrument::in_process::InProcess;
-use crate::instrument::{InstrumentPort, LockStep};
+use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStep, Observation};
+use dr_core::control::{RunState, SelfTestFinding};
+use dr_core::{Command, Reply};
+use recording::RecordingError;
+use wire::Identity;
 
 /// A shipped experiment, shortened.
 fn shortened(name: &str, from: &str, to: &str) -> Experiment {
@@ -171,14 +176,103 @@ fn rows_carry_the_gas_only_where_it_swings() {
     }
 }
 
+/// An instrument of which something breaks at a tick.
+struct Breaking {
+    inner: Box<dyn InstrumentPort>,
+    tick: u32,
+    how: Break,
+}
+
+enum Break {
+    Link,
+    /// Somebody else stops it.
+    Standby,
+    /// The last `Stop` is not answered.
+    Stop,
+}
+
+impl InstrumentPort for Breaking {
+    fn identity(&self) -> &Identity {
+        self.inner.identity()
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, InstrumentError> {
+        self.inner.command(command)
+    }
+
+    fn observe(&mut self) -> Result<Observation, InstrumentError> {
+        let mut observation = self.inner.observe()?;
+        match self.how {
+            Break::Link if observation.sample.tick == self.tick => {
+                return Err(std::io::Error::other("unplugged").into());
+            }
+            Break::Standby if observation.sample.tick >= self.tick => observation.sample.state = RunState::Standby,
+            _ => {}
+        }
+        Ok(observation)
+    }
+
+    fn findings(&mut self) -> Vec<SelfTestFinding> {
+        Vec::new()
+    }
+
+    fn digest(&self) -> Option<u64> {
+        None
+    }
+
+    fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
+        match self.how {
+            Break::Stop => Err(InstrumentError::Silent(Duration::from_secs(3))),
+            _ => self.inner.finish(),
+        }
+    }
+}
+
+fn broken(how: Break, tick: u32) -> (u32, Result<RunSummary, RunError>) {
+    let experiment = shortened("steady.toml", "duration_s = 300.0", "duration_s = 1.0");
+    let instrument = Breaking { inner: in_process(&experiment), tick, how };
+    let mut rows = 0;
+    let ended = run(&experiment, Box::new(instrument), &mut |_| {
+        rows += 1;
+        Ok(())
+    });
+    (rows, ended)
+}
+
 #[test]
-fn a_failing_sink_ends_the_run_with_its_error() {
+fn a_run_that_ends_early_keeps_its_rows_and_says_why() {
+    for (how, rows, why) in [(Break::Link, 10, "unplugged"), (Break::Standby, 11, "another program")] {
+        let (kept, summary) = broken(how, 10);
+        let summary = summary.unwrap();
+        let ended = summary.ended.unwrap();
+        assert!(ended.why.contains(why) && ended.stopped, "{ended:?}");
+        assert_eq!((kept, summary.ticks), (rows, rows));
+    }
+    let (rows, unstopped) = broken(Break::Stop, 0);
+    let ended = unstopped.unwrap().ended.unwrap();
+    assert_eq!((rows, ended.stopped), (100, false));
+    assert!(ended.to_string().contains("heaters may still be on"), "{ended}");
+    // Without a row there is nothing to keep.
+    assert!(broken(Break::Link, 0).1.unwrap_err().to_string().contains("unplugged"));
+}
+
+#[test]
+fn who_asks_for_the_end_keeps_the_rows() {
     let experiment = shortened("steady.toml", "duration_s = 300.0", "duration_s = 1.0");
     let mut rows = 0;
-    let error = run(&experiment, in_process(&experiment), &mut |row| {
+    let summary = run(&experiment, in_process(&experiment), &mut |_| {
         rows += 1;
-        if rows == 10 { Err(RunError::Interrupted { time_s: row.time_s }) } else { Ok(()) }
+        if rows == 10 { Err(RunError::Interrupted) } else { Ok(()) }
     });
-    assert_eq!(error.unwrap_err().to_string(), "interrupted at 0.09 s; nothing was kept");
-    assert_eq!(rows, 10);
+    let summary = summary.unwrap();
+    assert_eq!((rows, summary.ticks), (10, 10));
+    assert_eq!(summary.ended.unwrap().to_string(), "interrupted");
+}
+
+#[test]
+fn a_recording_that_fails_ends_the_run_with_its_error() {
+    let experiment = shortened("steady.toml", "duration_s = 300.0", "duration_s = 1.0");
+    let full = || RecordingError::new("r.csv".as_ref(), "the disk is full");
+    let error = run(&experiment, in_process(&experiment), &mut |_| Err(full().into())).unwrap_err();
+    assert_eq!(error.to_string(), "r.csv: the disk is full");
 }

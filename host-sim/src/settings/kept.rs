@@ -39,6 +39,10 @@ pub fn content(setting: &Setting) -> serde_json::Value {
         Setting::Command(Command::SamplePeriod { sample_period_s }) => of(serde_json::to_value(sample_period_s)),
         Setting::Command(Command::Observe { on }) => (*on).into(),
         Setting::Command(Command::HostTimeout { timeout_s }) => of(serde_json::to_value(timeout_s)),
+        // Elements that are compared come first.
+        Setting::Command(Command::Fingerprint { resistance_ohm }) => {
+            resistance_ohm.iter().copied().take_while(|&of_element| of_element > 0.0).collect()
+        }
         Setting::Command(Command::Guard(guard)) => of(serde_json::to_value(guard)),
         Setting::Command(Command::Element { config, .. }) => of(serde_json::to_value(config)),
         Setting::Command(Command::Model { model, .. }) => of(serde_json::to_value(model)),

@@ -13,7 +13,7 @@ use super::error::SettingsError;
 use recording::text::suggest;
 
 /// Keys that `set` takes with a value.
-pub const PLAIN: [&str; 10] = [
+pub const PLAIN: [&str; 11] = [
     "name",
     "telemetry_every",
     "sample_period_s",
@@ -22,6 +22,7 @@ pub const PLAIN: [&str; 10] = [
     "guard.stuck_limit_ticks",
     "observe",
     "host_timeout_s",
+    "fingerprint",
     "gas.pressure_pa",
     "gas.temperature_c",
 ];
@@ -63,7 +64,7 @@ pub fn number(name: &str) -> Option<KeyNumber> {
 
 /// Whether a key belongs to a head, and goes with it.
 pub fn is_of_head(number: KeyNumber) -> bool {
-    SettingKey::of_number(number).is_some_and(|key| (SettingKind::Element..SettingKind::Gas).contains(&key.kind))
+    SettingKey::of_number(number).is_some_and(|key| (SettingKind::Fingerprint..SettingKind::Gas).contains(&key.kind))
 }
 
 /// Whether a key is of what the board writes by itself.
@@ -92,6 +93,8 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
         "host_timeout_s" => {
             Setting::Command(Command::HostTimeout { timeout_s: parse(key, value, "a number of seconds, 0 for ever")? })
         }
+        "fingerprint" if value == "measured" => fingerprint(settings)?,
+        "fingerprint" => return Err(SettingsError(format!("fingerprint: {value:?} is not `measured`"))),
         "guard.missing_limit_ticks" | "guard.unreachable_limit_ticks" | "guard.stuck_limit_ticks" => {
             let mut guard = guard(settings);
             let ticks = parse(key, value, "a whole number of ticks that is not negative")?;
@@ -133,6 +136,28 @@ fn guard(settings: &BTreeMap<KeyNumber, Setting>) -> GuardConfig {
     kept.unwrap_or_default()
 }
 
+/// The resistances that the self-test of the last start has found.
+fn fingerprint(settings: &BTreeMap<KeyNumber, Setting>) -> Result<Setting, SettingsError> {
+    let (mut resistance_ohm, mut elements) = ([0.0; wire::MOST_ELEMENTS], 0);
+    for setting in settings.values() {
+        let Setting::Command(Command::Element { element, config }) = setting else { continue };
+        let tested = SettingKey { kind: SettingKind::TestedAtStart, which: *element }.number();
+        let found_c = settings.get(&tested).and_then(|tested| match tested {
+            Setting::Tested(record) if record.finding.faults.is_none() => record.finding.temperature_c,
+            _ => None,
+        });
+        let missing = || format!("fingerprint: element {element} has not passed a self-test since the last start");
+        let found_c = found_c.ok_or_else(|| SettingsError(missing()))?;
+        let slot = resistance_ohm.get_mut(usize::from(*element));
+        *slot.ok_or_else(|| SettingsError(missing()))? = config.channel.platinum().resistance_ohm(found_c);
+        elements += 1;
+    }
+    if elements == 0 {
+        return Err(SettingsError("fingerprint: no head is kept: `anemo settings set --head FILE` first".to_owned()));
+    }
+    Ok(Setting::Command(Command::Fingerprint { resistance_ohm }))
+}
+
 fn gas(
     settings: &BTreeMap<KeyNumber, Setting>,
     new_pa: Option<f32>,
@@ -154,17 +179,53 @@ fn gas(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dr_core::control::{ElementConfig, Limits, SelfTestFinding};
+    use dr_core::sensor::{Channel, Platinum};
+    use wire::settings::TestRecord;
 
     #[test]
     fn every_key_has_a_name_that_leads_back_to_it() {
         let keys: Vec<SettingKey> = (0..=KeyNumber::MAX).filter_map(SettingKey::of_number).collect();
-        assert_eq!(keys.len(), 20 * 256);
+        assert_eq!(keys.len(), 21 * 256);
         for number in keys.iter().map(|key| key.number()) {
             assert_eq!(super::number(&of(number)), Some(number), "{}", of(number));
         }
         assert_eq!(of(0x2212), "cross.1-2");
         assert_eq!(of(0x7712), "0x7712");
         assert_eq!([number("cross.16-0"), number("elements.0"), number("guard.x")], [None; 3]);
+    }
+
+    #[test]
+    fn a_fingerprint_is_what_the_self_test_of_the_start_has_measured() {
+        let mut settings = BTreeMap::new();
+        let mut put = |setting: Setting| settings.insert(setting.key().unwrap().number(), setting);
+        let platinum = Platinum::iec60751(1000.0).unwrap();
+        let channel = Channel::new(platinum, 1e-6, 1e-3, 3e-3).unwrap();
+        let limits = Limits {
+            resistance_min_ohm: 500.0,
+            resistance_max_ohm: 1500.0,
+            temperature_max_c: 70.0,
+            code_max: 8_000_000,
+        };
+        put(Setting::Command(Command::Element { element: 0, config: ElementConfig { channel, limits } }));
+        let mut tested =
+            TestRecord { unix_s: None, firmware: Name::new(), starts: 1, finding: SelfTestFinding::default() };
+        tested.finding.temperature_c = Some(100.0);
+        put(Setting::Tested(tested.clone()));
+        assert!(set(&mut settings, "fingerprint", "guessed").unwrap_err().to_string().contains("`measured`"));
+        set(&mut settings, "fingerprint", "measured").unwrap();
+        let mut expected = [0.0; wire::MOST_ELEMENTS];
+        expected[0] = platinum.resistance_ohm(100.0);
+        assert_eq!(
+            settings.get(&number("fingerprint").unwrap()),
+            Some(&Setting::Command(Command::Fingerprint { resistance_ohm: expected }))
+        );
+        tested.finding.faults.0 = 4;
+        settings.insert(number("tested_at_start.0").unwrap(), Setting::Tested(tested));
+        let refused = set(&mut settings, "fingerprint", "measured").unwrap_err().to_string();
+        assert!(refused.contains("element 0 has not passed a self-test"), "{refused}");
+        let nothing = set(&mut BTreeMap::new(), "fingerprint", "measured").unwrap_err().to_string();
+        assert!(nothing.contains("set --head FILE"), "{nothing}");
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl Board {
                     self.sending = Some(Sending { address, length, ends_at, bytes: Vec::new(), has_begun: false });
                 }
             }
-            0x4000_0c00..0x4000_1000 => self.timer.store(offset, value, &access),
+            0x4000_0c00..0x4000_1000 => self.timer.store(offset, value, &mut access),
             0x4000_3000..0x4000_3400 => {
                 self.watchdog.store(offset, value, &mut access);
                 if self.races_at_watchdog && !self.holds_back && self.watchdog.is_unlocked() {
@@ -142,7 +142,10 @@ impl Board {
             _ => return Err(self.unmodelled(address)),
         }
         match address {
-            0x4002_0000..0x4002_0800 => self.wire_converter(),
+            0x4002_0000..0x4002_0800 => {
+                self.wire_converter();
+                self.wire_cut_off();
+            }
             0x4002_0800..0x4002_0c00 => self.wire_heaters(),
             // These pins and lines are written thousands of times a second: only what waits
             // afterwards is a reason to stop.
@@ -177,7 +180,7 @@ impl Board {
             self.usart = Usart::default();
         }
         if apb1 >> 3 & 1 == 1 {
-            self.timer = Timer::default();
+            self.timer = Timer::new(self.timer.slow_hz);
         }
         if apb2 >> 12 & 1 == 1 {
             self.spi = Spi::default();

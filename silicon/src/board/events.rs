@@ -39,6 +39,7 @@ impl Board {
         if self.watchdog_ends_at() <= now {
             self.request_reset(ResetSource::Watchdog);
         }
+        self.wire_cut_off();
         self.wire_lines();
         self.next_event = self.find_next_event();
         self.attention = true;
@@ -54,6 +55,7 @@ impl Board {
             self.usart.next_event(),
             sending,
             self.watchdog_ends_at(),
+            self.platinum_supply.next_event(),
         ];
         times.into_iter().min().unwrap_or(u64::MAX)
     }

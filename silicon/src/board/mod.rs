@@ -11,15 +11,19 @@
 //! | `wires` | pins, lines of interrupts, the converter's bus |
 //! | `events` | what is due by itself |
 //! | `supply` | the supply, as it falls and rises |
+//! | `cut_off` | the platinum's supply, which the LED's pin holds up |
 //! | `waiting` | loops that wait, of which most rounds are left out |
 //! | `core_bus` | the board as its core sees it |
 
 mod address_map;
 mod core_bus;
+mod cut_off;
 mod events;
 mod supply;
 mod waiting;
 mod wires;
+
+pub use cut_off::HOLDS;
 
 use crate::adc::{Adc, AdcFault};
 use crate::complaint::Complaints;
@@ -40,6 +44,7 @@ use crate::soc::timer::Timer;
 use crate::soc::usart::Usart;
 use crate::soc::watchdog::IndependentWatchdogModel;
 use crate::witness::HeaterWitness;
+use cut_off::PlatinumSupply;
 use std::collections::BTreeMap;
 use waiting::WaitingLoop;
 
@@ -51,6 +56,7 @@ const LINE_PINS: [u32; 2] = [2, 3];
 const LINE_FUNCTION: u32 = 7;
 const RESET_PIN: u32 = 0;
 const DATA_READY_PIN: u32 = 4;
+const LED_PIN: u32 = 1;
 const PORT_B: u32 = 1;
 /// DBGMCU_CR, whose lowest bit keeps the core's clock running in sleep.
 const DEBUG_CONTROL: u32 = 0xe004_2004;
@@ -120,6 +126,9 @@ pub struct Board {
     pub pins: Vec<PinChange>,
     /// What holds them against the board's reports.
     pub witness: HeaterWitness,
+    platinum_supply: PlatinumSupply,
+    /// How often the platinum has been without its supply; once before the start.
+    pub platinum_cuts: u32,
 }
 
 #[derive(Clone, Debug)]
@@ -163,7 +172,7 @@ impl Board {
             spi: Spi::default(),
             usart: Usart::default(),
             dma: Dma::default(),
-            timer: Timer::default(),
+            timer: Timer::new(oscillator_hz),
             watchdog: IndependentWatchdogModel::new(oscillator_hz),
             adc: Adc::powered_at(0),
             plant,
@@ -171,6 +180,8 @@ impl Board {
             complaints: Complaints::default(),
             pins: vec![PinChange { cycle: 0, levels: 0 }],
             witness: HeaterWitness::default(),
+            platinum_supply: PlatinumSupply::default(),
+            platinum_cuts: 0,
         }
     }
 
@@ -183,6 +194,8 @@ impl Board {
         fresh.clocks = fresh.rcc.clocks();
         fresh.watchdog.is_dead = self.watchdog.is_dead;
         fresh.has_dead_timer = self.has_dead_timer;
+        fresh.timer.slow_hz = self.timer.slow_hz;
+        fresh.rcc.fit_crystal(self.rcc.crystal_hz());
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -203,8 +216,10 @@ impl Board {
             fresh.debug_control = self.debug_control;
         }
         fresh.adc.release(self.now);
+        (fresh.platinum_supply, fresh.platinum_cuts) = (self.platinum_supply, self.platinum_cuts);
         *self = fresh;
         self.wire_heaters();
+        self.wire_cut_off();
         self.wire_converter();
     }
 
@@ -238,11 +253,24 @@ impl Board {
         self.touch();
     }
 
+    /// A crystal of this frequency, Hz, is fitted.
+    pub fn fit_crystal(&mut self, crystal_hz: u64) {
+        self.rcc.fit_crystal(crystal_hz);
+        self.set_clocks();
+        self.touch();
+    }
+
     /// The crystal runs again.
     pub fn mend_crystal(&mut self) {
         self.rcc.mend_crystal();
         self.set_clocks();
         self.touch();
+    }
+
+    /// The slow oscillator stops, and the watchdog with it.
+    pub const fn fail_slow_oscillator(&mut self) {
+        self.watchdog.is_dead = true;
+        self.timer.slow_hz = 0;
     }
 
     /// Connects another sensor.
@@ -277,6 +305,11 @@ impl Board {
 
     fn watchdog_ends_at(&self) -> u64 {
         if self.watchdog_stands_still() { u64::MAX } else { self.watchdog.ends_at() }
+    }
+
+    /// The probe has the watchdog stand still while it holds the core.
+    pub fn freeze_watchdog(&mut self) {
+        self.remembered.insert(DEBUG_FREEZE, DEBUG_FREEZE_WATCHDOG);
     }
 
     /// From now on the watchdog is fed right after it was unlocked, as the health task does if it

@@ -1,6 +1,6 @@
 //! Wires between pins, peripherals, converter and heaters.
 
-use super::{Board, DATA_READY_PIN, HEATERS, PORT_B, PinChange, RESET_PIN, SELECT_PIN};
+use super::{Board, DATA_READY_PIN, HEATERS, LED_PIN, PORT_B, PinChange, RESET_PIN, SELECT_PIN};
 use crate::complaint::BrokenRule;
 use crate::soc::access::Access;
 use crate::soc::dma;
@@ -47,6 +47,17 @@ impl Board {
             self.plant.set_levels(self.now, levels);
             self.pins.push(PinChange { cycle: self.now, levels });
             self.witness.pins(self.now, levels, &mut self.complaints);
+        }
+    }
+
+    /// The LED's pin may have moved, or time has passed.
+    pub(super) fn wire_cut_off(&mut self) {
+        let is_high = self.ports[1].driven_high() >> LED_PIN & 1 == 1;
+        let is_up = self.platinum_supply.pass(self.now, is_high);
+        self.next_event = self.next_event.min(self.platinum_supply.next_event());
+        if is_up != self.plant.is_supplied() {
+            self.plant.set_supply(self.now, is_up);
+            self.platinum_cuts += u32::from(!is_up);
         }
     }
 

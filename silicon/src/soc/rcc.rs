@@ -68,6 +68,7 @@ pub struct Rcc {
     status: u32,
     crystal_ready_at: u64,
     pll_ready_at: u64,
+    crystal_hz: u64,
     crystal_failed: bool,
 }
 
@@ -88,6 +89,7 @@ impl Rcc {
             status: source.flags() | kept,
             crystal_ready_at: 0,
             pll_ready_at: 0,
+            crystal_hz: CRYSTAL_HZ,
             crystal_failed: false,
         }
     }
@@ -105,6 +107,16 @@ impl Rcc {
     /// Peripherals held in reset, of the same buses.
     pub const fn resets(&self) -> [u32; 3] {
         self.resets
+    }
+
+    /// The crystal that is fitted, Hz.
+    pub const fn crystal_hz(&self) -> u64 {
+        self.crystal_hz
+    }
+
+    /// Another crystal is fitted.
+    pub const fn fit_crystal(&mut self, crystal_hz: u64) {
+        self.crystal_hz = crystal_hz;
     }
 
     /// The crystal runs again.
@@ -133,7 +145,7 @@ impl Rcc {
     const fn pll_source_hz(&self) -> u64 {
         match (self.pll >> 22 & 1, self.crystal_failed) {
             (0, _) => INTERNAL_HZ,
-            (_, false) => CRYSTAL_HZ,
+            (_, false) => self.crystal_hz,
             (_, true) => 0,
         }
     }
@@ -154,7 +166,7 @@ impl Rcc {
         let system = match self.config & 3 {
             0 => INTERNAL_HZ,
             1 if self.crystal_failed => 0,
-            1 => CRYSTAL_HZ,
+            1 => self.crystal_hz,
             _ => self.pll_hz(),
         };
         let ahb_divider = match self.config >> 4 & 0xf {

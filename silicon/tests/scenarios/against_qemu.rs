@@ -31,13 +31,13 @@ const GIVEN_UP: u64 = 2_000_000_000;
 /// What the virtual board has beside its core: registers that read as zero, and transmitters that
 /// are always ready, as in the emulator.
 #[derive(Default)]
-struct Bare {
+struct BareBoard {
     now: u64,
     system: SystemControl,
     attention: bool,
 }
 
-impl ProcessorBus for Bare {
+impl ProcessorBus for BareBoard {
     fn load(&mut self, address: u32, size: usize) -> Result<u32, BusFault> {
         const STATUS: [u32; 2] = [0x4001_1000, 0x4000_4400];
         const EMPTY_AND_SENT: u32 = 0xc0;
@@ -118,23 +118,23 @@ impl ProcessorBus for Bare {
 
 /// What a run has come to.
 #[derive(Debug, PartialEq, Eq)]
-struct Outcome {
+struct ImageRun {
     steps: Vec<ExceptionStep>,
     /// What it has written to the host.
     bytes: Vec<u8>,
 }
 
 /// Files by semihosting, and the command line.
-struct Host<'a> {
+struct SemihostingHost<'a> {
     words: &'a str,
     files: BTreeMap<String, Vec<u8>>,
     /// Names and places of those that are open; the handle is the index and one.
     open: Vec<(String, usize)>,
 }
 
-impl Host<'_> {
+impl SemihostingHost<'_> {
     /// Carries out a call; none if it is the end.
-    fn call(&mut self, core: &mut Processor<Bare>, operation: u32, block: u32) -> Option<u32> {
+    fn call(&mut self, core: &mut Processor<BareBoard>, operation: u32, block: u32) -> Option<u32> {
         let mut words = [[0; 4]; 4];
         core.read_memory(block, words.as_flattened_mut()).unwrap();
         let [first, second, third, _] = words.map(u32::from_le_bytes);
@@ -189,15 +189,15 @@ impl Host<'_> {
 }
 
 /// Runs an image here, until it ends or starts anew.
-fn here(image: &Path, words: &str, input: &[u8]) -> Outcome {
+fn here(image: &Path, words: &str, input: &[u8]) -> ImageRun {
     let (_, flash) = FlashImage::read_flash(image).unwrap();
-    let mut bus = Bare::default();
+    let mut bus = BareBoard::default();
     bus.nvic().trace = Some(Vec::new());
     let mut core = Processor::new(bus, &flash).unwrap();
     core.halt_at_breakpoints();
     core.start().unwrap();
     let files = BTreeMap::from([(TO_BOARD.to_owned(), input.to_vec())]);
-    let mut host = Host { words, files, open: Vec::new() };
+    let mut host = SemihostingHost { words, files, open: Vec::new() };
     while core.run(GIVEN_UP).unwrap() == Pause::Breakpoint {
         let (place, [operation, block]) = core.arguments().unwrap();
         let Some(result) = host.call(&mut core, operation, block) else { break };
@@ -205,11 +205,11 @@ fn here(image: &Path, words: &str, input: &[u8]) -> Outcome {
     }
     assert!(core.bus().now() < GIVEN_UP, "it does not end");
     let bytes = host.files.remove(FROM_BOARD).unwrap_or_default();
-    Outcome { steps: core.bus_mut().nvic().trace.take().unwrap(), bytes }
+    ImageRun { steps: core.bus_mut().nvic().trace.take().unwrap(), bytes }
 }
 
 /// The same by QEMU, which tells of every exception.
-fn by_qemu(image: &Path, words: &str, input: &[u8]) -> Outcome {
+fn by_qemu(image: &Path, words: &str, input: &[u8]) -> ImageRun {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(TO_BOARD), input).unwrap();
     let handed: String = words.split(' ').map(|word| format!(",arg={word}")).collect();
@@ -230,7 +230,7 @@ fn by_qemu(image: &Path, words: &str, input: &[u8]) -> Outcome {
     };
     let log = std::fs::read_to_string(folder.path().join("exceptions.txt")).unwrap();
     let bytes = std::fs::read(folder.path().join(FROM_BOARD)).unwrap_or_default();
-    Outcome { steps: log.lines().filter_map(step).collect(), bytes }
+    ImageRun { steps: log.lines().filter_map(step).collect(), bytes }
 }
 
 fn image(name: &str) -> PathBuf {

@@ -42,10 +42,10 @@ const KNOWN: [(&str, BrokenRule); 5] = [
 ];
 
 /// A generator that is the same everywhere (xorshift).
-struct Chance(u64);
+pub struct Chance(u64);
 
 impl Chance {
-    const fn of(seed: u64) -> Self {
+    pub const fn of(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
@@ -56,7 +56,7 @@ impl Chance {
         self.0
     }
 
-    const fn below(&mut self, end: u64) -> u64 {
+    pub const fn below(&mut self, end: u64) -> u64 {
         (self.word() >> 16) % end
     }
 
@@ -286,7 +286,7 @@ fn shrink(rig: &Rig, experiment: &Experiment, mut deeds: Vec<u64>) -> String {
     format!("{names:?}: {}", outcome.err().unwrap_or_default())
 }
 
-fn number(variable: &str) -> Option<u64> {
+pub fn number(variable: &str) -> Option<u64> {
     std::env::var(variable).ok()?.parse().ok()
 }
 

@@ -1,4 +1,4 @@
-//! Trips that lock, and a host that is gone.
+//! Trips that lock, a host that is gone, and another head on the plug.
 
 use crate::rig::{Rig, experiment};
 use dr_core::Command;
@@ -7,10 +7,15 @@ use host_sim::experiment::Experiment;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentError, InstrumentPort};
 use host_sim::run::start;
+use host_sim::settings::{self, names};
 use silicon::adc::AdcFault;
+use silicon::plant::SensorPlant;
 use silicon::soc::rcc::ResetSource;
 use silicon::stream::MachineStream;
 use silicon::time::ms;
+use std::collections::BTreeMap;
+use wire::Setting;
+use wire::settings::KeyNumber;
 
 /// A cold sector that is heated in every tick of 10 ms.
 fn heating(host_timeout_s: Option<f32>) -> Experiment {
@@ -86,4 +91,45 @@ fn without_a_host_the_heaters_are_low_after_its_timeout_unless_it_is_for_ever() 
         }
         rig.assert_no_complaint();
     }
+}
+
+fn keep(instrument: &mut Serial<MachineStream>, edit: impl FnOnce(&mut BTreeMap<KeyNumber, Setting>)) {
+    let (kept, _) = settings::read_all(instrument).unwrap();
+    let mut to = settings::usable(&kept);
+    edit(&mut to);
+    settings::change(instrument, &kept, &to).unwrap();
+}
+
+/// Puts a head on the plug, and switches the board on. It sets itself up and tests itself.
+fn plug_in(rig: &Rig, experiment: &Experiment) -> Serial<MachineStream> {
+    rig.machine().board_mut().connect(SensorPlant::new(&experiment.sensor_config().unwrap()).unwrap());
+    rig.machine().reset_by(ResetSource::PowerOn).unwrap();
+    let instrument = rig.instrument();
+    rig.machine().run_for(ms(3_000)).unwrap();
+    instrument
+}
+
+#[test]
+fn another_head_on_the_plug_is_refused_until_the_kept_one_is_back() {
+    let own = heating(None);
+    let mut other = heating(None);
+    other.imperfections.resistance_error_percent = 5.0;
+    let mut warmer = heating(None);
+    (warmer.gas_temperature_c, warmer.support_temperature_c) = (-13.15, -3.15);
+    let rig = Rig::of(&own);
+    keep(&mut rig.instrument(), |to| settings::of_head(&own.head, own.sample_period_s, to).unwrap());
+    let mut instrument = plug_in(&rig, &own);
+    keep(&mut instrument, |to| names::set(to, "fingerprint", "measured").unwrap());
+    for (on_the_plug, is_own) in [(&own, true), (&other, false), (&warmer, true)] {
+        instrument = plug_in(&rig, on_the_plug);
+        let at = rig.machine().now();
+        let started = start(&own, &mut instrument);
+        assert_eq!(started.is_ok(), is_own, "{started:?}");
+        let is_high = rig.machine().pins().iter().any(|change| change.levels != 0 && change.cycle > at);
+        if let Err(refused) = started {
+            assert!(refused.to_string().contains("fingerprint"), "{refused}");
+            assert!(!is_high, "no heater was ever high");
+        }
+    }
+    rig.assert_no_complaint();
 }

@@ -1,5 +1,6 @@
 //! Proof tests of the firmware, each with the defect that it is there for.
 
+use crate::crashes::{heat, heating};
 use crate::rig::{Rig, experiment};
 use dr_core::Command;
 use dr_core::control::{Cause, RunState, Trip};
@@ -9,13 +10,14 @@ use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use wire::ResetCause;
 
-/// Runs until the board has tripped; returns why, and how long it took.
+/// Runs until the board has tripped, heaters low; returns why, and how long it took.
 fn until_trip(rig: &Rig, at_most: u64) -> Option<(Cause, u64)> {
     let mut machine = rig.machine();
     let began = machine.now();
     while machine.now() < began + at_most {
-        machine.run_for(ms(100)).unwrap();
+        machine.run_for(ms(20)).unwrap();
         if let Some(RunState::Tripped(Trip { cause, element: None })) = machine.board().witness.state() {
+            assert_eq!(machine.board().heaters(), 0);
             return Some((cause, machine.now() - began));
         }
     }
@@ -30,7 +32,8 @@ fn unused(flash: &[u8]) -> usize {
 #[test]
 fn a_cell_of_the_ram_that_is_stuck_trips_within_a_round() {
     for high in [false, true] {
-        let rig = Rig::of(&experiment("held.toml", 10));
+        let rig = Rig::of(&heating());
+        heat(&rig);
         // Far below the deepest use of the stack: nobody else notices.
         rig.machine().core_mut().stick_bit(0x2000_2004, 7, high).unwrap();
         let (cause, took) = until_trip(&rig, ms(26_000)).expect("a trip");
@@ -74,6 +77,30 @@ fn the_watchdog_is_proved_after_power_on_and_pin_and_nobody_sees_it() {
     assert_eq!(rig.instrument().identity().reset, ResetCause::Watchdog);
     assert_eq!(rig.machine().proofs(), 2);
     rig.assert_no_complaint();
+}
+
+/// The watchdog would stand still with it, so that nobody would notice a task that hangs.
+#[test]
+fn a_slow_oscillator_that_stops_trips_within_a_second() {
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    rig.machine().board_mut().fail_slow_oscillator();
+    let (cause, took) = until_trip(&rig, ms(2_000)).expect("a trip");
+    assert_eq!(cause, Cause::Clock);
+    assert!(took <= ms(1_050), "{took}");
+    rig.assert_no_complaint();
+}
+
+#[test]
+fn a_crystal_of_half_the_frequency_trips_again_and_again() {
+    let rig = Rig::new(&MachineConfig::default());
+    rig.machine().board_mut().fit_crystal(4_000_000);
+    let mut instrument = rig.instrument();
+    for _ in 0..2 {
+        assert_eq!(until_trip(&rig, ms(3_000)).map(|(cause, _)| cause), Some(Cause::Clock));
+        instrument.command(Command::Acknowledge).unwrap();
+    }
+    assert_eq!(rig.machine().pins().len(), 1, "no heater has moved");
 }
 
 /// What cannot be proved keeps the board tripped, whatever the host acknowledges.

@@ -45,6 +45,31 @@ fn fails(quirks: Quirks) -> (String, f64) {
     (sentence, begin.elapsed().as_secs_f64())
 }
 
+/// The run that ends early: the sentence, how long it took, and what was recorded, which is the
+/// simulated run up to the end.
+fn ends_early(quirks: Quirks) -> (String, f64, Recording) {
+    let desk = desk();
+    let board = FakeBoard::new(&desk.experiment(), quirks);
+    let begin = Instant::now();
+    let on = format!("serial:{}", board.device);
+    let output = desk.anemo(&["run", "e.toml", "--on", &on, "-o", "r.parquet", "--plot", "p.svg"], &[]);
+    let sentence = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(4), "{sentence}");
+    assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    assert_eq!(desk.files(), ["e.toml", "p.svg", "r.parquet"]);
+    let seconds = begin.elapsed().as_secs_f64();
+    board.finish();
+    let recording = Recording::read(&desk.path().join("r.parquet")).unwrap();
+    assert_same(&recording, &simulated());
+    assert_eq!(recording.metadata("complete"), Some("false"));
+    let why = sentence.trim_end().strip_prefix("anemo: the run ended early: ").unwrap().to_owned();
+    assert_eq!(recording.metadata("ended"), Some(why.as_str()));
+    (why, seconds, recording)
+}
+
+/// What is said where nobody knows whether the heaters are low.
+const NOT_STOPPED: &str = "; its `Stop` was not confirmed, so heaters may still be on: switch its supply off";
+
 /// The same experiment on the simulated instrument.
 fn simulated() -> Recording {
     let desk = desk();
@@ -150,7 +175,8 @@ fn a_trip_is_recorded_and_kept_until_it_is_acknowledged() {
     let again = ["run", "e.toml", "--on", &on, "--json", "--acknowledge"];
 
     let output = desk.anemo(&run, &[]);
-    assert!(output.status.success(), "{output:?}");
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "anemo: the run tripped at 1.01 s: open, sector3\n");
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["trips"][0]["cause"], "open");
     assert_eq!(summary["trips"][0]["element"], "sector3");
@@ -174,24 +200,61 @@ fn a_trip_is_recorded_and_kept_until_it_is_acknowledged() {
 }
 
 #[test]
-fn an_interrupted_run_stops_the_heaters_and_keeps_nothing() {
-    let desk = Desk::new("all-drives.toml", &[]);
-    let board = FakeBoard::new(&desk.experiment(), Quirks::default());
-    let on = format!("serial:{}", board.device);
-    let run = desk.command(&["run", "e.toml", "--on", &on, "-o", "r.csv"], &[]).stderr(Stdio::piped()).spawn().unwrap();
-    while !board.is_running() {
-        std::thread::sleep(Duration::from_millis(10));
+fn an_interrupted_run_stops_the_heaters_and_keeps_what_it_has() {
+    for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP] {
+        let desk = Desk::new("all-drives.toml", &[]);
+        let board = FakeBoard::new(&desk.experiment(), Quirks::default());
+        let on = format!("serial:{}", board.device);
+        let mut run = desk.command(&["run", "e.toml", "--on", &on, "-o", "r.csv", "--json"], &[]);
+        let run = run.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        while !board.is_running() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        kill(Pid::from_raw(run.id().try_into().unwrap()), signal).unwrap();
+        let output = run.wait_with_output().unwrap();
+        let sentence = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(4), "{sentence}");
+        assert_eq!(sentence, "anemo: the run ended early: interrupted\n");
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(summary["ended"]["stopped"], true);
+        assert_eq!(desk.files(), ["e.toml", "r.csv"]);
+        let recording = Recording::read(&desk.path().join("r.csv")).unwrap();
+        assert_eq!((&summary["ticks"], recording.metadata("complete")), (&recording.len().into(), Some("false")));
+        assert_eq!(board.finish().state, RunState::Standby);
     }
-    kill(Pid::from_raw(run.id().try_into().unwrap()), Signal::SIGINT).unwrap();
-    let output = run.wait_with_output().unwrap();
-    let sentence = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{sentence}");
-    assert!(
-        sentence.starts_with("anemo: interrupted at ") && sentence.ends_with(" s; nothing was kept\n"),
-        "{sentence}"
-    );
-    assert_eq!(desk.files(), ["e.toml"]);
-    assert_eq!(board.finish().state, RunState::Standby);
+}
+
+/// What had arrived half a second before is there, whether or not anything could be tidied up.
+#[test]
+fn a_killed_run_leaves_what_it_has_recorded() {
+    for (name, journal) in [("r.parquet", "r.parquet.journal"), ("folder", "folder/recording.journal")] {
+        let desk = Desk::new("all-drives.toml", &[]);
+        let board = FakeBoard::new(&desk.experiment(), Quirks::default());
+        let on = format!("serial:{}", board.device);
+        let mut run =
+            desk.command(&["run", "e.toml", "--on", &on, "-o", name, "--segment", "1s"], &[]).spawn().unwrap();
+        let path = desk.path().join(name);
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let rows_now = || Recording::read(&desk.path().join(journal)).map_or(0, |recording| recording.len());
+        while rows_now() < 20 {
+            assert!(Instant::now() < deadline);
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        run.kill().unwrap();
+        run.wait().unwrap();
+        board.finish();
+        let before = Recording::read(&desk.path().join(journal)).unwrap().len();
+        let output = desk.anemo(&["recover", name], &[]);
+        assert!(output.status.success(), "{output:?}");
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.ends_with(&format!(": {before} rows\n")), "{said}");
+        let recording = Recording::read(&path).unwrap();
+        assert_eq!((recording.metadata("complete"), recording.time_s().unwrap()[0]), (Some("false"), 0.0));
+        // No row twice, and none missing between segments.
+        assert_eq!(recording.sample_period_s().unwrap(), 0.01);
+        let again = String::from_utf8(desk.anemo(&["recover", name], &[]).stdout).unwrap();
+        assert!(again.contains("nothing to recover"), "{again}");
+    }
 }
 
 #[test]
@@ -211,28 +274,35 @@ fn a_board_of_another_wire_version_is_named_as_that() {
 
 #[test]
 fn a_board_that_falls_silent_in_a_run_ends_it() {
-    let (sentence, seconds) = fails(Quirks { silent_from: Some(150), ..Quirks::default() });
-    assert!(sentence.starts_with("the board has not answered for 3.0 s"), "{sentence}");
+    let (sentence, seconds, recording) = ends_early(Quirks { silent_from: Some(150), ..Quirks::default() });
+    assert!(
+        sentence.starts_with("the board has not answered for 3.0 s") && sentence.ends_with(NOT_STOPPED),
+        "{sentence}"
+    );
+    assert_eq!(recording.len(), 150);
     // Three more seconds go into stopping it.
     assert!(seconds < 9.0, "{seconds} s");
 }
 
 #[test]
 fn a_board_that_starts_anew_in_a_run_ends_it() {
-    let (sentence, _) = fails(Quirks { restarts_at: Some(350), ..Quirks::default() });
+    let (sentence, _, recording) = ends_early(Quirks { restarts_at: Some(350), ..Quirks::default() });
     assert_eq!(
         sentence,
         "the board has started anew in the middle of the run, heaters low; it says that a task of its firmware hung"
     );
+    assert_eq!(recording.len(), 350);
 }
 
 #[test]
 fn a_board_that_is_unplugged_in_a_run_ends_it() {
-    let (sentence, _) = fails(Quirks { unplugged_at: Some(150), ..Quirks::default() });
+    let (sentence, _, recording) = ends_early(Quirks { unplugged_at: Some(150), ..Quirks::default() });
     assert!(
-        sentence.starts_with("the link to the board broke: ") && sentence.ends_with("has it been unplugged?"),
+        sentence.starts_with("the link to the board broke: ")
+            && sentence.ends_with(&format!("has it been unplugged?{NOT_STOPPED}")),
         "{sentence}"
     );
+    assert_eq!(recording.len(), 150);
 }
 
 #[test]

@@ -64,6 +64,7 @@ fn one_of_each() -> Vec<Setting> {
         Command::Guard(GuardConfig { missing_limit_ticks: 5, unreachable_limit_ticks: 3000, stuck_limit_ticks: 0 }),
         Command::Observe { on: true },
         Command::HostTimeout { timeout_s: 0.0 },
+        Command::Fingerprint { resistance_ohm: [1000.0; 16] },
         Command::Element { element: 1, config: ElementConfig { channel, limits } },
         Command::Model { element: 2, model },
         Command::Drive { element: 3, drive: Drive::Passive },

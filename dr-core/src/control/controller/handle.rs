@@ -3,6 +3,7 @@
 use super::{ControlledElement, Controller, ElementState};
 use crate::command::{Command, LONGEST_ARMED_S, LONGEST_HOST_TIMEOUT_S, Reply};
 use crate::control::drive::Drive;
+use crate::control::fingerprint::{Fingerprint, HeadCheck, LARGEST_OHM};
 use crate::control::guard::{Cause, Trip};
 use crate::control::refusal::Refusal;
 use crate::control::self_test::plan::{self, SelfTestPlan};
@@ -92,6 +93,7 @@ impl<const N: usize> Controller<N> {
             Command::Arm { window_s } => self.arm(window_s)?,
             Command::Disarm => self.armed_ticks = 0,
             Command::SelfTest(plan) => self.begin_test(&plan)?,
+            Command::Fingerprint { resistance_ohm } => self.set_fingerprint(resistance_ohm)?,
             Command::HostTimeout { timeout_s } => {
                 self.in_standby()?;
                 let timeout_s = error::within(Parameter::HostTimeoutS, timeout_s, 0.0, LONGEST_HOST_TIMEOUT_S);
@@ -101,10 +103,22 @@ impl<const N: usize> Controller<N> {
         Ok(Reply::Done)
     }
 
-    /// Clears everything except the counts of bit flips and trips, and the link.
+    /// Clears everything except the counts of bit flips and trips, the link, and the fingerprint,
+    /// which is the board's own.
     fn forget(&mut self) {
-        let Self { bit_flips, lockout, host_silence, .. } = *self;
-        *self = Self { bit_flips, lockout, host_silence, ..Self::new() };
+        let Self { bit_flips, lockout, host_silence, fingerprint_ohm, head, .. } = *self;
+        *self = Self { bit_flips, lockout, host_silence, fingerprint_ohm, head, ..Self::new() };
+    }
+
+    /// Sets the fingerprint of the head, with which it is compared at once.
+    fn set_fingerprint(&mut self, fingerprint_ohm: Fingerprint) -> Result<(), Refusal> {
+        self.in_standby()?;
+        for (element, &resistance_ohm) in (0..).zip(&fingerprint_ohm) {
+            let checked = error::within(Parameter::FingerprintOhm, resistance_ohm, 0.0, LARGEST_OHM);
+            checked.map_err(|error| Refusal::Invalid { element: Some(element), error })?;
+        }
+        (self.fingerprint_ohm, self.head) = (fingerprint_ohm, HeadCheck::default());
+        Ok(())
     }
 
     fn arm(&mut self, window_s: f32) -> Result<(), Refusal> {
@@ -148,6 +162,9 @@ impl<const N: usize> Controller<N> {
     fn armed(&self) -> Result<(), Refusal> {
         if self.lockout.is_locked() {
             return Err(Refusal::LockedOut);
+        }
+        if let HeadCheck::Other(element) = self.head {
+            return Err(Refusal::OtherHead { element });
         }
         if self.is_armed() { Ok(()) } else { Err(Refusal::NotArmed) }
     }

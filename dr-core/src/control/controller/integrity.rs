@@ -2,7 +2,7 @@
 //!
 //! | values | checksum updated | verified |
 //! |---|---|---|
-//! | what trips an element, for all of them: wiring, limits, guard, timeout of the host, sample period, number of elements | by each command that is carried out | every tick, before any decision |
+//! | what trips an element, for all of them: wiring, limits, guard, timeout of the host, fingerprint, sample period, number of elements | by each command that is carried out | every tick, before any decision |
 //! | run state, levels, armed time, number of the tick, what each drive remembers and decides by | at the end of each tick, and by each command | every tick, before any decision |
 //! | an element's drive, model and observer | by each command that is carried out | one element per tick, in turn |
 //!
@@ -87,9 +87,12 @@ impl<const N: usize> Controller<N> {
             lockout: _,   // has a checksum of its own
             host_timeout_s,
             host_silence,
+            fingerprint_ohm,
+            head: _,
         } = self;
         let mut checksum = Checksum::of(&(*sample_period_s, *guard));
         checksum.word(host_timeout_s.to_bits());
+        f32::visit_each(fingerprint_ohm, &mut checksum);
         let switches = u32::from(*observing) | u32::from(host_silence.is_some()) << 1;
         checksum.word(*configured as u32 | switches << 8);
         elements.iter().map_while(Option::as_ref).for_each(|element| element.config.visit(&mut checksum));
@@ -98,6 +101,7 @@ impl<const N: usize> Controller<N> {
 
     fn state_checksum(&self) -> Checksum {
         let mut checksum = Checksum::of(&[self.state.word(), self.tick, self.armed_ticks, u32::from(self.levels.0)]);
+        checksum.word(self.head.word());
         for (element, state) in self.elements.iter().map_while(Option::as_ref).zip(&self.states) {
             element.drive.visit_state(&state.drive, &mut checksum);
         }

@@ -16,6 +16,7 @@ mod elements;
 mod lock_out;
 mod messages;
 mod observing;
+mod other_head;
 mod powers;
 mod probes;
 

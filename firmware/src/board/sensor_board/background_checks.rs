@@ -1,6 +1,6 @@
-//! Proof tests of flash and RAM in the background: what is left of 20 beats of SysTick a second, in
-//! the idle task.
+//! Proof tests in the background: what is left of 20 beats of SysTick a second, in the idle task.
 //!
+//! - **Clock**: once a second, for 0.5 ms ([`clock_check`]).
 //! - **Flash**: 1 KiB of the image a beat ([`FlashCheck`]), 20 KiB a second; all tasks go before
 //!   it. An image of 240 KiB is through in 12 s.
 //! - **RAM**: 16 blocks of 16 bytes a beat, all 128 KiB in 25.6 s. Each block is marched with
@@ -17,6 +17,7 @@
 //! tested, the stack under this very function, too: the march is one piece of assembly that uses
 //! registers only. NMI and hard fault alone can come in between, and never return.
 
+use super::clock_check;
 use super::host_link;
 use core::arch::asm;
 use core::ops::Range;
@@ -28,6 +29,7 @@ use firmware::proof::ram::RamWalk;
 
 const RAM: Range<u32> = 0x2000_0000..0x2002_0000;
 const BLOCKS_A_BEAT: u32 = 16;
+const BEATS_A_SECOND: u8 = 20;
 /// Of a channel up, as `defmt-rtt` has it: name and places.
 const RTT_HEAD: u32 = 48;
 const COUNTED_TO_ZERO: u32 = 1 << 16;
@@ -51,6 +53,7 @@ static IMAGE_CHECKSUM: u32 = u32::MAX;
 pub struct BackgroundChecks {
     flash: FlashCheck<'static>,
     ram: RamWalk<3>,
+    beat: u8,
 }
 
 impl BackgroundChecks {
@@ -68,24 +71,32 @@ impl BackgroundChecks {
         if !flash.has_checksum() {
             defmt::warn!("the image has no checksum: only what changes from now on is found");
         }
+        clock_check::start();
         let log = &raw const _SEGGER_RTT as u32;
         let [sent, received] = host_link::buffers();
-        Self { flash, ram: RamWalk::new(RAM, [sent, received, log..log + RTT_HEAD]) }
+        Self { flash, ram: RamWalk::new(RAM, [sent, received, log..log + RTT_HEAD]), beat: 0 }
     }
 
-    /// What is due since the last time; a cause if a memory is defective, or if a proof test of the
-    /// start has failed.
+    /// What is due since the last time; a cause if something is defective, or if a proof test of
+    /// the start has failed.
     pub fn check(&mut self, has_failed: bool) -> Option<Cause> {
         // SAFETY: a read that clears the flag; nobody else looks at it.
         let beat = unsafe { (*SYST::PTR).csr.read() } & COUNTED_TO_ZERO != 0;
         if !beat {
             return None;
         }
+        if has_failed {
+            return Some(Cause::ProofTest);
+        }
+        self.beat = (self.beat + 1) % BEATS_A_SECOND;
+        if self.beat == 0 && !clock_check::is_clock_right() {
+            return Some(Cause::Clock);
+        }
         let mut is_well = self.flash.step();
         for _ in 0..BLOCKS_A_BEAT {
             is_well &= self.ram.next_block().is_none_or(march);
         }
-        if has_failed { Some(Cause::ProofTest) } else { (!is_well).then_some(Cause::Memory) }
+        (!is_well).then_some(Cause::Memory)
     }
 }
 

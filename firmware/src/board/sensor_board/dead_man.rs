@@ -1,27 +1,33 @@
 //! The dead-man timer of the sensor board: timer 5 lowers the heaters unless their levels are
 //! decided anew ([`firmware::dead_man`]).
 //!
-//! It counts microseconds by itself and raises its interrupt above all tasks, the control task
-//! included; nothing that a task can do short of disabling interrupts keeps it from the pins, and
-//! the watchdog sees to that.
+//! It counts microseconds without end, and raises its interrupt when the count equals that of
+//! channel 1, above all tasks, the control task included; nothing that a task can do short of
+//! disabling interrupts keeps it from the pins, and the watchdog sees to that.
 
 use firmware::dead_man::timeout_us;
 use stm32f4xx_hal::pac::TIM5;
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::timer::{CounterUs, Event};
+use stm32f4xx_hal::pac::tim5::RegisterBlock;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// CC1IF in TIM5_SR. A zero clears its own flag, ones change nothing.
+const EXPIRED: u32 = 1 << 1;
 
 /// The control task's end of it.
 pub struct DeadManTimer {
-    timer: CounterUs<TIM5>,
+    timer: TIM5,
     timeout_us: u32,
 }
 
 impl DeadManTimer {
     /// At rest, for ticks of this length.
     pub fn new(timer: TIM5, tick_us: u32, rcc: &mut Rcc) -> Self {
-        let mut timer = timer.counter_us(rcc);
-        timer.listen(Event::Update);
+        TIM5::enable(rcc);
+        TIM5::reset(rcc);
+        timer.psc().write(|w| w.psc().set((rcc.clocks.timclk1().to_MHz() - 1) as u16));
+        // Takes the prescaler over.
+        timer.egr().write(|w| w.ug().set_bit());
+        timer.cr1().write(|w| w.cen().set_bit());
         Self { timer, timeout_us: timeout_us(tick_us) }
     }
 
@@ -32,13 +38,26 @@ impl DeadManTimer {
 
     /// Levels have been decided: a high one restarts the timer, otherwise it stops.
     pub fn decided(&mut self, any_high: bool) {
-        // It is running already, or stands already: both are what is wanted here.
         if any_high {
-            self.timer.start(self.timeout_us.micros()).ok();
+            expire_in(&self.timer, self.timeout_us);
         } else {
-            self.timer.cancel().ok();
+            never_expire(&self.timer);
         }
     }
+}
+
+/// Starts the timer anew.
+pub fn expire_in(timer: &RegisterBlock, us: u32) {
+    let now = timer.cnt().read().bits();
+    // SAFETY: any count will do.
+    timer.ccr1().write(|w| unsafe { w.bits(now.wrapping_add(us)) });
+    // SAFETY: as the flag's description has it.
+    timer.sr().write(|w| unsafe { w.bits(!EXPIRED) });
+    timer.dier().write(|w| w.cc1ie().set_bit());
+}
+
+fn never_expire(timer: &RegisterBlock) {
+    timer.dier().write(|w| w.cc1ie().clear_bit());
 }
 
 /// Takes the interrupt back and stands still, for the task that it raises.
@@ -46,7 +65,5 @@ pub fn acknowledge_dead_man() {
     // SAFETY: the control task, which has the timer, is of lower priority and does not run
     // meanwhile. If it was just starting or stopping the timer, it goes on with that afterwards,
     // and the levels that it then sets have just been decided.
-    let timer = unsafe { &*TIM5::ptr() };
-    timer.cr1().modify(|_, w| w.cen().clear_bit());
-    timer.sr().modify(|_, w| w.uif().clear_bit());
+    never_expire(unsafe { &*TIM5::ptr() });
 }

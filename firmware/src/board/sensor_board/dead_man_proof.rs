@@ -9,6 +9,7 @@
 //! store reaches the port. Not shown: that a pin drives what its output bit says.
 
 use super::clocks::{CYCLES_PER_US, cycles};
+use super::dead_man::expire_in;
 use super::front_end::HEATER_MASK;
 use core::ops::RangeInclusive;
 use stm32f4xx_hal::pac::{GPIOC, TIM5};
@@ -34,18 +35,13 @@ pub fn prove_dead_man() -> bool {
     }
     let is_any_set = || port.odr().read().bits() & HEATER_MASK != 0;
     let were_set = port.odr().read().bits() & HEATER_MASK == HEATER_MASK;
-    // SAFETY: any number of counts will do. An update by software only loads it.
-    timer.arr().write(|w| unsafe { w.bits(PERIOD_US - 1) });
-    timer.cr1().modify(|_, w| w.urs().set_bit());
-    timer.egr().write(|w| w.ug().set_bit());
     let started = cycles();
-    timer.cr1().modify(|_, w| w.cen().set_bit());
+    expire_in(timer, PERIOD_US);
     let mut took = 0;
     while is_any_set() && took < GIVEN_UP {
         took = cycles().wrapping_sub(started);
     }
-    timer.cr1().modify(|_, w| w.cen().clear_bit());
-    timer.sr().modify(|_, w| w.uif().clear_bit());
+    timer.dier().write(|w| w.cc1ie().clear_bit());
     let has_lowered = !is_any_set();
     // SAFETY: all output bits low, then pins as they were.
     unsafe {

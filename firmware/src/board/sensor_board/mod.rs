@@ -3,7 +3,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `background_checks.rs` | proof tests of flash and RAM |
+//! | `background_checks.rs` | proof tests in the idle task |
+//! | `clock_check.rs` | that of crystal and slow oscillator |
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
 //! | `dead_man.rs` | heaters low unless their levels are decided anew |
 //! | `dead_man_proof.rs` | proof test of that at every start |
@@ -20,6 +21,7 @@
 //! is argued beside the code from the reference manual RM0090.
 
 mod background_checks;
+mod clock_check;
 mod clocks;
 mod dead_man;
 mod dead_man_proof;
@@ -183,7 +185,7 @@ pub fn finish(_: u8) -> ! {
     restart()
 }
 
-/// Sleeps, and tests the memories.
+/// Sleeps, and tests clock and memories.
 pub struct InterruptIdler {
     checks: BackgroundChecks,
     /// The dead-man timer or the watchdog has failed its proof test: until the next start.
@@ -196,8 +198,8 @@ impl InterruptIdler {
         self.has_failed |= !dead_man_proof::prove_dead_man();
     }
 
-    /// Tests a part of the memories, if it is time; a cause if one is defective, or if a proof test
-    /// has failed. It comes again after it was acknowledged.
+    /// Tests clock and a part of the memories, if it is time; a cause if one is defective, or if a
+    /// proof test of the start has failed. It comes again after it was acknowledged.
     pub fn check(&mut self) -> Option<Cause> {
         self.checks.check(self.has_failed)
     }

@@ -6,9 +6,12 @@
 //! asks otherwise (RM0090, DBGMCU_APB1_FZ): a breakpoint ends as a reset, with the heaters low.
 //!
 //! The LED changes with every feeding, 20 times a second while all is well: a dark or steady one
-//! means trouble.
+//! means trouble, and its pin that stands still takes the platinum's supply away
+//! (`docs/reference/board.md`).
 
+use super::clocks::CycleDelay;
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
+use embedded_hal::delay::DelayNs;
 use stm32f4xx_hal::gpio::{Output, PB1};
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 
@@ -22,6 +25,9 @@ const CHECK_IN: u16 = 500 / COUNT_MS;
 /// Longest erase of a sector is 0.5 s; twice that by the slow oscillator at its fastest.
 const LONG: u16 = 2_000 / COUNT_MS;
 
+/// Of the LED's pin; half of them have the supply up at -40 °C (`hardware/cut-off.cir`).
+const FIRST_CHANGES: u32 = 8;
+
 const ENABLE: u16 = 0xCCCC;
 const UNLOCK: u16 = 0x5555;
 const RELOAD: u16 = 0xAAAA;
@@ -34,8 +40,8 @@ pub struct HardwareWatchdog {
 }
 
 impl HardwareWatchdog {
-    /// Starts it with the long period.
-    pub fn new(watchdog: IWDG, debug: &DBGMCU, led: PB1<Output>) -> Self {
+    /// Starts it with the long period, and has the platinum's supply up before the first reading.
+    pub fn new(watchdog: IWDG, debug: &DBGMCU, mut led: PB1<Output>) -> Self {
         // Without it a probe cannot read the log while the core sleeps.
         debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
         // First of all it is enabled: its oscillator runs from then on, and takes the registers
@@ -45,6 +51,10 @@ impl HardwareWatchdog {
         watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
         watchdog.pr().write(|w| w.pr().divide_by256());
         set_period(START);
+        for _ in 0..FIRST_CHANGES {
+            led.toggle();
+            CycleDelay.delay_ms(1);
+        }
         Self { watchdog, led }
     }
 
@@ -53,13 +63,16 @@ impl HardwareWatchdog {
         set_period(CHECK_IN);
     }
 
-    /// Everybody is well. While another period is taken over, whoever set it feeds next.
-    pub fn feed(&mut self) {
+    /// Everybody is well. While another period is taken over, whoever set it feeds next. The
+    /// platinum keeps its supply unless it is `cut`.
+    pub fn feed(&mut self, cut: bool) {
         if self.watchdog.sr().read().bits() == 0 {
             // SAFETY: the key as the reference manual has it.
             self.watchdog.kr().write(|w| unsafe { w.key().bits(RELOAD) });
         }
-        self.led.toggle();
+        if !cut {
+            self.led.toggle();
+        }
     }
 }
 

@@ -1,0 +1,32 @@
+//! `anemo recover`: what was kept of a recording that was cut short.
+
+use std::path::PathBuf;
+
+use crate::output::Failure;
+
+/// Close a recording whose program was killed, or whose computer lost its supply.
+///
+/// What a sensor board measures, and every recording in a folder, has a journal: its rows are on
+/// the disk within half a second. They become the file that was to be written, or the last segment
+/// of the folder. The file says `complete = false`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo recover steady.parquet
+  anemo recover night/")]
+pub struct Arguments {
+    /// The recordings: folders, or files that were to become one.
+    #[arg(required = true, value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    for path in &arguments.recordings {
+        let text = match recording::recover(path).map_err(Failure::work)? {
+            Some(recovered) => format!("{}: {} rows\n", recovered.file.display(), recovered.rows),
+            None => format!("{}: nothing to recover: no journal with rows of its own\n", path.display()),
+        };
+        crate::output::print(&text)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,89 @@
+//! The files of one recording: a folder of closed segments and a journal, or what a pattern names.
+//!
+//! | file of a folder | what |
+//! |---|---|
+//! | `segment-000001.parquet` … | closed segments, each a recording of its own |
+//! | `recording.journal` | the rows since the last one; of a recording that goes on, or was cut short |
+
+use std::path::{Path, PathBuf};
+
+use crate::csv::CsvReader;
+use crate::error::RecordingError;
+use crate::file_format::JOURNAL;
+use crate::regular;
+
+const SEGMENT: &str = "segment-";
+/// Metadata key: which of its recording's segments a file is, from 1.
+pub(crate) const SEGMENT_NUMBER: &str = "segment";
+
+/// The journal of a folder.
+pub(crate) fn journal_in(folder: &Path) -> PathBuf {
+    folder.join("recording").with_extension(JOURNAL)
+}
+
+/// The journal beside a recording that is one file.
+pub(crate) fn journal_of(file: &Path) -> PathBuf {
+    let mut name = file.as_os_str().to_owned();
+    name.push(".");
+    name.push(JOURNAL);
+    name.into()
+}
+
+/// A segment of a folder.
+pub(crate) fn segment_in(folder: &Path, number: u32) -> PathBuf {
+    let extension = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
+    folder.join(format!("{SEGMENT}{number:06}.{extension}"))
+}
+
+/// The closed segments of a folder, in their order.
+pub(crate) fn segments_in(folder: &Path) -> Result<Vec<(u32, PathBuf)>, RecordingError> {
+    let unread = |error: std::io::Error| RecordingError::io(folder, "read", error);
+    let mut segments = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unread)? {
+        let path = entry.map_err(unread)?.path();
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).and_then(|stem| stem.strip_prefix(SEGMENT));
+        let is_table = path.extension().is_some_and(|extension| extension == "parquet" || extension == "csv");
+        segments.extend(stem.and_then(|number| number.parse().ok()).filter(|_| is_table).map(|number| (number, path)));
+    }
+    segments.sort();
+    Ok(segments)
+}
+
+/// The number of the segment that a journal's rows will be.
+pub(crate) fn number_of(journal: &Path) -> Option<u32> {
+    let file = regular::open(journal).ok()?;
+    let (source, _) = CsvReader::open(file, journal, true).ok()?;
+    let metadata = source.metadata();
+    metadata.iter().find(|(key, _)| key == SEGMENT_NUMBER)?.1.parse().ok()
+}
+
+/// The files that make up a recording, in the order of their rows; one at least.
+///
+/// # Errors
+/// If a folder holds no recording, or a pattern names no file.
+pub(crate) fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    if path.is_dir() {
+        let segments = segments_in(path)?;
+        let journal = journal_in(path);
+        // Between the end of a segment and the next journal, the old one repeats its rows.
+        let has_more = number_of(&journal).is_some_and(|number| segments.iter().all(|(closed, _)| *closed != number));
+        let closed = segments.into_iter().map(|(_, file)| file);
+        let files: Vec<PathBuf> = closed.chain(has_more.then_some(journal)).collect();
+        if files.is_empty() {
+            return Err(RecordingError::new(path, "is a folder without segment-*.parquet: it holds no recording"));
+        }
+        return Ok(files);
+    }
+    let pattern = path.to_str().filter(|text| text.contains(['*', '?', '[']) && !path.exists());
+    let Some(pattern) = pattern else { return Ok(vec![path.to_owned()]) };
+    let matches = glob::glob(pattern).map_err(|error| RecordingError::new(path, format!("is no pattern: {error}")))?;
+    let mut files = Vec::new();
+    for found in matches {
+        let found = found.map_err(|error| RecordingError::io(error.path(), "read", error.error()))?;
+        files.extend(if found.is_dir() { files_of(&found)? } else { vec![found] });
+    }
+    if files.is_empty() {
+        return Err(RecordingError::new(path, "no file has such a name"));
+    }
+    Ok(files)
+}

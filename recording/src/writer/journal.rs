@@ -1,0 +1,94 @@
+//! The rows since the last closed file, on the disk within half a second: what is left of them when
+//! the program is killed or the supply cut.
+//!
+//! It is a CSV file that may end in the middle of a row. As long as it is written its writer holds
+//! a lock on it, by which others tell a recording that goes on from one that was cut short.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Seek as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::column::{ColumnKind, Metadata, RowCell, RowSink};
+use crate::csv::CsvWriter;
+
+/// Rows wait no longer than this for the disk. A killed program or a cut supply costs as much.
+pub(crate) const SYNC_EVERY: Duration = Duration::from_millis(250);
+
+pub(super) struct Journal {
+    pub path: PathBuf,
+    /// Has the lock; shares its place in the file with the writer's.
+    file: File,
+    columns: Vec<(String, ColumnKind)>,
+    csv: CsvWriter,
+    synced: Instant,
+    has_news: bool,
+}
+
+impl Journal {
+    /// Starts one where none is.
+    ///
+    /// # Errors
+    /// `AlreadyExists` if there is one, of a recording that goes on or was cut short.
+    pub fn create(path: PathBuf, columns: Vec<(String, ColumnKind)>, metadata: &Metadata) -> io::Result<Self> {
+        let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
+        file.try_lock().map_err(io::Error::other)?;
+        let csv = CsvWriter::new(file.try_clone()?, &columns, metadata)?;
+        let mut journal = Self { path, file, columns, csv, synced: Instant::now(), has_news: true };
+        journal.sync()?;
+        Ok(journal)
+    }
+
+    /// Begins anew: the rows until now are in a closed file.
+    pub fn restart(&mut self, metadata: &Metadata) -> io::Result<()> {
+        // Dropped with rows in its memory, the writer would put them behind the new beginning.
+        self.csv.flush()?;
+        self.file.set_len(0)?;
+        self.file.rewind()?;
+        self.csv = CsvWriter::new(self.file.try_clone()?, &self.columns, metadata)?;
+        self.has_news = true;
+        self.sync()
+    }
+
+    pub fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()> {
+        self.csv.push(cells)?;
+        self.has_news = true;
+        self.sync_if_due()
+    }
+
+    /// Has the rows on the disk if they have waited long enough.
+    pub fn sync_if_due(&mut self) -> io::Result<()> {
+        if self.has_news && self.synced.elapsed() >= SYNC_EVERY { self.sync() } else { Ok(()) }
+    }
+
+    pub fn sync(&mut self) -> io::Result<()> {
+        self.csv.flush()?;
+        self.file.sync_data()?;
+        (self.synced, self.has_news) = (Instant::now(), false);
+        Ok(())
+    }
+
+    /// What comes goes to another file.
+    #[cfg(all(test, feature = "parquet"))]
+    pub fn replace_writer(&mut self, file: File, columns: &[(String, ColumnKind)]) {
+        self.csv = CsvWriter::new(file, columns, &Metadata::new()).unwrap();
+    }
+
+    /// The rows are in a closed file.
+    pub fn remove(self) -> io::Result<()> {
+        std::fs::remove_file(&self.path)
+    }
+}
+
+/// Opens the journal of a recording that was cut short, and keeps others from it.
+///
+/// # Errors
+/// `WouldBlock` if the recording goes on, `NotFound` if there is none.
+pub(super) fn take_over(path: &Path) -> io::Result<File> {
+    let file = OpenOptions::new().write(true).open(path)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(io::ErrorKind::WouldBlock.into()),
+        Err(TryLockError::Error(error)) => Err(error),
+    }
+}

@@ -1,0 +1,121 @@
+//! A writer in a thread of its own: a disk that takes its time does not keep the instrument's rows
+//! waiting.
+
+use std::path::Path;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use super::journal::SYNC_EVERY;
+use super::{RecordingWriter, WriterOptions};
+use crate::column::{Metadata, RowCell};
+use crate::error::RecordingError;
+use crate::row::{RecordingLayout, RecordingRow};
+
+/// Rows that may wait for the disk: a minute at 1 kHz. Then the instrument waits, too.
+const MOST_WAITING: usize = 60_000;
+
+/// A row on its way to the thread.
+struct OwnedRow {
+    time_s: f64,
+    cells: Vec<OwnedCell>,
+}
+
+enum OwnedCell {
+    Number(f64),
+    Text(Box<str>),
+}
+
+impl OwnedRow {
+    fn of(row: &RecordingRow) -> Self {
+        let owned = |cell: RowCell| match cell {
+            RowCell::Number(number) => OwnedCell::Number(number),
+            RowCell::Text(text) => OwnedCell::Text(text.into()),
+        };
+        Self { time_s: row.time_s, cells: row.cells().map(owned).collect() }
+    }
+
+    fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
+        self.cells.iter().map(|cell| match cell {
+            OwnedCell::Number(number) => RowCell::Number(*number),
+            OwnedCell::Text(text) => RowCell::Text(text),
+        })
+    }
+}
+
+/// A [`RecordingWriter`] in a thread of its own.
+pub struct Recorder {
+    layout: RecordingLayout,
+    // Dropped, it ends the thread.
+    rows: Option<SyncSender<OwnedRow>>,
+    writer: Option<JoinHandle<Result<RecordingWriter, RecordingError>>>,
+}
+
+impl Recorder {
+    /// Starts a recording.
+    ///
+    /// # Errors
+    /// As [`RecordingWriter::create`]; or if there is no thread to be had.
+    pub fn create(
+        path: &Path,
+        layout: RecordingLayout,
+        metadata: &Metadata,
+        options: &WriterOptions,
+    ) -> Result<Self, RecordingError> {
+        let writer = RecordingWriter::with_options(path, layout.clone(), metadata, options)?;
+        let (sender, receiver) = sync_channel(MOST_WAITING);
+        let thread = std::thread::Builder::new().name("recorder".to_owned());
+        let writer = thread.spawn(move || write(writer, &receiver));
+        let writer = writer.map_err(|error| RecordingError::new(path, format!("no thread can be had: {error}")))?;
+        Ok(Self { layout, rows: Some(sender), writer: Some(writer) })
+    }
+
+    /// Hands a row on.
+    ///
+    /// # Errors
+    /// If it does not fit the layout, or an earlier one could not be written.
+    pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
+        self.layout.check(row)?;
+        let sent = self.rows.as_ref().map(|rows| rows.send(OwnedRow::of(row)));
+        // The thread takes rows until one cannot be written.
+        if let Some(Ok(())) = sent { Ok(()) } else { self.end().map(drop) }
+    }
+
+    /// Waits for the rows before, and completes the file with what is known at the end.
+    ///
+    /// # Errors
+    /// If anything could not be written.
+    pub fn finish(mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+        match self.end()? {
+            Some(writer) => writer.finish(metadata),
+            None => Ok(()),
+        }
+    }
+
+    fn end(&mut self) -> Result<Option<RecordingWriter>, RecordingError> {
+        self.rows = None;
+        match self.writer.take().map(JoinHandle::join) {
+            Some(Ok(written)) => written.map(Some),
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => Ok(None),
+        }
+    }
+}
+
+impl Drop for Recorder {
+    /// What has been pushed is in the journal, where there is one.
+    fn drop(&mut self) {
+        if let Ok(Some(writer)) = self.end() {
+            writer.discard_if_empty();
+        }
+    }
+}
+
+fn write(mut writer: RecordingWriter, rows: &Receiver<OwnedRow>) -> Result<RecordingWriter, RecordingError> {
+    loop {
+        match rows.recv_timeout(SYNC_EVERY) {
+            Ok(row) => writer.push_cells(row.time_s, &mut || Box::new(row.cells()))?,
+            Err(RecvTimeoutError::Timeout) => writer.sync_if_due()?,
+            Err(RecvTimeoutError::Disconnected) => return Ok(writer),
+        }
+    }
+}

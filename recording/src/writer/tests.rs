@@ -1,0 +1,295 @@
+//! Recordings that end in the middle, and in several files.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::*;
+use crate::column::ColumnValues;
+use crate::reader::RecordingReader;
+use crate::recording::Recording;
+
+fn layout() -> RecordingLayout {
+    RecordingLayout { elements: vec!["sector1".to_owned(), "core-1".to_owned()], ..RecordingLayout::default() }
+}
+
+fn row(n: u32) -> (f64, [f32; 2]) {
+    (f64::from(n) / 100.0, [20.0 + (n as f32) / 3.0, if n % 7 == 0 { f32::NAN } else { -(n as f32).sqrt() }])
+}
+
+fn push(writer: &mut RecordingWriter, n: u32) {
+    let (time_s, temperature_c) = row(n);
+    writer.push(&of(time_s, &temperature_c)).unwrap();
+}
+
+fn of<'a>(time_s: f64, temperature_c: &'a [f32]) -> RecordingRow<'a> {
+    RecordingRow {
+        time_s,
+        temperature_c,
+        power_w: &[1e-3, 0.0],
+        equivalent_power_w: &[],
+        heaters: 2,
+        event: "door \"open\",\nwindow",
+        state: "running",
+        true_wind_m_s: None,
+        gas_temperature_c: None,
+        estimate: &[],
+    }
+}
+
+/// Refuses rows that are not those that were pushed, and tells how many there are.
+fn rows_of(path: &Path) -> u32 {
+    let read = Recording::read(path).unwrap();
+    let bits = |numbers: &[f64]| numbers.iter().map(|number| (*number as f32).to_bits()).collect::<Vec<_>>();
+    let count = read.len() as u32;
+    let expected: Vec<_> = (0..count).map(row).collect();
+    assert_eq!(read.time_s().unwrap(), expected.iter().map(|(time_s, _)| *time_s).collect::<Vec<_>>());
+    for (at, element) in ["temperature_c_sector1", "temperature_c_core_1"].into_iter().enumerate() {
+        let expected: Vec<_> = expected.iter().map(|(_, values)| f64::from(values[at])).collect();
+        assert_eq!(bits(read.numbers(element).unwrap()), bits(&expected), "{element}");
+    }
+    assert!(read.numbers("heater_core_1").unwrap().iter().all(|bit| *bit == 1.0));
+    assert!(read.events().unwrap().iter().all(|event| event == "door \"open\",\nwindow"));
+    count
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn start(path: &Path, segment: SegmentLength) -> Result<RecordingWriter, RecordingError> {
+    let options = WriterOptions { has_journal: true, segment };
+    RecordingWriter::with_options(path, layout(), &vec![("head_name".to_owned(), "test".to_owned())], &options)
+}
+
+/// As if the program was killed: nothing is closed, and the system keeps what it was handed.
+fn kill(mut writer: RecordingWriter) -> PathBuf {
+    let journal = writer.journal.as_mut().unwrap();
+    journal.sync().unwrap();
+    let path = journal.path.clone();
+    drop(writer);
+    path
+}
+
+#[test]
+fn a_folder_has_closed_segments_and_reads_as_one_recording() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::Seconds(1.0)).unwrap();
+    for n in 0..250 {
+        push(&mut writer, n);
+    }
+    // It is read while it grows, up to what the disk has.
+    writer.journal.as_mut().unwrap().sync().unwrap();
+    assert_eq!(names(&folder).iter().filter(|name| !name.starts_with('.')).count(), 3);
+    assert_eq!(rows_of(&folder), 250);
+    writer.finish(&vec![("complete".to_owned(), "true".to_owned()), ("lost".to_owned(), "0".to_owned())]).unwrap();
+    assert_eq!(names(&folder), ["segment-000001.parquet", "segment-000002.parquet", "segment-000003.parquet"]);
+    assert_eq!(rows_of(&folder), 250);
+    assert_eq!(rows_of(&folder.join("segment-*.parquet")), 250);
+    let read = Recording::read(&folder).unwrap();
+    let said = |key| read.metadata(key).unwrap();
+    assert_eq!((said("head_name"), said("lost"), said("segment")), ("test", "0", "3"));
+    assert_eq!(Recording::read(&folder.join("segment-000002.parquet")).unwrap().time_s().unwrap()[0], 1.0);
+    // Rows of several segments are passed over.
+    let mut reader = RecordingReader::open(&folder).unwrap();
+    assert_eq!((reader.skip(130).unwrap(), reader.rows()), (130, None));
+    assert_eq!(reader.next_chunk().unwrap().unwrap()[0].values.len(), 70);
+    assert_eq!(RecordingReader::open(&folder).unwrap().skip(1000).unwrap(), 250);
+    let error = start(&folder, SegmentLength::default()).err().unwrap().to_string();
+    assert!(error.contains("holds a recording already"), "{error}");
+}
+
+#[test]
+fn segments_are_no_longer_than_their_bytes() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::Bytes(30_000)).unwrap();
+    for n in 0..3000 {
+        push(&mut writer, n);
+    }
+    writer.finish(&Metadata::new()).unwrap();
+    let sizes: Vec<u64> = names(&folder).iter().map(|name| folder.join(name).metadata().unwrap().len()).collect();
+    assert!(sizes.len() > 3 && sizes.iter().all(|size| *size <= 30_000), "{sizes:?}");
+    assert_eq!(rows_of(&folder), 3000);
+}
+
+#[test]
+fn what_a_journal_has_kept_becomes_the_file_or_the_last_segment() {
+    let outer = tempfile::tempdir().unwrap();
+    for (name, closed, kept) in [("run.parquet", 0, 130), ("run.csv", 0, 130), ("run", 1, 30)] {
+        let path = outer.path().join(name);
+        let mut writer = start(&path, SegmentLength::Seconds(1.0)).unwrap();
+        for n in 0..130 {
+            push(&mut writer, n);
+        }
+        let journal = kill(writer);
+        let error = start(&path, SegmentLength::default()).err().unwrap().to_string();
+        let expected = if closed > 0 { "holds a recording already" } else { "anemo recover" };
+        assert!(error.contains(expected), "{error}");
+        let recovered = recover(&path).unwrap().unwrap();
+        assert_eq!((recovered.rows, journal.exists()), (kept, false), "{name}");
+        assert_eq!(rows_of(&path), 130);
+        let read = Recording::read(&recovered.file).unwrap();
+        assert_eq!((read.metadata("complete"), read.metadata("head_name")), (Some("false"), Some("test")));
+        assert!(read.metadata("ended").unwrap().contains("without closing it"));
+        assert_eq!(recover(&path).unwrap(), None);
+    }
+}
+
+/// Whatever reached the disk of a journal, rows up to there are whole, and nothing is made up.
+#[test]
+fn a_journal_may_end_anywhere() {
+    let outer = tempfile::tempdir().unwrap();
+    let path = outer.path().join("run.parquet");
+    let mut writer = start(&path, SegmentLength::default()).unwrap();
+    for n in 0..40 {
+        push(&mut writer, n);
+    }
+    let journal = kill(writer);
+    let whole = std::fs::read(&journal).unwrap();
+    let mut counts = Vec::new();
+    for end in (0..=whole.len()).rev().step_by(11).collect::<Vec<_>>().into_iter().rev() {
+        // Blocks that the disk has not got are zeros, or missing.
+        for zeros in [0, 700] {
+            let mut cut = whole[..end].to_vec();
+            cut.extend(vec![0; zeros]);
+            std::fs::write(&journal, cut).unwrap();
+            match recover(&path).unwrap() {
+                Some(Recovered { rows, .. }) => {
+                    assert_eq!(u64::from(rows_of(&path)), rows);
+                    counts.push(rows);
+                    std::fs::remove_file(&path).unwrap();
+                }
+                None => counts.push(0),
+            }
+            assert!(!journal.exists() && !path.exists());
+        }
+    }
+    assert!(counts.is_sorted(), "{counts:?}");
+    assert_eq!((counts.first(), counts.last()), (Some(&0), Some(&40)));
+}
+
+#[test]
+fn a_journal_of_closed_rows_does_not_repeat_them() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::Seconds(1.0)).unwrap();
+    for n in 0..100 {
+        push(&mut writer, n);
+    }
+    // Killed between the end of the segment and the next journal.
+    writer.journal.as_mut().unwrap().sync().unwrap();
+    let before = std::fs::read(journal_in(&folder)).unwrap();
+    writer.next_segment().unwrap();
+    let journal = kill(writer);
+    std::fs::write(&journal, before).unwrap();
+    assert_eq!(rows_of(&folder), 100);
+    assert_eq!(recover(&folder).unwrap(), None);
+    assert_eq!(names(&folder), ["segment-000001.parquet"]);
+}
+
+#[test]
+fn a_recording_that_goes_on_is_left_alone() {
+    let outer = tempfile::tempdir().unwrap();
+    let path = outer.path().join("run.parquet");
+    let mut writer = start(&path, SegmentLength::default()).unwrap();
+    push(&mut writer, 0);
+    for error in [start(&path, SegmentLength::default()).err().unwrap(), recover(&path).unwrap_err()] {
+        assert!(error.to_string().contains("another program is recording there"), "{error}");
+    }
+    writer.finish(&Metadata::new()).unwrap();
+    assert_eq!(names(outer.path()), ["run.parquet"]);
+}
+
+#[test]
+fn a_recorder_writes_as_its_writer_does_and_a_silent_instrument_loses_nothing() {
+    let outer = tempfile::tempdir().unwrap();
+    let path = outer.path().join("run.parquet");
+    let options = WriterOptions { has_journal: true, ..WriterOptions::default() };
+    let mut recorder = Recorder::create(&path, layout(), &Metadata::new(), &options).unwrap();
+    for n in 0..500 {
+        let (time_s, temperature_c) = row(n);
+        recorder.push(&of(time_s, &temperature_c)).unwrap();
+    }
+    // No more rows come, and nobody closes the file: all are on the disk all the same.
+    let journal = journal_of(&path);
+    let deadline = std::time::Instant::now() + Duration::from_secs(20);
+    while RecordingReader::open(&journal).unwrap().skip(1000).unwrap() < 500 {
+        assert!(std::time::Instant::now() < deadline);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    recorder.finish(&Metadata::new()).unwrap();
+    assert_eq!((rows_of(&path), names(outer.path()).len()), (500, 1));
+    // Without a row nothing is left.
+    let folder = outer.path().join("none");
+    drop(Recorder::create(&folder, layout(), &Metadata::new(), &options).unwrap());
+    drop(Recorder::create(&path.with_file_name("none.csv"), layout(), &Metadata::new(), &options).unwrap());
+    assert_eq!(names(outer.path()), ["run.parquet"]);
+}
+
+/// Of the rows before the first that the disk refused none is lost.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_costs_no_row_that_it_had() {
+    let outer = tempfile::tempdir().unwrap();
+    let path = outer.path().join("run.parquet");
+    let mut writer = start(&path, SegmentLength::default()).unwrap();
+    for n in 0..100 {
+        push(&mut writer, n);
+    }
+    writer.journal.as_mut().unwrap().sync().unwrap();
+    // The journal's next bytes go to a disk without room.
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let columns = ColumnKind::of_each(layout().columns());
+    writer.journal.as_mut().unwrap().replace_writer(full, &columns);
+    let error = (100..100_000).find_map(|n| {
+        let (time_s, temperature_c) = row(n);
+        writer.push(&of(time_s, &temperature_c)).err()
+    });
+    let error = error.unwrap().to_string();
+    assert!(error.contains("No space left"), "{error}");
+    drop(writer);
+    assert_eq!(recover(&path).unwrap().unwrap().rows, 100);
+}
+
+#[test]
+fn names_of_recordings_are_files_with_an_extension_or_folders() {
+    let outer = tempfile::tempdir().unwrap();
+    for (name, fault) in [
+        ("run.txt", "ends in .parquet or .csv"),
+        ("run.journal", "ends in .parquet or .csv"),
+        ("no/run", "cannot be written"),
+        ("no/run.csv", "there is no folder"),
+    ] {
+        let error = start(&outer.path().join(name), SegmentLength::default()).err().unwrap().to_string();
+        assert!(error.contains(fault), "{name}: {error}");
+    }
+    assert!(names(outer.path()).is_empty());
+    let empty = Recording::read(outer.path()).unwrap_err().to_string();
+    assert!(empty.contains("holds no recording"), "{empty}");
+    let none = Recording::read(&outer.path().join("*.parquet")).unwrap_err().to_string();
+    assert!(none.contains("no file has such a name"), "{none}");
+}
+
+#[test]
+fn either_format_gives_the_same_numbers_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (u, y) = ([0.0, 1.0, 1.0], [0.1, 1.0 / 3.0, -2e-9]);
+    for name in ["record.csv", "record.parquet"] {
+        let path = folder.path().join(name);
+        let metadata = vec![("title".to_owned(), "a test".to_owned())];
+        write_columns(&path, 5e-4, &[("u", &u), ("y", &y)], &metadata).unwrap();
+        let read = Recording::read(&path).unwrap();
+        let columns: Vec<(&str, &ColumnValues)> = read.columns.iter().map(|c| (c.name.as_str(), &c.values)).collect();
+        let numbers = |values: &[f64]| ColumnValues::Numbers(values.to_vec());
+        let expected = [numbers(&[0.0, 5e-4, 1e-3]), numbers(&u), numbers(&y)];
+        assert_eq!(columns.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["time_s", "u", "y"], "{name}");
+        assert!(columns.iter().zip(&expected).all(|((_, values), expected)| *values == expected), "{name}");
+        assert_eq!(read.metadata, metadata, "{name}");
+    }
+    let error = write_columns(&folder.path().join("record.txt"), 1.0, &[("u", &u)], &Vec::new()).unwrap_err();
+    assert!(error.to_string().contains(".parquet or .csv"), "{error}");
+}
