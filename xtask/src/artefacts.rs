@@ -6,7 +6,7 @@ use crate::checksum;
 use crate::install::{self, TARGET};
 use crate::shell;
 use anyhow::{Context, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
@@ -50,14 +50,22 @@ pub fn interface() -> Result<PathBuf> {
 
 /// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.
 pub fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
-    let mut cargo = shell::cargo();
+    linked_image(&mut shell::cargo(), bin, board)
+}
+
+/// The same of a copy of the workspace, which keeps what it builds to itself.
+pub fn image_in(tree: &Path, bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
+    linked_image(shell::cargo().current_dir(tree).env_remove("CARGO_TARGET_DIR"), bin, board)
+}
+
+fn linked_image(cargo: &mut Command, bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     cargo.env(LINKER_VARIABLE, install::flip_link()?);
     // Incremental builds are cut into other units: other instructions are counted then than in a
     // fresh clone.
     cargo.env("CARGO_INCREMENTAL", "0");
     cargo.args(["build", "--profile", "firmware", "--target", TARGET, "-p", "firmware", "--bin", bin]);
     cargo.args(["--no-default-features", "--features", board.feature()]);
-    let built = executable(&mut cargo, bin)?;
+    let built = executable(cargo, bin)?;
     // Both boards' images are built under one name, so each is kept apart under its own.
     let kept = built.with_file_name(format!("{bin}-{}.elf", board.feature()));
     std::fs::copy(&built, &kept).with_context(|| format!("{} cannot be written", kept.display()))?;

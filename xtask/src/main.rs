@@ -26,6 +26,7 @@ mod pages;
 mod reference;
 mod safety;
 mod same_results;
+mod seeded;
 mod shell;
 mod size;
 mod sources;
@@ -93,6 +94,9 @@ enum Job {
     /// Change dr-core's signals and control in every way that cargo-mutants knows, and show the
     /// changes that no test finds
     Mutants(mutants::MutantsOptions),
+    /// Put defects into the sensor board's firmware, one at a time, and show that its scenarios
+    /// notice each
+    Seeded(seeded::SeededOptions),
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::FlashOptions),
 }
@@ -118,6 +122,7 @@ fn main() -> ExitCode {
         Job::Miri => miri::run(),
         Job::Coverage => coverage::run(),
         Job::Mutants(options) => mutants::run(&options),
+        Job::Seeded(options) => seeded::run(&options),
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {

@@ -1,0 +1,172 @@
+//! Puts defects into the sensor board's firmware, one at a time, and shows that what runs the image
+//! notices each.
+//!
+//! A copy of the workspace is changed, its image is built as the flashed one is, and the scenarios
+//! of `silicon` run on it. A defect counts as caught when its scenario fails, and says what
+//! [`defects`] expects of it. First of all the image without a defect has to pass them.
+
+mod defects;
+
+use crate::artefacts::{self, FirmwareBoard};
+use crate::{install, shell};
+use anyhow::{Context, Result, bail};
+use defects::Defect;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// What takes longer hangs, which counts as a failure.
+const LONGEST_SCENARIO: Duration = Duration::from_secs(300);
+
+#[derive(clap::Args)]
+pub struct SeededOptions {
+    /// Only those whose name contains this
+    name: Option<String>,
+}
+
+pub fn run(options: &SeededOptions) -> Result<()> {
+    install::thumb_target()?;
+    install::emulated_core()?;
+    let wanted = |defect: &Defect| options.name.as_ref().is_none_or(|name| defect.name.contains(name));
+    let defects: Vec<_> = defects::read()?.into_iter().filter(wanted).collect();
+    if defects.is_empty() {
+        bail!("no defect has such a name");
+    }
+    let bench = Workbench::new()?;
+    shell::announce("the image without a defect");
+    let image = bench.build()?;
+    for scenario in defects.iter().map(|defect| defect.scenario.as_str()).collect::<BTreeSet<_>>() {
+        if let ScenarioEnd::Failed(output) = bench.scenario(&image, scenario)? {
+            bail!("{scenario} fails without a defect:\n{output}");
+        }
+    }
+    let mut missed = Vec::new();
+    for defect in &defects {
+        let start = Instant::now();
+        let caught = bench.judge(defect)?;
+        println!("{:7} {} ({:.0} s)", caught.word(), defect.name, start.elapsed().as_secs_f64());
+        if let Verdict::Missed(why) = caught {
+            missed.push(format!("{}: {why}", defect.name));
+        }
+    }
+    if !missed.is_empty() {
+        bail!("{} of {} defects were not caught:\n{}", missed.len(), defects.len(), missed.join("\n"));
+    }
+    println!("{} defects, all caught", defects.len());
+    Ok(())
+}
+
+enum Verdict {
+    Caught,
+    Missed(String),
+}
+
+impl Verdict {
+    const fn word(&self) -> &'static str {
+        match self {
+            Self::Caught => "caught",
+            Self::Missed(_) => "MISSED",
+        }
+    }
+}
+
+enum ScenarioEnd {
+    Passed,
+    /// With what it has printed.
+    Failed(String),
+}
+
+/// The copy that is changed, and what judges its images.
+struct Workbench {
+    tree: PathBuf,
+    scenarios: PathBuf,
+}
+
+impl Workbench {
+    /// Copies the workspace, and builds the scenarios.
+    fn new() -> Result<Self> {
+        // Below the workspace, whose `.cargo/config.toml` therefore holds for it, too.
+        let tree = shell::root().join("target/seeded/tree");
+        for file in shell::captured(shell::program("git").args(["ls-files", "-z"]))?.split('\0') {
+            if !file.is_empty() && !file.starts_with(".cargo/") {
+                copy(&shell::root().join(file), &tree.join(file))?;
+            }
+        }
+        shell::announce("building the scenarios");
+        let mut cargo = shell::cargo();
+        cargo.args(["test", "--release", "-p", "silicon", "--test", "scenarios", "--no-run"]);
+        Ok(Self { tree, scenarios: artefacts::executable(&mut cargo, "scenarios")? })
+    }
+
+    /// The image of the copy as it is.
+    fn build(&self) -> Result<PathBuf> {
+        artefacts::image_in(&self.tree, "firmware", FirmwareBoard::Sensor)
+    }
+
+    /// Puts a defect into the copy, and takes it out again.
+    fn judge(&self, defect: &Defect) -> Result<Verdict> {
+        let file = self.tree.join(defect.path());
+        let sound = read(&file)?;
+        write(&file, &defect.applied_to(&sound)?)?;
+        let image = self.build();
+        write(&file, &sound)?;
+        let Ok(image) = image else { return Ok(Verdict::Missed("it cannot be compiled".into())) };
+        Ok(match self.scenario(&image, &defect.scenario)? {
+            ScenarioEnd::Passed => Verdict::Missed(format!("{} passes", defect.scenario)),
+            ScenarioEnd::Failed(output) if output.contains(&defect.shows) => Verdict::Caught,
+            ScenarioEnd::Failed(output) => Verdict::Missed(format!("“{}” is not in\n{output}", defect.shows)),
+        })
+    }
+
+    /// Runs scenarios of this name on an image.
+    fn scenario(&self, image: &Path, name: &str) -> Result<ScenarioEnd> {
+        let told = self.tree.join("target/scenario.txt");
+        let output = File::create(&told).with_context(|| format!("{} cannot be written", told.display()))?;
+        let mut command = Command::new(&self.scenarios);
+        command.current_dir(shell::root().join("silicon")).env("ANEMO_SENSOR_FIRMWARE", image).arg(name);
+        let mut child = command.stdout(output.try_clone()?).stderr(output).spawn()?;
+        let start = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait()? {
+                break Some(status);
+            }
+            if start.elapsed() > LONGEST_SCENARIO {
+                child.kill()?;
+                child.wait()?;
+                break None;
+            }
+            sleep(Duration::from_millis(50));
+        };
+        let output = read(&told)?;
+        if output.contains("\nrunning 0 tests") {
+            bail!("there is no scenario {name}");
+        }
+        Ok(match status {
+            Some(status) if status.success() => ScenarioEnd::Passed,
+            _ => ScenarioEnd::Failed(output),
+        })
+    }
+}
+
+/// Copies what has changed: what has not need not be compiled anew.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let wanted = std::fs::read(from).with_context(|| format!("{} cannot be read", from.display()))?;
+    if std::fs::read(to).is_ok_and(|there| there == wanted) {
+        return Ok(());
+    }
+    if let Some(folder) = to.parent() {
+        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    }
+    std::fs::write(to, wanted).with_context(|| format!("{} cannot be written", to.display()))
+}
+
+fn read(file: &Path) -> Result<String> {
+    std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))
+}
+
+fn write(file: &Path, text: &str) -> Result<()> {
+    std::fs::write(file, text).with_context(|| format!("{} cannot be written", file.display()))
+}
