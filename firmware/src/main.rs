@@ -34,7 +34,7 @@ mod app {
     use super::vitals::{self, Health};
     use super::{crash_memory, halt};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Cause, LockoutWords, Margins, Refusal, RunState, TripHistory};
+    use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
     use dr_core::{Command, Instrument};
     use firmware::check_ins::{CheckIns, Member};
     use firmware::crash_record::CrashTrip;
@@ -121,6 +121,9 @@ mod app {
     #[local]
     struct Local {
         instrument: Instrument<ELEMENTS>,
+        /// As the last start left it, until the instrument has it. Not given to it at the start,
+        /// where the stack would hold the instrument more than once.
+        lockout_before: Option<Lockout>,
         /// The trip counter as RAM keeps it across a reset.
         kept_lockout: LockoutWords,
         front_end: FrontEnd,
@@ -167,9 +170,6 @@ mod app {
             CRASH_TRIP.put(cause);
             STANDBY_LOCK.standby(false);
         }
-        let mut instrument = Instrument::new();
-        instrument.restore_lockout(lockout);
-        instrument.expect_host();
         let identity = vitals::identity(reset, past);
         // The identity goes first: a host that was connected before the reset must notice the
         // reset.
@@ -187,7 +187,8 @@ mod app {
                 run_state: RunState::Standby,
             },
             Local {
-                instrument,
+                instrument: Instrument::new(),
+                lockout_before: Some(lockout),
                 kept_lockout: lockout.words(),
                 front_end: parts.front_end,
                 requests,
@@ -268,10 +269,11 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, lockout_before, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
     fn control(mut cx: control::Context) {
         let control::LocalResources {
             instrument,
+            lockout_before,
             kept_lockout,
             front_end,
             requests,
@@ -283,7 +285,11 @@ mod app {
         } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
-        // Before any command.
+        // Before any trip and any command.
+        if let Some(lockout) = lockout_before.take() {
+            instrument.restore_lockout(lockout);
+            instrument.expect_host();
+        }
         if let Some(cause) = CRASH_TRIP.take() {
             instrument.trip(cause);
         }
