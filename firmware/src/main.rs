@@ -34,7 +34,7 @@ mod app {
     use super::vitals::{self, Health};
     use super::{crash_memory, halt};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Cause, LockoutWords, Margins, Refusal, RunState, TripHistory};
+    use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
     use dr_core::{Command, Instrument};
     use firmware::check_ins::{CheckIns, Member};
     use firmware::crash_record::CrashTrip;
@@ -77,6 +77,7 @@ mod app {
     static UNSENT: Unsent = Unsent::none();
     static CHECK_INS: CheckIns = CheckIns::none();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
+    static LOST_CONVERSIONS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
     /// The dead-man timer has expired, and the controller has not tripped yet.
@@ -84,6 +85,8 @@ mod app {
     /// Sequence number of a `Stop`, plus one; 0 if there is none.
     static STOP: AtomicU32 = AtomicU32::new(0);
     static DEADLINES: AtomicU32 = AtomicU32::new(0);
+    /// The dead-man timer is to be proved, as soon as all heaters are low.
+    static PROOF_IS_DUE: AtomicBool = AtomicBool::new(true);
     static FLIPPABLE: AtomicU32 = AtomicU32::new(0);
     static ARMED: AtomicBool = AtomicBool::new(false);
     /// The crash of an earlier start has been acknowledged.
@@ -118,6 +121,9 @@ mod app {
     #[local]
     struct Local {
         instrument: Instrument<ELEMENTS>,
+        /// As the last start left it, until the instrument has it. Not given to it at the start,
+        /// where the stack would hold the instrument more than once.
+        lockout_before: Option<Lockout>,
         /// The trip counter as RAM keeps it across a reset.
         kept_lockout: LockoutWords,
         front_end: FrontEnd,
@@ -164,9 +170,6 @@ mod app {
             CRASH_TRIP.put(cause);
             STANDBY_LOCK.standby(false);
         }
-        let mut instrument = Instrument::new();
-        instrument.restore_lockout(lockout);
-        instrument.expect_host();
         let identity = vitals::identity(reset, past);
         // The identity goes first: a host that was connected before the reset must notice the
         // reset.
@@ -184,7 +187,8 @@ mod app {
                 run_state: RunState::Standby,
             },
             Local {
-                instrument,
+                instrument: Instrument::new(),
+                lockout_before: Some(lockout),
                 kept_lockout: lockout.words(),
                 front_end: parts.front_end,
                 requests,
@@ -205,20 +209,23 @@ mod app {
         )
     }
 
-    /// Proves the dead-man timer, then tests the memories and sleeps until an interrupt. The
-    /// virtual board waits for its host here and passes on the bytes received.
+    /// Proves the dead-man timer when that is due, tests clock and memories, and sleeps until an
+    /// interrupt. The virtual board waits for its host here and passes on the bytes received.
     #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox, findings])]
     // Under its own name in the image, where `cargo xtask safety` looks for it: what runs before it
     // is start-up.
     #[inline(never)]
     fn idle(mut cx: idle::Context) -> ! {
-        // Of what control uses, so that control waits, and the dead-man timer does not.
-        cx.shared.findings.lock(|_| {
-            cx.local.idler.prove_dead_man();
-            OUTPUT_TIMED_OUT.store(false, Relaxed);
-            DEADLINES.store(0, Relaxed);
-        });
         loop {
+            if PROOF_IS_DUE.load(Relaxed) {
+                // Of what control uses, so that control waits, and the dead-man timer does not.
+                cx.shared.findings.lock(|_| {
+                    let (has_timed_out, deadlines) = (OUTPUT_TIMED_OUT.load(Relaxed), DEADLINES.load(Relaxed));
+                    PROOF_IS_DUE.store(!cx.local.idler.prove_dead_man(), Relaxed);
+                    OUTPUT_TIMED_OUT.store(has_timed_out, Relaxed);
+                    DEADLINES.store(deadlines, Relaxed);
+                });
+            }
             if let Some(cause) = cx.local.idler.check() {
                 CRASH_TRIP.put(cause);
                 rtic::pend(CONTROL);
@@ -262,10 +269,11 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, lockout_before, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
     fn control(mut cx: control::Context) {
         let control::LocalResources {
             instrument,
+            lockout_before,
             kept_lockout,
             front_end,
             requests,
@@ -277,7 +285,11 @@ mod app {
         } = cx.local;
         let mut started = board::cycles();
         CHECK_INS.check_in(Member::Control);
-        // Before any command.
+        // Before any trip and any command.
+        if let Some(lockout) = lockout_before.take() {
+            instrument.restore_lockout(lockout);
+            instrument.expect_host();
+        }
         if let Some(cause) = CRASH_TRIP.take() {
             instrument.trip(cause);
         }
@@ -314,9 +326,14 @@ mod app {
 
         // One tick or none; several if the front end was silent.
         while let Some(readings) = front_end.poll() {
+            // Before the reasons for which others have lowered them.
+            let held = front_end.holds_levels();
             if OUTPUT_TIMED_OUT.load(Relaxed) {
                 OUTPUT_TIMED_OUT.store(false, Relaxed);
                 instrument.trip(Cause::Deadline);
+            }
+            if !held && !CRASH_TRIP.waits() {
+                instrument.trip(Cause::Heater);
             }
             let tick = instrument.tick(&readings);
             // The heaters first: the wind decides nothing.
@@ -352,9 +369,14 @@ mod app {
             started = ended;
         }
 
+        if let Some(cause) = front_end.take_fault() {
+            board::heaters_low();
+            instrument.trip(cause);
+        }
         if let Some(reply) = front_end.reply_to_silence() {
             outbox.put(reply);
         }
+        LOST_CONVERSIONS.store(front_end.lost_conversions(), Relaxed);
         FLIPPABLE.store(instrument.controller().bit_flips(), Relaxed);
         ARMED.store(instrument.controller().is_armed(), Relaxed);
 
@@ -402,6 +424,7 @@ mod app {
         match command {
             // Not before: a start that is refused must not disturb the run.
             Command::Start => front_end.restart(),
+            Command::SelfTest(_) => PROOF_IS_DUE.store(true, Relaxed),
             Command::Acknowledge => {
                 halt::acknowledge();
                 ACKNOWLEDGED.store(true, Relaxed);
@@ -564,6 +587,7 @@ mod app {
                 refused,
                 unsent: UNSENT.count(),
                 late_ticks: LATE_TICKS.load(Relaxed),
+                lost_conversions: LOST_CONVERSIONS.load(Relaxed),
                 deadlines: DEADLINES.load(Relaxed),
                 bit_flips: FLIPPABLE.load(Relaxed),
                 armed: ARMED.load(Relaxed),

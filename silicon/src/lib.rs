@@ -30,9 +30,7 @@
 //! instructions, so interrupts come up to a block late.
 //!
 //! **Complaints.** A model that is used against its manual notes the cycle, the register and the
-//! rule, and goes on. A scenario that ends with a complaint fails, unless it is one of the known
-//! defects, which have scenarios of their own (`tests/scenarios/known_defects.rs`) and leave the
-//! list as they are mended.
+//! rule, and goes on. A scenario that ends with a complaint fails.
 //!
 //! **Use.** `cargo xtask test` builds the image and runs `tests/scenarios`. The program
 //! `anemo-silicon` is a board in a process of its own; with it beside `anemo` in a build folder,
@@ -58,7 +56,7 @@
 //! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop, every
 //! cause of the guard, crashes in each task, settings, supply, self-test, the line, random lives
 //! (`ANEMO_LIVES=2000` for more than 200), flipped bits (`ANEMO_FLIPS=1000`), ten minutes of a run
-//! (`ANEMO_SOAK_S=86400` for a day), and the known defects. `equal_bits` hands the readings that
+//! (`ANEMO_SOAK_S=86400` for a day). `equal_bits` hands the readings that
 //! the board has taken to a controller in this process, and `against_qemu` runs images of the
 //! virtual board here and in QEMU: both are equal to the bit.
 //!

@@ -1,15 +1,15 @@
-//! Judges the pins of the heaters by itself: by what host and board have told each other, and by the
-//! codes that have passed from the converter to the processor.
+//! Judges the pins of the heaters by itself: by what host and board have told each other, and by
+//! the codes that have passed from the converter to the processor.
 //!
 //! **Asked for.** A heater may be high from the moment at which the host has asked for a run or a
-//! test, until the board sends the sample of a tick in a state that does not heat, or starts anew. A
-//! sample of before may come after the request; only one behind the reply to it counts. Events come
-//! between ticks, and levels follow a command at the next one: they end nothing.
+//! test, until the board answers a `Stop`, sends the sample of a tick in a state that does not
+//! heat, or starts anew. A sample of before may come after the request; only one behind the reply
+//! to it counts. Events come between ticks, and end nothing.
 //!
 //! **Read.** A heater may be high only while a valid code of its element is younger than two ticks.
 //! This is judged by the bytes on the converter's bus, whatever the board makes of them: the frame
-//! begins with its mark, and the code is not at an end of its range. It is judged at every change of
-//! the pins and at every conversion. The length of a tick is the last one to which the board has
+//! begins with its mark, and the code is not at an end of its range. It is judged at every change
+//! of the pins and at every conversion. The length of a tick is the last one to which the board has
 //! agreed; one that it has from its flash is not known here. A core that is stopped from outside
 //! can lower nothing: its watchdog does, within its slowest period.
 
@@ -39,6 +39,8 @@ pub struct HeaterWitness {
     may_heat: bool,
     /// The number of a request to heat that has not been answered yet.
     awaits_reply_to: Option<u16>,
+    /// The number of a `Stop` that has not been answered yet.
+    stop: Option<u16>,
     /// The last state that was reported.
     state: Option<RunState>,
     levels: u8,
@@ -72,6 +74,7 @@ impl HeaterWitness {
                 ToBoard::Command(Command::Start | Command::SelfTest(_)) => {
                     (self.may_heat, self.awaits_reply_to) = (true, Some(message.sequence));
                 }
+                ToBoard::Command(Command::Stop) => self.stop = Some(message.sequence),
                 ToBoard::Command(Command::SamplePeriod { sample_period_s }) => {
                     self.asked_ticks.push((message.sequence, sample_period_s));
                 }
@@ -96,6 +99,9 @@ impl HeaterWitness {
                 FromBoard::Reply { to, result } => {
                     if self.awaits_reply_to == Some(to) {
                         self.awaits_reply_to = None;
+                    }
+                    if self.stop.take_if(|stop| *stop == to).is_some() && self.awaits_reply_to.is_none() {
+                        self.may_heat = false;
                     }
                     self.asked_ticks.retain(|&(sequence, tick_s)| {
                         if sequence == to && result.is_ok() {
@@ -196,6 +202,20 @@ mod tests {
         told(&mut witness, 3, &FromBoard::Event(Event { tick: 9, state }), &mut complaints);
         assert_eq!(complaints.all(), []);
         told(&mut witness, 4, &sample(state), &mut complaints);
+        assert_eq!(complaints.all()[0].rule, BrokenRule::HeaterHigh);
+    }
+
+    #[test]
+    fn a_heater_that_is_high_behind_the_reply_to_a_stop_is_noticed() {
+        let (mut witness, mut complaints) = (HeaterWitness::default(), Complaints::default());
+        for (number, command) in [(1, Command::Start), (2, Command::Stop)] {
+            let mut buffer = [0; wire::MAX_FRAME];
+            witness.sent(wire::encode(number, &ToBoard::Command(command), &mut buffer).unwrap());
+        }
+        witness.pins(2, 0b1, &mut complaints);
+        told(&mut witness, 1, &FromBoard::Reply { to: 1, result: Ok(Reply::Done) }, &mut complaints);
+        assert_eq!(complaints.all(), []);
+        told(&mut witness, 2, &FromBoard::Reply { to: 2, result: Ok(Reply::Done) }, &mut complaints);
         assert_eq!(complaints.all()[0].rule, BrokenRule::HeaterHigh);
     }
 

@@ -295,6 +295,7 @@ impl Life {
                     refused,
                     unsent,
                     late_ticks,
+                    lost_conversions: 0,
                     deadlines: 0,
                     bit_flips: station.controller().bit_flips(),
                     history: station.controller().lockout().history(),

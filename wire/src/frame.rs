@@ -144,6 +144,7 @@ mod tests {
             refused: u32::MAX,
             unsent: u32::MAX,
             late_ticks: u32::MAX,
+            lost_conversions: u32::MAX,
             deadlines: u32::MAX,
             bit_flips: u32::MAX,
             armed: true,

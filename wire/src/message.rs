@@ -352,6 +352,8 @@ pub struct Status {
     pub unsent: u32,
     /// Ticks that came before the one before was through.
     pub late_ticks: u32,
+    /// Conversions of the ADC that were not read in time, or whose frame was damaged.
+    pub lost_conversions: u32,
     /// Times that the heaters were lowered because their levels had not been decided anew in time.
     pub deadlines: u32,
     /// Bit flips found in memory by the integrity check.

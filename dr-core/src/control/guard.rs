@@ -13,9 +13,10 @@
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
-//! a pin that could not be set; `HostTimeout`, no frame of a host for too long while heating; after
-//! an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; and by its proof tests `Memory`,
-//! `Clock`, and `ProofTest` for the dead-man timer or the watchdog.
+//! a pin that could not be set, or has another level; `HostTimeout`, no frame of a host for too
+//! long while heating; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; by
+//! its proof tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog; and
+//! `AdcRegister`, a register of the ADC that has changed.
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
@@ -54,6 +55,7 @@ pub enum Cause {
     ProofTest,
     HostTimeout,
     OtherHead,
+    AdcRegister,
 }
 
 impl Cause {
@@ -279,7 +281,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 21] = [
+        const ALL: [Cause; 22] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -301,6 +303,7 @@ mod tests {
             Cause::ProofTest,
             Cause::HostTimeout,
             Cause::OtherHead,
+            Cause::AdcRegister,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {

@@ -228,6 +228,11 @@ impl LinkFrontEnd {
         true
     }
 
+    /// It has no pins.
+    pub const fn holds_levels(&self) -> bool {
+        true
+    }
+
     /// Its levels are those of a whole tick: they follow at the next one.
     pub const fn lower(&mut self) -> bool {
         false
@@ -277,6 +282,16 @@ impl LinkFrontEnd {
     /// Any period will do: the host keeps the time.
     pub const fn set_sample_period(&mut self, _sample_period_s: f32) -> Result<(), ConfigError> {
         Ok(())
+    }
+
+    /// The host counts what is lost on its link.
+    pub const fn lost_conversions(&self) -> u32 {
+        0
+    }
+
+    /// There is no ADC.
+    pub const fn take_fault(&mut self) -> Option<Cause> {
+        None
     }
 
     /// The host waits for each reply.
@@ -347,7 +362,9 @@ pub struct LinkIdler {
 
 impl LinkIdler {
     /// The emulator has no timer.
-    pub const fn prove_dead_man(&mut self) {}
+    pub const fn prove_dead_man(&mut self) -> bool {
+        true
+    }
 
     /// The emulator has no memory that fails.
     pub const fn check(&mut self) -> Option<Cause> {

@@ -9,9 +9,10 @@
 //! ns.
 //!
 //! Start-up ([`Ads131e06::initialise`]): reset, identity, configuration with all inputs shorted
-//! inside the chip, every register read back, the offset of each channel measured, inputs connected
-//! and read back again, continuous conversion. From then on every falling edge of data-ready
-//! requires one [`Ads131e06::read_frame`].
+//! inside the chip, every register read back, the offset of each channel measured by conversions
+//! that data-ready has announced, inputs connected, all registers read back again, continuous
+//! conversion. From then on every falling edge of data-ready requires one
+//! [`Ads131e06::read_frame`], and [`Ads131e06::verify`] finds a register that has changed.
 //!
 //! The offset is measured here and not by the chip's OFFSETCAL, because a number that is seen can
 //! be refused: 0.35 mV (typical) would be 0.2 K at the low current and 0.04 K at the high one, a
@@ -22,7 +23,7 @@
 //! on. START pin low, PWDN pin high.
 
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::OutputPin;
+use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::spi::{Operation, SpiDevice};
 
 use super::tick_plan::DataRate;
@@ -47,6 +48,9 @@ const FRAME_BYTES: usize = 3 + 3 * CHANNELS;
 /// The four bits every status word begins with.
 const STATUS_MARK: u8 = 0b1100;
 
+/// What [`Ads131e06::verify`] takes at 10.5 MHz, polled byte by byte.
+pub const VERIFY_US: u32 = 50;
+
 /// Four t_CLK (1.95 µs) that the chip needs to decode each byte of a command, and between the last
 /// byte and chip select.
 const DECODE_NS: u32 = 2_000;
@@ -62,6 +66,11 @@ const RESET_HIGH_US: u32 = 20;
 const REFERENCE_MS: u32 = 200;
 /// Conversions the offset is the mean of: takes 7 µV of noise down to 0.6 µV.
 const OFFSET_CONVERSIONS: i32 = 128;
+
+/// How often data-ready is looked at while an offset is measured.
+const LOOK_US: u32 = 5;
+/// Conversion periods that one may take: the first after START takes 4.5.
+const LONGEST_PERIODS: u32 = 8;
 
 mod command {
     pub const START: u8 = 0x08;
@@ -101,21 +110,29 @@ pub struct Ads131e06<SPI, RST> {
     reset: RST,
     /// Of each channel, as measured with its inputs shorted; taken off the codes of every frame.
     offsets: [i32; CHANNELS],
+    /// What each of [`Register::SET`] should hold.
+    written: [u8; Register::SET.len()],
 }
 
 impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// The chip as it is, before [`initialise`](Self::initialise). `reset` is active low.
     pub const fn new(spi: SPI, reset: RST) -> Self {
-        Self { spi, reset, offsets: [0; CHANNELS] }
+        Self { spi, reset, offsets: [0; CHANNELS], written: [0; Register::SET.len()] }
     }
 
     /// Brings the chip from any state to continuous conversion at `rate`. Takes 0.4 s (4 kSPS) or
     /// 0.5 s (1 kSPS).
     ///
     /// # Errors
-    /// Another chip or none, a register that does not hold what was written, an offset beyond
-    /// [`OFFSET_LIMIT`], or a bus or pin that failed. The chip is then not converting.
-    pub fn initialise(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    /// Another chip or none, a register that does not hold what was written, a data-ready line that
+    /// stays where it is, an offset beyond [`OFFSET_LIMIT`], or a bus or pin that failed. The chip
+    /// then sends no conversions.
+    pub fn initialise(
+        &mut self,
+        rate: DataRate,
+        data_ready: &mut impl InputPin,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), AdcError> {
         self.reset(delay)?;
         // After a reset the chip sends data of its own accord, and would take no register command.
         self.command(command::SDATAC, delay)?;
@@ -135,16 +152,13 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
             self.write_register(register, value, delay)?;
         }
         self.connect(AdcInput::Shorted, delay)?;
-        for (register, value) in common {
-            self.verify_register(register, value, delay)?;
-        }
-        self.verify_connected(AdcInput::Shorted, delay)?;
+        self.read_back(delay)?;
 
         delay.delay_ms(REFERENCE_MS);
-        self.measure_offsets(rate, delay)?;
+        self.measure_offsets(rate, data_ready, delay)?;
 
         self.connect(AdcInput::Pins, delay)?;
-        self.verify_connected(AdcInput::Pins, delay)?;
+        self.read_back(delay)?;
         self.command(command::START, delay)?;
         self.command(command::RDATAC, delay)
     }
@@ -159,7 +173,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.write_register(Register::Config1, config1(rate), delay)?;
-        self.verify_register(Register::Config1, config1(rate), delay)?;
+        self.read_back(delay)?;
         self.command(command::START, delay)?;
         self.command(command::RDATAC, delay)
     }
@@ -174,9 +188,21 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         self.command(command::SDATAC, delay)?;
         self.command(command::STOP, delay)?;
         self.connect(input, delay)?;
-        self.verify_connected(input, delay)?;
+        self.read_back(delay)?;
         self.command(command::START, delay)?;
         self.command(command::RDATAC, delay)
+    }
+
+    /// Reads all registers back from a chip that converts, which goes on with that. Takes
+    /// [`VERIFY_US`], between a frame and the next conversion.
+    ///
+    /// # Errors
+    /// The first register that does not hold what was written to it, or a bus that failed.
+    pub fn verify(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+        self.command(command::SDATAC, delay)?;
+        let kept = self.read_back(delay);
+        self.command(command::RDATAC, delay)?;
+        kept
     }
 
     /// Reads the conversion that data-ready has announced: 21 bytes and the 2 µs before chip select
@@ -214,22 +240,25 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8, delay))
     }
 
-    fn verify_connected(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        (0..CHANNELS as u8).try_for_each(|channel| self.verify_register(Register::Channel(channel), input as u8, delay))
-    }
-
     /// Mean code of every channel with its inputs shorted; converts for the purpose and stops
     /// again.
-    fn measure_offsets(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    fn measure_offsets(
+        &mut self,
+        rate: DataRate,
+        data_ready: &mut impl InputPin,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), AdcError> {
+        // The first conversion after it is settled.
         self.command(command::START, delay)?;
-        // The first conversion after START is settled, and comes after 4.5 conversion periods.
-        delay.delay_us(5 * rate.conversion_us());
         let mut sums = [0; CHANNELS];
         for _ in 0..OFFSET_CONVERSIONS {
-            // Longer than a conversion, so that none is counted twice.
-            delay.delay_us(rate.conversion_us() + rate.conversion_us() / 4);
+            wait_for_conversion(rate, data_ready, delay)?;
             for (sum, code) in sums.iter_mut().zip(self.read_on_demand()?) {
                 *sum += code;
+            }
+            // It rises with the first clock of a frame.
+            if matches!(data_ready.is_low(), Ok(true)) {
+                return Err(AdcError::DataReadyLow);
             }
         }
         self.command(command::STOP, delay)?;
@@ -261,24 +290,46 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     }
 
     fn write_register(&mut self, register: Register, value: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.access(command::WREG | register.address(), Operation::Write(&[value]), delay)
+        let place = usize::from(register.address()).wrapping_sub(1);
+        if let Some(written) = self.written.get_mut(place) {
+            *written = value;
+        }
+        self.access(command::WREG | register.address(), 1, Operation::Write(&[value]), delay)
     }
 
     fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError> {
         let mut value = [0];
-        self.access(command::RREG | register.address(), Operation::TransferInPlace(&mut value), delay)?;
+        self.access(command::RREG | register.address(), 1, Operation::TransferInPlace(&mut value), delay)?;
         Ok(value[0])
     }
 
-    /// Reads or writes one register.
-    fn access(&mut self, opcode: u8, value: Operation<'_, u8>, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    /// Holds all registers against what was written to them.
+    fn read_back(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+        let mut values = [0; Register::SET.len()];
+        let opcode = command::RREG | Register::Config1.address();
+        self.access(opcode, Register::SET.len() as u8, Operation::TransferInPlace(&mut values), delay)?;
+        for ((register, written), read) in Register::SET.into_iter().zip(self.written).zip(values) {
+            if (read ^ written) & register.mask() != 0 {
+                return Err(AdcError::NotKept { register, written, read });
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads or writes so many registers from one on.
+    fn access(
+        &mut self,
+        opcode: u8,
+        count: u8,
+        values: Operation<'_, u8>,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), AdcError> {
         self.transaction(&mut [
             Operation::Write(&[opcode]),
             Operation::DelayNs(DECODE_NS),
-            // Number of registers less one.
-            Operation::Write(&[0]),
+            Operation::Write(&[count - 1]),
             Operation::DelayNs(DECODE_NS),
-            value,
+            values,
             Operation::DelayNs(DECODE_NS),
         ])?;
         delay.delay_us(DESELECTED_US);
@@ -288,14 +339,20 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), AdcError> {
         self.spi.transaction(operations).map_err(|_| AdcError::Spi)
     }
+}
 
-    fn verify_register(&mut self, register: Register, written: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        let read = self.read_register(register, delay)?;
-        if (read ^ written) & register.mask() != 0 {
-            return Err(AdcError::NotKept { register, written, read });
+fn wait_for_conversion(
+    rate: DataRate,
+    data_ready: &mut impl InputPin,
+    delay: &mut impl DelayNs,
+) -> Result<(), AdcError> {
+    for _ in 0..LONGEST_PERIODS * rate.conversion_us() / LOOK_US {
+        if matches!(data_ready.is_low(), Ok(true)) {
+            return Ok(());
         }
-        Ok(())
+        delay.delay_us(LOOK_US);
     }
+    Err(AdcError::NoConversion)
 }
 
 /// Bits 7 and 4 must be 1; no daisy chain, no clock output; data rate below.

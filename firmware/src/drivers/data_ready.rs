@@ -1,4 +1,4 @@
-//! Assignment of data-ready edges to conversions by the clock of the processor.
+//! Assignment of data-ready edges to conversions by a clock of the processor.
 //!
 //! A tick is a number of conversions ([`TickPlan`](super::tick_plan::TickPlan)), and an edge that
 //! nobody saw would make it longer without a trace. So each conversion has a time at which it is
@@ -7,14 +7,15 @@
 //! ```text
 //! d_(k+1) = d_k + P + (t_k − d_k)/8    if t_k ≥ d_k
 //! d_(k+1) = t_k + P                    if t_k < d_k
-//! conversion k is lost if it has not been seen by d_k + P
+//! conversion k is lost if it has not been seen by d_k + P, or if it is seen after d_k + P − F
 //! ```
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | P | conversion period of the ADC, nominal | processor cycles |
-//! | d_k | when conversion k is due | processor cycles |
-//! | t_k | when its edge was served | processor cycles |
+//! | P | conversion period of the ADC, nominal | counts |
+//! | d_k | when conversion k is due | counts |
+//! | t_k | when its edge was served | counts |
+//! | F | what reading its frame takes | counts |
 //!
 //! An edge is never served before it has come, so an early one is taken for the truth at once,
 //! while a late one may only have waited and moves the due time by an eighth of its lateness. The
@@ -27,17 +28,21 @@
 //! time, and an ADC that has fallen silent, for which time then goes on in ticks whose readings are
 //! missing.
 //!
-//! Limits: the cycle counter wraps every 25 s at 168 MHz, so it must be polled at least once in 12
-//! s. An edge that is not one of the ADC's (a disturbance on the line) counts as a conversion.
+//! A frame that is read across the update by the next conversion is half of each, and its mark does
+//! not show it: what is served too late for its frame is not read.
+//!
+//! Limits: the clock must be polled at least once in half of the time in which it wraps, and d_k is
+//! wrong by some lateness of before, which F must allow for. An edge that is not one of the ADC's
+//! (a disturbance on the line) counts as a conversion.
 
-/// Cycles until the first conversion after a start, in periods: the ADC's filter has to fill, 4.5
-/// periods.
-const FIRST: u32 = 5;
+/// Half periods from a start to the first conversion: the ADC's filter has to fill.
+const FIRST: u32 = 9;
 
 /// The expected course of data-ready edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DataReady {
-    period_cycles: u32,
+    period: u32,
+    frame: u32,
     due: u32,
 }
 
@@ -50,27 +55,35 @@ pub enum Due {
     Lost,
     /// Its edge has come: read it.
     Read,
+    /// Its edge has come, and the next one would come before its frame is out: count it as lost.
+    Late,
 }
 
 impl DataReady {
-    /// Conversions of `period_cycles` from an ADC that was started at `now`.
-    pub const fn new(period_cycles: u32, now: u32) -> Self {
-        Self { period_cycles, due: now.wrapping_add(FIRST * period_cycles) }
+    /// Conversions of `period` counts from an ADC that was started at `now`, whose frames take
+    /// `frame` counts.
+    pub const fn new(period: u32, frame: u32, now: u32) -> Self {
+        Self { period, frame, due: now.wrapping_add(FIRST * period / 2) }
+    }
+
+    /// Whether `counts` are left at `now` before the next conversion.
+    pub const fn leaves(&self, now: u32, counts: u32) -> bool {
+        self.due.wrapping_sub(now).cast_signed() >= counts.cast_signed()
     }
 
     /// What is due at `now`, if an edge waits to be served or not.
     pub const fn next(&mut self, now: u32, edge: bool) -> Due {
         let late = now.wrapping_sub(self.due).cast_signed();
-        if late >= self.period_cycles.cast_signed() {
-            self.due = self.due.wrapping_add(self.period_cycles);
+        if late >= self.period.cast_signed() {
+            self.due = self.due.wrapping_add(self.period);
             return Due::Lost;
         }
         if !edge {
             return Due::Wait;
         }
         let correction = if late < 0 { late } else { late / 8 };
-        self.due = self.due.wrapping_add_signed(correction).wrapping_add(self.period_cycles);
-        Due::Read
+        self.due = self.due.wrapping_add_signed(correction).wrapping_add(self.period);
+        if late > self.period.wrapping_sub(self.frame).cast_signed() { Due::Late } else { Due::Read }
     }
 }
 
@@ -80,6 +93,8 @@ mod tests {
 
     /// 4 kSPS at 168 MHz.
     const PERIOD: u32 = 42_000;
+    /// A fifth of it.
+    const FRAME: u32 = 8_400;
 
     /// Serves the edges at these times (in periods) and gives the number of conversions read and
     /// lost.
@@ -90,11 +105,11 @@ mod tests {
             loop {
                 match data_ready.next(now, true) {
                     Due::Lost => lost += 1,
-                    Due::Read => break,
+                    Due::Read => break read += 1,
+                    Due::Late => break lost += 1,
                     Due::Wait => panic!("an edge that waits must be served"),
                 }
             }
-            read += 1;
         }
         (read, lost)
     }
@@ -102,7 +117,7 @@ mod tests {
     #[test]
     fn edges_in_time_are_all_read_also_over_a_wrap_of_the_counter() {
         let start = u32::MAX - 20 * PERIOD;
-        let mut data_ready = DataReady::new(PERIOD, start);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, start);
         assert_eq!(served(&mut data_ready, (0..100).map(|k| 4.5 + f64::from(k)), start), (100, 0));
     }
 
@@ -111,30 +126,41 @@ mod tests {
         // The steady lateness is 8 times the difference of the periods: 0.4 of one, and less than
         // one is not lost.
         for ratio in [0.95, 0.999_9, 1.000_1, 1.05] {
-            let mut data_ready = DataReady::new(PERIOD, 0);
+            let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
             assert_eq!(served(&mut data_ready, (0..5_000).map(|k| 4.5 + f64::from(k) * ratio), 0), (5_000, 0));
         }
     }
 
     #[test]
     fn a_late_service_loses_nothing_if_the_next_edge_has_not_come() {
-        let mut data_ready = DataReady::new(PERIOD, 0);
-        let times = (0..300).map(|k| 4.5 + f64::from(k) + if k % 3 == 1 { 0.8 } else { 0.0 });
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
+        let times = (0..300).map(|k| 4.5 + f64::from(k) + if k % 3 == 1 { 0.7 } else { 0.0 });
         assert_eq!(served(&mut data_ready, times, 0), (300, 0));
+    }
+
+    #[test]
+    fn an_edge_that_is_served_too_late_for_its_frame_is_lost_alone() {
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
+        let times = (0..300).map(|k| 4.5 + f64::from(k) + if k % 10 == 5 { 0.81 } else { 0.0 });
+        assert_eq!(served(&mut data_ready, times, 0), (270, 30));
+        // The last one was served at 303.5.
+        let at = |periods: f64| (periods * f64::from(PERIOD)) as u32;
+        assert!(data_ready.leaves(at(304.0), PERIOD / 2) && !data_ready.leaves(at(304.01), PERIOD / 2));
+        assert!(!data_ready.leaves(at(304.6), 1));
     }
 
     #[test]
     fn an_edge_that_was_overwritten_is_counted_once() {
         // Every tenth edge is served so late that the next has come as well: one service for two
         // conversions.
-        let mut data_ready = DataReady::new(PERIOD, 0);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
         let times = (0..300).filter(|k| k % 10 != 5).map(|k| 4.5 + f64::from(k) + if k % 10 == 6 { 0.3 } else { 0.0 });
         assert_eq!(served(&mut data_ready, times, 0), (270, 30));
     }
 
     #[test]
     fn a_silent_adc_loses_its_conversions_at_their_rate() {
-        let mut data_ready = DataReady::new(PERIOD, 0);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
         served(&mut data_ready, (0..10).map(|k| 4.5 + f64::from(k)), 0);
         // The last edge came at 13.5 periods. Asked as the health task does, every 200 periods (50
         // ms).
@@ -150,16 +176,23 @@ mod tests {
     }
 
     #[test]
+    fn a_first_conversion_that_is_served_too_late_is_not_read() {
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
+        assert_eq!(data_ready.next(PERIOD / 10 * 53 + 1, true), Due::Late);
+    }
+
+    #[test]
     fn an_adc_that_never_starts_is_silent_from_its_first_conversion_on() {
-        let mut data_ready = DataReady::new(PERIOD, 0);
-        assert_eq!(data_ready.next(6 * PERIOD - 1, false), Due::Wait);
-        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Lost);
-        assert_eq!(data_ready.next(6 * PERIOD, false), Due::Wait);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
+        let overdue = 11 * PERIOD / 2;
+        assert_eq!(data_ready.next(overdue - 1, false), Due::Wait);
+        assert_eq!(data_ready.next(overdue, false), Due::Lost);
+        assert_eq!(data_ready.next(overdue, false), Due::Wait);
     }
 
     #[test]
     fn an_adc_that_comes_back_is_read_again() {
-        let mut data_ready = DataReady::new(PERIOD, 0);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
         served(&mut data_ready, [4.5, 5.5], 0);
         // Silence until 100.2: those due at 6.5 … 98.5 have been overdue for a period or more, 99.5
         // is read late.
@@ -168,7 +201,7 @@ mod tests {
 
     #[test]
     fn asking_between_edges_changes_nothing() {
-        let mut data_ready = DataReady::new(PERIOD, 0);
+        let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
         served(&mut data_ready, [4.5], 0);
         let before = data_ready;
         assert_eq!(data_ready.next(5 * PERIOD, false), Due::Wait);
@@ -183,7 +216,7 @@ mod tests {
 
         // 10 ms ticks of 40 conversions; the ADC stops k conversions into its third tick.
         for k in 0..40 {
-            let mut data_ready = DataReady::new(PERIOD, 0);
+            let mut data_ready = DataReady::new(PERIOD, FRAME, 0);
             let mut mean = SettledMean::<1>::new(TickPlan::new(10_000).unwrap());
             served(&mut data_ready, (0..80 + k).map(|n| 4.5 + f64::from(n)), 0);
             let mut ticks: Vec<_> = (0..80 + k).filter_map(|_| mean.conversion(Some(&[7]))).collect();

@@ -19,6 +19,9 @@
 //! would look healthy. One such conversion therefore makes the whole tick's code that end of the
 //! range, and the guard can see it.
 //!
+//! A mean of less than half of the settled conversions is refused: its window is another one, and
+//! an ADC most of whose frames are lost must not be believed for those that pass by chance.
+//!
 //! Limits: the mean belongs to the middle of its window, (m + 2)/2 conversions before the tick's
 //! end (the filter's own delay of 1.5 conversions included), and not to the tick's end itself.
 
@@ -46,8 +49,8 @@ impl<const N: usize> SettledMean<N> {
     /// Takes what one data-ready brought and, on the last one of the tick, gives the readings.
     ///
     /// `None` stands for a conversion that was lost on the way (SPI error, damaged frame): time has
-    /// passed, but it adds nothing. A tick that has lost all its settled conversions reads
-    /// [`Reading::Missing`].
+    /// passed, but it adds nothing. A tick that has lost more than half of its settled conversions
+    /// reads [`Reading::Missing`].
     pub fn conversion(&mut self, codes: Option<&[i32; N]>) -> Option<[Reading; N]> {
         self.seen += 1;
         if self.seen > SETTLING_CONVERSIONS
@@ -85,7 +88,8 @@ impl<const N: usize> SettledMean<N> {
 
     fn readings(&self) -> [Reading; N] {
         let mut readings = [Reading::Missing; N];
-        if self.settled > 0 {
+        let expected = self.conversions.saturating_sub(SETTLING_CONVERSIONS);
+        if self.settled > 0 && 2 * self.settled >= expected {
             for ((reading, &sum), end_of_range) in readings.iter_mut().zip(&self.sum).zip(&self.end_of_range) {
                 *reading = Reading::Code(end_of_range.unwrap_or_else(|| rounded_mean(sum, self.settled)));
             }
@@ -185,6 +189,18 @@ mod tests {
             assert_eq!(mean.conversion(codes.as_ref()), None);
         }
         assert_eq!(mean.conversion(Some(&[30, 40])), Some([Reading::Code(20), Reading::Code(30)]));
+    }
+
+    #[test]
+    fn a_mean_of_less_than_half_of_the_settled_conversions_is_refused() {
+        // 40 conversions: 37 settled ones, of which 19 are enough.
+        for (arrived, is_enough) in [(19, true), (18, false), (1, false)] {
+            let mut mean = mean(10_000);
+            let codes = (0..40).map(|k| (k >= 40 - arrived).then_some([5, 6]));
+            let readings = codes.filter_map(|codes| mean.conversion(codes.as_ref())).last();
+            let expected = if is_enough { [Reading::Code(5), Reading::Code(6)] } else { [Reading::Missing; 2] };
+            assert_eq!(readings, Some(expected), "{arrived}");
+        }
     }
 
     #[test]

@@ -118,6 +118,7 @@ mod tests {
         };
         let first = Some(FirstTrip { trip: Trip::of(2, Cause::Open), at_s: 75 });
         let status = Status {
+            lost_conversions: 0,
             uptime_s: 12,
             state: RunState::Tripped(Trip::whole(Cause::Watchdog)),
             link: LinkCounters::default(),

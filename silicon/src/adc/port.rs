@@ -86,6 +86,11 @@ impl Adc {
         self.fault = fault;
     }
 
+    /// A register takes another value by itself.
+    pub fn disturb_register(&mut self, address: usize, value: u8) {
+        self.registers.set(address, value);
+    }
+
     /// Whether data-ready is low.
     pub const fn data_ready_low(&self) -> bool {
         self.data_ready_low

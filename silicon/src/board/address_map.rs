@@ -5,6 +5,7 @@ use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob};
 use crate::soc::access::Access;
 use crate::soc::dma::{self, Dma};
+use crate::soc::gpio::GpioPort;
 use crate::soc::rcc::ResetSource;
 use crate::soc::spi::Spi;
 use crate::soc::timer::Timer;
@@ -19,6 +20,7 @@ impl Board {
             0x4002_0800 => (0, 2, "GPIOC"),
             0x4002_6000 => (0, 21, "DMA1"),
             0x4000_4400 => (1, 17, "USART2"),
+            0x4000_0000 => (1, 0, "TIM2"),
             0x4000_0c00 => (1, 3, "TIM5"),
             0x4000_7000 => (1, 28, "PWR"),
             0x4001_3000 => (2, 12, "SPI1"),
@@ -52,12 +54,16 @@ impl Board {
                 let data_ready = u32::from(!self.adc.data_ready_low()) << DATA_READY_PIN;
                 self.ports[1].load(offset, data_ready, !data_ready & 1 << DATA_READY_PIN)
             }
-            0x4002_0800..0x4002_0c00 => self.ports[2].load(offset, 0, 0),
+            0x4002_0800..0x4002_0c00 => {
+                let (high, low) = self.heater_shorts;
+                self.ports[2].load(offset, 0, low) | if offset == GpioPort::INPUT { high } else { 0 }
+            }
             0x4001_3c00..0x4001_4000 => self.exti.load(offset),
             0x4001_3800..0x4001_3c00 => self.exti.load_config(offset),
             0x4001_3000..0x4001_3400 => self.spi.load(offset),
             0x4000_4400..0x4000_4800 => self.usart.load(offset),
             0x4002_6000..0x4002_6400 => self.dma.load(offset),
+            0x4000_0000..0x4000_0400 => self.stopwatch.load(offset, &access),
             0x4000_0c00..0x4000_1000 => self.timer.load(offset, &access),
             0x4000_3000..0x4000_3400 => self.watchdog.load(offset, &access),
             DEBUG_CONTROL => self.debug_control,
@@ -116,6 +122,7 @@ impl Board {
                     self.sending = Some(Sending { address, length, ends_at, bytes: Vec::new(), has_begun: false });
                 }
             }
+            0x4000_0000..0x4000_0400 => self.stopwatch.store(offset, value, &mut access),
             0x4000_0c00..0x4000_1000 => self.timer.store(offset, value, &mut access),
             0x4000_3000..0x4000_3400 => {
                 self.watchdog.store(offset, value, &mut access);

@@ -112,6 +112,9 @@ pub struct Board {
     usart: Usart,
     dma: Dma,
     timer: Timer,
+    stopwatch: Timer,
+    /// Heaters whose pins a short holds high, and low.
+    heater_shorts: (u32, u32),
     /// The watchdog.
     pub watchdog: IndependentWatchdogModel,
     /// The converter.
@@ -173,6 +176,8 @@ impl Board {
             usart: Usart::default(),
             dma: Dma::default(),
             timer: Timer::new(oscillator_hz),
+            stopwatch: Timer::new(oscillator_hz),
+            heater_shorts: (0, 0),
             watchdog: IndependentWatchdogModel::new(oscillator_hz),
             adc: Adc::powered_at(0),
             plant,
@@ -196,6 +201,7 @@ impl Board {
         fresh.has_dead_timer = self.has_dead_timer;
         fresh.timer.slow_hz = self.timer.slow_hz;
         fresh.rcc.fit_crystal(self.rcc.crystal_hz());
+        fresh.heater_shorts = self.heater_shorts;
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -333,6 +339,17 @@ impl Board {
     /// From now on the converter has this fault, or none.
     pub const fn set_adc_fault(&mut self, fault: Option<AdcFault>) {
         self.adc.set_fault(fault);
+    }
+
+    /// From now on shorts hold these heaters' pins high, and those low.
+    pub fn short_heaters(&mut self, high: u32, low: u32) {
+        self.heater_shorts = (high, low);
+        self.wire_heaters();
+    }
+
+    /// A register of the converter takes another value by itself.
+    pub fn disturb_adc(&mut self, address: usize, value: u8) {
+        self.adc.disturb_register(address, value);
     }
 
     /// Whether the processor pauses as soon as a frame has come for the host.

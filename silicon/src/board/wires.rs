@@ -42,12 +42,15 @@ impl Board {
 
     /// Pins of the heaters: those that float are pulled down by the board.
     pub(super) fn wire_heaters(&mut self) {
-        let levels = (self.ports[2].driven_high() & HEATERS) as u8;
+        let driven = self.ports[2].driven_high() & HEATERS;
+        let (high, low) = self.heater_shorts;
+        let levels = (driven & !low | high) as u8;
         if levels != self.plant.levels() {
             self.plant.set_levels(self.now, levels);
             self.pins.push(PinChange { cycle: self.now, levels });
-            self.witness.pins(self.now, levels, &mut self.complaints);
         }
+        // Nobody can lower a pin that a short holds high.
+        self.witness.pins(self.now, driven as u8, &mut self.complaints);
     }
 
     /// The LED's pin may have moved, or time has passed.

@@ -18,6 +18,9 @@ impl GpioPort {
     /// Port B: JTDO, and JTRST pulled up.
     pub const PORT_B: Self = Self { modes: 0x280, ..Self::pulled(0x100) };
 
+    /// Offset of the register that has the levels at the pins.
+    pub const INPUT: u32 = 0x10;
+
     const fn pulled(pulls: u32) -> Self {
         Self { modes: 0, others: [0, 0, pulls], output: 0, lock: 0, alternate: [0; 2] }
     }
@@ -58,7 +61,7 @@ impl GpioPort {
         match offset {
             0x00 => self.modes,
             0x04..0x10 => self.others[(offset / 4 - 1) as usize],
-            0x10 => self.levels(outside) & !low,
+            Self::INPUT => self.levels(outside) & !low,
             0x14 => self.output,
             0x1c => self.lock,
             0x20 | 0x24 => self.alternate[(offset / 4 - 8) as usize],

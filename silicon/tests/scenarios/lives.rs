@@ -29,11 +29,8 @@ use wire::{Setting, SettingsRequest, ToBoard};
 const LIVES: u64 = 200;
 const DEEDS: usize = 16;
 
-/// What the firmware is known to do wrong (`known_defects`), in any order here; and what is no
-/// fault of it.
-const KNOWN: [(&str, BrokenRule); 5] = [
-    ("ADC RDATA", BrokenRule::AdcNoData),
-    ("ADC frame", BrokenRule::AdcFrameAcrossUpdate),
+/// What is no fault of the firmware.
+const KNOWN: [(&str, BrokenRule); 3] = [
     // A crash before the heaters' port has its clock: pins float, low, and are lowered once more.
     ("GPIOC", BrokenRule::ClockOff),
     // A host that speaks to a board whose crystal has just failed, or that is just starting.

@@ -1,6 +1,6 @@
 //! Scenarios on the image that is flashed. `cargo xtask test` builds it and then runs these.
 //!
-//! No scenario may end with a complaint of the models but those of `known_defects`.
+//! No scenario may end with a complaint of the models.
 
 mod against_qemu;
 mod boot;
@@ -9,8 +9,8 @@ mod crashes;
 mod crashes_in_tasks;
 mod cut_off;
 mod equal_bits;
+mod front_end;
 mod guard;
-mod known_defects;
 mod lives;
 mod lock_out;
 mod process;

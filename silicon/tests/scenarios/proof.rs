@@ -3,7 +3,7 @@
 use crate::crashes::{heat, heating};
 use crate::rig::{Rig, experiment};
 use dr_core::Command;
-use dr_core::control::{Cause, RunState, Trip};
+use dr_core::control::{Cause, RunState, SelfTestPlan, Trip};
 use host_sim::instrument::InstrumentPort;
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
@@ -126,6 +126,19 @@ fn a_dead_man_timer_whose_interrupt_never_comes_keeps_the_board_tripped() {
     let rig = Rig::new(&MachineConfig::default());
     rig.machine().board_mut().break_timer();
     stays_tripped(&rig);
+}
+
+#[test]
+fn a_dead_man_timer_that_has_failed_since_the_start_is_found_by_a_self_test() {
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let mut instrument = rig.instrument();
+    instrument.command(Command::Stop).unwrap();
+    rig.machine().board_mut().break_timer();
+    assert_eq!(until_trip(&rig, ms(200)), None);
+    instrument.command(Command::SelfTest(SelfTestPlan { pulse_s: None, unix_s: None })).unwrap();
+    assert_eq!(until_trip(&rig, ms(200)).map(|(cause, _)| cause), Some(Cause::ProofTest));
+    rig.assert_no_complaint();
 }
 
 /// At both ends of what the slow oscillator may do. Most of it is the clearing of RAM.

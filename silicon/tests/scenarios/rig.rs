@@ -4,7 +4,7 @@ use dr_core::control::{RunState, Trip};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentError, InstrumentPort};
-use silicon::complaint::{BrokenRule, Complaint};
+use silicon::complaint::Complaint;
 use silicon::image::FlashImage;
 use silicon::machine::{Machine, MachineConfig, Snapshot};
 use silicon::plant::SensorPlant;
@@ -56,10 +56,6 @@ pub struct EndOfRun {
     /// When the pins became low, if any was high since the fault.
     pub low_since: u64,
 }
-
-/// What the firmware does wrong today and where: it stands in `known_defects` with a scenario, and
-/// leaves this list with it.
-const KNOWN: [(&str, BrokenRule); 1] = [("ADC frame", BrokenRule::AdcFrameAcrossUpdate)];
 
 /// A machine and its instrument.
 pub struct Rig {
@@ -138,14 +134,12 @@ impl Rig {
         panic!("no trip within {ticks} ticks");
     }
 
-    /// Complaints that no known defect explains.
+    /// Complaints of the models.
     pub fn complaints(&self) -> Vec<Complaint> {
-        let machine = self.machine();
-        let is_known = |complaint: &Complaint| KNOWN.contains(&(complaint.register, complaint.rule));
-        machine.board().complaints.all().iter().filter(|complaint| !is_known(complaint)).copied().collect()
+        self.machine().board().complaints.all().to_vec()
     }
 
-    /// Nothing is wrong but what is known.
+    /// Nothing is wrong.
     #[track_caller]
     pub fn assert_no_complaint(&self) {
         let complaints = self.complaints();

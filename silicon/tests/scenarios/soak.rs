@@ -33,7 +33,7 @@ fn a_long_run_has_no_late_tick() {
     println!("{:.0} s, {changes} changes of the heaters: {status:?}", seconds(rig.machine().now()));
     assert_eq!((status.unsent, status.deadlines, report.link.damaged), (0, 0, 0));
     assert_eq!(rig.machine().resets(), []);
-    // Its set-up, with models, may be late once: known_defects.
+    // Its set-up, with models, may be late once.
     assert!(status.late_ticks <= 1, "{}", status.late_ticks);
     rig.assert_no_complaint();
 }

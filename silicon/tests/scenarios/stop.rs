@@ -1,13 +1,14 @@
 //! `Stop`: at once, and ahead of everything that waits.
 
 use crate::rig::{Rig, experiment};
-use dr_core::Command;
-use dr_core::control::RunState;
+use dr_core::control::{Refusal, RunState};
+use dr_core::{Command, Reply};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
 use host_sim::run::start;
+use silicon::machine::MachineConfig;
 use silicon::time::{ms, us};
-use wire::{SettingsRequest, ToBoard};
+use wire::{FromBoard, Receiver, SettingsRequest, ToBoard};
 
 /// Pins fall before the reply, at whatever moment of a tick, and the readings of the tick that was
 /// cut short are none: they trip nothing.
@@ -41,12 +42,12 @@ fn a_stop_lowers_the_pins_at_once_at_any_moment_of_a_tick() {
 #[test]
 fn a_stop_goes_ahead_of_commands_that_wait_and_voids_them() {
     let experiment = experiment("held.toml", 10);
-    let rig = Rig::of(&experiment);
+    let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
+    rig.machine().board_mut().flash.settings.fill(0x5a);
+    rig.machine().board_mut().flash.erase_time = ms(20);
     let mut instrument = rig.instrument();
     start(&experiment, &mut instrument).unwrap();
     instrument.command(Command::Stop).unwrap();
-    rig.machine().board_mut().flash.settings.fill(0x5a);
-    rig.machine().board_mut().flash.erase_time = ms(250);
     let pins = rig.machine().pins().len();
     let arm = ToBoard::Command(Command::Arm { window_s: 5.0 });
     let mut messages = vec![ToBoard::Settings(SettingsRequest::EraseAll), arm.clone()];
@@ -57,9 +58,20 @@ fn a_stop_goes_ahead_of_commands_that_wait_and_voids_them() {
         let mut buffer = [0; wire::MAX_FRAME];
         let frame = wire::encode(1_000 + number as u16, message, &mut buffer).unwrap();
         rig.machine().board_mut().receive(frame);
-        rig.machine().run_for(ms(5)).unwrap();
+        rig.machine().run_for(ms(1)).unwrap();
     }
     rig.machine().run_for(ms(1_500)).unwrap();
+    assert_eq!(rig.machine().board().flash.erases, 3);
+    let (mut receiver, mut results) = (Receiver::new(), Vec::new());
+    for (_, frame) in rig.machine().board_mut().host.frames() {
+        for received in frame.iter().filter_map(|&byte| receiver.push::<FromBoard>(byte)) {
+            if let FromBoard::Reply { to: 1_001.., result } = received.message {
+                results.push(result);
+            }
+        }
+    }
+    // Seven find room in the queue.
+    assert_eq!(results, [vec![Err(Refusal::Stopped); 7], vec![Ok(Reply::Done)]].concat());
     assert_eq!(rig.machine().board().witness.state(), Some(RunState::Standby));
     assert_eq!(rig.machine().pins().len(), pins, "a heater was high behind the stop");
     rig.assert_no_complaint();

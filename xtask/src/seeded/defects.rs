@@ -35,10 +35,10 @@ impl Defect {
 /// One whose text does not stand in its file exactly once.
 pub fn list() -> Result<Vec<SeededChange>> {
     #[derive(Deserialize)]
-    struct List {
+    struct DefectList {
         defects: Vec<Defect>,
     }
-    let list: List = toml::from_str(include_str!("defects.toml")).context("defects.toml cannot be read")?;
+    let list: DefectList = toml::from_str(include_str!("defects.toml")).context("defects.toml cannot be read")?;
     list.defects.into_iter().map(Defect::seeded).collect()
 }
 

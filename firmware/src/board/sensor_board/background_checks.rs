@@ -77,8 +77,8 @@ impl BackgroundChecks {
         Self { flash, ram: RamWalk::new(RAM, [sent, received, log..log + RTT_HEAD]), beat: 0 }
     }
 
-    /// What is due since the last time; a cause if something is defective, or if a proof test of
-    /// the start has failed.
+    /// What is due since the last time; a cause if something is defective, or if another proof test
+    /// has failed.
     pub fn check(&mut self, has_failed: bool) -> Option<Cause> {
         // SAFETY: a read that clears the flag; nobody else looks at it.
         let beat = unsafe { (*SYST::PTR).csr.read() } & COUNTED_TO_ZERO != 0;

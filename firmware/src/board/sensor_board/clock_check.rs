@@ -3,8 +3,8 @@
 //! The dead-man timer counts microseconds of the crystal, and captures every eighth edge of the
 //! slow oscillator (RM0090, "TIM5 option register"): 8/47 kHz … 8/17 kHz by the data sheet, 170 …
 //! 471 µs. The watchdog runs on the slow oscillator, all else on the crystal; so it is found that
-//! one stands still or is far off. What lies within the oscillator's own spread, a factor of 2.8, is
-//! not.
+//! one stands still or is far off. What lies within the oscillator's own spread, a factor of 2.8,
+//! is not.
 
 use core::ops::RangeInclusive;
 use stm32f4xx_hal::pac::TIM5;

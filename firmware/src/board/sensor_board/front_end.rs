@@ -7,22 +7,27 @@
 //! before the frame is read, so that an edge that comes meanwhile raises the task again; the bit
 //! holds the interrupt until it is cleared, so it is cleared even while the ADC is out of use.
 //!
-//! **What is lost.** A frame without its mark, and an edge that [`DataReady`] knows to be overdue,
-//! count as conversions without codes: the tick keeps its length. If the ADC falls silent, ticks go
-//! on in the same way with readings that are missing. Without edges the task runs 20 times a
-//! second, so such a tick comes up to 50 ms after its time, several at once if they are short. Codes
-//! whose last one is older than a quarter of a tick by then are stale: levels stand for up to 7/4
-//! of a tick, and no heater is high by a reading of more than two. The guard trips within three
-//! ticks and 50 ms of the last edge (its default limit).
+//! **What is lost.** A frame without its mark, one that is read late, and an edge that
+//! [`DataReady`] knows to be overdue count as conversions without codes: the tick keeps its length,
+//! and the host is told their number. If the ADC falls silent, ticks go on in the same way with
+//! readings that are missing. Without edges the task runs 20 times a second, so such a tick comes
+//! up to 50 ms after its time, several at once if they are short. Codes whose last one is older
+//! than a quarter of a tick by then are stale: levels stand for up to 7/4 of a tick, and no heater
+//! is high by a reading of more than two. The guard trips within three ticks and 50 ms of the last
+//! edge (its default limit).
+//!
+//! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5
+//! ms at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
 //!
 //! **How long.** A frame takes 168 bits at 10.5 MHz and 2 µs, about 20 µs with the handling of 21
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
 //! (`docs/reference/board.md`, "One tick").
 
-use super::clocks::{CYCLES_PER_US, CycleDelay, cycles};
+use super::clocks::CycleDelay;
 use super::dead_man::DeadManTimer;
 use super::heater_pin::HeaterPin;
-use dr_core::control::Tick;
+use super::stopwatch::{COUNTS_PER_US, counts};
+use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::wind::WindTick;
@@ -46,6 +51,11 @@ pub const ELEMENTS: usize = ads131e06::CHANNELS;
 pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 /// Until the host sets one.
 pub const FIRST_PERIOD_US: u32 = 10_000;
+
+/// A frame, and by how much [`DataReady`] may be wrong about its begin.
+const FRAME_US: u32 = 60;
+/// Frames from one read-back of the ADC's registers to the next.
+const FRAMES_A_CHECK: u32 = 250;
 
 /// Six pins of port C.
 pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
@@ -90,6 +100,12 @@ pub struct AdcFrontEnd {
     input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
+    /// Conversions without codes so far.
+    lost: u32,
+    /// Frames since the ADC's registers were read back.
+    unchecked: u32,
+    /// What that has found.
+    fault: Option<Cause>,
 }
 
 impl AdcFrontEnd {
@@ -111,7 +127,8 @@ impl AdcFrontEnd {
         let device =
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
         let mut adc = Ads131e06::new(device, pins.reset);
-        let usable = match adc.initialise(plan.rate(), &mut CycleDelay) {
+        let mut line = pins.data_ready;
+        let usable = match adc.initialise(plan.rate(), &mut line, &mut CycleDelay) {
             Ok(()) => true,
             Err(error) => {
                 defmt::error!("all readings are missing, the ADC did not start: {}", error);
@@ -119,7 +136,6 @@ impl AdcFrontEnd {
             }
         };
 
-        let mut line = pins.data_ready;
         line.make_interrupt_source(&mut syscfg.constrain(rcc));
         line.trigger_on_edge(&mut exti, Edge::Falling);
         // Edges of the ADC's start.
@@ -134,12 +150,15 @@ impl AdcFrontEnd {
             usable,
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
-            read_at: cycles(),
+            read_at: counts(),
             mean: SettledMean::new(plan),
             plan,
             connected: Some(FrontEndInput::Element),
             input: FrontEndInput::Element,
             overran: false,
+            lost: 0,
+            unchecked: 0,
+            fault: None,
         }
     }
 
@@ -148,7 +167,7 @@ impl AdcFrontEnd {
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         loop {
             // The time before the line: an edge that is not seen was not there at that time.
-            let now = cycles();
+            let now = counts();
             let edge = self.has_edge();
             let codes = match self.data_ready.next(now, edge) {
                 Due::Wait => return None,
@@ -156,13 +175,23 @@ impl AdcFrontEnd {
                     self.overran |= edge;
                     None
                 }
+                Due::Late => {
+                    self.line.clear_interrupt_pending_bit();
+                    None
+                }
                 Due::Read => {
                     self.line.clear_interrupt_pending_bit();
-                    self.adc.read_frame().ok().inspect(|_| self.read_at = now)
+                    // An edge that has come meanwhile has changed the rest of the frame.
+                    let codes = self.adc.read_frame().ok().filter(|_| !self.line.check_interrupt());
+                    codes.inspect(|_| self.read_at = now)
                 }
             };
+            match codes {
+                Some(_) => self.unchecked += 1,
+                None => self.lost = self.lost.wrapping_add(1),
+            }
             if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
-                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * CYCLES_PER_US {
+                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * COUNTS_PER_US {
                     readings =
                         readings.map(|reading| if reading == Reading::Missing { reading } else { Reading::Stale });
                 }
@@ -171,7 +200,23 @@ impl AdcFrontEnd {
                 }
                 return Some(readings);
             }
+            if self.unchecked >= FRAMES_A_CHECK
+                && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
+            {
+                self.unchecked = 0;
+                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+            }
         }
+    }
+
+    /// Conversions so far that have not been read, or whose frame was damaged.
+    pub const fn lost_conversions(&self) -> u32 {
+        self.lost
+    }
+
+    /// What the last check of the ADC has found, once.
+    pub const fn take_fault(&mut self) -> Option<Cause> {
+        self.fault.take()
     }
 
     /// Whether a conversion waits. Edges of an ADC that must not be believed are taken away.
@@ -187,18 +232,23 @@ impl AdcFrontEnd {
     pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
         self.any_high = tick.heaters.0 != 0;
         self.dead_man.decided(self.any_high);
-        self.heaters.apply(tick.heaters).is_ok()
+        self.heaters.apply(tick.heaters, &mut CycleDelay).is_ok()
+    }
+
+    /// Whether the pins have the levels that were put on them.
+    pub fn holds_levels(&mut self) -> bool {
+        self.heaters.verify().is_ok()
     }
 
     /// Lowers all heaters at once; returns whether any was high. If so, a tick begins anew, which
     /// knows the low level only.
     pub fn lower(&mut self) -> bool {
-        super::heaters_low();
+        self.heaters.all_low().ok();
         self.dead_man.decided(false);
         if self.any_high && self.has_edge() {
             // This conversion is of before.
             self.line.clear_interrupt_pending_bit();
-            self.data_ready.next(cycles(), true);
+            self.data_ready.next(counts(), true);
         }
         if self.any_high {
             self.restart();
@@ -258,13 +308,14 @@ impl AdcFrontEnd {
     /// sees.
     pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
         let plan = TickPlan::from_seconds(sample_period_s)?;
-        if self.usable && self.rate != Some(plan.rate()) {
-            let taken = self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
+        // An ADC that keeps its rate keeps the times of its conversions.
+        if self.rate != Some(plan.rate()) {
+            let taken = self.usable && self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
             self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
             self.line.clear_interrupt_pending_bit();
+            self.data_ready = expectation(plan);
         }
-        self.data_ready = expectation(plan);
         self.mean = SettledMean::new(plan);
         self.plan = plan;
         self.dead_man.set_tick(plan.tick_us());
@@ -290,5 +341,5 @@ fn scale_supplies(readings: &mut [Reading; ELEMENTS]) {
 
 /// Conversions of this plan from an ADC that starts now.
 fn expectation(plan: TickPlan) -> DataReady {
-    DataReady::new(plan.rate().conversion_us() * CYCLES_PER_US, cycles())
+    DataReady::new(plan.rate().conversion_us() * COUNTS_PER_US, FRAME_US * COUNTS_PER_US, counts())
 }

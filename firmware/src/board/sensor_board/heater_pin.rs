@@ -4,13 +4,13 @@
 //! panics beyond 15, which a pin's number cannot be. Here the bit is made once.
 
 use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use stm32f4xx_hal::gpio::{Output, PartiallyErasedPin, PinExt};
 use stm32f4xx_hal::pac::GPIOC;
 
 /// A pin of port C that is an output.
 pub struct HeaterPin {
-    /// Its bit in the lower half of BSRR.
+    /// Its bit in IDR and in the lower half of BSRR.
     bit: u32,
     /// Whoever has the pin may write its bit.
     _pin: PartiallyErasedPin<'C', Output>,
@@ -31,6 +31,19 @@ impl HeaterPin {
 
 impl ErrorType for HeaterPin {
     type Error = Infallible;
+}
+
+/// What the pin has, whatever it should have: the input of an output stays connected (RM0090,
+/// "Output configuration").
+impl InputPin for HeaterPin {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        // SAFETY: a read that changes nothing.
+        Ok(unsafe { (*GPIOC::ptr()).idr().read().bits() } & self.bit != 0)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        self.is_high().map(|is_high| !is_high)
+    }
 }
 
 impl OutputPin for HeaterPin {

@@ -7,12 +7,13 @@
 //! | `clock_check.rs` | that of crystal and slow oscillator |
 //! | `clocks.rs` | 8 MHz crystal to 168 MHz, waiting by the cycle counter |
 //! | `dead_man.rs` | heaters low unless their levels are decided anew |
-//! | `dead_man_proof.rs` | proof test of that at every start |
+//! | `dead_man_proof.rs` | proof test of that at every start and self-test |
 //! | `front_end.rs` | ADC and heater pins: readings in, levels out |
 //! | `heater_pin.rs` | one switch of a heater's level |
 //! | `host_link.rs` | frames to the host and bytes from it, both by DMA |
 //! | `memory_protection.rs` | what may be written and executed where |
 //! | `settings_flash.rs` | three sectors of the processor's flash |
+//! | `stopwatch.rs` | time that goes on while the core sleeps |
 //! | `supply.rs` | brown-out level, and heaters low as the supply falls |
 //! | `watchdog.rs` | reset unless everybody is well |
 //! | `watchdog_proof.rs` | proof test of that after power-on and reset pin |
@@ -30,6 +31,7 @@ mod heater_pin;
 mod host_link;
 mod memory_protection;
 mod settings_flash;
+mod stopwatch;
 mod supply;
 mod watchdog;
 mod watchdog_proof;
@@ -119,6 +121,7 @@ pub fn init(
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
+    stopwatch::start(&device.TIM2, &mut rcc);
     supply::listen(&device.EXTI);
     let dead_man = DeadManTimer::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
     let front_end = AdcFrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
@@ -193,13 +196,16 @@ pub struct InterruptIdler {
 }
 
 impl InterruptIdler {
-    /// Proves the dead-man timer, while the control task is held back.
-    pub fn prove_dead_man(&mut self) {
-        self.has_failed |= !dead_man_proof::prove_dead_man();
+    /// Proves the dead-man timer, while the control task is held back; false if it has to wait for
+    /// a heater that is high.
+    pub fn prove_dead_man(&mut self) -> bool {
+        let has_passed = dead_man_proof::prove_dead_man();
+        self.has_failed |= has_passed == Some(false);
+        has_passed.is_some()
     }
 
     /// Tests clock and a part of the memories, if it is time; a cause if one is defective, or if a
-    /// proof test of the start has failed. It comes again after it was acknowledged.
+    /// proof test has failed. It comes again after it was acknowledged.
     pub fn check(&mut self) -> Option<Cause> {
         self.checks.check(self.has_failed)
     }

@@ -25,6 +25,11 @@ pub enum AdcError {
         /// What it holds.
         read: u8,
     },
+    /// Data-ready has not fallen for eight conversion periods: check the ADC's clock, its START pin
+    /// and the data-ready line.
+    NoConversion,
+    /// Data-ready is low although the conversion has been read: the line is shorted.
+    DataReadyLow,
     /// A channel's offset is beyond [`OFFSET_LIMIT`](super::OFFSET_LIMIT).
     Offset {
         /// Which one, from 0.

@@ -1,5 +1,7 @@
 //! Registers of the ADC and the values by which a healthy chip is known.
 
+use super::CHANNELS;
+
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
 /// channels.
 pub(super) const IDENTITY: u8 = 0xD1;
@@ -25,6 +27,20 @@ pub enum Register {
 }
 
 impl Register {
+    /// All but the identity, in the order of their addresses.
+    pub(super) const SET: [Self; 4 + CHANNELS] = [
+        Self::Config1,
+        Self::Config2,
+        Self::Config3,
+        Self::Fault,
+        Self::Channel(0),
+        Self::Channel(1),
+        Self::Channel(2),
+        Self::Channel(3),
+        Self::Channel(4),
+        Self::Channel(5),
+    ];
+
     pub(super) const fn address(self) -> u8 {
         match self {
             Self::Id => 0x00,

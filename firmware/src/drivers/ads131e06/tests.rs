@@ -33,8 +33,44 @@ fn read(address: u8, value: u8) -> Vec<Byte<u8>> {
     ])
 }
 
-fn channels(access: fn(u8, u8) -> Vec<Byte<u8>>, value: u8) -> Vec<Byte<u8>> {
-    (0x05..=0x0A).flat_map(|address| access(address, value)).collect()
+fn channels(value: u8) -> Vec<Byte<u8>> {
+    (0x05..=0x0A).flat_map(|address| write(address, value)).collect()
+}
+
+/// All registers in one access, and what they hold.
+fn read_all(values: [u8; 10]) -> Vec<Byte<u8>> {
+    selected([
+        Byte::write_vec(vec![0x21]),
+        Byte::write_vec(vec![9]),
+        Byte::transfer_in_place(vec![0; 10], values.to_vec()),
+    ])
+}
+
+/// What the registers hold at this rate with all channels set to `input`.
+fn registers(config1: u8, input: u8) -> [u8; 10] {
+    [config1, 0xE0, 0xE0, 0x00, input, input, input, input, input, input]
+}
+
+/// A data-ready line that is low at every first look, high at every second.
+struct Conversions(bool);
+
+impl embedded_hal::digital::ErrorType for Conversions {
+    type Error = core::convert::Infallible;
+}
+
+impl InputPin for Conversions {
+    fn is_high(&mut self) -> Result<bool, Self::Error> {
+        self.is_low().map(|low| !low)
+    }
+    fn is_low(&mut self) -> Result<bool, Self::Error> {
+        self.0 = !self.0;
+        Ok(self.0)
+    }
+}
+
+/// One that stays where it is.
+fn stuck(state: State, looks: usize) -> Pin {
+    Pin::new(&vec![Edge::get(state); looks])
 }
 
 fn frame_bytes(status: [u8; 3], codes: [i32; CHANNELS]) -> Vec<u8> {
@@ -64,21 +100,20 @@ fn start_up(config1: u8, offsets: [i32; CHANNELS]) -> Vec<Byte<u8>> {
     common[0].1 = config1;
     let mut all = [command(0x11), read(0x00, 0xD1)].concat();
     all.extend(common.iter().flat_map(|&(address, value)| write(address, value)));
-    all.extend(channels(write, SHORTED));
-    all.extend(common.iter().flat_map(|&(address, value)| read(address, value)));
-    all.extend(channels(read, SHORTED));
+    all.extend(channels(SHORTED));
+    all.extend(read_all(registers(config1, SHORTED)));
     all.extend(command(0x08));
     (0..OFFSET_CONVERSIONS).for_each(|_| all.extend(on_demand(offsets)));
     all.extend(command(0x0A));
-    all.extend(channels(write, NORMAL));
-    all.extend(channels(read, NORMAL));
+    all.extend(channels(NORMAL));
+    all.extend(read_all(registers(config1, NORMAL)));
     all.extend([command(0x08), command(0x10)].concat());
     all
 }
 
 fn initialise(bytes: &[Byte<u8>], rate: DataRate) -> (Result<(), AdcError>, Ads131e06<Spi<u8>, Pin>) {
     let mut adc = Ads131e06::new(Spi::new(bytes), Pin::new(&reset_edges()));
-    let result = adc.initialise(rate, &mut NoopDelay::new());
+    let result = adc.initialise(rate, &mut Conversions(false), &mut NoopDelay::new());
     (result, adc)
 }
 
@@ -97,7 +132,8 @@ fn refused(bytes: &[Byte<u8>], error: AdcError) {
 
 /// An ADC that has been started without going through the start-up.
 fn running(bytes: &[Byte<u8>], offsets: [i32; CHANNELS]) -> Ads131e06<Spi<u8>, Pin> {
-    Ads131e06 { spi: Spi::new(bytes), reset: Pin::new(&[]), offsets }
+    let written = registers(0x94, NORMAL);
+    Ads131e06 { spi: Spi::new(bytes), reset: Pin::new(&[]), offsets, written }
 }
 
 #[test]
@@ -118,16 +154,19 @@ fn starts_up_byte_by_byte_at_1_ksps() {
 fn waits_as_long_as_the_data_sheet_wants() {
     let mut adc = Ads131e06::new(Spi::new(&start_up(0x94, [0; CHANNELS])), Pin::new(&reset_edges()));
     let mut expected = vec![Wait::delay_ms(130), Wait::delay_us(10), Wait::delay_us(20)];
-    // SDATAC, identity, 10 registers written and 10 read, each with chip select high for a while.
-    expected.extend(vec![Wait::delay_us(1); 22]);
-    // Reference, START, five conversion periods, then one and a quarter for each conversion.
-    expected.extend([Wait::delay_ms(200), Wait::delay_us(1), Wait::delay_us(1_250)]);
-    expected.extend(vec![Wait::delay_us(312); OFFSET_CONVERSIONS as usize]);
-    // STOP, six channels written and read, START, RDATAC.
-    expected.extend(vec![Wait::delay_us(1); 1 + 12 + 2]);
+    // SDATAC, identity, 10 registers written and read at once, with chip select high for a while.
+    expected.extend(vec![Wait::delay_us(1); 13]);
+    // Reference, START; its first conversion comes when the line is looked at for the third time.
+    expected.extend([Wait::delay_ms(200), Wait::delay_us(1), Wait::delay_us(5), Wait::delay_us(5)]);
+    // STOP, six channels written and all registers read, START, RDATAC.
+    expected.extend(vec![Wait::delay_us(1); 1 + 7 + 2]);
     let mut delay = CheckedDelay::new(&expected);
-    adc.initialise(DataRate::Sps4000, &mut delay).unwrap();
+    let mut looks = vec![Edge::get(State::High); 2];
+    looks.extend((0..OFFSET_CONVERSIONS).flat_map(|_| [Edge::get(State::Low), Edge::get(State::High)]));
+    let mut line = Pin::new(&looks);
+    adc.initialise(DataRate::Sps4000, &mut line, &mut delay).unwrap();
     delay.done();
+    line.done();
     done(adc);
 }
 
@@ -140,27 +179,28 @@ fn refuses_its_sister_chips_and_a_line_that_is_stuck() {
 
 #[test]
 fn refuses_every_register_that_is_not_kept_by_name() {
-    let kept = [Register::Config1, Register::Config2, Register::Config3, Register::Fault];
-    let names = kept.into_iter().chain((0..6).map(Register::Channel));
-    let registers: Vec<(u8, u8)> =
-        COMMON_4K.into_iter().chain((0x05..=0x0A).map(|address| (address, SHORTED))).collect();
-    for (bad, register) in names.enumerate() {
+    for (bad, register) in Register::SET.into_iter().enumerate() {
         let mut bytes = [command(0x11), read(0x00, 0xD1)].concat();
-        bytes.extend(registers.iter().flat_map(|&(address, value)| write(address, value)));
-        bytes.extend(registers[..bad].iter().flat_map(|&(address, value)| read(address, value)));
-        let (address, value) = registers[bad];
-        bytes.extend(read(address, value ^ 0x40));
-        refused(&bytes, AdcError::NotKept { register, written: value, read: value ^ 0x40 });
+        bytes.extend(COMMON_4K.iter().flat_map(|&(address, value)| write(address, value)));
+        bytes.extend(channels(SHORTED));
+        let mut values = registers(0x94, SHORTED);
+        let written = values[bad];
+        values[bad] ^= 0x40;
+        bytes.extend(read_all(values));
+        assert_eq!(usize::from(register.address()), bad + 1);
+        refused(&bytes, AdcError::NotKept { register, written, read: values[bad] });
     }
 }
 
 #[test]
 fn refuses_an_input_that_stays_shorted() {
     let healthy = start_up(0x94, [0; CHANNELS]);
-    // The last thing before START and RDATAC is the read-back of CH6SET.
-    let kept = healthy.len() - command(0x08).len() - command(0x10).len() - read(0x0A, NORMAL).len();
+    // The last thing before START and RDATAC is the read-back.
+    let mut values = registers(0x94, NORMAL);
+    let kept = healthy.len() - command(0x08).len() - command(0x10).len() - read_all(values).len();
+    values[9] = SHORTED;
     refused(
-        &[healthy[..kept].to_vec(), read(0x0A, SHORTED)].concat(),
+        &[healthy[..kept].to_vec(), read_all(values)].concat(),
         AdcError::NotKept { register: Register::Channel(5), written: NORMAL, read: SHORTED },
     );
 }
@@ -168,9 +208,11 @@ fn refuses_an_input_that_stays_shorted() {
 #[test]
 fn takes_either_value_of_the_undefined_bit_of_config3() {
     let mut bytes = start_up(0x94, [0; CHANNELS]);
-    let healthy = read(0x03, 0xE0);
+    let mut values = registers(0x94, SHORTED);
+    let healthy = read_all(values);
+    values[2] |= 1;
     let at = bytes.windows(healthy.len()).position(|window| window == healthy).unwrap();
-    bytes.splice(at..at + healthy.len(), read(0x03, 0xE1));
+    bytes.splice(at..at + healthy.len(), read_all(values));
     let (result, adc) = initialise(&bytes, DataRate::Sps4000);
     assert_eq!(result, Ok(()));
     done(adc);
@@ -193,9 +235,45 @@ fn refuses_an_offset_that_no_healthy_channel_has() {
         let mut codes = [0; CHANNELS];
         codes[2] = code;
         let healthy = start_up(0x94, codes);
-        let after_stop =
-            channels(write, NORMAL).len() + channels(read, NORMAL).len() + command(0x08).len() + command(0x10).len();
+        let after_stop = channels(NORMAL).len() + read_all([0; 10]).len() + command(0x08).len() + command(0x10).len();
         refused(&healthy[..healthy.len() - after_stop], AdcError::Offset { channel: 2, code });
+    }
+}
+
+#[test]
+fn a_data_ready_line_that_stays_where_it_is_is_refused_and_nothing_hangs() {
+    let healthy = start_up(0x94, [0; CHANNELS]);
+    let first = healthy.windows(2).position(|window| window[1] == Byte::write_vec(vec![0x12])).unwrap();
+    // Eight periods of 250 µs, looked at every 5 µs; and after the first conversion was read.
+    let cases = [
+        (State::High, 400, first, AdcError::NoConversion),
+        (State::Low, 2, first + on_demand([0; CHANNELS]).len(), AdcError::DataReadyLow),
+    ];
+    for (state, looks, bytes, error) in cases {
+        let mut adc = Ads131e06::new(Spi::new(&healthy[..bytes]), Pin::new(&reset_edges()));
+        let mut line = stuck(state, looks);
+        assert_eq!(adc.initialise(DataRate::Sps4000, &mut line, &mut NoopDelay::new()), Err(error));
+        line.done();
+        done(adc);
+    }
+}
+
+#[test]
+fn a_register_that_changes_while_it_converts_is_named_and_conversions_go_on() {
+    for bad in [None, Some(0), Some(2), Some(9)] {
+        let mut values = registers(0x94, NORMAL);
+        if let Some(bad) = bad {
+            values[bad] ^= 0x02;
+        }
+        let check = [command(0x11), read_all(values), command(0x10), frame([0xC0, 0, 0], [10; CHANNELS])];
+        let mut adc = running(&check.concat(), [3; CHANNELS]);
+        let expected = bad.map_or(Ok(()), |bad| {
+            let (register, read) = (Register::SET[bad], values[bad]);
+            Err(AdcError::NotKept { register, written: read ^ 0x02, read })
+        });
+        assert_eq!(adc.verify(&mut NoopDelay::new()), expected);
+        assert_eq!(adc.read_frame().unwrap(), [7; CHANNELS]);
+        done(adc);
     }
 }
 
@@ -205,7 +283,7 @@ fn changes_its_rate_byte_by_byte_and_keeps_the_offsets() {
         command(0x11),
         command(0x0A),
         write(0x01, 0x96),
-        read(0x01, 0x96),
+        read_all(registers(0x96, NORMAL)),
         command(0x08),
         command(0x10),
         frame([0xC0, 0, 0], [10; CHANNELS]),
@@ -222,8 +300,8 @@ fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() 
         let change = [
             command(0x11),
             command(0x0A),
-            channels(write, register),
-            channels(read, register),
+            channels(register),
+            read_all(registers(0x94, register)),
             command(0x08),
             command(0x10),
             frame([0xC0, 0, 0], [10; CHANNELS]),
@@ -239,7 +317,9 @@ fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() 
 
 #[test]
 fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
-    let change = [command(0x11), command(0x0A), channels(write, 0x11), read(0x05, 0x11), read(0x06, 0x10)];
+    let mut values = registers(0x94, SHORTED);
+    values[5] = NORMAL;
+    let change = [command(0x11), command(0x0A), channels(SHORTED), read_all(values)];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
     let error = adc.select(AdcInput::Shorted, &mut NoopDelay::new()).unwrap_err();
     assert_eq!(error, AdcError::NotKept { register: Register::Channel(1), written: 0x11, read: 0x10 });
@@ -248,7 +328,7 @@ fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
 
 #[test]
 fn a_rate_that_is_not_kept_is_refused_and_nothing_converts() {
-    let change = [command(0x11), command(0x0A), write(0x01, 0x94), read(0x01, 0x96)];
+    let change = [command(0x11), command(0x0A), write(0x01, 0x94), read_all(registers(0x96, NORMAL))];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
     let error = adc.set_rate(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
     assert_eq!(error, AdcError::NotKept { register: Register::Config1, written: 0x94, read: 0x96 });
@@ -327,7 +407,7 @@ fn reports_a_bus_that_fails() {
     // At SDATAC, at the identity, while writing, and while reading back.
     for transactions in [0, 1, 2, 12] {
         let mut adc = Ads131e06::new(Failing(transactions), Pin::new(&reset_edges()));
-        let error = adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
+        let error = adc.initialise(DataRate::Sps4000, &mut Conversions(false), &mut NoopDelay::new()).unwrap_err();
         assert_eq!(error, AdcError::Spi);
         assert_eq!(adc.read_frame(), Err(error));
         adc.reset.done();
@@ -339,6 +419,7 @@ fn names_a_reset_pin_that_fails() {
     let stuck =
         Edge::set(State::High).with_error(embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::NotConnected));
     let mut adc = Ads131e06::new(Spi::new(&[]), Pin::new(&[stuck]));
-    assert_eq!(adc.initialise(DataRate::Sps4000, &mut NoopDelay::new()), Err(AdcError::ResetPin));
+    let result = adc.initialise(DataRate::Sps4000, &mut Conversions(false), &mut NoopDelay::new());
+    assert_eq!(result, Err(AdcError::ResetPin));
     done(adc);
 }

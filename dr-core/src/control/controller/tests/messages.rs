@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 #[test]
 fn no_two_states_have_the_same_word() {
-    const LAST: Cause = Cause::OtherHead;
+    const LAST: Cause = Cause::AdcRegister;
     let causes = [Cause::Open, Cause::Short, Cause::Missing, Cause::Unreachable, Cause::BitFlip, Cause::Watchdog, LAST];
     let of = |cause| (0..16).map(move |element| Trip::of(element, cause)).chain([Trip::whole(cause)]);
     let tripped = causes.into_iter().flat_map(of).map(RunState::Tripped);
