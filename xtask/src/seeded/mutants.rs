@@ -10,8 +10,18 @@ use serde::Deserialize;
 
 const FILES: [&str; 2] = ["firmware/src/board/sensor_board/**/*.rs", "firmware/src/drivers/**/*.rs"];
 /// Modules of `silicon/tests/scenarios`, the quickest first: most mutants end in the first two.
-const SCENARIOS: [&str; 9] =
-    ["boot::", "ticks::", "guard::", "supervision::", "settings::", "supply::", "crashes::", "stop::", "proof::"];
+const SCENARIOS: [&str; 10] = [
+    "boot::",
+    "ticks::",
+    "front_end::",
+    "supply::",
+    "guard::",
+    "stop::",
+    "proof::",
+    "supervision::",
+    "crashes::",
+    "settings::",
+];
 
 /// As `cargo mutants --list --json` prints them.
 #[derive(Deserialize)]
