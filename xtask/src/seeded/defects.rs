@@ -1,6 +1,6 @@
 //! The defects, which stand in `defects.toml`.
 
-use super::SeededChange;
+use super::change::{SeededChange, read};
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
@@ -20,7 +20,7 @@ impl Defect {
     fn seeded(self) -> Result<SeededChange> {
         let Self { name, file, text, becomes, scenario, shows } = self;
         let path = format!("firmware/src/{file}");
-        let sound = super::read(&crate::shell::root().join(&path))?;
+        let sound = read(&crate::shell::root().join(&path))?;
         let changed = match sound.matches(&text).count() {
             1 => sound.replacen(&text, &becomes, 1),
             n => bail!("{name}: its text stands {n} times in {path}, and has to once"),
@@ -52,7 +52,7 @@ mod tests {
         let changes = list().unwrap_or_else(|error| panic!("{error}"));
         assert!(!changes.is_empty());
         for change in changes {
-            let sound = super::super::read(&crate::shell::root().join(&change.path)).expect("the file");
+            let sound = read(&crate::shell::root().join(&change.path)).expect("the file");
             assert_ne!(change.text, sound, "{}", change.name);
         }
     }

@@ -6,12 +6,14 @@
 //! [`defects`] expects of it. First of all the image without a defect has to pass them. Mutants are
 //! tried in the same way ([`mutants`]).
 
+mod change;
 mod defects;
 mod mutants;
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
+use change::{SeededChange, read};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -38,19 +40,6 @@ pub struct SeededOptions {
     /// Chooses the mutants of a sample
     #[arg(long, default_value_t = 1, requires = "sample")]
     seed: u64,
-}
-
-/// A file of the firmware with something wrong in it, and what has to notice.
-struct SeededChange {
-    name: String,
-    /// The file from the workspace's root on.
-    path: String,
-    /// All of the file with it.
-    text: String,
-    /// One of these has to fail; they run in this order.
-    scenarios: Vec<String>,
-    /// Has to stand in the output of the one that fails.
-    shows: String,
 }
 
 pub fn run(options: &SeededOptions) -> Result<()> {
@@ -207,10 +196,6 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
     }
     std::fs::write(to, wanted).with_context(|| format!("{} cannot be written", to.display()))
-}
-
-fn read(file: &Path) -> Result<String> {
-    std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))
 }
 
 fn write(file: &Path, text: &str) -> Result<()> {

@@ -3,7 +3,7 @@
 //! cargo-mutants finds them, but cannot try them: no host compiles the former, and its tests of the
 //! drivers know no registers.
 
-use super::SeededChange;
+use super::change::{SeededChange, read};
 use crate::{install, shell};
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -58,7 +58,7 @@ impl Place {
 
 impl Mutant {
     fn seeded(self) -> Result<SeededChange> {
-        let sound = super::read(&shell::root().join(&self.file))?;
+        let sound = read(&shell::root().join(&self.file))?;
         let text = self.applied_to(&sound).with_context(|| format!("{}: its place is not in the file", self.name))?;
         let scenarios = SCENARIOS.map(String::from).to_vec();
         Ok(SeededChange { name: self.name, path: self.file, text, scenarios, shows: String::new() })
