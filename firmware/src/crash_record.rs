@@ -8,7 +8,7 @@
 //! | 1 | 0: no crash; 1: panic; 2: fault; in the upper half the length of the text |
 //! | 2 | line or address |
 //! | 3 … 10 | text |
-//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹; changed by [`LAYOUT`] |
+//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹; changed by `LAYOUT` |
 //! | 12 | CRC-32 of the words before |
 //!
 //! An invalid record, after power-on or a bit flip, counts as a first start.

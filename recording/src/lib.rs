@@ -85,7 +85,9 @@ pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
 pub use temporary::Temporary;
-pub use writer::{Recorder, RecordingWriter, Recovered, SegmentLength, WriterOptions, recover, write_columns};
+pub use writer::{
+    Recorder, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions, recover, write_columns,
+};
 
 #[cfg(all(test, feature = "parquet"))]
 mod tests;

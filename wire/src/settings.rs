@@ -245,8 +245,8 @@ impl Setting {
     pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
         let key = SettingKey::of_number(number).ok_or(Unusable::UnknownKey)?;
         let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
-        // Values of older formats are converted here, once there are any: `format1.txt` has bytes of
-        // the first, and a test reads them.
+        // Values of older formats are converted here, once there are any: `format1.txt` has bytes
+        // of the first, and a test reads them.
         if found != FORMAT {
             return Err(Unusable::Format { found });
         }

@@ -10,5 +10,6 @@
 ///   with its own; a time stamp would only repeat it.
 /// - One recording over several connections: `Identity::starts` and `Identity::unique_id` tell
 ///   whether it is the same life of the same board, `Sample::tick` and `Event` what is missing.
-/// - An alarm without samples: `Status::state`, `Status::history`, and `Event` in the tick of a trip.
+/// - An alarm without samples: `Status::state`, `Status::history`, and `Event` in the tick of a
+///   trip.
 pub const VERSION: u8 = 7;

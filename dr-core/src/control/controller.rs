@@ -292,8 +292,8 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Compares the head on the plug with the fingerprint until it fits; trips before another one is
-    /// heated.
+    /// Compares the head on the plug with the fingerprint until it fits; trips before another one
+    /// is heated.
     fn compare_head(&mut self, valid: u16) -> Option<Trip> {
         if self.head == HeadCheck::Same {
             return None;

@@ -2,7 +2,8 @@
 //! instrument again.
 //!
 //! Without it a host that acknowledges and starts anew keeps the mean power of a head high, however
-//! often the guard trips. What lifts the lock is the supply or the reset pin: somebody who is there.
+//! often the guard trips. What lifts the lock is the supply or the reset pin: somebody who is
+//! there.
 //!
 //! | counts towards the lock | does not |
 //! |---|---|

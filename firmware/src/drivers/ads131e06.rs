@@ -29,13 +29,10 @@ use embedded_hal::spi::{Operation, SpiDevice};
 use super::tick_plan::DataRate;
 pub use error::AdcError;
 use register::IDENTITY;
-pub use register::{OFFSET_LIMIT, Register};
+pub use register::{CHANNELS, OFFSET_LIMIT, Register};
 
 mod error;
 mod register;
-
-/// Channels of the chip.
-pub const CHANNELS: usize = 6;
 /// Largest code: the input is at or above +V_ref.
 pub const CODE_MAX: i32 = (1 << 23) - 1;
 /// Smallest code: the input is at or below −V_ref.

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! host ─► timeout, ns (u64) │ wind, m/s (3 f64) │ length (u32) │ bytes
-//! host ◄─ time, ns (u64)    │ wind, m/s (3 f64) │ length (u32) │ bytes      all numbers little-endian
+//! host ◄─ time, ns (u64)    │ wind, m/s (3 f64) │ length (u32) │ bytes   all numbers little-endian
 //! ```
 
 use super::error::InstrumentError;

@@ -20,7 +20,7 @@ use crate::row::{RecordingLayout, RecordingRow};
 use journal::Journal;
 use table::{TableWriter, unwritten};
 
-pub use options::{SegmentLength, WriterOptions};
+pub use options::{SegmentLength, SegmentLengthError, WriterOptions};
 pub use recorder::Recorder;
 pub use recover::{Recovered, recover};
 

@@ -18,16 +18,23 @@ impl Default for SegmentLength {
     }
 }
 
+/// What is no length of a segment.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no length of a segment: a time of 1 s at least (30s, 10min, 1h, 1d) or a size (500kB, 64MB, 1GB) belongs here"
+)]
+pub struct SegmentLengthError(String);
+
 /// Seconds in a unit.
 const TIMES: [(&str, f64); 4] = [("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
 /// Bytes in a unit.
 const SIZES: [(&str, f64); 3] = [("kB", 1e3), ("MB", 1e6), ("GB", 1e9)];
 
 impl FromStr for SegmentLength {
-    type Err = String;
+    type Err = SegmentLengthError;
 
     /// Reads `10min` or `64MB`.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, SegmentLengthError> {
         let end = text.find(|letter: char| !letter.is_ascii_digit() && letter != '.').unwrap_or(text.len());
         let (number, unit) = text.split_at(end);
         let number = number.parse::<f64>().ok().filter(|number| *number > 0.0);
@@ -36,9 +43,7 @@ impl FromStr for SegmentLength {
         match (number, of(&TIMES), of(&SIZES)) {
             (Some(number), Some(seconds), _) if number * seconds >= 1.0 => Ok(Self::Seconds(number * seconds)),
             (Some(number), _, Some(bytes)) => Ok(Self::Bytes((number * bytes) as u64)),
-            _ => Err(format!(
-                "`{text}` is no length of a segment: a time of 1 s at least (30s, 10min, 1h, 1d) or a size (500kB, 64MB, 1GB) belongs here"
-            )),
+            _ => Err(SegmentLengthError(text.to_owned())),
         }
     }
 }
@@ -78,7 +83,7 @@ mod tests {
             assert_eq!(length.to_string().parse(), Ok(length));
         }
         for text in ["", "10", "min", "-1min", "0s", "0.5s", "10 parsec", "1e3s", "NaNs"] {
-            assert!(text.parse::<SegmentLength>().unwrap_err().contains("10min"), "{text}");
+            assert!(text.parse::<SegmentLength>().unwrap_err().to_string().contains("10min"), "{text}");
         }
     }
 }

@@ -13,7 +13,7 @@ fn layout() -> RecordingLayout {
 }
 
 fn row(n: u32) -> (f64, [f32; 2]) {
-    (f64::from(n) / 100.0, [20.0 + (n as f32) / 3.0, if n % 7 == 0 { f32::NAN } else { -(n as f32).sqrt() }])
+    (f64::from(n) / 100.0, [20.0 + (n as f32) / 3.0, if n.is_multiple_of(7) { f32::NAN } else { -(n as f32).sqrt() }])
 }
 
 fn push(writer: &mut RecordingWriter, n: u32) {

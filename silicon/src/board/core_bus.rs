@@ -1,6 +1,7 @@
 //! The board as its core sees it.
 
 use super::address_map::bit_alias;
+use super::waiting::WaitingLoop;
 use super::{ACCESS_CYCLES, Board, DEBUG_SLEEP};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob, ProcessorBus};
@@ -13,7 +14,8 @@ use crate::time::CYCLES_PER_SECOND;
 impl ProcessorBus for Board {
     fn load(&mut self, address: u32, size: usize) -> Result<u32, BusFault> {
         self.now += ACCESS_CYCLES;
-        self.leave_out_rounds(address);
+        let (now, due) = (self.now, self.next_event.saturating_sub(self.now));
+        self.now += WaitingLoop::left_out(&mut self.waiting, address, now, due, self.spi.ends_at());
         if SETTINGS.contains(&address) {
             self.now = self.now.max(self.flash.busy_until());
             let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };

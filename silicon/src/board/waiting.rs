@@ -8,8 +8,6 @@
 //! What is due by itself comes in time. Without this, starting takes five times as long, and a run
 //! 1.4 times.
 
-use super::Board;
-
 /// The status of the converter's bus.
 const BUS_STATUS: u32 = 0x4001_3008;
 const CYCLE_COUNTER: u32 = 0xe000_1004;
@@ -23,25 +21,24 @@ pub(super) struct WaitingLoop {
     last: u64,
 }
 
-impl Board {
-    /// A register is read.
-    pub(super) fn leave_out_rounds(&mut self, register: u32) {
-        let now = self.now;
-        let mut waiting = match self.waiting {
-            Some(waiting) if waiting.register == register => waiting,
-            _ => WaitingLoop { register, began: now, last: now },
+impl WaitingLoop {
+    /// A register is read at `now`: the cycles that are left out, none beyond the next event, which
+    /// is due in `due` cycles. The bus of the converter is busy until `bus_ends_at`.
+    pub fn left_out(waiting: &mut Option<Self>, register: u32, now: u64, due: u64, bus_ends_at: Option<u64>) -> u64 {
+        let before = match *waiting {
+            Some(before) if before.register == register => before,
+            _ => Self { register, began: now, last: now },
         };
-        let due = self.next_event.saturating_sub(now);
-        self.now += match register {
+        let left_out = match register {
             BUS_STATUS => {
-                let left = self.spi.ends_at().map_or(0, |end| end.saturating_sub(now)).min(due);
+                let left = bus_ends_at.map_or(0, |end| end.saturating_sub(now)).min(due);
                 // Of the first round nobody knows how long it is.
-                left.checked_rem(now - waiting.last).map_or(0, |rest| left - rest)
+                left.checked_rem(now - before.last).map_or(0, |rest| left - rest)
             }
-            CYCLE_COUNTER => ((now - waiting.began) / LENGTHENED_BY).min(due),
+            CYCLE_COUNTER => ((now - before.began) / LENGTHENED_BY).min(due),
             _ => 0,
         };
-        waiting.last = self.now;
-        self.waiting = Some(waiting);
+        *waiting = Some(Self { last: now + left_out, ..before });
+        left_out
     }
 }

@@ -3,8 +3,8 @@
 //! high against what was asked for or without a fresh code of its element
 //! ([`silicon::witness`]), and the board answers in the end.
 //!
-//! A life is a list of random numbers, each of which is a deed. Of a life that fails, deeds are left
-//! out one by one as long as it fails.
+//! A life is a list of random numbers, each of which is a deed. Of a life that fails, deeds are
+//! left out one by one as long as it fails.
 
 use crate::crashes_in_tasks::{fault, fill_stack, panic};
 use crate::rig::{Rig, experiment};

@@ -1,7 +1,7 @@
 //! Registers of the ADC and the values by which a healthy chip is known.
 
-use super::CHANNELS;
-
+/// Channels of the chip.
+pub const CHANNELS: usize = 6;
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
 /// channels.
 pub(super) const IDENTITY: u8 = 0xD1;
