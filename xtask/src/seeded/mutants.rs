@@ -34,19 +34,19 @@ struct Mutant {
 
 #[derive(Deserialize)]
 struct Span {
-    start: Place,
+    start: TextPlace,
     /// Behind the last character.
-    end: Place,
+    end: TextPlace,
 }
 
 /// Both from 1, the column in characters.
 #[derive(Deserialize)]
-struct Place {
+struct TextPlace {
     line: usize,
     column: usize,
 }
 
-impl Place {
+impl TextPlace {
     /// Byte of a text.
     fn offset(&self, text: &str) -> Option<usize> {
         let line = text.split_inclusive('\n').nth(self.line.checked_sub(1)?)?;
