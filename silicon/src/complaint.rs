@@ -98,6 +98,9 @@ pub enum BrokenRule {
     #[error("data are read before the first conversion is there")]
     AdcNoData,
     /// Of the converter.
+    #[error("a frame is read once, after data-ready has fallen")]
+    AdcNotReady,
+    /// Of the converter.
     #[error("a frame is read across the update by the next conversion")]
     AdcFrameAcrossUpdate,
     /// Of the converter.

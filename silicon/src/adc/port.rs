@@ -220,6 +220,9 @@ impl Adc {
         if at < self.ready_at {
             complaints.add(at, "ADC", BrokenRule::AdcResetTime);
         }
+        if self.streams && self.left == 0 && sent == 0 && self.command.is_empty() {
+            complaints.add(at, "ADC frame", BrokenRule::AdcNotReady);
+        }
         let (is_frame, place) = (self.shift.len() == FRAME_BYTES && self.left > 0, self.shift.len() - self.left);
         let answer = self.shift_out(at, complaints);
         let answer = self.disturb(answer);

@@ -96,6 +96,8 @@ pub struct Board {
     holds_back: bool,
     /// The dead-man timer's interrupt never comes.
     has_dead_timer: bool,
+    /// Nothing pulls the heaters down: a pin that floats may be high.
+    lacks_pull_downs: bool,
     waiting: Option<WaitingLoop>,
     /// Since when a debugger holds the core.
     held_since: Option<u64>,
@@ -163,6 +165,7 @@ impl Board {
             races_at_watchdog: false,
             holds_back: false,
             has_dead_timer: false,
+            lacks_pull_downs: false,
             waiting: None,
             held_since: None,
             remembered: BTreeMap::new(),
@@ -202,6 +205,7 @@ impl Board {
         fresh.timer.slow_hz = self.timer.slow_hz;
         fresh.rcc.fit_crystal(self.rcc.crystal_hz());
         fresh.heater_shorts = self.heater_shorts;
+        fresh.lacks_pull_downs = self.lacks_pull_downs;
         fresh.host = std::mem::take(&mut self.host);
         fresh.complaints = std::mem::take(&mut self.complaints);
         fresh.pins = std::mem::take(&mut self.pins);
@@ -334,6 +338,11 @@ impl Board {
     /// The interrupt of the dead-man timer never comes from now on.
     pub const fn break_timer(&mut self) {
         self.has_dead_timer = true;
+    }
+
+    /// The pull-downs of the heaters are missing from now on.
+    pub const fn lift_pull_downs(&mut self) {
+        self.lacks_pull_downs = true;
     }
 
     /// From now on the converter has this fault, or none.

@@ -42,7 +42,9 @@ impl Board {
 
     /// Pins of the heaters: those that float are pulled down by the board.
     pub(super) fn wire_heaters(&mut self) {
-        let driven = self.ports[2].driven_high() & HEATERS;
+        let port = &self.ports[2];
+        let floating = if self.lacks_pull_downs { port.floating() } else { 0 };
+        let driven = (port.driven_high() | floating) & HEATERS;
         let (high, low) = self.heater_shorts;
         let levels = (driven & !low | high) as u8;
         if levels != self.plant.levels() {

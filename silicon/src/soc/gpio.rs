@@ -30,6 +30,12 @@ impl GpioPort {
         (0..16).fold(0, |high, pin| high | u32::from(self.is_output(pin) && self.output >> pin & 1 == 1) << pin)
     }
 
+    /// Pins that nothing in the port drives or pulls: inputs, and analogue ones.
+    pub fn floating(&self) -> u32 {
+        let floats = |pin| !self.is_output(pin) && self.others[2] >> (2 * pin) & 3 == 0;
+        (0..16).fold(0, |pins, pin| pins | u32::from(floats(pin)) << pin)
+    }
+
     /// Whether a pin drives itself.
     pub const fn is_output(&self, pin: u32) -> bool {
         self.modes >> (2 * pin) & 3 == 1

@@ -83,6 +83,29 @@ fn a_silence_of_half_a_millisecond_is_borne_and_one_of_thirty_is_not() {
     }
 }
 
+/// A converter that falls silent right after its first high level: nothing decides anew, and the
+/// pin falls after the timeout, to a half of what one more in the timer's prescaler makes of it.
+#[test]
+fn the_dead_man_timer_counts_microseconds() {
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    start(&experiment, &mut instrument).unwrap();
+    let begin = rig.machine().now();
+    while rig.machine().board().heaters() == 0 {
+        rig.machine().run_for(us(50)).unwrap();
+        assert!(rig.machine().now() < begin + ms(50), "nothing is heated");
+    }
+    rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+    rig.machine().run_for(ms(30)).unwrap();
+    let machine = rig.machine();
+    let [.., rise, fall] = machine.pins() else { panic!("no heater has moved") };
+    assert_eq!((rise.levels, fall.levels), (1, 0));
+    // Seven quarters of a tick of 10 ms; 84 counts a microsecond.
+    let timeout = us(17_500);
+    assert!((fall.cycle - rise.cycle).abs_diff(timeout) < timeout / 168, "{}", fall.cycle - rise.cycle);
+}
+
 #[test]
 fn a_dead_data_line_is_a_missing_reading() {
     let (at, end) = with_adc_fault(AdcFault::Dead, None);

@@ -147,3 +147,14 @@ impl Rig {
         assert!(complaints.is_empty(), "at {:.3} s: {sentences:#?}", seconds(self.machine().now()));
     }
 }
+
+/// A scenario that fails shows what the models have complained of, whatever it was that failed.
+impl Drop for Rig {
+    fn drop(&mut self) {
+        if std::thread::panicking()
+            && let Ok(machine) = self.machine.try_borrow()
+        {
+            machine.board().complaints.all().iter().for_each(|complaint| eprintln!("{complaint}"));
+        }
+    }
+}

@@ -6,6 +6,7 @@ use dr_core::control::{Cause, RunState};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentPort, SettingsPort};
 use host_sim::run::start;
+use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
 use silicon::soc::flash::{FACTORY_OPTIONS, OPTIONS};
 use silicon::soc::power::NOMINAL_MV;
@@ -164,4 +165,15 @@ fn a_dip_is_told_from_a_power_on_however_far_the_supply_falls() {
         assert_eq!(tripped, cause, "{supply_mv} mV");
         rig.assert_no_complaint();
     }
+}
+
+/// The firmware can do nothing before it runs: a board that lacks its pull-downs heats in every
+/// reset, which has to show.
+#[test]
+fn a_board_without_pull_downs_at_its_heaters_is_noticed() {
+    let rig = Rig::new(&MachineConfig::default());
+    rig.machine().board_mut().lift_pull_downs();
+    rig.machine().reset_by(ResetSource::Pin).unwrap();
+    rig.machine().run_for(ms(1)).unwrap();
+    assert!(rig.complaints().iter().any(|of| of.rule == BrokenRule::HeaterHigh));
 }

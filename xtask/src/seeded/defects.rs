@@ -1,43 +1,45 @@
 //! The defects, which stand in `defects.toml`.
 
+use super::change::{SeededChange, read};
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
 /// One defect; `defects.toml` says what each key means.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Defect {
-    pub name: String,
+struct Defect {
+    name: String,
     file: String,
     text: String,
     becomes: String,
-    pub scenario: String,
-    pub shows: String,
+    scenario: String,
+    shows: String,
 }
 
 impl Defect {
-    /// The file from the workspace's root on.
-    pub fn path(&self) -> String {
-        format!("firmware/src/{}", self.file)
-    }
-
-    /// The file's text with the defect.
-    pub fn applied_to(&self, sound: &str) -> Result<String> {
-        match sound.matches(&self.text).count() {
-            1 => Ok(sound.replacen(&self.text, &self.becomes, 1)),
-            n => bail!("{}: its text stands {n} times in {}, and has to once", self.name, self.path()),
-        }
+    fn seeded(self) -> Result<SeededChange> {
+        let Self { name, file, text, becomes, scenario, shows } = self;
+        let path = format!("firmware/src/{file}");
+        let sound = read(&crate::shell::root().join(&path))?;
+        let changed = match sound.matches(&text).count() {
+            1 => sound.replacen(&text, &becomes, 1),
+            n => bail!("{name}: its text stands {n} times in {path}, and has to once"),
+        };
+        Ok(SeededChange { name, path, text: changed, scenarios: vec![scenario], shows })
     }
 }
 
 /// All defects.
-pub fn read() -> Result<Vec<Defect>> {
+///
+/// # Errors
+/// One whose text does not stand in its file exactly once.
+pub fn list() -> Result<Vec<SeededChange>> {
     #[derive(Deserialize)]
     struct DefectList {
         defects: Vec<Defect>,
     }
     let list: DefectList = toml::from_str(include_str!("defects.toml")).context("defects.toml cannot be read")?;
-    Ok(list.defects)
+    list.defects.into_iter().map(Defect::seeded).collect()
 }
 
 #[cfg(test)]
@@ -47,10 +49,11 @@ mod tests {
     /// Whoever changes such a line takes its defect along.
     #[test]
     fn every_text_stands_exactly_once_in_its_file() {
-        for defect in read().expect("the list") {
-            let sound = std::fs::read_to_string(crate::shell::root().join(defect.path())).expect("the file");
-            let changed = defect.applied_to(&sound).unwrap_or_else(|error| panic!("{error}"));
-            assert_ne!(changed, sound, "{}", defect.name);
+        let changes = list().unwrap_or_else(|error| panic!("{error}"));
+        assert!(!changes.is_empty());
+        for change in changes {
+            let sound = read(&crate::shell::root().join(&change.path)).expect("the file");
+            assert_ne!(change.text, sound, "{}", change.name);
         }
     }
 }

@@ -3,14 +3,17 @@
 //!
 //! A copy of the workspace is changed, its image is built as the flashed one is, and the scenarios
 //! of `silicon` run on it. A defect counts as caught when its scenario fails, and says what
-//! [`defects`] expects of it. First of all the image without a defect has to pass them.
+//! [`defects`] expects of it. First of all the image without a defect has to pass them. Mutants are
+//! tried in the same way ([`mutants`]).
 
+mod change;
 mod defects;
+mod mutants;
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
-use defects::Defect;
+use change::{SeededChange, read};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -25,43 +28,69 @@ const LONGEST_SCENARIO: Duration = Duration::from_secs(300);
 pub struct SeededOptions {
     /// Only those whose name contains this
     name: Option<String>,
+    /// Instead of the defects, try mutants of the sensor board's own files and of its drivers
+    #[arg(long)]
+    mutants: bool,
+    /// Only the k-th of n parts of the mutants, from 0: `0/8`
+    #[arg(long, value_name = "K/N", requires = "mutants")]
+    shard: Option<String>,
+    /// Only so many mutants, chosen by `--seed`
+    #[arg(long, value_name = "N", requires = "mutants")]
+    sample: Option<usize>,
+    /// Chooses the mutants of a sample
+    #[arg(long, default_value_t = 1, requires = "sample")]
+    seed: u64,
 }
 
 pub fn run(options: &SeededOptions) -> Result<()> {
     install::thumb_target()?;
     install::emulated_core()?;
-    let wanted = |defect: &Defect| options.name.as_ref().is_none_or(|name| defect.name.contains(name));
-    let defects: Vec<_> = defects::read()?.into_iter().filter(wanted).collect();
-    if defects.is_empty() {
-        bail!("no defect has such a name");
+    let wanted = |change: &SeededChange| options.name.as_ref().is_none_or(|name| change.name.contains(name));
+    let mut changes = if options.mutants { mutants::list(options.shard.as_deref())? } else { defects::list()? };
+    changes.retain(wanted);
+    if let Some(count) = options.sample {
+        mutants::sample(&mut changes, count, options.seed);
+    }
+    if changes.is_empty() {
+        bail!("nothing has such a name");
     }
     let bench = Workbench::new()?;
     shell::announce("the image without a defect");
     let image = bench.build()?;
-    for scenario in defects.iter().map(|defect| defect.scenario.as_str()).collect::<BTreeSet<_>>() {
+    for scenario in changes.iter().flat_map(|change| &change.scenarios).collect::<BTreeSet<_>>() {
         if let ScenarioEnd::Failed(output) = bench.scenario(&image, scenario)? {
             bail!("{scenario} fails without a defect:\n{output}");
         }
     }
-    let mut missed = Vec::new();
-    for defect in &defects {
+    let (mut missed, mut refused) = (Vec::new(), 0);
+    for change in &changes {
         let start = Instant::now();
-        let caught = bench.judge(defect)?;
-        println!("{:7} {} ({:.0} s)", caught.word(), defect.name, start.elapsed().as_secs_f64());
-        if let Verdict::Missed(why) = caught {
-            missed.push(format!("{}: {why}", defect.name));
+        let verdict = bench.judge(change)?;
+        println!("{:8} {} ({:.0} s)", verdict.word(), change.name, start.elapsed().as_secs_f64());
+        match verdict {
+            Verdict::Caught => (),
+            // A mutant may have a type that does not fit.
+            Verdict::Refused if options.mutants => refused += 1,
+            Verdict::Refused => missed.push(format!("{}: it cannot be compiled", change.name)),
+            Verdict::Missed(why) => missed.push(format!("{}: {why}", change.name)),
         }
     }
+    let tried = changes.len() - refused;
     if !missed.is_empty() {
-        bail!("{} of {} defects were not caught:\n{}", missed.len(), defects.len(), missed.join("\n"));
+        bail!("{} of {tried} were not caught:\n{}", missed.len(), missed.join("\n"));
     }
-    println!("{} defects, all caught", defects.len());
+    if tried == 0 {
+        bail!("none of {refused} can be compiled");
+    }
+    println!("{tried}, all caught");
     Ok(())
 }
 
 enum Verdict {
     Caught,
     Missed(String),
+    /// The compiler does not take it.
+    Refused,
 }
 
 impl Verdict {
@@ -69,6 +98,7 @@ impl Verdict {
         match self {
             Self::Caught => "caught",
             Self::Missed(_) => "MISSED",
+            Self::Refused => "no image",
         }
     }
 }
@@ -106,19 +136,24 @@ impl Workbench {
         artefacts::image_in(&self.tree, "firmware", FirmwareBoard::Sensor)
     }
 
-    /// Puts a defect into the copy, and takes it out again.
-    fn judge(&self, defect: &Defect) -> Result<Verdict> {
-        let file = self.tree.join(defect.path());
+    /// Puts a change into the copy, and takes it out again.
+    fn judge(&self, change: &SeededChange) -> Result<Verdict> {
+        let file = self.tree.join(&change.path);
         let sound = read(&file)?;
-        write(&file, &defect.applied_to(&sound)?)?;
+        write(&file, &change.text)?;
         let image = self.build();
         write(&file, &sound)?;
-        let Ok(image) = image else { return Ok(Verdict::Missed("it cannot be compiled".into())) };
-        Ok(match self.scenario(&image, &defect.scenario)? {
-            ScenarioEnd::Passed => Verdict::Missed(format!("{} passes", defect.scenario)),
-            ScenarioEnd::Failed(output) if output.contains(&defect.shows) => Verdict::Caught,
-            ScenarioEnd::Failed(output) => Verdict::Missed(format!("“{}” is not in\n{output}", defect.shows)),
-        })
+        let Ok(image) = image else { return Ok(Verdict::Refused) };
+        for scenario in &change.scenarios {
+            match self.scenario(&image, scenario)? {
+                ScenarioEnd::Passed => (),
+                ScenarioEnd::Failed(output) if output.contains(&change.shows) => return Ok(Verdict::Caught),
+                ScenarioEnd::Failed(output) => {
+                    return Ok(Verdict::Missed(format!("“{}” is not in\n{output}", change.shows)));
+                }
+            }
+        }
+        Ok(Verdict::Missed(format!("{} passes", change.scenarios.join(", "))))
     }
 
     /// Runs scenarios of this name on an image.
@@ -161,10 +196,6 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
     }
     std::fs::write(to, wanted).with_context(|| format!("{} cannot be written", to.display()))
-}
-
-fn read(file: &Path) -> Result<String> {
-    std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))
 }
 
 fn write(file: &Path, text: &str) -> Result<()> {
