@@ -16,7 +16,7 @@ use host_sim::instrument::{InstrumentError, InstrumentPort};
 use host_sim::run::setup_of;
 use host_sim::sensor::{ResistorFault, TimedFault};
 use silicon::adc::AdcFault;
-use silicon::complaint::BrokenRule;
+use silicon::complaint::{BrokenRule, Complaint};
 use silicon::plant::SensorPlant;
 use silicon::soc::power::NOMINAL_MV;
 use silicon::soc::rcc::ResetSource;
@@ -68,6 +68,8 @@ struct Life<'a> {
     experiment: &'a Experiment,
     /// Everything that is sent gets a number of its own.
     number: u16,
+    /// When its crystal has failed.
+    crystal_failed: Vec<u64>,
 }
 
 impl Life<'_> {
@@ -174,7 +176,9 @@ impl Life<'_> {
                 "crash"
             }
             16 => {
-                self.rig.machine().board_mut().fail_crystal();
+                let mut machine = self.rig.machine();
+                self.crystal_failed.push(machine.now());
+                machine.board_mut().fail_crystal();
                 "crystal"
             }
             17 => {
@@ -251,16 +255,25 @@ impl Life<'_> {
             Err(error) => return Err(format!("it does not answer to `Stop`: {error}")),
         }
         let complaints = self.rig.complaints();
-        let sentences: Vec<_> =
-            complaints.iter().filter(|of| !KNOWN.contains(&(of.register, of.rule))).map(ToString::to_string).collect();
+        let is_fault = |of: &&Complaint| !KNOWN.contains(&(of.register, of.rule)) && !self.is_of_the_crystal(of);
+        let sentences: Vec<_> = complaints.iter().filter(is_fault).map(ToString::to_string).collect();
         if sentences.is_empty() { Ok(()) } else { Err(sentences.join("; ")) }
+    }
+}
+
+impl Life<'_> {
+    /// A crystal that fails slows the bus in the middle of a frame, which then crosses the next
+    /// conversion. The heaters are low, and no decision comes of it.
+    fn is_of_the_crystal(&self, of: &Complaint) -> bool {
+        let failures = self.crystal_failed.iter().filter(|&&failed| (failed..failed + ms(2)).contains(&of.cycle));
+        of.rule == BrokenRule::AdcFrameAcrossUpdate && of.times as usize <= failures.count()
     }
 }
 
 /// Lives these deeds; gives their names, and what was wrong.
 fn live(rig: &Rig, experiment: &Experiment, deeds: &[u64]) -> (Vec<&'static str>, Result<(), String>) {
     rig.begin_anew(experiment);
-    let mut life = Life { rig, experiment, number: 100 };
+    let mut life = Life { rig, experiment, number: 100, crystal_failed: Vec::new() };
     let mut names = Vec::new();
     for &deed in deeds {
         let mut chance = Chance::of(deed);
