@@ -33,7 +33,8 @@ Examples:
   anemo run experiments/held.toml --on sim -o held.parquet
   anemo run experiments/gusts.toml --on qemu --firmware firmware.elf --json
   anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv
-  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o night/ --segment 1h")]
+  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 \\
+      -o night/ --segment 1h")]
 pub struct Arguments {
     /// The experiment: a TOML file.
     experiment: PathBuf,

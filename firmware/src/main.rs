@@ -82,7 +82,8 @@ mod app {
     static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
     /// The dead-man timer has expired, and the controller has not tripped yet.
     static OUTPUT_TIMED_OUT: AtomicBool = AtomicBool::new(false);
-    /// Sequence number of a `Stop`, plus one; 0 if there is none.
+    /// Sequence number of a `Stop`, and in the upper half its complement; 0 if there is none. A bit
+    /// that flips makes none.
     static STOP: AtomicU32 = AtomicU32::new(0);
     static DEADLINES: AtomicU32 = AtomicU32::new(0);
     /// The dead-man timer is to be proved, as soon as all heaters are low.
@@ -307,14 +308,15 @@ mod app {
             let result = handle(instrument, front_end, &mut cx.shared.margins, command);
             queue::put(outcomes, result.map(drop)).ok();
         }
-        if let Some(sequence) = STOP.load(Relaxed).checked_sub(1) {
-            STOP.store(0, Relaxed);
+        let stop = STOP.swap(0, Relaxed);
+        let sequence = stop as u16;
+        if stop == stop_word(sequence) {
             // What waited is void: nothing starts behind it.
             while let Some((to, _)) = requests.dequeue() {
                 outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
             }
             let result = handle(instrument, front_end, &mut cx.shared.margins, Command::Stop);
-            outbox.put(FromBoard::Reply { to: sequence as u16, result });
+            outbox.put(FromBoard::Reply { to: sequence, result });
         }
         // While settings are written or loaded, the host's commands wait: nothing starts then.
         while !STANDBY_LOCK.is_taken()
@@ -395,6 +397,11 @@ mod app {
         if outbox.waits() {
             rtic::pend(TRANSMIT);
         }
+    }
+
+    /// A `Stop` of this number, on its way to the controller.
+    const fn stop_word(sequence: u16) -> u32 {
+        sequence as u32 | (!sequence as u32) << 16
     }
 
     /// Carries out a command, and passes on what the front end needs of it.
@@ -631,7 +638,7 @@ mod app {
         match who {
             Wake::Control => rtic::pend(CONTROL),
             Wake::Stop(sequence) => {
-                STOP.store(u32::from(sequence) + 1, Relaxed);
+                STOP.store(stop_word(sequence), Relaxed);
                 rtic::pend(CONTROL);
             }
             Wake::Transmit => rtic::pend(TRANSMIT),

@@ -190,9 +190,9 @@ impl RecordingWriter {
     }
 }
 
-/// Whether a recording's name is a folder's: one that is there, or without extension.
+/// Whether a recording's name is a folder's: without extension, or of one that is there.
 fn is_folder(path: &Path) -> bool {
-    path.is_dir() || path.extension().is_none() && path.file_name().is_some()
+    path.file_name().is_some() && (path.extension().is_none() || path.is_dir() && check_name(path).is_err())
 }
 
 /// Makes a folder for a new recording.

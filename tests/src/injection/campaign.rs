@@ -72,6 +72,7 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
                 *row.trips.entry(cause.name()).or_default() += 1;
                 row.ticks_to_safe = row.ticks_to_safe.max(ticks);
                 lab.subject.command(Command::Acknowledge).expect("a trip can be acknowledged");
+                lab.rest();
                 lab.start();
             }
             Ended::Reset => {
@@ -109,6 +110,17 @@ struct Lab<'a, S> {
 impl<S: Subject> Lab<'_, S> {
     fn start(&mut self) {
         host_sim::run::start(self.experiment, &mut AsInstrument(self.subject)).expect("the experiment is not refused");
+    }
+
+    /// Ten minutes pass in standby, in ticks of ten seconds, so that the trips of a campaign do not
+    /// lock the instrument.
+    fn rest(&mut self) {
+        let slow = Command::SamplePeriod { sample_period_s: 10.0 };
+        self.subject.command(slow).expect("it is in standby");
+        let given = readings(&self.sensor);
+        for _ in 0..61 {
+            self.subject.exchange(&given).expect("the instrument answers");
+        }
     }
 
     /// One tick, its readings changed on the way; whether all were told as they are, or else the

@@ -52,14 +52,14 @@ fn ends_early(quirks: Quirks) -> (String, f64, Recording) {
     let board = FakeBoard::new(&desk.experiment(), quirks);
     let begin = Instant::now();
     let on = format!("serial:{}", board.device);
-    let output = desk.anemo(&["run", "e.toml", "--on", &on, "-o", "r.parquet", "--plot", "p.svg"], &[]);
+    let output = desk.anemo(&["run", "e.toml", "--on", &on, "-o", "r.csv", "--plot", "p.svg"], &[]);
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(4), "{sentence}");
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
-    assert_eq!(desk.files(), ["e.toml", "p.svg", "r.parquet"]);
+    assert_eq!(desk.files(), ["e.toml", "p.svg", "r.csv"]);
     let seconds = begin.elapsed().as_secs_f64();
     board.finish();
-    let recording = Recording::read(&desk.path().join("r.parquet")).unwrap();
+    let recording = Recording::read(&desk.path().join("r.csv")).unwrap();
     assert_same(&recording, &simulated());
     assert_eq!(recording.metadata("complete"), Some("false"));
     let why = sentence.trim_end().strip_prefix("anemo: the run ended early: ").unwrap().to_owned();
