@@ -66,7 +66,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let known = metadata(&experiment, &arguments.instrument.on);
     // What is simulated can be run again; what is measured cannot.
-    let options = WriterOptions { has_journal: !simulated, segment: arguments.segment };
+    let options = WriterOptions { has_journal: !simulated, segment: arguments.segment, has_utc: !simulated };
     let mut recorded =
         RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
     let interrupted = on_interrupt();

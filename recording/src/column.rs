@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::error::RecordingError;
-use crate::names::{EVENT, HEATER, STATE, TIME};
+use crate::names::{EVENT, HEATER, STATE, TIME, UTC};
 use crate::wind::QUALITY_FLAGS;
 
 /// Ordered pairs of key and value; a key stands once.
@@ -156,6 +156,8 @@ impl ColumnValues {
 pub(crate) enum ColumnKind {
     /// f64.
     Wide,
+    /// A moment, in memory the seconds since 1970.
+    Utc,
     /// f32.
     Number,
     /// 0 or 1.
@@ -170,6 +172,7 @@ impl ColumnKind {
     pub(crate) fn of(name: &str) -> Self {
         match name {
             TIME => Self::Wide,
+            UTC => Self::Utc,
             EVENT | STATE => Self::Text,
             QUALITY_FLAGS => Self::Flags,
             name if name.starts_with(HEATER) => Self::Bit,
@@ -184,7 +187,7 @@ impl ColumnKind {
 
     /// Bytes of a value that is not compressed, about.
     pub(crate) const fn bytes(self) -> u64 {
-        if matches!(self, Self::Wide) { 8 } else { 4 }
+        if matches!(self, Self::Wide | Self::Utc) { 8 } else { 4 }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Recordings as CSV (RFC 4180) with `# key: value` lines around the table.
 //!
 //! Numbers are written with the fewest digits that give the same f32 back (f64 for the time). A
-//! missing number is an empty field. A line break in a metadata value is written `\n`, a backslash
+//! missing number is an empty field, a moment (`utc`) is in RFC 3339. A line break in a metadata value is written `\n`, a backslash
 //! `\\`.
 
 use std::fs::File;
@@ -10,13 +10,13 @@ use std::path::Path;
 
 use crate::column::{CHUNK, ChunkSource, ColumnKind, ColumnValues, Metadata, RowCell, RowSink, TableHead};
 use crate::error::RecordingError;
-use crate::names::{EVENT, STATE};
+use crate::names::{EVENT, STATE, UTC};
+use crate::utc;
 
 pub(crate) struct CsvWriter {
     csv: csv::Writer<BufWriter<File>>,
     field: String,
-    /// Whether a column's numbers are f64.
-    wide: Vec<bool>,
+    kinds: Vec<ColumnKind>,
     bytes: u64,
 }
 
@@ -26,21 +26,24 @@ impl CsvWriter {
         write_metadata(&mut file, metadata)?;
         let mut csv = csv::Writer::from_writer(file);
         csv.write_record(columns.iter().map(|(name, _)| name))?;
-        let wide = columns.iter().map(|(_, kind)| *kind == ColumnKind::Wide).collect();
-        Ok(Self { csv, field: String::new(), wide, bytes: 0 })
+        let kinds = columns.iter().map(|(_, kind)| *kind).collect();
+        Ok(Self { csv, field: String::new(), kinds, bytes: 0 })
     }
 }
 
 impl RowSink for CsvWriter {
     fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()> {
         use std::fmt::Write as _;
-        for (&wide, cell) in self.wide.iter().zip(cells) {
+        for (kind, cell) in self.kinds.iter().zip(cells) {
             self.field.clear();
             // Formatting into a String cannot fail.
             let _ = match cell {
                 RowCell::Number(number) if number.is_nan() => Ok(()),
-                RowCell::Number(number) if wide => write!(self.field, "{number}"),
-                RowCell::Number(number) => write!(self.field, "{}", number as f32),
+                RowCell::Number(number) => match kind {
+                    ColumnKind::Wide => write!(self.field, "{number}"),
+                    ColumnKind::Utc => self.field.write_str(&utc::rfc3339(number)),
+                    _ => write!(self.field, "{}", number as f32),
+                },
                 RowCell::Text(text) => self.field.write_str(text),
             };
             self.bytes += self.field.len() as u64 + 1;
@@ -201,7 +204,7 @@ impl CsvReader {
         self.rows += u64::from(more);
         if more && self.text.is_none() {
             let is_text = |(at, (name, field)): (usize, (&String, &str))| {
-                [EVENT, STATE].contains(&name.as_str()) || self.forced.contains(&at) || number(field).is_none()
+                [EVENT, STATE].contains(&name.as_str()) || self.forced.contains(&at) || number(name, field).is_none()
             };
             self.text = Some(head.names.iter().zip(&self.record).enumerate().map(is_text).collect());
         }
@@ -256,7 +259,7 @@ impl ChunkSource for CsvReader {
                 let field = self.record.get(at).unwrap_or_default();
                 let cell = match column {
                     ColumnValues::Words(_) => RowCell::Text(field),
-                    ColumnValues::Numbers(_) => RowCell::Number(number(field).ok_or_else(|| {
+                    ColumnValues::Numbers(_) => RowCell::Number(number(&head.names[at], field).ok_or_else(|| {
                         let (row, name, line) = (self.rows, &head.names[at], at_line(self.record.position()));
                         let sentence = format!("row {row}{line}, column `{name}`: `{field}` is not a number");
                         RecordingError::new(&head.path, sentence)
@@ -277,8 +280,11 @@ fn at_line(position: Option<&csv::Position>) -> String {
 }
 
 /// A field's number; an empty field is a missing one.
-fn number(field: &str) -> Option<f64> {
-    if field.is_empty() { Some(f64::NAN) } else { field.parse().ok() }
+fn number(column: &str, field: &str) -> Option<f64> {
+    if field.is_empty() {
+        return Some(f64::NAN);
+    }
+    field.parse().ok().or_else(|| utc::from_rfc3339(field).filter(|_| column == UTC))
 }
 
 fn reworded(error: &csv::Error) -> String {

@@ -20,6 +20,7 @@
 //! | column | meaning | unit |
 //! |---|---|---|
 //! | `time_s` | t_n of row n | s |
+//! | `utc` | when the row arrived, by the clock of the host; only of what is measured | UTC |
 //! | `temperature_c_<element>` | temperature at t_n | °C |
 //! | `power_w_<element>` | heating power held over [t_n, t_{n+1}) | W |
 //! | `equivalent_power_w_<element>` | conduction into the element's structure at t_n, by its observer; only where one ran | W |
@@ -35,7 +36,8 @@
 //! value`: above the header what is known at the start, below the last row what is known at the end
 //! of a run. Times are stored in f64, the rest in f32, which is what the instrument computes in.
 //! Files of before 0.2 (`power_w:sector1`, `answer_x_m_s`) are read with the names above. Any other
-//! uniformly sampled table with named columns can be read just as well, with its own names.
+//! uniformly sampled table with named columns can be read just as well, with its own names. In Parquet,
+//! unit and description of each column are metadata of its field.
 //!
 //! | module or type | what it is |
 //! |---|---|
@@ -44,6 +46,7 @@
 //! | [`Recorder`], [`recover`] | a writer in a thread of its own; what a journal has kept |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
+//! | [`utc`] | moments in UTC |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
 //! | [`regular`] | opening files that are neither pipes nor devices |
 //! | [`toml_file`] | strict reading of TOML files: errors name file, line and key |
@@ -52,9 +55,12 @@
 //! The feature `parquet` (on by default) reads and writes Parquet; without it, a `.parquet` file is
 //! refused.
 
+mod clock_fit;
 mod collector;
 mod column;
 mod csv;
+#[cfg(feature = "parquet")]
+mod describe;
 mod error;
 mod file_format;
 mod format1;
@@ -69,6 +75,7 @@ mod row;
 mod temporary;
 pub mod text;
 pub mod toml_file;
+pub mod utc;
 pub mod wind;
 mod writer;
 
@@ -79,7 +86,7 @@ pub use file_format::check_name;
 pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
-    STATE, TEMPERATURE, TIME, TRUE_WIND, column_name, element_of, in_columns, shared_column, stated_unit,
+    STATE, TEMPERATURE, TIME, TRUE_WIND, UTC, column_name, element_of, in_columns, shared_column, stated_unit,
 };
 pub use reader::RecordingReader;
 pub use recording::Recording;

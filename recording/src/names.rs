@@ -6,6 +6,8 @@
 
 /// Time of a row, s.
 pub const TIME: &str = "time_s";
+/// When a row arrived at the host.
+pub const UTC: &str = "utc";
 /// Label of the conditions, text.
 pub const EVENT: &str = "event";
 /// State of the instrument, text.

@@ -2,17 +2,19 @@
 //!
 //! Times are DOUBLE, temperatures, powers and wind FLOAT, heater bits INT32 marked as unsigned 8
 //! bit, quality flags INT32 marked as unsigned 32 bit and null where there is no estimate, event
-//! and state UTF-8 in a dictionary. Reading accepts any flat file of numbers, booleans and text; a
+//! and state UTF-8 in a dictionary, moments INT64 marked as microseconds in UTC. Unit and
+//! description of every column are where Arrow keeps them. Reading accepts any flat file of numbers, booleans and text; a
 //! null is a missing number (NaN) or an empty text.
 
+mod arrow_schema;
 mod read;
 
 use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type};
+use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -41,7 +43,11 @@ impl ParquetWriter {
             .set_dictionary_enabled(false)
             .set_created_by(format!("anemo {}", env!("CARGO_PKG_VERSION")))
             .set_key_value_metadata(Some(
-                metadata.iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect(),
+                metadata
+                    .iter()
+                    .map(|(key, value)| KeyValue::new(key.clone(), value.clone()))
+                    .chain([KeyValue::new(arrow_schema::KEY.to_owned(), arrow_schema::encoded(columns))])
+                    .collect(),
             ));
         for (name, kind) in columns {
             if matches!(kind, ColumnKind::Text | ColumnKind::Bit | ColumnKind::Flags) {
@@ -121,6 +127,10 @@ fn write_column(
             let flags: Vec<f64> = flags.iter().copied().filter(|flags| !flags.is_nan()).collect();
             column.typed::<Int32Type>().write_batch(&whole(&flags), Some(&present), None)
         }
+        (ColumnKind::Utc, ColumnValues::Numbers(seconds)) => {
+            let microseconds: Vec<i64> = seconds.iter().map(|seconds| (seconds * 1e6).round() as i64).collect();
+            column.typed::<Int64Type>().write_batch(&microseconds, None, None)
+        }
         (ColumnKind::Wide, ColumnValues::Numbers(numbers)) => {
             column.typed::<DoubleType>().write_batch(numbers, None, None)
         }
@@ -135,6 +145,7 @@ fn write_column(
 fn field(name: &str, kind: ColumnKind) -> Result<Type, ParquetError> {
     let (physical, logical) = match kind {
         ColumnKind::Wide => (Physical::DOUBLE, None),
+        ColumnKind::Utc => (Physical::INT64, Some(LogicalType::timestamp(true, TimeUnit::MICROS))),
         ColumnKind::Number => (Physical::FLOAT, None),
         ColumnKind::Bit => (Physical::INT32, Some(LogicalType::integer(8, false))),
         ColumnKind::Flags => (Physical::INT32, Some(LogicalType::integer(32, false))),

@@ -98,7 +98,8 @@ const fn unread(compression: Compression) -> Option<&'static str> {
 impl ChunkSource for ParquetReader {
     fn metadata(&self) -> Metadata {
         let pairs = self.file.metadata().file_metadata().key_value_metadata();
-        pairs.into_iter().flatten().map(|pair| (pair.key.clone(), pair.value.clone().unwrap_or_default())).collect()
+        let pairs = pairs.into_iter().flatten().filter(|pair| pair.key != super::arrow_schema::KEY);
+        pairs.map(|pair| (pair.key.clone(), pair.value.clone().unwrap_or_default())).collect()
     }
 
     fn rows(&self) -> Option<u64> {

@@ -9,14 +9,16 @@ mod table;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use crate::column::{ColumnKind, Metadata, RowCell, overlay};
 use crate::error::RecordingError;
 use crate::file_format::check_name;
 use crate::format1::FORMAT;
-use crate::names::TIME;
+use crate::names::{TIME, UTC};
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of, segment_in, segments_in};
 use crate::row::{RecordingLayout, RecordingRow};
+use crate::utc::seconds_of;
 use journal::Journal;
 use table::{TableWriter, unwritten};
 
@@ -31,6 +33,7 @@ pub use recover::{Recovered, recover};
 /// it leaves its journal, and no file otherwise.
 pub struct RecordingWriter {
     layout: RecordingLayout,
+    has_utc: bool,
     columns: Vec<(String, ColumnKind)>,
     metadata: Metadata,
     table: TableWriter,
@@ -82,7 +85,11 @@ impl RecordingWriter {
         options: &WriterOptions,
     ) -> Result<Self, RecordingError> {
         layout.check_elements(path)?;
-        let columns = ColumnKind::of_each(layout.columns());
+        let mut names = layout.columns();
+        if options.has_utc {
+            names.insert(1, UTC.to_owned());
+        }
+        let columns = ColumnKind::of_each(names);
         let mut metadata = with_format(metadata);
         let segments = if is_folder(path) { Some(first_segment(path, options.segment)?) } else { None };
         let (file, journal) = match &segments {
@@ -99,7 +106,7 @@ impl RecordingWriter {
             })
         });
         let journal = journal.transpose()?;
-        Ok(Self { layout, columns, metadata, table, journal, segments, rows: 0 })
+        Ok(Self { layout, has_utc: options.has_utc, columns, metadata, table, journal, segments, rows: 0 })
     }
 
     /// What the rows consist of.
@@ -107,13 +114,14 @@ impl RecordingWriter {
         &self.layout
     }
 
-    /// Writes a row.
+    /// Writes a row that has just arrived.
     ///
     /// # Errors
     /// If it does not fit the layout, or the file cannot be written.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        self.push_cells(row.time_s, &mut || Box::new(row.cells()))
+        let arrived = self.has_utc.then(SystemTime::now);
+        self.push_cells(row.time_s, &mut || Box::new(stamped(row, arrived)))
     }
 
     /// Writes the cells of a row that fits the layout.
@@ -188,6 +196,12 @@ impl RecordingWriter {
             let _ = self.segments.map(|segments| std::fs::remove_dir(segments.folder));
         }
     }
+}
+
+/// The cells of a row, with the moment at which it arrived behind its time.
+fn stamped<'a>(row: &'a RecordingRow<'_>, arrived: Option<SystemTime>) -> impl Iterator<Item = RowCell<'a>> {
+    let mut cells = row.cells();
+    cells.next().into_iter().chain(arrived.map(|arrived| RowCell::Number(seconds_of(arrived)))).chain(cells)
 }
 
 /// Whether a recording's name is a folder's: without extension, or of one that is there.

@@ -65,6 +65,9 @@ pub struct WriterOptions {
     pub has_journal: bool,
     /// Of a folder.
     pub segment: SegmentLength,
+    /// Whether rows carry the moment at which they arrived. Every file ends then with the drift of
+    /// the instrument's clock by that of the host.
+    pub has_utc: bool,
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
+use std::time::SystemTime;
 
 use super::journal::SYNC_EVERY;
-use super::{RecordingWriter, WriterOptions};
+use super::{RecordingWriter, WriterOptions, stamped};
 use crate::column::{Metadata, RowCell};
 use crate::error::RecordingError;
 use crate::row::{RecordingLayout, RecordingRow};
@@ -26,12 +27,12 @@ enum OwnedCell {
 }
 
 impl OwnedRow {
-    fn of(row: &RecordingRow) -> Self {
+    fn of(row: &RecordingRow, utc: Option<SystemTime>) -> Self {
         let owned = |cell: RowCell| match cell {
             RowCell::Number(number) => OwnedCell::Number(number),
             RowCell::Text(text) => OwnedCell::Text(text.into()),
         };
-        Self { time_s: row.time_s, cells: row.cells().map(owned).collect() }
+        Self { time_s: row.time_s, cells: stamped(row, utc).map(owned).collect() }
     }
 
     fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
@@ -45,6 +46,7 @@ impl OwnedRow {
 /// A [`RecordingWriter`] in a thread of its own.
 pub struct Recorder {
     layout: RecordingLayout,
+    has_utc: bool,
     // Dropped, it ends the thread.
     rows: Option<SyncSender<OwnedRow>>,
     writer: Option<JoinHandle<Result<RecordingWriter, RecordingError>>>,
@@ -66,16 +68,24 @@ impl Recorder {
         let thread = std::thread::Builder::new().name("recorder".to_owned());
         let writer = thread.spawn(move || write(writer, &receiver));
         let writer = writer.map_err(|error| RecordingError::new(path, format!("no thread can be had: {error}")))?;
-        Ok(Self { layout, rows: Some(sender), writer: Some(writer) })
+        Ok(Self { layout, has_utc: options.has_utc, rows: Some(sender), writer: Some(writer) })
     }
 
-    /// Hands a row on.
+    /// Hands on a row that has just arrived.
     ///
     /// # Errors
     /// If it does not fit the layout, or an earlier one could not be written.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
+        self.push_at(row, SystemTime::now())
+    }
+
+    /// Hands on a row that arrived at this moment.
+    ///
+    /// # Errors
+    /// As [`Recorder::push`].
+    pub fn push_at(&mut self, row: &RecordingRow, arrived: SystemTime) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        let sent = self.rows.as_ref().map(|rows| rows.send(OwnedRow::of(row)));
+        let sent = self.rows.as_ref().map(|rows| rows.send(OwnedRow::of(row, self.has_utc.then_some(arrived))));
         // The thread takes rows until one cannot be written.
         if let Some(Ok(())) = sent { Ok(()) } else { self.end().map(drop) }
     }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::clock_fit::ClockFit;
 use crate::column::{ColumnKind, Metadata, RowCell, RowSink};
 use crate::csv::CsvWriter;
 use crate::error::RecordingError;
@@ -13,6 +14,8 @@ pub(super) struct TableWriter {
     sink: Box<dyn RowSink + Send>,
     // Declared after the sink: the file is closed before it is removed.
     temporary: Temporary,
+    /// Of a table with times and moments.
+    clock: Option<ClockFit>,
 }
 
 impl TableWriter {
@@ -30,11 +33,23 @@ impl TableWriter {
                 Box::new(CsvWriter::new(file, columns, metadata).map_err(unwritten(path))?)
             }
         };
-        Ok(Self { path: path.to_owned(), sink, temporary })
+        let has_moments = columns.get(1).is_some_and(|(_, kind)| *kind == ColumnKind::Utc);
+        Ok(Self { path: path.to_owned(), sink, temporary, clock: has_moments.then(ClockFit::default) })
     }
 
     pub fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> Result<(), RecordingError> {
-        self.sink.push(cells).map_err(unwritten(&self.path))
+        let Some(clock) = &mut self.clock else { return self.sink.push(cells).map_err(unwritten(&self.path)) };
+        let mut stamp = [f64::NAN; 2];
+        let mut look = |(at, cell): (usize, RowCell<'_>)| {
+            if let (Some(seen), RowCell::Number(number)) = (stamp.get_mut(at), cell) {
+                *seen = number;
+            }
+        };
+        self.sink
+            .push(&mut cells.enumerate().inspect(|cell| look(*cell)).map(|(_, cell)| cell))
+            .map_err(unwritten(&self.path))?;
+        clock.add(stamp[0], stamp[1]);
+        Ok(())
     }
 
     /// Length of the file if it ended here, at most.
@@ -43,7 +58,9 @@ impl TableWriter {
     }
 
     pub fn finish(self, metadata: &Metadata) -> Result<(), RecordingError> {
-        self.sink.finish(metadata).and_then(|()| self.temporary.keep()).map_err(unwritten(&self.path))
+        let clock = self.clock.map(|clock| clock.metadata()).unwrap_or_default();
+        let metadata: Metadata = metadata.iter().cloned().chain(clock).collect();
+        self.sink.finish(&metadata).and_then(|()| self.temporary.keep()).map_err(unwritten(&self.path))
     }
 }
 

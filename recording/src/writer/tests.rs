@@ -60,7 +60,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn start(path: &Path, segment: SegmentLength) -> Result<RecordingWriter, RecordingError> {
-    let options = WriterOptions { has_journal: true, segment };
+    let options = WriterOptions { has_journal: true, segment, ..WriterOptions::default() };
     RecordingWriter::with_options(path, layout(), &vec![("head_name".to_owned(), "test".to_owned())], &options)
 }
 
@@ -292,4 +292,31 @@ fn either_format_gives_the_same_numbers_back() {
     }
     let error = write_columns(&folder.path().join("record.txt"), 1.0, &[("u", &u)], &Vec::new()).unwrap_err();
     assert!(error.to_string().contains(".parquet or .csv"), "{error}");
+}
+
+/// Arrival in steps of a sample period: a board whose clock is that of the host.
+#[test]
+fn what_is_measured_says_when_it_arrived_and_how_far_the_clocks_drift() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["run.parquet", "run.csv", "run"] {
+        let path = folder.path().join(name);
+        let options = WriterOptions { has_journal: true, has_utc: true, ..WriterOptions::default() };
+        let mut recorder = Recorder::create(&path, layout(), &Metadata::new(), &options).unwrap();
+        let begin = crate::utc::moment_of(1_793_000_000.5);
+        for n in 0..300 {
+            let (time_s, temperature_c) = row(n);
+            recorder.push_at(&of(time_s, &temperature_c), begin + Duration::from_secs_f64(time_s)).unwrap();
+        }
+        recorder.finish(&Metadata::new()).unwrap();
+        assert_eq!(rows_of(&path), 300);
+        let read = Recording::read(&path).unwrap();
+        let arrived = read.numbers("utc").unwrap();
+        assert!((arrived[0] - 1_793_000_000.5).abs() < 1e-6 && (arrived[299] - arrived[0] - 2.99).abs() < 2e-6);
+        let said = |key| read.metadata(key).unwrap().parse::<f64>().unwrap();
+        assert!(said("clock_drift_ppm").abs() < 0.2 && said("clock_drift_u_ppm") < 0.2, "{name}");
+        if name == "run.csv" {
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.contains("\n0.01,2026-10-26T07:33:20.51Z,"), "{text}");
+        }
+    }
 }

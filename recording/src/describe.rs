@@ -1,0 +1,65 @@
+//! Unit and meaning of a recording's columns, by their names.
+
+use crate::names::{
+    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, RAW_CONDUCTANCE, STATE, TEMPERATURE, TIME,
+    TRUE_WIND, UTC, element_of,
+};
+use crate::wind::{DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
+
+/// Quantities of an element: unit, meaning.
+const OF_ELEMENTS: [(&str, &str, &str); 6] = [
+    (TEMPERATURE, "°C", "temperature at time_s"),
+    (POWER, "W", "heating power, held until the next row"),
+    (EQUIVALENT_POWER, "W", "conduction into the structure, by its observer"),
+    (HEATER, "1", "1 at the high level until the next row, else 0"),
+    (CONDUCTANCE, "W/K", "conductance to the gas"),
+    (RAW_CONDUCTANCE, "W/K", "power over overheat"),
+];
+
+/// What a column of a recording holds: its unit, and a few words. None for a column of others.
+pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
+    if let Some(element) = element_of(column) {
+        let of = OF_ELEMENTS.iter().find(|(quantity, ..)| column.strip_prefix(quantity) == Some(element));
+        return of.map(|(_, unit, what)| (*unit, format!("{element}: {what}")));
+    }
+    let (unit, what) = match column {
+        TIME => ("s", "time since the start, by the clock of the instrument"),
+        UTC => ("UTC", "when the row arrived, by the clock of the host"),
+        EVENT => ("", "label of the conditions, or what happened"),
+        STATE => ("", "state of the instrument"),
+        GAS_TEMPERATURE => ("°C", "gas temperature of the simulation"),
+        WIND_SPEED => ("m/s", "wind speed"),
+        SPEED_UNCERTAINTY => ("m/s", "standard uncertainty of the wind speed"),
+        DIRECTION_UNCERTAINTY => ("°", "standard uncertainty of the wind direction"),
+        ESTIMATED_GAS => ("°C", "gas temperature that the estimate uses"),
+        QUALITY_FLAGS => ("1", "quality of the wind estimate, a sum of bits; 0 is good"),
+        "wind_across_m_s" => ("m/s", "wind in the directions that the head does not resolve"),
+        "wind_chi_square" => ("1", "misfit of the conductances"),
+        name if TRUE_WIND.contains(&name) => ("m/s", "wind vector of the simulation: where the gas goes to"),
+        name if WIND_ESTIMATE.contains(&name) => ("m/s", "wind vector: where the gas goes to"),
+        _ => return None,
+    };
+    Some((unit, what.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::RecordingLayout;
+
+    #[test]
+    fn every_column_of_a_recording_says_its_unit_and_what_it_is() {
+        let names = || vec!["sector1".to_owned(), "core-1".to_owned()];
+        let layout =
+            RecordingLayout { elements: names(), true_wind: true, gas: true, observed: names(), estimates: names() };
+        for column in layout.columns().into_iter().chain([UTC.to_owned()]) {
+            let (unit, what) = described(&column).unwrap_or_else(|| panic!("{column}"));
+            assert!(!what.is_empty() && (unit.is_empty() == [EVENT, STATE].contains(&column.as_str())), "{column}");
+        }
+        assert_eq!(
+            described("power_w_core_1").unwrap(),
+            ("W", "core_1: heating power, held until the next row".to_owned())
+        );
+        assert_eq!(described("voltage"), None);
+    }
+}
