@@ -21,6 +21,11 @@ pub(crate) fn overlay(metadata: &mut Metadata, more: impl IntoIterator<Item = (S
     }
 }
 
+/// Bytes that metadata take in a file, at most: no letter takes more than two.
+pub(crate) fn length(metadata: &Metadata) -> u64 {
+    metadata.iter().map(|(key, value)| 2 * (key.len() + value.len()) as u64 + 16).sum()
+}
+
 /// Rows that are handed on at once, at most.
 pub const CHUNK: usize = 16_384;
 
@@ -204,8 +209,10 @@ pub(crate) trait RowSink {
     fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()>;
     /// Hands what waits in memory to the system, as far as the format can.
     fn flush(&mut self) -> io::Result<()>;
-    /// Length of the file if it ended here, at most.
+    /// Length of the rows so far, at most.
     fn bytes(&self) -> u64;
+    /// Length of what stands around the rows, at most.
+    fn frame_bytes(&self) -> u64;
     fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()>;
 }
 

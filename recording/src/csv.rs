@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write as _};
 use std::path::Path;
 
-use crate::column::{CHUNK, ChunkSource, ColumnKind, ColumnValues, Metadata, RowCell, RowSink, TableHead};
+use crate::column::{CHUNK, ChunkSource, ColumnKind, ColumnValues, Metadata, RowCell, RowSink, TableHead, length};
 use crate::error::RecordingError;
 use crate::names::{EVENT, STATE, UTC};
 use crate::utc;
@@ -18,6 +18,7 @@ pub(crate) struct CsvWriter {
     field: String,
     kinds: Vec<ColumnKind>,
     bytes: u64,
+    frame_bytes: u64,
 }
 
 impl CsvWriter {
@@ -27,7 +28,7 @@ impl CsvWriter {
         let mut csv = csv::Writer::from_writer(file);
         csv.write_record(columns.iter().map(|(name, _)| name))?;
         let kinds = columns.iter().map(|(_, kind)| *kind).collect();
-        Ok(Self { csv, field: String::new(), kinds, bytes: 0 })
+        Ok(Self { csv, field: String::new(), kinds, bytes: 0, frame_bytes: length(metadata) })
     }
 }
 
@@ -58,6 +59,10 @@ impl RowSink for CsvWriter {
 
     fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    fn frame_bytes(&self) -> u64 {
+        self.frame_bytes
     }
 
     fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()> {

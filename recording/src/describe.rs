@@ -22,6 +22,11 @@ pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
         let of = OF_ELEMENTS.iter().find(|(quantity, ..)| column.strip_prefix(quantity) == Some(element));
         return of.map(|(_, unit, what)| (*unit, format!("{element}: {what}")));
     }
+    for (prefix, what) in [("min_", "least of: "), ("max_", "greatest of: ")] {
+        if let Some((unit, of)) = column.strip_prefix(prefix).and_then(described) {
+            return Some((unit, format!("{what}{of}")));
+        }
+    }
     let (unit, what) = match column {
         TIME => ("s", "time since the start, by the clock of the instrument"),
         UTC => ("UTC", "when the row arrived, by the clock of the host"),
@@ -37,6 +42,7 @@ pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
         "wind_chi_square" => ("1", "misfit of the conductances"),
         name if TRUE_WIND.contains(&name) => ("m/s", "wind vector of the simulation: where the gas goes to"),
         name if WIND_ESTIMATE.contains(&name) => ("m/s", "wind vector: where the gas goes to"),
+        name if name.starts_with("duty_") => ("1", "share of the time at the high level"),
         _ => return None,
     };
     Some((unit, what.to_owned()))

@@ -7,20 +7,34 @@ use crate::text::one_line;
 
 /// Why a recording cannot be read or written: the file, what is wrong with it and where, and what
 /// would be right. Nobody handles one cause differently from another, so that there are no
-/// variants.
+/// variants; but for a disk without room, which may have some later.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct RecordingError(String);
+#[error("{sentence}")]
+pub struct RecordingError {
+    sentence: String,
+    lacks_room: bool,
+}
 
 impl RecordingError {
     /// What is wrong with a file.
     pub fn new(path: &Path, sentence: impl Into<String>) -> Self {
-        Self(format!("{}: {}", path.display(), one_line(sentence.into())))
+        Self { sentence: format!("{}: {}", path.display(), one_line(sentence.into())), lacks_room: false }
     }
 
     /// The system refuses to have the file `read` or `written`.
     pub(crate) fn io(path: &Path, doing: &str, error: impl Display) -> Self {
         Self::new(path, format!("cannot be {doing}: {error}"))
+    }
+
+    /// A file that the system does not let be written.
+    pub(crate) fn unwritten(path: &Path, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind::{QuotaExceeded, StorageFull};
+        Self { lacks_room: matches!(error.kind(), StorageFull | QuotaExceeded), ..Self::io(path, "written", error) }
+    }
+
+    /// Whether there is no room on the disk.
+    pub fn lacks_room(&self) -> bool {
+        self.lacks_room
     }
 
     /// The file is not whole.
@@ -30,6 +44,7 @@ impl RecordingError {
 
     /// A row has other cells than its recording.
     pub(crate) fn row(time_s: f64, sentence: &str) -> Self {
-        Self(format!("the row for {time_s} s does not fit the recording: {sentence}"))
+        let sentence = format!("the row for {time_s} s does not fit the recording: {sentence}");
+        Self { sentence, lacks_room: false }
     }
 }

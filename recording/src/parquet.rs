@@ -21,7 +21,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
-use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell, RowSink};
+use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell, RowSink, length};
 
 pub(crate) use read::ParquetReader;
 
@@ -34,6 +34,8 @@ pub(crate) struct ParquetWriter {
     /// The rows that wait for their group, column by column.
     buffers: Vec<(ColumnKind, ColumnValues)>,
     rows: usize,
+    groups: u64,
+    metadata_bytes: u64,
 }
 
 impl ParquetWriter {
@@ -58,7 +60,13 @@ impl ParquetWriter {
         let schema = Type::group_type_builder("recording").with_fields(fields).build()?;
         let file = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))?;
         let empty = |kind| (kind, ColumnValues::empty(kind == ColumnKind::Text));
-        Ok(Self { file, buffers: columns.iter().map(|(_, kind)| empty(*kind)).collect(), rows: 0 })
+        Ok(Self {
+            file,
+            buffers: columns.iter().map(|(_, kind)| empty(*kind)).collect(),
+            rows: 0,
+            groups: 0,
+            metadata_bytes: length(metadata),
+        })
     }
 
     fn write_group(&mut self) -> Result<(), ParquetError> {
@@ -73,7 +81,7 @@ impl ParquetWriter {
             column.close()?;
         }
         group.close()?;
-        self.rows = 0;
+        (self.rows, self.groups) = (0, self.groups + 1);
         Ok(())
     }
 }
@@ -95,6 +103,12 @@ impl RowSink for ParquetWriter {
     fn bytes(&self) -> u64 {
         let row: u64 = self.buffers.iter().map(|(kind, _)| kind.bytes()).sum();
         self.file.bytes_written() as u64 + self.rows as u64 * row
+    }
+
+    /// What an instrument adds at the end is short; a column of a group has pages' heads, statistics
+    /// and its line in the table of contents, and in the schema its description.
+    fn frame_bytes(&self) -> u64 {
+        self.metadata_bytes + 16_384 + 512 * self.buffers.len() as u64 * (self.groups + 2)
     }
 
     fn finish(mut self: Box<Self>, metadata: &Metadata) -> io::Result<()> {

@@ -41,7 +41,10 @@ impl Journal {
 
     /// Begins anew: the rows until now are in a closed file.
     pub fn restart(&mut self, metadata: &Metadata) -> io::Result<()> {
-        // Dropped with rows in its memory, the writer would put them behind the new beginning.
+        self.file.set_len(0)?;
+        self.file.rewind()?;
+        // Dropped with rows in its memory, the writer would put them behind the new beginning. On a
+        // full disk, only now there is room for them.
         self.csv.flush()?;
         self.file.set_len(0)?;
         self.file.rewind()?;

@@ -1,30 +1,38 @@
 //! Writing a recording row by row, in memory that does not grow with its length; and whole tables
 //! of numbers.
 
+mod decimated;
 mod journal;
 mod options;
+mod owned_row;
 mod recorder;
 mod recover;
+mod segments;
 mod table;
 
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::column::{ColumnKind, Metadata, RowCell, overlay};
 use crate::error::RecordingError;
 use crate::file_format::check_name;
 use crate::format1::FORMAT;
 use crate::names::{TIME, UTC};
-use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of, segment_in, segments_in};
+use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
 use crate::utc::seconds_of;
+use decimated::Decimator;
 use journal::Journal;
+use segments::Segments;
 use table::{TableWriter, unwritten};
 
 pub use options::{SegmentLength, SegmentLengthError, WriterOptions};
 pub use recorder::Recorder;
 pub use recover::{Recovered, recover};
+
+/// A full disk is asked for room as often.
+const ROOM_EVERY: Duration = Duration::from_secs(1);
 
 /// A recording that is being written: one file, or a folder of segments.
 ///
@@ -33,34 +41,20 @@ pub use recover::{Recovered, recover};
 /// it leaves its journal, and no file otherwise.
 pub struct RecordingWriter {
     layout: RecordingLayout,
-    has_utc: bool,
+    options: WriterOptions,
     columns: Vec<(String, ColumnKind)>,
     metadata: Metadata,
-    table: TableWriter,
+    /// None while the disk has no room for a segment.
+    table: Option<TableWriter>,
+    asked_for_room: Instant,
     journal: Option<Journal>,
     /// Of a folder.
     segments: Option<Segments>,
+    beside: Option<Box<(Decimator, RecordingWriter)>>,
     rows: u64,
-}
-
-/// Where the next segment begins, and which it is.
-struct Segments {
-    folder: PathBuf,
-    length: SegmentLength,
-    number: u32,
-    /// Time of the segment's first row, s.
-    begin_s: Option<f64>,
-}
-
-impl Segments {
-    /// Whether a row belongs into the next segment.
-    fn ends_before(&self, time_s: f64, table: &TableWriter) -> bool {
-        self.begin_s.is_some_and(|begin_s| match self.length {
-            // A row's time may be rounded.
-            SegmentLength::Seconds(length_s) => time_s - begin_s >= length_s * (1.0 - 1e-9),
-            SegmentLength::Bytes(length) => table.bytes() >= length,
-        })
-    }
+    /// Rows for which there was no room.
+    left_out: u64,
+    last_s: f64,
 }
 
 impl RecordingWriter {
@@ -89,11 +83,20 @@ impl RecordingWriter {
         if options.has_utc {
             names.insert(1, UTC.to_owned());
         }
+        Self::of_columns(path, names, metadata, options).map(|writer| Self { layout, ..writer })
+    }
+
+    fn of_columns(
+        path: &Path,
+        names: Vec<String>,
+        metadata: &Metadata,
+        options: &WriterOptions,
+    ) -> Result<Self, RecordingError> {
+        let segments = if is_folder(path) { Some(Segments::new(path, options, &names)?) } else { None };
         let columns = ColumnKind::of_each(names);
         let mut metadata = with_format(metadata);
-        let segments = if is_folder(path) { Some(first_segment(path, options.segment)?) } else { None };
         let (file, journal) = match &segments {
-            Some(segments) => (segment_in(path, segments.number), Some(journal_in(path))),
+            Some(segments) => (segments.path(), Some(journal_in(path))),
             None => (path.to_owned(), options.has_journal.then(|| journal_of(path))),
         };
         set_number(&mut metadata, segments.as_ref());
@@ -106,7 +109,26 @@ impl RecordingWriter {
             })
         });
         let journal = journal.transpose()?;
-        Ok(Self { layout, has_utc: options.has_utc, columns, metadata, table, journal, segments, rows: 0 })
+        let beside = options.every_s.filter(|_| segments.is_some()).map(|every_s| {
+            let options = WriterOptions { keep_s: None, every_s: None, ..*options };
+            let path = path.join(decimated::folder(every_s));
+            let writer = Self::of_columns(&path, decimated::names(&columns), &metadata, &options)?;
+            Ok(Box::new((Decimator::new(every_s, &columns), writer)))
+        });
+        Ok(Self {
+            layout: RecordingLayout::default(),
+            options: *options,
+            columns,
+            metadata,
+            table: Some(table),
+            asked_for_room: Instant::now(),
+            journal,
+            segments,
+            beside: beside.transpose()?,
+            rows: 0,
+            left_out: 0,
+            last_s: 0.0,
+        })
     }
 
     /// What the rows consist of.
@@ -120,7 +142,7 @@ impl RecordingWriter {
     /// If it does not fit the layout, or the file cannot be written.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        let arrived = self.has_utc.then(SystemTime::now);
+        let arrived = self.options.has_utc.then(SystemTime::now);
         self.push_cells(row.time_s, &mut || Box::new(stamped(row, arrived)))
     }
 
@@ -130,42 +152,117 @@ impl RecordingWriter {
         time_s: f64,
         cells: &mut dyn FnMut() -> Box<dyn Iterator<Item = RowCell<'a>> + 'a>,
     ) -> Result<(), RecordingError> {
-        if self.segments.as_ref().is_some_and(|segments| segments.ends_before(time_s, &self.table)) {
-            self.next_segment()?;
+        if let Some((decimator, writer)) = self.beside.as_deref_mut()
+            && let Some(row) = decimator.push(time_s, cells())
+        {
+            writer.push_cells(row.time_s, &mut || Box::new(row.cells()))?;
+        }
+        let bytes = self.table.as_ref().map_or(0, TableWriter::bytes);
+        if self.table.is_some() && self.segments.as_ref().is_some_and(|segments| segments.ends_before(time_s, bytes)) {
+            let outcome = self.close_segment(true).and_then(|()| self.begin_segment());
+            self.unless_full(outcome)?;
+        }
+        if self.table.is_none() && self.asked_for_room.elapsed() >= ROOM_EVERY {
+            let outcome = self.begin_segment();
+            self.unless_full(outcome)?;
+        }
+        // What has been closed may have made the room that was missing.
+        for _ in 0..2 {
+            if self.table.is_none() {
+                break;
+            }
+            match self.write(time_s, cells) {
+                Err(error) if self.options.outlasts_full_disk && error.lacks_room() && self.segments.is_some() => {
+                    let outcome = self.close_segment(false).and_then(|()| self.begin_segment());
+                    self.unless_full(outcome)?;
+                }
+                outcome => return outcome,
+            }
+        }
+        if let Some(table) = self.table.take() {
+            drop(table);
+            self.asked_for_room = Instant::now();
+        }
+        self.left_out += 1;
+        Ok(())
+    }
+
+    fn write<'a>(
+        &mut self,
+        time_s: f64,
+        cells: &mut dyn FnMut() -> Box<dyn Iterator<Item = RowCell<'a>> + 'a>,
+    ) -> Result<(), RecordingError> {
+        let Some(table) = &mut self.table else { return Ok(()) };
+        if self.options.outlasts_full_disk {
+            table.reserve()?;
         }
         // First of all it is kept.
         if let Some(journal) = &mut self.journal {
             journal.push(&mut cells()).map_err(unwritten(&journal.path))?;
         }
-        self.table.push(&mut cells())?;
+        table.push(&mut cells())?;
         self.rows += 1;
-        if let Some(segments) = &mut self.segments {
-            segments.begin_s.get_or_insert(time_s);
-        }
+        self.last_s = time_s;
+        self.segments.iter_mut().for_each(|segments| segments.add(time_s));
         Ok(())
     }
 
-    /// Closes the segment and begins the next one.
-    fn next_segment(&mut self) -> Result<(), RecordingError> {
-        let Some(segments) = &mut self.segments else { return Ok(()) };
-        segments.number += 1;
-        segments.begin_s = None;
-        set_number(&mut self.metadata, Some(segments));
-        let next = segment_in(&segments.folder, segments.number);
-        let next = TableWriter::create(&next, &self.columns, &self.metadata)?;
-        let complete = ("complete".to_owned(), "true".to_owned());
-        std::mem::replace(&mut self.table, next).finish(&vec![complete])?;
+    /// Goes on without a segment where only the room for it is missing.
+    fn unless_full(&mut self, outcome: Result<(), RecordingError>) -> Result<(), RecordingError> {
+        match outcome {
+            Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {
+                self.table = None;
+                self.asked_for_room = Instant::now();
+                Ok(())
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// Closes the segment, in the room that was reserved for that; the journal begins anew.
+    fn close_segment(&mut self, is_complete: bool) -> Result<(), RecordingError> {
+        let (Some(segments), Some(table)) = (&mut self.segments, self.table.take()) else { return Ok(()) };
+        if table.has_rows() {
+            let mut pairs = vec![("complete".to_owned(), is_complete.to_string())];
+            pairs.extend((!is_complete).then(|| ("ended".to_owned(), "the disk is full".to_owned())));
+            table.finish(&pairs)?;
+            segments.close(self.last_s);
+        }
+        set_number(&mut self.metadata, self.segments.as_ref());
         match &mut self.journal {
             Some(journal) => journal.restart(&self.metadata).map_err(unwritten(&journal.path)),
             None => Ok(()),
         }
     }
 
+    fn begin_segment(&mut self) -> Result<(), RecordingError> {
+        self.asked_for_room = Instant::now();
+        let Some(segments) = &self.segments else { return Ok(()) };
+        let mut table = TableWriter::create(&segments.path(), &self.columns, &self.metadata)?;
+        if self.options.outlasts_full_disk {
+            table.reserve()?;
+        }
+        self.table = Some(table);
+        Ok(())
+    }
+
+    /// Whether rows are left out, since the disk is full.
+    fn lacks_room(&self) -> bool {
+        self.table.is_none()
+    }
+
     /// Has the rows on the disk that have waited long enough, where there is a journal.
     fn sync_if_due(&mut self) -> Result<(), RecordingError> {
-        match &mut self.journal {
+        let outcome = match &mut self.journal {
             Some(journal) => journal.sync_if_due().map_err(unwritten(&journal.path)),
             None => Ok(()),
+        };
+        match outcome {
+            Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {
+                let outcome = self.close_segment(false).and_then(|()| self.begin_segment());
+                self.unless_full(outcome)
+            }
+            outcome => outcome,
         }
     }
 
@@ -174,10 +271,24 @@ impl RecordingWriter {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(mut self, metadata: &Metadata) -> Result<(), RecordingError> {
-        if let Some(journal) = &mut self.journal {
-            journal.sync().map_err(unwritten(&journal.path))?;
+        if let Some((mut decimator, mut writer)) = self.beside.take().map(|beside| *beside) {
+            if let Some(row) = decimator.take() {
+                writer.push_cells(row.time_s, &mut || Box::new(row.cells()))?;
+            }
+            writer.finish(metadata)?;
         }
-        self.table.finish(metadata)?;
+        if let Some(journal) = &mut self.journal {
+            match journal.sync().map_err(unwritten(&journal.path)) {
+                Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {}
+                outcome => outcome?,
+            }
+        }
+        let left_out = (self.left_out > 0).then(|| ("left_out_of_full_disk".to_owned(), self.left_out.to_string()));
+        let metadata: Metadata = metadata.iter().cloned().chain(left_out).collect();
+        // A segment without rows adds nothing to those before.
+        if let Some(table) = self.table.take().filter(|table| self.segments.is_none() || table.has_rows()) {
+            table.finish(&metadata)?;
+        }
         match self.journal {
             Some(journal) => {
                 let path = journal.path.clone();
@@ -192,8 +303,10 @@ impl RecordingWriter {
         if let Some(journal) = self.journal.filter(|_| self.rows == 0) {
             let _ = journal.remove();
             drop(self.table);
-            // Only if nothing else is in it.
-            let _ = self.segments.map(|segments| std::fs::remove_dir(segments.folder));
+            if let Some(beside) = self.beside {
+                beside.1.discard_if_empty();
+            }
+            self.segments.iter().for_each(Segments::remove_folder);
         }
     }
 }
@@ -207,20 +320,6 @@ fn stamped<'a>(row: &'a RecordingRow<'_>, arrived: Option<SystemTime>) -> impl I
 /// Whether a recording's name is a folder's: without extension, or of one that is there.
 fn is_folder(path: &Path) -> bool {
     path.file_name().is_some() && (path.extension().is_none() || path.is_dir() && check_name(path).is_err())
-}
-
-/// Makes a folder for a new recording.
-fn first_segment(folder: &Path, length: SegmentLength) -> Result<Segments, RecordingError> {
-    match std::fs::create_dir(folder) {
-        Ok(()) => {}
-        Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {
-            if !segments_in(folder)?.is_empty() {
-                return Err(RecordingError::new(folder, "holds a recording already: name another folder"));
-            }
-        }
-        Err(error) => return Err(unwritten(folder)(error)),
-    }
-    Ok(Segments { folder: folder.to_owned(), length, number: 1, begin_s: None })
 }
 
 fn set_number(metadata: &mut Metadata, segments: Option<&Segments>) {

@@ -68,6 +68,15 @@ pub struct WriterOptions {
     /// Whether rows carry the moment at which they arrived. Every file ends then with the drift of
     /// the instrument's clock by that of the host.
     pub has_utc: bool,
+    /// Of a folder: go on behind the segments that are there, which have the same columns.
+    pub appends: bool,
+    /// Of a folder: remove segments whose rows are older than this, s.
+    pub keep_s: Option<f64>,
+    /// Of a folder: write mean, least and greatest of so many seconds into a folder in it.
+    pub every_s: Option<f64>,
+    /// Of a folder: close the segment when the disk is full, leave rows out, and begin the next one
+    /// when there is room. Without it, a full disk is an error.
+    pub outlasts_full_disk: bool,
 }
 
 #[cfg(test)]

@@ -2,44 +2,35 @@
 //! waiting.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
 use super::journal::SYNC_EVERY;
-use super::{RecordingWriter, WriterOptions, stamped};
-use crate::column::{Metadata, RowCell};
+use super::owned_row::OwnedRow;
+use super::{RecordingWriter, WriterOptions};
+use crate::column::Metadata;
 use crate::error::RecordingError;
 use crate::row::{RecordingLayout, RecordingRow};
 
 /// Rows that may wait for the disk: a minute at 1 kHz. Then the instrument waits, too.
 const MOST_WAITING: usize = 60_000;
 
-/// A row on its way to the thread.
-struct OwnedRow {
-    time_s: f64,
-    cells: Vec<OwnedCell>,
+/// What the thread tells.
+#[derive(Default)]
+struct WriterNews {
+    lacks_room: AtomicBool,
+    left_out: AtomicU64,
+    segment: AtomicU32,
 }
 
-enum OwnedCell {
-    Number(f64),
-    Text(Box<str>),
-}
-
-impl OwnedRow {
-    fn of(row: &RecordingRow, utc: Option<SystemTime>) -> Self {
-        let owned = |cell: RowCell| match cell {
-            RowCell::Number(number) => OwnedCell::Number(number),
-            RowCell::Text(text) => OwnedCell::Text(text.into()),
-        };
-        Self { time_s: row.time_s, cells: stamped(row, utc).map(owned).collect() }
-    }
-
-    fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
-        self.cells.iter().map(|cell| match cell {
-            OwnedCell::Number(number) => RowCell::Number(*number),
-            OwnedCell::Text(text) => RowCell::Text(text),
-        })
+impl WriterNews {
+    fn take(&self, writer: &RecordingWriter) {
+        self.lacks_room.store(writer.lacks_room(), Relaxed);
+        self.left_out.store(writer.left_out, Relaxed);
+        self.segment.store(writer.segments.as_ref().map_or(1, |segments| segments.number), Relaxed);
     }
 }
 
@@ -47,6 +38,7 @@ impl OwnedRow {
 pub struct Recorder {
     layout: RecordingLayout,
     has_utc: bool,
+    news: Arc<WriterNews>,
     // Dropped, it ends the thread.
     rows: Option<SyncSender<OwnedRow>>,
     writer: Option<JoinHandle<Result<RecordingWriter, RecordingError>>>,
@@ -66,9 +58,12 @@ impl Recorder {
         let writer = RecordingWriter::with_options(path, layout.clone(), metadata, options)?;
         let (sender, receiver) = sync_channel(MOST_WAITING);
         let thread = std::thread::Builder::new().name("recorder".to_owned());
-        let writer = thread.spawn(move || write(writer, &receiver));
+        let news = Arc::new(WriterNews::default());
+        news.take(&writer);
+        let shared = Arc::clone(&news);
+        let writer = thread.spawn(move || write(writer, &receiver, &shared));
         let writer = writer.map_err(|error| RecordingError::new(path, format!("no thread can be had: {error}")))?;
-        Ok(Self { layout, has_utc: options.has_utc, rows: Some(sender), writer: Some(writer) })
+        Ok(Self { layout, has_utc: options.has_utc, news, rows: Some(sender), writer: Some(writer) })
     }
 
     /// Hands on a row that has just arrived.
@@ -88,6 +83,21 @@ impl Recorder {
         let sent = self.rows.as_ref().map(|rows| rows.send(OwnedRow::of(row, self.has_utc.then_some(arrived))));
         // The thread takes rows until one cannot be written.
         if let Some(Ok(())) = sent { Ok(()) } else { self.end().map(drop) }
+    }
+
+    /// Whether rows are left out, since the disk is full.
+    pub fn lacks_room(&self) -> bool {
+        self.news.lacks_room.load(Relaxed)
+    }
+
+    /// Rows that were left out of a full disk so far.
+    pub fn left_out(&self) -> u64 {
+        self.news.left_out.load(Relaxed)
+    }
+
+    /// Which segment is written, from 1.
+    pub fn segment(&self) -> u32 {
+        self.news.segment.load(Relaxed)
     }
 
     /// Waits for the rows before, and completes the file with what is known at the end.
@@ -120,8 +130,13 @@ impl Drop for Recorder {
     }
 }
 
-fn write(mut writer: RecordingWriter, rows: &Receiver<OwnedRow>) -> Result<RecordingWriter, RecordingError> {
+fn write(
+    mut writer: RecordingWriter,
+    rows: &Receiver<OwnedRow>,
+    news: &WriterNews,
+) -> Result<RecordingWriter, RecordingError> {
     loop {
+        news.take(&writer);
         match rows.recv_timeout(SYNC_EVERY) {
             Ok(row) => writer.push_cells(row.time_s, &mut || Box::new(row.cells()))?,
             Err(RecvTimeoutError::Timeout) => writer.sync_if_due()?,

@@ -29,6 +29,9 @@ pub struct Recovered {
 /// # Errors
 /// If another program is writing it, the file is there already, or the disk does not take it.
 pub fn recover(recording: &Path) -> Result<Option<Recovered>, RecordingError> {
+    for means in every_in(recording) {
+        recover(&means)?;
+    }
     let journal = match recording.extension() {
         Some(extension) if extension == JOURNAL => recording.to_owned(),
         _ if recording.is_dir() => journal_in(recording),
@@ -67,6 +70,15 @@ pub fn recover(recording: &Path) -> Result<Option<Recovered>, RecordingError> {
     std::fs::remove_file(&journal).map_err(unwritten)?;
     drop(lock);
     Ok((rows > 0).then_some(Recovered { file, rows }))
+}
+
+/// The decimated recordings in a folder.
+fn every_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_one = |path: &PathBuf| {
+        path.is_dir() && path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with("every-"))
+    };
+    entries.map(|entry| entry.path()).filter(is_one).collect()
 }
 
 /// Writes the rows of a journal into a file; returns how many there are. None leave no file.

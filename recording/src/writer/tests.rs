@@ -1,12 +1,12 @@
 //! Recordings that end in the middle, and in several files.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use super::*;
 use crate::column::ColumnValues;
 use crate::reader::RecordingReader;
 use crate::recording::Recording;
+use std::path::PathBuf;
 
 fn layout() -> RecordingLayout {
     RecordingLayout { elements: vec!["sector1".to_owned(), "core-1".to_owned()], ..RecordingLayout::default() }
@@ -183,7 +183,7 @@ fn a_journal_of_closed_rows_does_not_repeat_them() {
     // Killed between the end of the segment and the next journal.
     writer.journal.as_mut().unwrap().sync().unwrap();
     let before = std::fs::read(journal_in(&folder)).unwrap();
-    writer.next_segment().unwrap();
+    writer.close_segment(true).and_then(|()| writer.begin_segment()).unwrap();
     let journal = kill(writer);
     std::fs::write(&journal, before).unwrap();
     assert_eq!(rows_of(&folder), 100);
@@ -319,4 +319,41 @@ fn what_is_measured_says_when_it_arrived_and_how_far_the_clocks_drift() {
             assert!(text.contains("\n0.01,2026-10-26T07:33:20.51Z,"), "{text}");
         }
     }
+}
+
+#[test]
+fn a_folder_goes_on_forgets_old_segments_and_keeps_means_beside() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("log");
+    let options = WriterOptions {
+        segment: SegmentLength::Seconds(1.0),
+        appends: true,
+        keep_s: Some(2.5),
+        every_s: Some(0.5),
+        ..WriterOptions::default()
+    };
+    let run = |rows: std::ops::Range<u32>| {
+        let mut writer = RecordingWriter::with_options(&folder, layout(), &Metadata::new(), &options).unwrap();
+        rows.for_each(|n| push(&mut writer, n));
+        writer.finish(&Metadata::new()).unwrap();
+    };
+    run(0..250);
+    assert_eq!(names(&folder).len(), 4);
+    // Segments 4 to 9: of 4.0 s on, what is older than 2.5 s when the last one is begun goes.
+    run(400..950);
+    let left = names(&folder);
+    assert_eq!((left[0].as_str(), left[1].as_str(), left.len()), ("every-500ms", "segment-000006.parquet", 5));
+    let full = Recording::read(&folder).unwrap();
+    assert_eq!((full.len(), full.time_s().unwrap()[0]), (350, 6.0));
+    let means = Recording::read(&folder.join("every-500ms")).unwrap();
+    assert_eq!(means.time_s().unwrap()[..6], [0.0, 0.5, 1.0, 1.5, 2.0, 4.0]);
+    let of = |name| means.numbers(name).unwrap()[1];
+    // Rows 50 to 99.
+    let expected = 20.0 + 74.5 / 3.0;
+    assert!((of("temperature_c_sector1") - expected).abs() < 1e-4, "{}", of("temperature_c_sector1"));
+    assert!((of("min_temperature_c_sector1") - (20.0 + 50.0 / 3.0)).abs() < 1e-4);
+    assert_eq!((of("duty_core_1"), of("duty_sector1")), (1.0, 0.0));
+    let other = RecordingLayout { elements: vec!["other".to_owned()], ..RecordingLayout::default() };
+    let error = RecordingWriter::with_options(&folder, other, &Metadata::new(), &options).err().unwrap().to_string();
+    assert!(error.contains("other columns"), "{error}");
 }

@@ -1,0 +1,100 @@
+//! The segments of a folder: which is written, when the next one begins, which are too old.
+
+use std::collections::VecDeque;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::WriterOptions;
+use super::options::SegmentLength;
+use super::table::unwritten;
+use crate::error::RecordingError;
+use crate::parts::{segment_in, segments_in};
+use crate::reader::RecordingReader;
+
+pub(super) struct Segments {
+    folder: PathBuf,
+    length: SegmentLength,
+    keep_s: Option<f64>,
+    pub number: u32,
+    /// Time of the segment's first row, s.
+    begin_s: Option<f64>,
+    /// Closed segments with the time of their last row, s; of earlier programs, before the first
+    /// row of this one, how long before it.
+    closed: VecDeque<(PathBuf, f64)>,
+    has_begun: bool,
+}
+
+impl Segments {
+    /// Makes a folder for a new recording, or goes on in one.
+    pub fn new(folder: &Path, options: &WriterOptions, columns: &[String]) -> Result<Self, RecordingError> {
+        match std::fs::create_dir(folder) {
+            Ok(()) => {}
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
+            Err(error) => return Err(unwritten(folder)(error)),
+        }
+        let before = segments_in(folder)?;
+        if let Some((_, last)) = before.last() {
+            if !options.appends {
+                return Err(RecordingError::new(folder, "holds a recording already: name another folder"));
+            }
+            if RecordingReader::open(last)?.names() != columns {
+                let sentence = "holds a recording with other columns: name another folder";
+                return Err(RecordingError::new(folder, sentence));
+            }
+        }
+        let age_s = |path: &Path| {
+            let closed = path.metadata().and_then(|file| file.modified()).ok();
+            closed.and_then(|closed| SystemTime::now().duration_since(closed).ok()).map_or(0.0, |age| age.as_secs_f64())
+        };
+        Ok(Self {
+            folder: folder.to_owned(),
+            length: options.segment,
+            keep_s: options.keep_s,
+            number: before.last().map_or(1, |(number, _)| number + 1),
+            begin_s: None,
+            closed: before.into_iter().map(|(_, path)| (path.clone(), -age_s(&path))).collect(),
+            has_begun: false,
+        })
+    }
+
+    pub fn path(&self) -> PathBuf {
+        segment_in(&self.folder, self.number)
+    }
+
+    /// Only if nothing else is in it.
+    pub fn remove_folder(&self) {
+        let _ = std::fs::remove_dir(&self.folder);
+    }
+
+    /// Whether a row belongs into the next segment.
+    pub fn ends_before(&self, time_s: f64, bytes: u64) -> bool {
+        self.begin_s.is_some_and(|begin_s| match self.length {
+            // A row's time may be rounded.
+            SegmentLength::Seconds(length_s) => time_s - begin_s >= length_s * (1.0 - 1e-9),
+            SegmentLength::Bytes(length) => bytes >= length,
+        })
+    }
+
+    /// A row has been written.
+    pub fn add(&mut self, time_s: f64) {
+        if !std::mem::replace(&mut self.has_begun, true) {
+            self.closed.iter_mut().for_each(|(_, end_s)| *end_s += time_s);
+        }
+        self.begin_s.get_or_insert(time_s);
+    }
+
+    /// The segment has been closed; the next one has the next number.
+    pub fn close(&mut self, end_s: f64) {
+        self.closed.push_back((self.path(), end_s));
+        self.number += 1;
+        self.begin_s = None;
+        while let Some((path, _)) =
+            self.closed.front().filter(|(_, old_s)| self.keep_s.is_some_and(|keep_s| end_s - old_s > keep_s))
+        {
+            // Somebody may have taken it away.
+            let _ = std::fs::remove_file(path);
+            self.closed.pop_front();
+        }
+    }
+}
