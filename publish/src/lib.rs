@@ -1,0 +1,9 @@
+//! What a running anemometer tells other programs.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`feed`] | rows and events, from the run to everybody who listens |
+//! | [`commands`] | what a listener may ask of the run |
+
+pub mod commands;
+pub mod feed;
