@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`feed`] | rows and events, from the run to everybody who listens |
 //! | [`commands`] | what a listener may ask of the run |
+//! | [`listen`] | the only place that opens sockets |
 
 pub mod commands;
 pub mod feed;
+pub mod listen;
