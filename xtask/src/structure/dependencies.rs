@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 const WATCHED: [&str; 6] = ["clap", "nix", "parquet", "plotters", "serialport", "unicorn-engine"];
 
 /// All crates, and what each has of [`WATCHED`].
-const CRATES: [(&str, &[&str]); 14] = [
+const CRATES: [(&str, &[&str]); 15] = [
     ("dr-core", &[]),
     ("wire", &[]),
     ("firmware", &[]),
@@ -20,6 +20,7 @@ const CRATES: [(&str, &[&str]); 14] = [
     ("anemometry", &["parquet"]),
     ("plot", &["parquet"]),
     ("host-sim", &["nix", "parquet", "serialport"]),
+    ("publish", &[]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),
