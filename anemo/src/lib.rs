@@ -8,6 +8,8 @@
 //! | 0 | done |
 //! | 1 | what was asked for makes sense, but failed |
 //! | 2 | the command, or a file that it names, is wrong; nothing was started |
+//! | 3 | a run or a log that tripped; what was recorded is kept |
+//! | 4 | a run or a log that ended early; what was recorded is kept |
 //!
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr,
 //! one sentence that begins with `anemo:`.
@@ -25,6 +27,12 @@ mod export;
 mod fit_recorder;
 mod head;
 mod identify;
+mod live_table;
+mod log;
+mod log_files;
+mod log_host;
+mod log_source;
+mod mark;
 mod merge;
 mod output;
 mod picture;
@@ -89,6 +97,8 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
+    Log(log::Arguments),
+    Mark(mark::Arguments),
     Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
@@ -164,6 +174,8 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Log(arguments) => log::execute(&arguments),
+        Subcommands::Mark(arguments) => mark::execute(&arguments),
         Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),

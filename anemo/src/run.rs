@@ -56,17 +56,15 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment)?;
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
-    let names = experiment.head.names();
-    let layout = RecordingLayout {
-        elements: names.iter().copied().map(str::to_owned).collect(),
-        true_wind: simulated,
-        gas: simulated && arguments.instrument.on != On::Silicon && experiment.gas_swing.is_some(),
-        estimates: experiment.surfaces(),
-        observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
-    };
+    let layout = layout(&experiment, &arguments.instrument.on);
     let known = metadata(&experiment, &arguments.instrument.on);
     // What is simulated can be run again; what is measured cannot.
-    let options = WriterOptions { has_journal: !simulated, segment: arguments.segment, has_utc: !simulated };
+    let options = WriterOptions {
+        has_journal: !simulated,
+        segment: arguments.segment,
+        has_utc: !simulated,
+        ..WriterOptions::default()
+    };
     let mut recorded =
         RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
     let interrupted = on_interrupt();
@@ -114,14 +112,32 @@ fn verdict(summary: &RunSummary) -> Result<(), Failure> {
     }
 }
 
-/// Metadata of the recording, as far as they are known before the run.
-fn metadata(experiment: &Experiment, on: &On) -> Metadata {
-    let instrument = match on {
+/// What the rows of an experiment consist of.
+pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
+    let simulated = !matches!(on, On::Serial(_));
+    let names = experiment.head.names();
+    RecordingLayout {
+        elements: names.iter().copied().map(str::to_owned).collect(),
+        true_wind: simulated,
+        gas: simulated && *on != On::Silicon && experiment.gas_swing.is_some(),
+        estimates: experiment.surfaces(),
+        observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
+    }
+}
+
+/// An instrument as the command line names it.
+pub(super) fn instrument_name(on: &On) -> String {
+    match on {
         On::Sim => "sim".to_owned(),
         On::Qemu => "qemu".to_owned(),
         On::Silicon => "silicon".to_owned(),
         On::Serial(device) => format!("serial:{device}"),
-    };
+    }
+}
+
+/// Metadata of the recording, as far as they are known before the run.
+pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
+    let instrument = instrument_name(on);
     let mut units =
         "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned();
     if experiment.gas_swing.is_some() && matches!(on, On::Sim | On::Qemu) {

@@ -1,28 +1,40 @@
-//! `anemo status`: how a board fares.
+//! `anemo status`: how a board fares, or a log.
+
+use std::path::PathBuf;
 
 use crate::board::On;
+use crate::log_files::LogStatus;
 use crate::output::Failure;
 use host_sim::instrument::serial::Serial;
 
-/// How a board fares: state, lock, trips and the first of them, faults counted.
+/// How a board fares: state, lock, trips and the first of them, faults counted. Of a log: rows,
+/// state, last events.
 ///
 /// It changes nothing: a board that runs goes on. Three trips in ten minutes lock a board until its
 /// supply or its reset pin restarts it; both forget the counts, too.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Example:
-  anemo status --on serial:/dev/ttyACM0")]
+Examples:
+  anemo status --on serial:/dev/ttyACM0
+  anemo status mast/ --help")]
 pub struct Arguments {
+    /// The folder of a log.
+    #[arg(required_unless_present = "on")]
+    log: Option<PathBuf>,
     /// The board.
-    #[arg(long, value_name = "serial:DEVICE")]
-    on: On,
+    #[arg(long, value_name = "serial:DEVICE", conflicts_with = "log")]
+    on: Option<On>,
     /// Print one JSON object instead of the lines.
     #[arg(long)]
     json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let On::Serial(device) = &arguments.on else {
+    if let Some(folder) = &arguments.log {
+        let missing = |error| Failure::in_file(folder, format!("there is no status of a log: {error}"));
+        return crate::output::print_report(&LogStatus::read(folder).map_err(missing)?, arguments.json);
+    }
+    let Some(On::Serial(device)) = &arguments.on else {
         return Err(Failure::usage("--on: only a board at a port has a past; name it, as in serial:/dev/ttyACM0"));
     };
     let status = Serial::open(device).and_then(|mut board| board.status()).map_err(Failure::work)?;

@@ -43,7 +43,7 @@
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
 //! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
-//! | [`Recorder`], [`recover`] | a writer in a thread of its own; what a journal has kept |
+//! | [`Recorder`], [`recover`], [`so_far`] | a writer in a thread of its own; what a journal has kept; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`utc`] | moments in UTC |
@@ -93,7 +93,8 @@ pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
 pub use temporary::Temporary;
 pub use writer::{
-    Recorder, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions, recover, write_columns,
+    Recorder, RecordingSoFar, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions,
+    is_being_written, recover, so_far, write_columns,
 };
 
 #[cfg(all(test, feature = "parquet"))]

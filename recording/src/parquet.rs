@@ -21,7 +21,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
-use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell, RowSink, length};
+use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell, RowSink, length, overlay};
 
 pub(crate) use read::ParquetReader;
 
@@ -35,7 +35,8 @@ pub(crate) struct ParquetWriter {
     buffers: Vec<(ColumnKind, ColumnValues)>,
     rows: usize,
     groups: u64,
-    metadata_bytes: u64,
+    columns: Vec<(String, ColumnKind)>,
+    metadata: Metadata,
 }
 
 impl ParquetWriter {
@@ -45,11 +46,7 @@ impl ParquetWriter {
             .set_dictionary_enabled(false)
             .set_created_by(format!("anemo {}", env!("CARGO_PKG_VERSION")))
             .set_key_value_metadata(Some(
-                metadata
-                    .iter()
-                    .map(|(key, value)| KeyValue::new(key.clone(), value.clone()))
-                    .chain([KeyValue::new(arrow_schema::KEY.to_owned(), arrow_schema::encoded(columns))])
-                    .collect(),
+                metadata.iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect(),
             ));
         for (name, kind) in columns {
             if matches!(kind, ColumnKind::Text | ColumnKind::Bit | ColumnKind::Flags) {
@@ -65,7 +62,8 @@ impl ParquetWriter {
             buffers: columns.iter().map(|(_, kind)| empty(*kind)).collect(),
             rows: 0,
             groups: 0,
-            metadata_bytes: length(metadata),
+            columns: columns.to_vec(),
+            metadata: metadata.clone(),
         })
     }
 
@@ -108,12 +106,15 @@ impl RowSink for ParquetWriter {
     /// What an instrument adds at the end is short; a column of a group has pages' heads, statistics
     /// and its line in the table of contents, and in the schema its description.
     fn frame_bytes(&self) -> u64 {
-        self.metadata_bytes + 16_384 + 512 * self.buffers.len() as u64 * (self.groups + 2)
+        // Once plain, once for Arrow, in base64.
+        2 * length(&self.metadata) + 16_384 + 512 * self.buffers.len() as u64 * (self.groups + 2)
     }
 
     fn finish(mut self: Box<Self>, metadata: &Metadata) -> io::Result<()> {
         self.write_group().map_err(io::Error::other)?;
-        for (key, value) in metadata {
+        overlay(&mut self.metadata, metadata.iter().cloned());
+        let arrow = (arrow_schema::KEY.to_owned(), arrow_schema::encoded(&self.columns, &self.metadata));
+        for (key, value) in metadata.iter().chain([&arrow]) {
             self.file.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
         self.file.close().map(|_| ()).map_err(io::Error::other)

@@ -20,7 +20,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use wire::{BoardKind, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard};
@@ -54,6 +54,8 @@ pub struct Quirks {
     pub restarts_at: Option<u32>,
     /// Is unplugged before this tick of the run.
     pub unplugged_at: Option<u32>,
+    /// Before this tick of the run the cable is out, for so long; the board goes on.
+    pub cable_out: Option<(u32, Duration)>,
 }
 
 /// What the board can tell afterwards.
@@ -76,6 +78,7 @@ pub struct FakeBoard {
     ended: Arc<AtomicBool>,
     mended: Arc<AtomicBool>,
     running: Arc<AtomicBool>,
+    sent: Arc<AtomicU32>,
     thread: JoinHandle<Report>,
 }
 
@@ -85,20 +88,27 @@ impl FakeBoard {
         let (board, port, device) = pseudo_terminal().expect("the system has pseudo-terminals");
         let flag = || Arc::new(AtomicBool::new(false));
         let (ended, mended, running) = (flag(), flag(), flag());
+        let sent = Arc::new(AtomicU32::new(0));
         let life = Life {
             experiment: experiment.clone(),
             quirks,
-            cable: Cable { port: Some(board), ended: Arc::clone(&ended) },
+            cable: Cable { port: Some(board), ended: Arc::clone(&ended), out_until: None },
             mended: Arc::clone(&mended),
             running: Arc::clone(&running),
+            sent: Arc::clone(&sent),
         };
         let thread = std::thread::spawn(move || life.live());
-        Self { device, _port: port, ended, mended, running, thread }
+        Self { device, _port: port, ended, mended, running, sent, thread }
     }
 
     /// Whether a run is under way.
     pub fn is_running(&self) -> bool {
         self.running.load(Relaxed)
+    }
+
+    /// Samples of the run that have gone out.
+    pub fn sent(&self) -> u32 {
+        self.sent.load(Relaxed)
     }
 
     /// Repairs whatever resistor is broken.
@@ -132,6 +142,7 @@ fn pseudo_terminal() -> nix::Result<(PtyMaster, File, String)> {
 struct Cable {
     port: Option<PtyMaster>,
     ended: Arc<AtomicBool>,
+    out_until: Option<Instant>,
 }
 
 impl Cable {
@@ -142,11 +153,19 @@ impl Cable {
     /// What has come, after a tick.
     fn read(&mut self, buffer: &mut [u8], tick: Duration) -> usize {
         std::thread::sleep(tick);
-        self.port.as_mut().map_or(0, |port| port.read(buffer).unwrap_or(0))
+        let read = self.port.as_mut().map_or(0, |port| port.read(buffer).unwrap_or(0));
+        if self.is_out() { 0 } else { read }
+    }
+
+    fn is_out(&self) -> bool {
+        self.out_until.is_some_and(|until| Instant::now() < until)
     }
 
     /// Waits for a host that is slow, until the board is switched off.
     fn write(&mut self, mut bytes: &[u8]) {
+        if self.is_out() {
+            return;
+        }
         let Some(port) = &mut self.port else { return };
         while !bytes.is_empty() && !self.ended.load(Relaxed) {
             match port.write(bytes) {
@@ -167,6 +186,7 @@ struct Life {
     cable: Cable,
     mended: Arc<AtomicBool>,
     running: Arc<AtomicBool>,
+    sent: Arc<AtomicU32>,
 }
 
 impl Life {
@@ -232,6 +252,11 @@ impl Life {
             if due(self.quirks.unplugged_at) {
                 self.cable.port = None;
                 break;
+            }
+            if let Some((at, out)) = self.quirks.cable_out
+                && due(Some(at))
+            {
+                self.cable.out_until = Some(Instant::now() + out);
             }
             if due(self.quirks.silent_from) {
                 return self.stay_away();
@@ -324,6 +349,8 @@ impl Life {
                 let Self { quirks, cable, .. } = self;
                 let garbage = quirks.garbage.iter().filter(|(tick, _)| *tick == sample.tick);
                 garbage.for_each(|(_, bytes)| cable.write(bytes));
+                self.cable.write(frame);
+                return self.sent.store(sample.tick + 1, Relaxed);
             }
             _ => {}
         }

@@ -58,7 +58,7 @@ pub struct Experiment {
     pub drives: Vec<Drive>,
     /// What elements do from a later tick on, ascending.
     pub changes: Vec<DriveChange>,
-    /// In order of their start, the first at 0.
+    /// In order of their start, the first at 0; none around a real sensor.
     pub wind: Vec<WindEntry>,
     /// Resistors that break.
     pub faults: Vec<TimedFault>,
@@ -106,6 +106,11 @@ impl Experiment {
         grid::time_s(tick, self.sample_period_s)
     }
 
+    /// Time of a whole number of ticks that may be more than a board counts, s.
+    pub fn time_of(&self, ticks: f64) -> f64 {
+        grid::time_of(ticks, self.sample_period_s)
+    }
+
     pub(super) fn gas_range(&self) -> GasRange {
         let amplitude_k = self.gas_swing.map_or(0.0, |swing| swing.amplitude_k);
         GasRange { coldest_c: self.gas_temperature_c - amplitude_k, hottest_c: self.gas_temperature_c + amplitude_k }
@@ -138,8 +143,16 @@ impl Experiment {
     /// The simulated sensor of this experiment.
     ///
     /// # Errors
-    /// If the head names none.
+    /// If the head names none, or there is no wind around it.
     pub fn sensor_config(&self) -> Result<SensorConfig, FileError> {
+        if self.wind.is_empty() {
+            let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]; only a real sensor needs none";
+            return Err(self.source.refuse("wind", sentence));
+        }
+        self.windless_config()
+    }
+
+    fn windless_config(&self) -> Result<SensorConfig, FileError> {
         let construction = self.construction.ok_or_else(|| {
             let names = Construction::NAMES.map(|name| format!("\"{name}\"")).join(", ");
             let sentence = format!(
@@ -181,7 +194,7 @@ impl Experiment {
     /// The simulated sensor knows where its physics ends; its refusal is put where the number
     /// stands.
     pub(super) fn check_conditions(&self) -> Result<(), FileError> {
-        let checked = match self.sensor_config() {
+        let checked = match self.windless_config() {
             Ok(config) => Sensor::new(&config).map(|_| ()),
             // A head that cannot be simulated may still be run on a real sensor.
             Err(_) => self.gas_swing.map_or(Ok(()), |swing| swing.check(self.sample_period_s)),

@@ -5,12 +5,13 @@ use recording::toml_file::{FileError, TomlSource};
 /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
 /// 0.29000000000000004.
 pub(super) fn time_s(tick: u32, sample_period_s: f64) -> f64 {
+    time_of(f64::from(tick), sample_period_s)
+}
+
+/// Time of a whole number of ticks that may not fit a board's counter, s.
+pub(super) fn time_of(ticks: f64, sample_period_s: f64) -> f64 {
     let rate_hz = (1.0 / sample_period_s).round();
-    if (rate_hz * sample_period_s - 1.0).abs() < 1e-12 {
-        f64::from(tick) / rate_hz
-    } else {
-        f64::from(tick) * sample_period_s
-    }
+    if (rate_hz * sample_period_s - 1.0).abs() < 1e-12 { ticks / rate_hz } else { ticks * sample_period_s }
 }
 
 /// Times in ticks, up to the end of the experiment.

@@ -74,10 +74,6 @@ impl Experiment {
                     let sentence = "is given besides [[wind]]: the wind comes from one of them";
                     return Err(source.refuse("tunnel", sentence));
                 }
-                (None, None, []) => {
-                    let sentence = "is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas, or a [tunnel]";
-                    return Err(source.refuse("wind", sentence));
-                }
                 (None, None, tables) => held::entries(&grid, tables)?,
             },
             faults: faults(&grid, &table.faults, &head)?,

@@ -34,6 +34,11 @@ pub fn scenario(experiment: &Experiment, model: &Model) -> Result<(Scenario, Vec
             swing.amplitude_k
         )));
     }
+    if experiment.wind.is_empty() {
+        return Err(ScenarioError(
+            "the experiment has no wind, and a prediction is of one: write one [[wind]]".to_owned(),
+        ));
+    }
     let mut elements = Vec::with_capacity(model.inputs.len());
     for input in &model.inputs {
         let name = element(input);

@@ -294,7 +294,7 @@ fn a_gas_may_be_as_cold_as_the_manual_says() {
 fn an_experiment_without_wind_is_told_how_to_ask_for_still_gas() {
     let source = with("", "").unwrap().source;
     let text = source.text[..source.text.find("[[wind]]").unwrap()].to_owned();
-    let sentence = Experiment::from_source(TomlSource { text, ..source }).unwrap_err().to_string();
+    let sentence = Experiment::from_source(TomlSource { text, ..source }).unwrap().sensor().unwrap_err().to_string();
     assert!(
         sentence
             .contains("`wind` is missing: write one [[wind]] with start_s = 0.0, and speed_m_s = 0.0 for still gas"),

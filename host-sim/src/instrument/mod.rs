@@ -20,7 +20,6 @@ pub mod link;
 pub mod lock_step;
 pub mod observation;
 pub mod port;
-#[cfg(any(feature = "qemu", feature = "serial"))]
 mod reset_cause;
 #[cfg(feature = "serial")]
 pub mod serial;
@@ -34,5 +33,6 @@ pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};
 pub use observation::{LinkReport, Observation, TickReport};
 pub use port::{InstrumentPort, SettingsPort};
+pub use reset_cause::why_it_started;
 #[cfg(feature = "serial")]
 pub use status::{BoardStatus, FirstTripReport};

@@ -5,13 +5,14 @@
 //! the way leave a gap in the rows' times and are counted.
 
 use super::error::{EarlyEnd, RunError};
+use super::row::RowBuilder;
 use super::start::{change_drives, start};
 use super::statistics::RunStatistics;
 use super::summary::RunSummary;
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport};
 use dr_core::control::RunState;
-use recording::{RecordingRow, wind};
+use recording::RecordingRow;
 
 /// Runs an experiment from start to end and hands every row to `sink`.
 ///
@@ -52,8 +53,7 @@ fn observe(
     sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
 ) -> Result<(), RunError> {
     let names = experiment.head.names();
-    let observed = experiment.observed();
-    let parts = experiment.surfaces().len();
+    let mut rows = RowBuilder::new(experiment);
     let mut next = 0;
     let mut changes = experiment.changes.iter().peekable();
     while next < experiment.ticks {
@@ -79,28 +79,8 @@ fn observe(
         // Nobody here has stopped it; a trip would say so.
         let is_stopped = statistics.is_running() && sample.state == RunState::Standby;
         statistics.add(&observation, experiment, &names);
-        let mut temperature_c = sample.temperature_c.clone();
-        for (i, temperature_c) in temperature_c.iter_mut().enumerate() {
-            if sample.valid >> i & 1 == 0 {
-                *temperature_c = f32::NAN;
-            }
-        }
-        // Asked to observe, a board sends nothing else; a sample without it is a missing number.
-        let observed_w = observation.equivalent_power_w.as_ref();
-        let equivalent_power_w: Vec<f32> =
-            observed.iter().map(|&i| observed_w.map_or(f32::NAN, |observed_w| observed_w[i])).collect();
-        sink(&RecordingRow {
-            time_s: experiment.time_s(sample.tick),
-            temperature_c: &temperature_c,
-            power_w: &sample.power_w,
-            equivalent_power_w: &equivalent_power_w,
-            heaters: sample.heaters.0,
-            event: experiment.event(sample.tick),
-            state: statistics.state(),
-            true_wind_m_s: observation.true_wind_m_s,
-            gas_temperature_c: observation.gas_temperature_c,
-            estimate: &wind::numbers(observation.wind.as_ref(), parts),
-        })?;
+        let (time_s, event) = (experiment.time_s(sample.tick), experiment.event(sample.tick));
+        sink(&rows.row(&observation, time_s, event, statistics.state()))?;
         if is_stopped {
             return Err(InstrumentError::Stopped.into());
         }

@@ -5,13 +5,17 @@
 //! | `check` | what would run, without running it |
 //! | `start` | sets an instrument up, in a rehearsal and for the run itself |
 //! | `conduct` | the loop: ticks, rows, changes of drives |
+//! | [`log`] | the loop of a log, which goes on until it is stopped |
+//! | `row` | a sample as a row |
 //! | `statistics`, [`summary`] | what is added up, and what is reported of it |
 //! | `refusal`, `error` | what was refused, as a sentence; why a run ended |
 
 mod check;
 mod conduct;
 mod error;
+pub mod log;
 mod refusal;
+mod row;
 mod start;
 mod statistics;
 pub mod summary;

@@ -4,6 +4,7 @@
 use dr_core::control::{Drive, RunState};
 
 use super::error::{EarlyEnd, RunError};
+use super::row::state_name;
 use super::start::SetPointJudgement;
 use super::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::experiment::Experiment;
@@ -135,15 +136,9 @@ impl RunStatistics {
             return;
         }
         self.last = Some(sample.state);
-        let trip = match sample.state {
-            RunState::Standby => return "standby".clone_into(&mut self.state),
-            RunState::Testing => return "testing".clone_into(&mut self.state),
-            RunState::Running => return "running".clone_into(&mut self.state),
-            RunState::Tripped(trip) => trip,
-        };
-        let element = setup::place(trip, names);
-        let cause = trip.cause.name();
-        self.state = format!("tripped:{cause}:{element}");
+        self.state = state_name(sample.state, names);
+        let RunState::Tripped(trip) = sample.state else { return };
+        let (cause, element) = (trip.cause.name(), setup::place(trip, names));
         self.summary.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element });
     }
 

@@ -9,7 +9,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flatbuffers::{FlatBufferBuilder, TableFinishedWIPOffset, VOffsetT, WIPOffset};
 
-use crate::column::ColumnKind;
+use crate::column::{ColumnKind, Metadata};
 use crate::describe::described;
 
 /// Where Arrow's readers look.
@@ -27,13 +27,16 @@ const fn field(n: VOffsetT) -> VOffsetT {
     4 + 2 * n
 }
 
-/// The value of the key.
-pub(super) fn encoded(columns: &[(String, ColumnKind)]) -> String {
+/// The value of the key. These readers take the file's own metadata from here, too.
+pub(super) fn encoded(columns: &[(String, ColumnKind)], metadata: &Metadata) -> String {
     let mut builder = FlatBufferBuilder::new();
     let fields: Vec<Table> = columns.iter().map(|(name, kind)| column(&mut builder, name, *kind)).collect();
     let fields = builder.create_vector(&fields);
+    let metadata: Vec<Table> = metadata.iter().map(|(key, value)| pair(&mut builder, key, value)).collect();
+    let metadata = builder.create_vector(&metadata);
     let start = builder.start_table();
     builder.push_slot_always(field(1), fields);
+    builder.push_slot_always(field(2), metadata);
     let schema = builder.end_table(start);
     let start = builder.start_table();
     builder.push_slot_always(field(0), V5);
@@ -49,18 +52,20 @@ pub(super) fn encoded(columns: &[(String, ColumnKind)]) -> String {
     STANDARD.encode(message)
 }
 
+fn pair(builder: &mut FlatBufferBuilder<'_>, key: &str, value: &str) -> Table {
+    let (key, value) = (builder.create_string(key), builder.create_string(value));
+    let start = builder.start_table();
+    builder.push_slot_always(field(0), key);
+    builder.push_slot_always(field(1), value);
+    builder.end_table(start)
+}
+
 fn column(builder: &mut FlatBufferBuilder<'_>, name: &str, kind: ColumnKind) -> Table {
     let (type_number, of_type) = data_type(builder, kind);
     let pairs: Vec<Table> = described(name)
         .into_iter()
         .flat_map(|(unit, what)| [("unit", unit.to_owned()), ("description", what)])
-        .map(|(key, value)| {
-            let (key, value) = (builder.create_string(key), builder.create_string(&value));
-            let start = builder.start_table();
-            builder.push_slot_always(field(0), key);
-            builder.push_slot_always(field(1), value);
-            builder.end_table(start)
-        })
+        .map(|(key, value)| pair(builder, key, &value))
         .collect();
     let pairs = builder.create_vector(&pairs);
     let children = builder.create_vector::<Table>(&[]);

@@ -30,6 +30,7 @@ use table::{TableWriter, unwritten};
 pub use options::{SegmentLength, SegmentLengthError, WriterOptions};
 pub use recorder::Recorder;
 pub use recover::{Recovered, recover};
+pub use segments::{RecordingSoFar, is_being_written, so_far};
 
 /// A full disk is asked for room as often.
 const ROOM_EVERY: Duration = Duration::from_secs(1);
@@ -267,10 +268,11 @@ impl RecordingWriter {
     }
 
     /// Completes the file with what is known at the end (losses, hash …) and gives it its name.
+    /// Returns how many rows were left out of a full disk.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn finish(mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+    pub fn finish(mut self, metadata: &Metadata) -> Result<u64, RecordingError> {
         if let Some((mut decimator, mut writer)) = self.beside.take().map(|beside| *beside) {
             if let Some(row) = decimator.take() {
                 writer.push_cells(row.time_s, &mut || Box::new(row.cells()))?;
@@ -289,13 +291,11 @@ impl RecordingWriter {
         if let Some(table) = self.table.take().filter(|table| self.segments.is_none() || table.has_rows()) {
             table.finish(&metadata)?;
         }
-        match self.journal {
-            Some(journal) => {
-                let path = journal.path.clone();
-                journal.remove().map_err(unwritten(&path))
-            }
-            None => Ok(()),
+        if let Some(journal) = self.journal {
+            let path = journal.path.clone();
+            journal.remove().map_err(unwritten(&path))?;
         }
+        Ok(self.left_out)
     }
 
     /// Leaves nothing of a recording that has no row.

@@ -100,14 +100,15 @@ impl Recorder {
         self.news.segment.load(Relaxed)
     }
 
-    /// Waits for the rows before, and completes the file with what is known at the end.
+    /// Waits for the rows before, and completes the file with what is known at the end. Returns how
+    /// many rows were left out of a full disk.
     ///
     /// # Errors
     /// If anything could not be written.
-    pub fn finish(mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+    pub fn finish(mut self, metadata: &Metadata) -> Result<u64, RecordingError> {
         match self.end()? {
             Some(writer) => writer.finish(metadata),
-            None => Ok(()),
+            None => Ok(0),
         }
     }
 

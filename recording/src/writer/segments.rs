@@ -6,11 +6,45 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::WriterOptions;
+use super::journal::take_over;
 use super::options::SegmentLength;
 use super::table::unwritten;
+use crate::column::{ColumnValues, Metadata};
 use crate::error::RecordingError;
-use crate::parts::{segment_in, segments_in};
+use crate::parts::{journal_in, segment_in, segments_in};
 use crate::reader::RecordingReader;
+
+/// A recording in a folder that another one continues.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingSoFar {
+    /// What its last segment says of itself.
+    pub metadata: Metadata,
+    /// Time of its last row, s.
+    pub last_s: f64,
+}
+
+/// What is in a folder, if it is there and has a closed segment.
+///
+/// # Errors
+/// If the last segment cannot be read.
+pub fn so_far(folder: &Path) -> Result<Option<RecordingSoFar>, RecordingError> {
+    let segments = if folder.is_dir() { segments_in(folder)? } else { Vec::new() };
+    let Some((_, last)) = segments.last() else { return Ok(None) };
+    let mut reader = RecordingReader::open(last)?;
+    reader.select(&[0]);
+    let mut last_s = 0.0;
+    while let Some(columns) = reader.next_chunk()? {
+        if let Some(ColumnValues::Numbers(times)) = columns.first().map(|column| &column.values) {
+            last_s = times.last().copied().unwrap_or(last_s);
+        }
+    }
+    Ok(Some(RecordingSoFar { metadata: reader.metadata(), last_s }))
+}
+
+/// Whether a program is recording into a folder.
+pub fn is_being_written(folder: &Path) -> bool {
+    take_over(&journal_in(folder)).is_err_and(|error| error.kind() == ErrorKind::WouldBlock)
+}
 
 pub(super) struct Segments {
     folder: PathBuf,

@@ -20,6 +20,7 @@ mod identify_refusals;
 mod identify_uncertainty;
 mod injection;
 mod link_faults;
+mod log;
 mod many_elements;
 mod models;
 mod refusals;

@@ -1,0 +1,239 @@
+//! `anemo log`: an instrument, until it is stopped.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use crate::board::{InstrumentArguments, On};
+use crate::live_table::LiveTable;
+use crate::log_files::{LogStatus, MarkReader};
+use crate::log_host::{Host, PressureFile};
+use crate::log_source::SourceArguments;
+use crate::output::Failure;
+use crate::progress::on_interrupt;
+use host_sim::experiment::Experiment;
+use host_sim::run::log::{LogOptions, LogSummary, log};
+use publish::commands::channel;
+use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout};
+use recording::{Metadata, Recorder, SegmentLength, WriterOptions, utc};
+
+/// Log an instrument until it is stopped by Ctrl-C or SIGTERM.
+///
+/// The recording is a folder of closed segments, which a later log continues. A lost link, a board
+/// that starts anew, a trip and a full disk do not end it: the rows show the gap, the column `event`
+/// says what happened. After a reset or a trip it only records, until a person starts the heaters.
+///
+/// Exit codes: 0 stopped, 1 failed, 2 wrong usage, 3 stopped and had tripped, 4 ended early.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo log experiments/gusts.toml --on sim --fast --for 5s -o try/
+  anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ \\
+      --segment 1h --keep 30d --every 1s
+  anemo log heads/sphere-b-reference.toml --overheat 30 --pressure gas.txt \\
+      --on serial:/dev/ttyACM0 -o mast/")]
+pub struct Arguments {
+    #[command(flatten)]
+    source: SourceArguments,
+    #[command(flatten)]
+    instrument: InstrumentArguments,
+    /// The folder of the recording: new, or of a log that is continued.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Length of a segment: a time, or a size (64MB).
+    #[arg(long, value_name = "LENGTH", default_value = "10min")]
+    segment: SegmentLength,
+    /// Remove segments whose rows are older than this (30d).
+    #[arg(long, value_name = "TIME")]
+    keep: Option<SegmentLength>,
+    /// Record mean, least and greatest of so long (1s) beside, in the folder every-1s.
+    #[arg(long, value_name = "TIME")]
+    every: Option<SegmentLength>,
+    /// Heat on while the disk is full.
+    #[arg(long)]
+    keep_heating: bool,
+    /// At a trip: `stop` ends the log, anything else is run by the shell, with ANEMO_TRIP_CAUSE and
+    /// ANEMO_TRIP_ELEMENT in its environment.
+    #[arg(long, value_name = "stop|COMMAND")]
+    on_trip: Option<String>,
+    /// Acknowledge trips, at most two in ten minutes, and never open, short or over-temperature.
+    /// Heaters stay low.
+    #[arg(long)]
+    auto_acknowledge: bool,
+    /// Simulate as fast as possible instead of in real time.
+    #[arg(long)]
+    fast: bool,
+    /// Stop after so long.
+    #[arg(long = "for", value_name = "TIME")]
+    for_time: Option<SegmentLength>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let on = &arguments.instrument.on;
+    let device = if let On::Serial(device) = on { Some(device.clone()) } else { None };
+    let experiment = arguments.source.experiment()?;
+    let options = WriterOptions {
+        has_journal: true,
+        segment: arguments.segment,
+        has_utc: true,
+        appends: true,
+        keep_s: seconds("--keep", arguments.keep)?,
+        every_s: seconds("--every", arguments.every)?.map(milliseconds).transpose()?,
+        outlasts_full_disk: true,
+    };
+    let for_s = seconds("--for", arguments.for_time)?;
+    let folder = &arguments.output;
+    if folder.extension().is_some() && !folder.is_dir() {
+        return Err(Failure::in_file(folder, "a log is recorded into a folder, whose name has no extension"));
+    }
+    let mut known = crate::run::metadata(&experiment, on);
+    let (begin_s, begin) = begin(folder, &experiment, &mut known)?;
+    let layout = crate::run::layout(&experiment, on);
+    let interrupted = on_interrupt();
+    let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
+    let recorder = Recorder::create(folder, layout, &known, &options).map_err(Failure::usage)?;
+    let feed = Feed::new(feed_layout(&experiment, &first.identity().firmware, first.identity().unique_id));
+    // Listeners get clones of these two.
+    let (_commands, requests) = channel();
+    let pressure = arguments.source.pressure.clone().map(|source| PressureFile {
+        source,
+        last_pa: experiment.pressure_pa,
+        modified: None,
+    });
+    let status = LogStatus {
+        title: experiment.title.clone(),
+        head: experiment.head.name.clone(),
+        instrument: crate::run::instrument_name(on),
+        firmware: first.identity().firmware.to_string(),
+        segment: recorder.segment(),
+        is_running: true,
+        ..LogStatus::default()
+    };
+    let mut host = Host {
+        first: Some(first),
+        is_paced: device.is_none() && !arguments.fast,
+        device,
+        recorder,
+        folder: folder.clone(),
+        begin_s,
+        begin,
+        began: None,
+        // The time of the last row, about.
+        until_s: for_s.map(|for_s| begin_s + for_s - 1.5 * experiment.sample_period_s),
+        heading_deg: feed.layout().heading_deg,
+        keeps_heating: arguments.keep_heating,
+        on_trip: arguments.on_trip.clone().filter(|what| what != "stop"),
+        interrupted,
+        table: LiveTable::new(&experiment.title, feed.layout().elements.clone()),
+        feed,
+        requests,
+        own_requests: VecDeque::new(),
+        marks: MarkReader::new(folder),
+        pressure,
+        looked: Instant::now(),
+        status,
+        status_written: Instant::now(),
+        children: Vec::new(),
+    };
+    let options = LogOptions {
+        begin_s,
+        ends_at_trip: arguments.on_trip.as_deref() == Some("stop"),
+        acknowledges: arguments.auto_acknowledge,
+        overheat_k: arguments.source.overheat,
+    };
+    let summary = log(&experiment, &options, &mut host)?;
+    end(host, &summary)?;
+    if arguments.json {
+        crate::output::print_json(&summary)?;
+    } else {
+        crate::output::print(&summary.to_string())?;
+    }
+    verdict(&summary)
+}
+
+/// Closes the recording, and tells listeners.
+fn end(mut host: Host, summary: &LogSummary) -> Result<(), Failure> {
+    "ended".clone_into(&mut host.status.state);
+    host.write_status();
+    let Host { recorder, feed, status, .. } = host;
+    let early = summary.ended.as_ref().map(ToString::to_string);
+    let kind = FeedEventKind::Ended { early: early.clone() };
+    feed.push(&FeedItem::Event(FeedEvent { time_s: status.time_s, utc: SystemTime::now(), kind }));
+    let mut outcome = vec![
+        ("firmware".to_owned(), summary.firmware.clone()),
+        ("lost".to_owned(), summary.lost.to_string()),
+        ("trips".to_owned(), summary.trips.to_string()),
+        ("complete".to_owned(), early.is_none().to_string()),
+    ];
+    outcome.push(("ended".to_owned(), early.unwrap_or_else(|| "stopped".to_owned())));
+    let left_out = recorder.finish(&outcome).map_err(Failure::work)?;
+    if left_out > 0 {
+        eprintln!("anemo: {left_out} rows were left out while the disk was full");
+    }
+    Ok(())
+}
+
+fn verdict(summary: &LogSummary) -> Result<(), Failure> {
+    match (&summary.ended, &summary.last_trip) {
+        (Some(ended), _) => Err(Failure { code: 4, sentence: format!("the log ended early: {ended}") }),
+        (None, Some(trip)) => {
+            Err(Failure { code: 3, sentence: format!("the log was stopped and had tripped: {trip}") })
+        }
+        (None, None) => Ok(()),
+    }
+}
+
+/// Time of the first row, s, and the moment that it stands for: of a recording that is continued,
+/// which this adds to, behind its last row.
+fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result<(f64, SystemTime), Failure> {
+    let now = SystemTime::now();
+    // Rows that a killed program has left become a segment.
+    recording::recover(folder).map_err(Failure::work)?;
+    let Some(before) = recording::so_far(folder).map_err(Failure::usage)? else { return Ok((0.0, now)) };
+    let start = before.metadata.iter().find(|(key, _)| key == "start_utc").map(|(_, start)| start.clone());
+    let elapsed_s = start.as_deref().and_then(utc::from_rfc3339).map_or(0.0, |start_s| utc::seconds_of(now) - start_s);
+    if let (Some(start), Some((_, own))) = (start, known.iter_mut().find(|(key, _)| key == "start_utc")) {
+        *own = start;
+    }
+    let period_s = experiment.sample_period_s;
+    let begin_s = elapsed_s.max(before.last_s + period_s);
+    Ok((experiment.time_of((begin_s / period_s - 1e-6).ceil()), now))
+}
+
+fn feed_layout(experiment: &Experiment, firmware: &str, unique_id: [u32; 3]) -> FeedLayout {
+    let names: Vec<String> = experiment.head.names().into_iter().map(str::to_owned).collect();
+    FeedLayout {
+        title: experiment.title.clone(),
+        head: experiment.head.name.clone(),
+        observed: experiment.observed().into_iter().map(|element| names[element].clone()).collect(),
+        elements: names,
+        surfaces: experiment.surfaces(),
+        sample_period_s: experiment.sample_period_s,
+        firmware: firmware.to_owned(),
+        unique_id,
+        heading_deg: 0.0,
+    }
+}
+
+/// A time, s, where a size makes no sense.
+fn seconds(option: &str, length: Option<SegmentLength>) -> Result<Option<f64>, Failure> {
+    match length {
+        None => Ok(None),
+        Some(SegmentLength::Seconds(seconds)) => Ok(Some(seconds)),
+        Some(SegmentLength::Bytes(_)) => {
+            Err(Failure::usage(format!("{option}: a time belongs there, as in 1s, 10min, 12h or 30d")))
+        }
+    }
+}
+
+/// Refuses what is no whole number of milliseconds, which name the folder.
+fn milliseconds(every_s: f64) -> Result<f64, Failure> {
+    let milliseconds = (every_s * 1e3).round();
+    if (every_s * 1e3 - milliseconds).abs() > 1e-6 {
+        return Err(Failure::usage("--every: a whole number of milliseconds belongs there"));
+    }
+    Ok(Duration::from_millis(milliseconds as u64).as_secs_f64())
+}

@@ -1,0 +1,136 @@
+//! The files by which a log and other programs talk, in the folder of its recording: marks that
+//! somebody appends, and a status that the log writes each second.
+//!
+//! Files, since who may write into the folder may write marks, and nobody else: no port, no name of
+//! a socket that is too long, and they work over a network's file system.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+const MARKS: &str = "marks.txt";
+const STATUS: &str = "status.json";
+/// Longest mark, characters.
+pub(super) const MOST_CHARACTERS: usize = 200;
+/// Bytes of marks that are read at once.
+const MOST_BYTES: u64 = 1 << 16;
+/// Events that a status names.
+pub(super) const MOST_EVENTS: usize = 10;
+
+/// Appends a mark, as one write, so that two programs' marks do not mix.
+pub(super) fn append_mark(folder: &Path, text: &str) -> std::io::Result<()> {
+    let mut file = OpenOptions::new().append(true).create(true).open(folder.join(MARKS))?;
+    file.write_all(format!("{text}\n").as_bytes())
+}
+
+/// Reads marks as they are appended.
+pub(super) struct MarkReader {
+    path: PathBuf,
+    read: u64,
+}
+
+impl MarkReader {
+    /// Those that are there already have been read by somebody else.
+    pub fn new(folder: &Path) -> Self {
+        let path = folder.join(MARKS);
+        let read = path.metadata().map_or(0, |file| file.len());
+        Self { path, read }
+    }
+
+    /// Whole lines that have come.
+    pub fn take(&mut self) -> Vec<String> {
+        let length = self.path.metadata().map_or(0, |file| file.len());
+        if length <= self.read {
+            // Emptied by somebody.
+            self.read = length;
+            return Vec::new();
+        }
+        let mut bytes = Vec::new();
+        let file = File::open(&self.path).and_then(|mut file| file.seek(SeekFrom::Start(self.read)).map(|_| file));
+        if file.and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes)).is_err() {
+            return Vec::new();
+        }
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        self.read += if whole == 0 && bytes.len() as u64 == MOST_BYTES { MOST_BYTES } else { whole as u64 };
+        let text = String::from_utf8_lossy(&bytes[..whole]);
+        text.lines().map(mark).filter(|mark| !mark.is_empty()).collect()
+    }
+}
+
+/// A text as a mark: one line of bounded length without control characters.
+pub(super) fn mark(text: &str) -> String {
+    text.trim().chars().filter(|letter| !letter.is_control()).take(MOST_CHARACTERS).collect()
+}
+
+/// What a log says of itself.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct LogStatus {
+    pub title: String,
+    pub head: String,
+    pub instrument: String,
+    pub firmware: String,
+    /// When this was written.
+    pub utc: String,
+    pub time_s: f64,
+    pub rows: u64,
+    pub segment: u32,
+    pub state: String,
+    pub disk_full: bool,
+    pub left_out: u64,
+    /// The last ones, oldest first.
+    pub events: Vec<String>,
+    #[serde(skip_deserializing)]
+    pub is_running: bool,
+}
+
+impl LogStatus {
+    /// Replaces the one before; a disk without room keeps that.
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        let beside = folder.join(".status.tmp");
+        std::fs::write(&beside, serde_json::to_vec(self).unwrap_or_default())?;
+        std::fs::rename(beside, folder.join(STATUS))
+    }
+
+    /// The status of a log in a folder.
+    pub fn read(folder: &Path) -> std::io::Result<Self> {
+        let text = std::fs::read(folder.join(STATUS))?;
+        let status: Self = serde_json::from_slice(&text)?;
+        Ok(Self { is_running: recording::is_being_written(folder), ..status })
+    }
+}
+
+impl std::fmt::Display for LogStatus {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{} · head {} · {} · {}", self.title, self.head, self.instrument, self.firmware)?;
+        let running = if self.is_running { "recording" } else { "no program records; the last status" };
+        writeln!(f, "{running}: {} rows up to {:.2} s, {} · {}", self.rows, self.time_s, self.state, self.utc)?;
+        if self.disk_full {
+            writeln!(f, "the disk is full: {} rows left out", self.left_out)?;
+        }
+        self.events.iter().try_for_each(|event| writeln!(f, "{event}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_arrive_once_and_as_one_line() {
+        let folder = tempfile::tempdir().unwrap();
+        append_mark(folder.path(), "before").unwrap();
+        let mut reader = MarkReader::new(folder.path());
+        assert!(reader.take().is_empty());
+        append_mark(folder.path(), "door opened").unwrap();
+        append_mark(folder.path(), &mark("  bell\u{7} \u{1b}[31m ")).unwrap();
+        assert_eq!(reader.take(), ["door opened", "bell [31m"]);
+        assert!(reader.take().is_empty());
+        assert_eq!(mark(&"x".repeat(300)).len(), MOST_CHARACTERS);
+        std::fs::write(folder.path().join(MARKS), "").unwrap();
+        assert!(reader.take().is_empty());
+        append_mark(folder.path(), "new").unwrap();
+        assert_eq!(reader.take(), ["new"]);
+    }
+}

@@ -1,0 +1,177 @@
+//! A log: rows of an instrument until somebody stops it.
+//!
+//! What ends a run is an event of a log. When the link is lost, or the board starts anew, the
+//! [`LogHost`] connects again and the log goes on in the same recording, whose times show the gap.
+//! After a reset or a trip it only records: heaters stay low until a person starts them.
+//!
+//! | file | what |
+//! |---|---|
+//! | `session` | the loop |
+//! | `tick_time` | times of rows, over gaps and resets |
+//! | `overheat` | set-points above the measured gas |
+//! | `acknowledge` | when a trip is acknowledged without a person |
+
+mod acknowledge;
+mod overheat;
+mod session;
+mod tick_time;
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::error::{EarlyEnd, RunError};
+use crate::instrument::{InstrumentPort, Observation};
+use recording::RecordingRow;
+
+pub use overheat::set as hold;
+pub use session::log;
+
+/// What a log does by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LogOptions {
+    /// Time of the first row, s: a recording that is continued has one before.
+    pub begin_s: f64,
+    /// Whether a trip ends the log.
+    pub ends_at_trip: bool,
+    /// Whether trips are acknowledged, at most two in ten minutes, and never for open, short or
+    /// over-temperature. Heaters stay low.
+    pub acknowledges: bool,
+    /// Set-points are so far above the gas that the reference element measures, K.
+    pub overheat_k: Option<f64>,
+}
+
+/// What a log needs of the program around it.
+pub trait LogHost {
+    /// Opens the instrument, at first and after it was lost.
+    ///
+    /// # Errors
+    /// If it cannot be reached now.
+    fn connect(&mut self) -> Result<Box<dyn InstrumentPort>, RunError>;
+
+    /// Whether an instrument that is lost can come back.
+    fn reconnects(&self) -> bool;
+
+    /// Time since the first row by the clock of the host, s; none where time passes with rows only.
+    fn elapsed_s(&self) -> Option<f64>;
+
+    /// Takes a row.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`] ends the log in order, any other with this reason.
+    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation) -> Result<(), RunError>;
+
+    /// Takes an event.
+    fn happened(&mut self, time_s: f64, event: &LogEvent);
+
+    /// The next request, if there is one: asked at every row, and often while there is none.
+    fn request(&mut self) -> Option<LogRequest>;
+
+    /// Waits a moment for a lost instrument.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`] ends the log.
+    fn wait(&mut self) -> Result<(), RunError>;
+}
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LogEvent {
+    /// The instrument tripped.
+    Trip {
+        /// Why.
+        cause: &'static str,
+        /// Where.
+        element: String,
+    },
+    /// The trip was acknowledged without a person.
+    Acknowledged,
+    /// The instrument cannot be reached.
+    LinkLost(String),
+    /// It can again.
+    LinkBack,
+    /// It started anew.
+    BoardReset(String),
+    /// Somebody wrote this.
+    Mark(String),
+}
+
+impl fmt::Display for LogEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Trip { cause, element } => write!(f, "tripped: {cause}, {element}"),
+            Self::Acknowledged => f.write_str("trip acknowledged automatically; heaters stay low"),
+            Self::LinkLost(why) => write!(f, "gap: {why}"),
+            Self::LinkBack => f.write_str("link is back"),
+            Self::BoardReset(why) => write!(f, "board started anew: {why}; heaters stay low"),
+            Self::Mark(text) => f.write_str(text),
+        }
+    }
+}
+
+/// What a log can be asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LogCommand {
+    /// Heat by the set-points.
+    Start,
+    /// Heaters to standby; rows go on.
+    Stop,
+    /// Acknowledge a trip.
+    Acknowledge,
+    /// Another set-point.
+    SetPoint {
+        /// Name of the element.
+        element: String,
+        /// °C.
+        temperature_c: f64,
+    },
+    /// Another pressure of the gas, Pa.
+    Pressure(f64),
+    /// An event of the next row.
+    Mark(String),
+}
+
+/// A command, and who waits for its answer.
+pub struct LogRequest {
+    /// What is asked for.
+    pub command: LogCommand,
+    /// Takes the answer: done, or a sentence.
+    pub answer: Box<dyn FnOnce(Result<(), String>)>,
+}
+
+/// What a log amounted to.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct LogSummary {
+    /// Of the experiment.
+    pub title: String,
+    /// Name of the head.
+    pub head: String,
+    /// Name and version of the firmware.
+    pub firmware: String,
+    /// Rows.
+    pub rows: u64,
+    /// From the first row to the last, s.
+    pub duration_s: f64,
+    /// Ticks of which no sample arrived, as far as the board counted on.
+    pub lost: u64,
+    /// How often the link was lost.
+    pub gaps: u32,
+    /// How often the board started anew.
+    pub resets: u32,
+    /// Trips.
+    pub trips: u32,
+    /// The last of them.
+    pub last_trip: Option<String>,
+    /// What ended it, if nobody stopped it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended: Option<EarlyEnd>,
+}
+
+impl fmt::Display for LogSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} · head {} · {}", self.title, self.head, self.firmware)?;
+        let Self { rows, duration_s, lost, gaps, resets, trips, .. } = self;
+        writeln!(f, "{rows} rows, {duration_s:.3} s; {lost} lost, {gaps} gaps, {resets} resets, {trips} trips")?;
+        self.last_trip.iter().try_for_each(|trip| writeln!(f, "last trip: {trip}"))
+    }
+}
