@@ -26,7 +26,7 @@ impl CsvWriter {
         let mut file = BufWriter::new(file);
         write_metadata(&mut file, metadata)?;
         let mut csv = csv::Writer::from_writer(file);
-        csv.write_record(columns.iter().map(|(name, _)| name))?;
+        csv.write_record(columns.iter().map(|(name, _)| name)).map_err(plain)?;
         let kinds = columns.iter().map(|(_, kind)| *kind).collect();
         Ok(Self { csv, field: String::new(), kinds, bytes: 0, frame_bytes: length(metadata) })
     }
@@ -48,9 +48,9 @@ impl RowSink for CsvWriter {
                 RowCell::Text(text) => self.field.write_str(text),
             };
             self.bytes += self.field.len() as u64 + 1;
-            self.csv.write_field(&self.field)?;
+            self.csv.write_field(&self.field).map_err(plain)?;
         }
-        Ok(self.csv.write_record(None::<&[u8]>)?)
+        self.csv.write_record(None::<&[u8]>).map_err(plain)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -69,6 +69,14 @@ impl RowSink for CsvWriter {
         let mut file = self.csv.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
         write_metadata(&mut file, metadata)?;
         file.flush()
+    }
+}
+
+/// The system's own error, whose kind tells a disk without room from others.
+fn plain(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
     }
 }
 

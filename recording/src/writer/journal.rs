@@ -23,6 +23,8 @@ pub(super) struct Journal {
     csv: CsvWriter,
     synced: Instant,
     has_news: bool,
+    /// Its rows are in a closed file, and a full disk kept it from beginning anew.
+    is_stale: bool,
 }
 
 impl Journal {
@@ -34,13 +36,14 @@ impl Journal {
         let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
         file.try_lock().map_err(io::Error::other)?;
         let csv = CsvWriter::new(file.try_clone()?, &columns, metadata)?;
-        let mut journal = Self { path, file, columns, csv, synced: Instant::now(), has_news: true };
+        let mut journal = Self { path, file, columns, csv, synced: Instant::now(), has_news: true, is_stale: false };
         journal.sync()?;
         Ok(journal)
     }
 
     /// Begins anew: the rows until now are in a closed file.
     pub fn restart(&mut self, metadata: &Metadata) -> io::Result<()> {
+        self.is_stale = true;
         self.file.set_len(0)?;
         self.file.rewind()?;
         // Dropped with rows in its memory, the writer would put them behind the new beginning. On a
@@ -50,7 +53,14 @@ impl Journal {
         self.file.rewind()?;
         self.csv = CsvWriter::new(self.file.try_clone()?, &self.columns, metadata)?;
         self.has_news = true;
-        self.sync()
+        self.sync()?;
+        self.is_stale = false;
+        Ok(())
+    }
+
+    /// Begins anew, if it should have before.
+    pub fn refresh(&mut self, metadata: &Metadata) -> io::Result<()> {
+        if self.is_stale { self.restart(metadata) } else { Ok(()) }
     }
 
     pub fn push(&mut self, cells: &mut dyn Iterator<Item = RowCell<'_>>) -> io::Result<()> {
@@ -61,7 +71,7 @@ impl Journal {
 
     /// Has the rows on the disk if they have waited long enough.
     pub fn sync_if_due(&mut self) -> io::Result<()> {
-        if self.has_news && self.synced.elapsed() >= SYNC_EVERY { self.sync() } else { Ok(()) }
+        if self.has_news && !self.is_stale && self.synced.elapsed() >= SYNC_EVERY { self.sync() } else { Ok(()) }
     }
 
     pub fn sync(&mut self) -> io::Result<()> {

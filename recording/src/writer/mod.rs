@@ -239,6 +239,9 @@ impl RecordingWriter {
     fn begin_segment(&mut self) -> Result<(), RecordingError> {
         self.asked_for_room = Instant::now();
         let Some(segments) = &self.segments else { return Ok(()) };
+        if let Some(journal) = &mut self.journal {
+            journal.refresh(&self.metadata).map_err(unwritten(&journal.path))?;
+        }
         let mut table = TableWriter::create(&segments.path(), &self.columns, &self.metadata)?;
         if self.options.outlasts_full_disk {
             table.reserve()?;

@@ -357,3 +357,63 @@ fn a_folder_goes_on_forgets_old_segments_and_keeps_means_beside() {
     let error = RecordingWriter::with_options(&folder, other, &Metadata::new(), &options).err().unwrap().to_string();
     assert!(error.contains("other columns"), "{error}");
 }
+
+/// Begins itself again, with a disk of 1 MiB for its temporary files, where the system gives one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_closes_the_segment_and_costs_only_what_it_refused() {
+    if std::env::var_os("ANEMO_SMALL_DISK").is_some() {
+        return outlast_a_full_disk();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let name = "writer::tests::a_full_disk_closes_the_segment_and_costs_only_what_it_refused";
+    let script = "mount -t tmpfs -o size=1m tmpfs \"$TMPDIR\" || exit 77; exec \"$0\" --exact \"$1\" --nocapture";
+    let outcome = std::process::Command::new("unshare")
+        .args(["-rm", "sh", "-c", script, std::env::current_exe().unwrap().to_str().unwrap(), name])
+        .env("TMPDIR", folder.path())
+        .env("ANEMO_SMALL_DISK", "1")
+        .output();
+    match outcome {
+        Ok(output) if [Some(77), Some(1)].contains(&output.status.code()) => eprintln!("no small disk: skipped"),
+        Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+        Err(error) => eprintln!("no small disk: skipped: {error}"),
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn outlast_a_full_disk() {
+    let disk = std::env::temp_dir();
+    let folder = disk.join("log");
+    let options =
+        WriterOptions { segment: SegmentLength::Seconds(20.0), outlasts_full_disk: true, ..WriterOptions::default() };
+    let metadata = vec![("head".to_owned(), "x".repeat(5000))];
+    let mut writer = RecordingWriter::with_options(&folder, layout(), &metadata, &options).unwrap();
+    let mut n = 0;
+    while !writer.lacks_room() {
+        push(&mut writer, n);
+        n += 1;
+        assert!(n < 1_000_000, "the disk does not fill");
+    }
+    // All but the one that was refused.
+    let whole = n - u32::try_from(writer.left_out).unwrap();
+    assert_eq!(writer.left_out, 1);
+    assert_eq!(rows_of(&folder), whole);
+    let last = Recording::read(&folder).unwrap();
+    assert_eq!((last.metadata("complete"), last.metadata("ended")), (Some("false"), Some("the disk is full")));
+    // Somebody makes room.
+    std::fs::remove_file(folder.join("segment-000001.parquet")).unwrap();
+    std::fs::remove_file(folder.join("segment-000002.parquet")).unwrap();
+    for _ in 0..40 {
+        std::thread::sleep(Duration::from_millis(50));
+        push(&mut writer, n);
+        n += 1;
+    }
+    let left_out = writer.left_out;
+    assert!((2..40).contains(&left_out) && !writer.lacks_room(), "{left_out}");
+    assert_eq!(writer.finish(&Metadata::new()).unwrap(), left_out);
+    let times = Recording::read(&folder).unwrap();
+    let times = times.time_s().unwrap();
+    let gap = times.windows(2).position(|pair| pair[1] - pair[0] > 0.015).unwrap();
+    assert_eq!(times[gap], f64::from(whole - 1) / 100.0);
+    eprintln!("{whole} rows, {left_out} left out, {} behind the gap", times.len() - gap - 1);
+}
