@@ -11,7 +11,7 @@ use crate::output::Failure;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
-  anemo mark 'door opened' /var/log/mast --help")]
+  anemo mark 'door opened' mast/")]
 pub struct Arguments {
     /// What happened: one line, 200 characters at most.
     text: String,

@@ -16,7 +16,7 @@ use host_sim::instrument::serial::Serial;
 #[command(after_help = "\
 Examples:
   anemo status --on serial:/dev/ttyACM0
-  anemo status mast/ --help")]
+  anemo status mast/")]
 pub struct Arguments {
     /// The folder of a log.
     #[arg(required_unless_present = "on")]

@@ -71,7 +71,10 @@ fn a_cable_that_was_out_leaves_a_gap_in_a_recording_that_goes_on() {
     let last_s = *recording.time_s().unwrap().last().unwrap();
     let ticks = (last_s * 100.0).round() as u64 + 1;
     assert_eq!(summary["rows"].as_u64().unwrap() + summary["lost"].as_u64().unwrap(), ticks);
-    assert_eq!((rows_with(&recording, "gap: the board has not answered"), rows_with(&recording, "door opened")), (1, 1));
+    assert_eq!(
+        (rows_with(&recording, "gap: the board has not answered"), rows_with(&recording, "door opened")),
+        (1, 1)
+    );
     assert!(recording.words("state").unwrap().iter().all(|state| state == "running"));
     assert_eq!(recording.metadata("ended"), Some("stopped"));
     assert_eq!(board.finish().obeyed.iter().filter(|command| **command == Command::Start).count(), 1);
@@ -118,7 +121,10 @@ fn a_trip_is_told_to_a_command_and_a_log_can_end_with_it() {
     });
     // Open is never acknowledged.
     let recording = Recording::read(&desk.path().join("on")).unwrap();
-    assert_eq!((recording.len(), recording.words("state").unwrap().dictionary()[1].as_str()), (500, "tripped:open:sector3"));
+    assert_eq!(
+        (recording.len(), recording.words("state").unwrap().dictionary()[1].as_str()),
+        (500, "tripped:open:sector3")
+    );
     let stops = desk.anemo(&[&log[..], &["-o", "off", "--on-trip", "stop"]].concat(), &[]);
     assert_eq!(stops.status.code(), Some(3));
     assert_eq!(Recording::read(&desk.path().join("off")).unwrap().len(), 302);
