@@ -173,7 +173,11 @@ fn an_element_above_its_limit_and_a_set_point_out_of_reach_trip() {
     let rig = Rig::of(&experiment);
     let mut instrument = rig.instrument();
     let mut commands = setup_of(&experiment).unwrap();
-    commands.push(Command::Guard(GuardConfig { unreachable_limit_ticks: 20, ..GuardConfig::default() }));
+    commands.push(Command::Guard(GuardConfig {
+        unreachable_limit_ticks: 20,
+        stuck_limit_ticks: 200,
+        ..GuardConfig::default()
+    }));
     setup::start(&mut instrument, &commands).unwrap();
     assert_eq!(rig.until_trip(&mut instrument, 40).trip.cause, Cause::Unreachable);
     rig.assert_no_complaint();
