@@ -14,10 +14,10 @@
 //! | equal codes | 3 … 1000 | noise exceeds a code |
 //! | mean power of an element, energy above it | 32 mW, 12 J | [`energy`](super::energy) |
 //!
-//! The process safety time is that of `docs/explanation/single-faults.md`: in the simulated sphere B
-//! in quiescent gas of 20 °C, the worst single fault lets a sector pass 70 °C after 90 s, all six
-//! elements high after 127 s (CO₂ of 1000 Pa). A board that is built for another body, or with other
-//! resistors, has other limits: this table and no other place.
+//! The process safety time is that of `docs/explanation/single-faults.md`: in the simulated sphere
+//! B in quiescent gas of 20 °C, the worst single fault lets a sector pass 70 °C after 90 s, all six
+//! elements high after 127 s (CO₂ of 1000 Pa). A board that is built for another body, or with
+//! other resistors, has other limits: this table and no other place.
 
 use super::energy::EnergyLimit;
 use super::guard::GuardConfig;
