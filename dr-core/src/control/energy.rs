@@ -10,12 +10,16 @@
 //! started, stopped, acknowledged or cleared meanwhile: only a reset of the processor empties it.
 //! It drains while an element is configured, at the low level.
 //!
-//! Kept in whole nJ, since f32 would lose 1 µJ a tick beside 60 J. A tick counts for 2.1 J at most.
+//! Kept in whole nJ, since f32 would lose 1 µJ a tick beside 60 J, and compared in steps of 1 mJ,
+//! which costs a tick least. A tick counts for 2.1 J at most.
 
 use crate::error::{self, ConfigError, Parameter};
 use crate::fields::{FieldVisitor, Fields};
 
 const NJ_PER_J: f32 = 1e9;
+
+/// 2²⁰ nJ, about 1 mJ, is a step in which budget and limit are compared.
+const STEP_BITS: u32 = 20;
 
 /// What an element bears.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
@@ -42,8 +46,9 @@ impl EnergyLimit {
         Ok(())
     }
 
-    fn most_nj(&self) -> u64 {
-        (self.energy_j * NJ_PER_J) as u64
+    /// The energy, in whole steps.
+    fn most_steps(&self) -> u32 {
+        (self.energy_j * (NJ_PER_J / (1 << STEP_BITS) as f32)) as u32
     }
 }
 
@@ -62,12 +67,12 @@ impl EnergyBudget {
 
     /// Whether more is spent than is granted.
     pub(super) fn is_exceeded(self, limit: &EnergyLimit) -> bool {
-        self.spent_nj > limit.most_nj()
+        self.spent_nj >> STEP_BITS > u64::from(limit.most_steps())
     }
 
     /// The same, and no more than twice the limit: a flipped bit must not lock an element for ever.
     pub(super) fn at_most_double(self, limit: &EnergyLimit) -> Self {
-        Self { spent_nj: self.spent_nj.min(2 * limit.most_nj()) }
+        Self { spent_nj: self.spent_nj.min(u64::from(limit.most_steps()) << (STEP_BITS + 1)) }
     }
 }
 
