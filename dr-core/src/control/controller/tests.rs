@@ -32,7 +32,7 @@ fn element() -> ElementConfig {
             resistance_max_ohm: 260.0,
             temperature_max_c: 70.0,
             code_max: 8_388_000,
-            energy: Some(EnergyLimit { sustained_power_w: 0.032, energy_j: 12.0 }),
+            energy: Some(EnergyLimit { sustained_power_w: 0.05, energy_j: 12.0 }),
         },
     }
 }

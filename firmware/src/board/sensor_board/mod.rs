@@ -106,6 +106,7 @@ pub fn init(
     let reset = reset_flags::cause(flags);
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     let (reset, watchdog_works) = watchdog_proof::prove(&device.IWDG, reset);
+    watchdog::start(&device.IWDG);
     let mut rcc = clocks::start(rcc, core);
 
     let gpioa = device.GPIOA.split(&mut rcc);
