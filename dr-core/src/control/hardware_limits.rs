@@ -52,8 +52,8 @@ impl HardwareLimits {
     /// The sensor board with a head of sphere B.
     pub const SENSOR_BOARD: Self = Self {
         volt_per_code: (0.99 * 4.0 / 8_388_608.0, 1.01 * 4.0 / 8_388_608.0),
-        current_low_a: (0.98 * 3e-3, 1.02 * 3e-3),
-        current_high_a: (0.98 * 16e-3, 1.02 * 16e-3),
+        current_low_a: (2.94e-3, 3.06e-3),
+        current_high_a: (15.68e-3, 16.32e-3),
         current_ratio_min: 1.5,
         temperature_max_c: 70.0,
         resistance_max_ohm: 260.0,
