@@ -114,7 +114,7 @@ impl OpenBoard {
 
     /// Changes what is kept; nothing, if the instrument would not take it.
     fn change(&mut self, from: &[KeptSetting], to: &BTreeMap<KeyNumber, Setting>) -> Result<(), Failure> {
-        settings::rehearse(to).map_err(Failure::usage)?;
+        settings::rehearse(to, self.port().limits()).map_err(Failure::usage)?;
         let (written, erased) = settings::change(self.port(), from, to).map_err(Failure::work)?;
         let erased = if erased > 0 { format!(", {erased} erased") } else { String::new() };
         crate::output::print(&format!(
@@ -150,8 +150,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Task::Backup { output, board } => with(board, |board| backup(board, output)),
         Task::Restore { file, board } => {
             let to = file::from_source(&TomlSource::read(file)?)?;
-            settings::rehearse(&to).map_err(|error| Failure::in_file(file, error))?;
             with(board, |board| {
+                let taken = settings::rehearse(&to, board.port().limits());
+                taken.map_err(|error| Failure::in_file(file, error))?;
                 let (kept, whole) = board.read()?;
                 if !whole {
                     board.port().ask_settings(&SettingsRequest::EraseAll).map_err(Failure::work)?;

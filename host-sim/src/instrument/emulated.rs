@@ -14,7 +14,7 @@ use super::lock_step::{LockStepController, packed};
 use super::observation::{LinkReport, TickReport};
 use super::port::SettingsPort;
 use super::reset_cause::why_it_started;
-use dr_core::control::{Heaters, SelfTestFinding};
+use dr_core::control::{HardwareLimits, Heaters, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Reply};
 use process::Process;
@@ -317,6 +317,10 @@ impl Emulated {
 impl SettingsPort for Emulated {
     fn firmware(&self) -> &str {
         &self.identity.firmware
+    }
+
+    fn limits(&self) -> &'static HardwareLimits {
+        &HardwareLimits::SIMULATED
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {

@@ -3,7 +3,7 @@
 
 use super::error::InstrumentError;
 use super::observation::{LinkReport, Observation};
-use dr_core::control::SelfTestFinding;
+use dr_core::control::{HardwareLimits, SelfTestFinding};
 use dr_core::{Command, Reply};
 use wire::{Identity, SettingsReply, SettingsRequest};
 
@@ -42,6 +42,9 @@ pub trait InstrumentPort {
 pub trait SettingsPort {
     /// Name and version of its firmware.
     fn firmware(&self) -> &str;
+
+    /// What it grants.
+    fn limits(&self) -> &'static HardwareLimits;
 
     /// Sends a request about its settings.
     ///

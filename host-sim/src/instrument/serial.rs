@@ -12,13 +12,13 @@ use super::observation::{LinkReport, Observation, TickReport};
 use super::port::{InstrumentPort, SettingsPort};
 use super::reset_cause::why_it_started;
 use super::status::BoardStatus;
-use dr_core::control::{Refusal, RunState, SelfTestFinding};
+use dr_core::control::{HardwareLimits, Refusal, RunState, SelfTestFinding};
 use dr_core::{Command, Reply};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
-use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
+use wire::{BoardKind, FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -243,6 +243,13 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
 impl<S: BoardStream> SettingsPort for Serial<S> {
     fn firmware(&self) -> &str {
         &self.identity.firmware
+    }
+
+    fn limits(&self) -> &'static HardwareLimits {
+        match self.identity.board {
+            BoardKind::Sensor => &HardwareLimits::SENSOR_BOARD,
+            BoardKind::Virtual => &HardwareLimits::SIMULATED,
+        }
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {

@@ -16,6 +16,7 @@ use super::serial::Serial;
 use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::io::{self, ErrorKind, Read, Write};
+use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Duration;
@@ -96,7 +97,15 @@ pub struct VirtualBoardFiles<'a> {
 /// # Errors
 /// If the program cannot be started, or its board does not answer.
 pub fn start(program: &Path, files: &VirtualBoardFiles<'_>) -> Result<Serial<VirtualLine>, InstrumentError> {
+    if !files.firmware.is_file() {
+        return Err(InstrumentError::Unusable(format!(
+            "there is no firmware at {}: `cargo xtask size` builds it",
+            files.firmware.display()
+        )));
+    }
     let mut command = Command::new(program);
+    // A Ctrl-C is the host's: it stops the board, and the board then ends.
+    command.process_group(0);
     command.arg(files.firmware);
     for (option, file) in [("--experiment", files.experiment), ("--flash", files.flash)] {
         command.args(file.map(|file| [OsStr::new(option), file.as_os_str()]).into_iter().flatten());
@@ -135,7 +144,10 @@ impl BoardStream for VirtualLine {
             let to_board = self.to_board.as_mut().ok_or(ErrorKind::UnexpectedEof)?;
             let bytes = std::mem::take(&mut self.written);
             Turn { time: timeout, wind_m_s: [0.0; 3], bytes }.write(to_board)?;
-            let turn = Turn::read(&mut self.from_board)?;
+            let turn = Turn::read(&mut self.from_board).map_err(|error| match error.kind() {
+                ErrorKind::UnexpectedEof => io::Error::new(error.kind(), "the simulated board has ended"),
+                _ => error,
+            })?;
             (self.now, self.wind_m_s) = (turn.time, turn.wind_m_s);
             self.unread.extend(turn.bytes);
         }

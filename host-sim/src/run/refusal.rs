@@ -1,5 +1,6 @@
 //! A refused drive as a sentence about the key of the experiment that asks for it.
 
+use dr_core::Parameter;
 use dr_core::control::Refusal;
 use dr_core::model::Reachability;
 
@@ -8,6 +9,22 @@ use crate::experiment::Experiment;
 /// A refused drive in words, for the key that asks for it.
 pub(super) fn of_a_drive(experiment: &Experiment, refusal: &Refusal) -> String {
     unreachable(experiment, refusal).unwrap_or_else(|| format!("is refused: {}", without_number(refusal)))
+}
+
+/// Whether a number stands in the head's file, and has passed its check: only the board can mind.
+pub(super) const fn is_of_the_head(parameter: Parameter) -> bool {
+    use Parameter as P;
+    matches!(
+        parameter,
+        P::VoltPerCode
+            | P::CurrentLowA
+            | P::CurrentHighA
+            | P::TemperatureMaxC
+            | P::ResistanceMaxOhm
+            | P::SustainedPowerW
+            | P::EnergyJ
+            | P::StuckLimitTicks
+    )
 }
 
 /// The instrument knows elements by number; the key of the file has the name.

@@ -42,6 +42,11 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
         InstrumentError::Refused(Refusal::Tripped(trip)) => {
             InstrumentError::Tripped { cause: trip.cause.name(), element: setup::place(*trip, &names) }.into()
         }
+        InstrumentError::Refused(Refusal::Invalid { element, error }) if refusal::is_of_the_head(error.parameter) => {
+            let name = element.and_then(|element| names.get(usize::from(element)));
+            let of = name.map_or_else(String::new, |name| format!("{name}: "));
+            experiment.source.refuse("head", format!("asks for what this board does not grant: {of}{error}")).into()
+        }
         InstrumentError::Refused(refusal) => match element_of(refusal).and_then(|element| names.get(element)) {
             // It names the key where the user can do something about it.
             Some(name) => {

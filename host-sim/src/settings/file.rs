@@ -97,6 +97,7 @@ pub fn from_source(source: &TomlSource) -> Result<BTreeMap<KeyNumber, Setting>, 
 mod tests {
     use super::*;
     use anemometry::head::Head;
+    use dr_core::control::HardwareLimits;
 
     fn sphere_b() -> BTreeMap<KeyNumber, Setting> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
@@ -115,7 +116,7 @@ mod tests {
     fn a_whole_head_comes_back_bit_for_bit() {
         let settings = sphere_b();
         assert!(settings.len() > 80, "{}", settings.len());
-        crate::settings::rehearse(&settings).unwrap();
+        crate::settings::rehearse(&settings, &HardwareLimits::SIMULATED).unwrap();
         let text = to_toml("anemo", &settings).unwrap();
         let back = from_source(&source(text)).unwrap();
         assert_eq!(back.len(), settings.len());
@@ -140,11 +141,16 @@ mod tests {
         // Right as a file, but nothing that an instrument would take.
         let mut wrong = sphere_b();
         names::set(&mut wrong, "sample_period_s", "100").unwrap();
-        assert!(crate::settings::rehearse(&wrong).unwrap_err().to_string().starts_with("sample_period_s: "));
+        assert!(
+            crate::settings::rehearse(&wrong, &HardwareLimits::SIMULATED)
+                .unwrap_err()
+                .to_string()
+                .starts_with("sample_period_s: ")
+        );
         wrong.retain(|&key, _| key != 0x1000);
         names::set(&mut wrong, "sample_period_s", "0.001").unwrap();
         assert!(
-            crate::settings::rehearse(&wrong)
+            crate::settings::rehearse(&wrong, &HardwareLimits::SIMULATED)
                 .unwrap_err()
                 .to_string()
                 .starts_with("element.1: element 0 has no configuration")

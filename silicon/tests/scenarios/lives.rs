@@ -21,6 +21,7 @@ use silicon::plant::SensorPlant;
 use silicon::soc::power::NOMINAL_MV;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wire::{Setting, SettingsRequest, ToBoard};
@@ -68,8 +69,8 @@ struct Life<'a> {
     experiment: &'a Experiment,
     /// Everything that is sent gets a number of its own.
     number: u16,
-    /// When its crystal has failed.
-    crystal_failed: Vec<u64>,
+    /// When its crystal has failed, or a debugger has held its core.
+    slowed: Vec<Range<u64>>,
 }
 
 impl Life<'_> {
@@ -177,7 +178,7 @@ impl Life<'_> {
             }
             16 => {
                 let mut machine = self.rig.machine();
-                self.crystal_failed.push(machine.now());
+                self.slowed.push(machine.now()..machine.now() + ms(2));
                 machine.board_mut().fail_crystal();
                 "crystal"
             }
@@ -230,9 +231,11 @@ impl Life<'_> {
                 "supply gone"
             }
             25 => {
+                let begin = self.rig.machine().now();
                 self.rig.machine().board_mut().hold_core(true);
                 self.run_for(ms(chance.below(1_200)));
                 self.rig.machine().board_mut().hold_core(false);
+                self.slowed.push(begin..self.rig.machine().now() + ms(2));
                 "debugger"
             }
             _ => {
@@ -255,25 +258,25 @@ impl Life<'_> {
             Err(error) => return Err(format!("it does not answer to `Stop`: {error}")),
         }
         let complaints = self.rig.complaints();
-        let is_fault = |of: &&Complaint| !KNOWN.contains(&(of.register, of.rule)) && !self.is_of_the_crystal(of);
+        let is_fault = |of: &&Complaint| !KNOWN.contains(&(of.register, of.rule)) && !self.is_of_what_slows(of);
         let sentences: Vec<_> = complaints.iter().filter(is_fault).map(ToString::to_string).collect();
         if sentences.is_empty() { Ok(()) } else { Err(sentences.join("; ")) }
     }
 }
 
 impl Life<'_> {
-    /// A crystal that fails slows the bus in the middle of a frame, which then crosses the next
-    /// conversion. The heaters are low, and no decision comes of it.
-    fn is_of_the_crystal(&self, of: &Complaint) -> bool {
-        let failures = self.crystal_failed.iter().filter(|&&failed| (failed..failed + ms(2)).contains(&of.cycle));
-        of.rule == BrokenRule::AdcFrameAcrossUpdate && of.times as usize <= failures.count()
+    /// A crystal that fails, or a debugger, slows the bus in the middle of a frame, which then
+    /// crosses the next conversion. It is dropped, as late frames are, and no decision comes of it.
+    fn is_of_what_slows(&self, of: &Complaint) -> bool {
+        let causes = self.slowed.iter().filter(|slowed| slowed.contains(&of.cycle));
+        of.rule == BrokenRule::AdcFrameAcrossUpdate && of.times as usize <= causes.count()
     }
 }
 
 /// Lives these deeds; gives their names, and what was wrong.
 fn live(rig: &Rig, experiment: &Experiment, deeds: &[u64]) -> (Vec<&'static str>, Result<(), String>) {
     rig.begin_anew(experiment);
-    let mut life = Life { rig, experiment, number: 100, crystal_failed: Vec::new() };
+    let mut life = Life { rig, experiment, number: 100, slowed: Vec::new() };
     let mut names = Vec::new();
     for &deed in deeds {
         let mut chance = Chance::of(deed);

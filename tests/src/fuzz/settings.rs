@@ -3,6 +3,7 @@
 
 use super::bytes::Bytes;
 use super::sentences::{said, said_of};
+use dr_core::control::HardwareLimits;
 use host_sim::settings::{content, file, names, rehearse};
 use recording::toml_file::TomlSource;
 use std::collections::BTreeMap;
@@ -46,7 +47,7 @@ fn goes_through_a_file(settings: &BTreeMap<u16, Setting>) {
     let read = file::from_source(&TomlSource { path: "settings.toml".into(), text: text.clone() });
     let read = read.unwrap_or_else(|error| panic!("{error}: {text}"));
     assert!(&read == settings || file::to_toml("a firmware", &read).as_deref() == Ok(&text), "{text}");
-    if let Err(error) = rehearse(settings) {
+    if let Err(error) = rehearse(settings, &HardwareLimits::SIMULATED) {
         said(&error.to_string());
     }
 }

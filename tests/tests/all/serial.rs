@@ -279,7 +279,8 @@ fn a_board_that_falls_silent_in_a_run_ends_it() {
         sentence.starts_with("the board has not answered for 3.0 s") && sentence.ends_with(NOT_STOPPED),
         "{sentence}"
     );
-    assert_eq!(recording.len(), 150);
+    // What the line still held went with the cable.
+    assert!((50..=150).contains(&recording.len()), "{}", recording.len());
     // Three more seconds go into stopping it.
     assert!(seconds < 9.0, "{seconds} s");
 }

@@ -28,6 +28,9 @@ const LONG: u16 = 2_000 / COUNT_MS;
 /// Of the LED's pin; half of them have the supply up at -40 °C (`hardware/cut-off.cir`).
 const FIRST_CHANGES: u32 = 8;
 
+/// Of some ten cycles each: 3 ms at 168 MHz, ten times what the slowest oscillator takes.
+const SETTLING_LOOPS: u32 = 50_000;
+
 const ENABLE: u16 = 0xCCCC;
 const UNLOCK: u16 = 0x5555;
 const RELOAD: u16 = 0xAAAA;
@@ -40,17 +43,10 @@ pub struct HardwareWatchdog {
 }
 
 impl HardwareWatchdog {
-    /// Starts it with the long period, and has the platinum's supply up before the first reading.
+    /// Feeds the running watchdog, and has the platinum's supply up before the first reading.
     pub fn new(watchdog: IWDG, debug: &DBGMCU, mut led: PB1<Output>) -> Self {
         // Without it a probe cannot read the log while the core sleeps.
         debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
-        // First of all it is enabled: its oscillator runs from then on, and takes the registers
-        // over. Until then it counts 0.5 s, the most of the smallest divider.
-        // SAFETY: keys and divider as the reference manual has them; nobody else has it yet.
-        watchdog.kr().write(|w| unsafe { w.key().bits(ENABLE) });
-        watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
-        watchdog.pr().write(|w| w.pr().divide_by256());
-        set_period(START);
         for _ in 0..FIRST_CHANGES {
             led.toggle();
             CycleDelay.delay_ms(1);
@@ -76,6 +72,17 @@ impl HardwareWatchdog {
     }
 }
 
+/// Starts it with the long period, before anything that may hang or fault.
+pub fn start(watchdog: &IWDG) {
+    // First of all it is enabled: its oscillator runs from then on, and takes the registers over.
+    // Until then it counts 0.5 s, the most of the smallest divider.
+    // SAFETY: keys and divider as the reference manual has them; nobody else has it yet.
+    watchdog.kr().write(|w| unsafe { w.key().bits(ENABLE) });
+    watchdog.kr().write(|w| unsafe { w.key().bits(UNLOCK) });
+    watchdog.pr().write(|w| w.pr().divide_by256());
+    set_period(START);
+}
+
 /// For an erase of the flash, during which nobody can check in.
 pub fn give_time() {
     SHORT.store(settled().rlr().read().rl().bits(), Relaxed);
@@ -88,12 +95,16 @@ pub fn take_time_back() {
 }
 
 /// Both registers are taken over by the slow clock, in five of its periods at the most, 0.3 ms;
-/// meanwhile they are neither read nor written (RM0090, IWDG_SR).
+/// meanwhile they are neither read nor written (RM0090, IWDG_SR). A slow clock that stands still
+/// holds nobody: the clocks' comparison trips.
 fn settled() -> &'static stm32f4xx_hal::pac::iwdg::RegisterBlock {
     // SAFETY: but for the key, whose writes are single, only one task at a time uses its registers:
     // the start, then the settings'.
     let watchdog = unsafe { &*IWDG::ptr() };
-    while watchdog.sr().read().bits() != 0 {}
+    let mut patience = SETTLING_LOOPS;
+    while watchdog.sr().read().bits() != 0 && patience > 0 {
+        patience -= 1;
+    }
     watchdog
 }
 
