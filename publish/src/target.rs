@@ -136,6 +136,13 @@ impl FromStr for PublishTarget {
     }
 }
 
+impl PublishTarget {
+    /// Whether its clients can command, if they know the token.
+    pub fn takes_commands(&self) -> bool {
+        self.format == PublishFormat::Scpi
+    }
+}
+
 impl PublishLogin {
     fn new(text: &str) -> Self {
         let (user, password) = text.split_once(':').unwrap_or((text, ""));

@@ -129,12 +129,14 @@ struct Publisher {
     /// Failures in a row.
     failures: u32,
     rate: RowRate,
+    /// Whether it has missed rows.
+    is_slow: bool,
 }
 
 impl Publisher {
     fn new(target: PublishTarget, layout: crate::feed::FeedLayout, context: PublishContext) -> Self {
         let rate = RowRate::new(target.every_s, layout.sample_period_s);
-        Self { target, layout, context, output: None, try_at: Instant::now(), failures: 0, rate }
+        Self { target, layout, context, output: None, try_at: Instant::now(), failures: 0, rate, is_slow: false }
     }
 
     fn run(mut self, reader: &FeedReader) {
@@ -155,6 +157,7 @@ impl Publisher {
             });
             if is_turn {
                 turn_at = Instant::now();
+                self.count(reader.lost());
             }
             if let Err(error) = done {
                 self.fail(&error);
@@ -162,6 +165,20 @@ impl Publisher {
         }
         if let Some(mut output) = self.output {
             output.end();
+        }
+        if reader.lost() > 0 {
+            (self.context.report)(&format!("{}: left out {} rows", self.target.name, reader.lost()));
+        }
+    }
+
+    /// Says once that rows come too fast.
+    fn count(&mut self, lost: u64) {
+        if lost > 0 && !self.is_slow {
+            self.is_slow = true;
+            (self.context.report)(&format!(
+                "{}: takes too long and misses rows; the recording has them",
+                self.target.name
+            ));
         }
     }
 

@@ -170,3 +170,26 @@ impl Output for MqttOutput {
         self.send(|packet| Disconnect.write(packet)).ok();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What answers at a broker's port may be anything.
+    #[test]
+    fn no_bytes_break_the_reader_of_packets() {
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as u8
+        };
+        for _ in 0..100_000 {
+            let mut bytes = BytesMut::new();
+            let length = next() % 16;
+            // Half of them have a length that fits.
+            bytes.extend_from_slice(&[next(), if next() % 2 == 0 { length } else { next() }]);
+            bytes.extend((0..length).map(|_| next() % 8));
+            while mqttbytes::v4::read(&mut bytes, MOST_RECEIVED).is_ok() {}
+        }
+    }
+}

@@ -293,4 +293,23 @@ mod tests {
         });
         assert_eq!(session.errors, [ScpiError(-200, "Execution error; tripped".to_owned())]);
     }
+
+    #[test]
+    fn no_bytes_break_it_or_heat() {
+        let (asked, requests) = commands::channel();
+        let instrument = ScpiInstrument { commands: Some(asked), ..instrument() };
+        let mut session = ScpiSession::default();
+        let pieces =
+            ["SYST", ":", "PASS", "\"", "'", ";", " ", ",", "?", "*IDN?", "INIT", "SOUR:TEMP", "é", "9e999", "\0"];
+        let mut state = 1_u64;
+        for _ in 0..20_000 {
+            let mut line = String::new();
+            for _ in 0..8 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                line.push_str(pieces[(state >> 33) as usize % pieces.len()]);
+            }
+            session.answer(&line, &instrument);
+        }
+        assert!(requests.try_recv().is_err());
+    }
 }

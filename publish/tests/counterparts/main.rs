@@ -5,6 +5,7 @@
 //! environment.
 
 mod bench;
+mod file;
 mod influx;
 mod mqtt;
 mod nmea;
