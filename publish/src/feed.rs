@@ -105,7 +105,8 @@ impl FeedWind {
 }
 
 /// Direction from which a wind towards (x, y) blows, degrees clockwise from north, in 0 … 360, of a
-/// head whose x axis points to `heading_deg`. Seen from above, y is a quarter turn to the left of x.
+/// head whose x axis points to `heading_deg`. Seen from above, y is a quarter turn to the left of
+/// x.
 pub fn from_deg([x, y]: [f64; 2], heading_deg: f64) -> f64 {
     let from = (heading_deg - y.atan2(x).to_degrees() + 180.0).rem_euclid(360.0);
     // The remainder of a tiny negative number rounds to the divisor.

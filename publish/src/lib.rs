@@ -19,8 +19,6 @@ pub mod format;
 pub mod listen;
 pub mod output;
 pub mod target;
-#[cfg(feature = "tls")]
-mod tls;
 
 pub use output::start;
 pub use target::targets;

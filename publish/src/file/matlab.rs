@@ -1,11 +1,11 @@
 //! MATLAB's MAT-file, level 4 (MAT-File Format, The MathWorks, appendix): every variable a matrix
-//! behind five numbers. Every MATLAB reads it, Octave and SciPy do; `matfile` only reads, and level 5
-//! would add nothing to columns of numbers.
+//! behind five numbers. Every MATLAB reads it, Octave and SciPy do; `matfile` only reads, and level
+//! 5 would add nothing to columns of numbers.
 //!
-//! A column is a vector of its name. Text is a vector of codes `<name>_code` from 1 on, and the words
-//! are the rows of `<name>_words`: `deblank(state_words(state_code(n), :))`.
+//! A column is a vector of its name. Text is a vector of codes `<name>_code` from 1 on, and the
+//! words are the rows of `<name>_words`: `deblank(state_words(state_code(n), :))`.
 
-use super::{ConvertedColumn, ConvertedTable, FormError};
+use super::table::{ConvertedColumn, ConvertedTable, FormError};
 use recording::TIME;
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -3,7 +3,7 @@
 //!
 //! Columns of text are codes from 0 on with `flag_values` and `flag_meanings`.
 
-use super::{ConvertedColumn, ConvertedTable, FormError, WIND_FROM, unit};
+use super::table::{ConvertedColumn, ConvertedTable, FormError, WIND_FROM, unit};
 use dr_core::wind::QualityFlags;
 use netcdf3::{DataSet, DataType, FileWriter, InvalidDataSet, NC_FILL_F64, Version, WriteError};
 use recording::GAS_TEMPERATURE;

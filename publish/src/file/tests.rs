@@ -1,5 +1,5 @@
 use super::*;
-use recording::RecordingColumn;
+use recording::{ColumnValues, ColumnWords, RecordingColumn};
 use std::error::Error;
 
 /// Three rows; in the last there is no estimate.

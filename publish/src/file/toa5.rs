@@ -3,7 +3,7 @@
 //!
 //! Processing is `Smp`, a sample: nothing was averaged. A missing number is `"NAN"`.
 
-use super::{ConvertedColumn, ConvertedTable, FormError, unit};
+use super::table::{ConvertedColumn, ConvertedTable, FormError, unit};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use time::{Duration, OffsetDateTime};

@@ -57,8 +57,8 @@ fn seconds(utc: SystemTime) -> f64 {
     utc.duration_since(UNIX_EPOCH).unwrap_or_default().as_millis() as f64 / 1000.0
 }
 
-/// The document by which Home Assistant makes a device with its sensors. A sensor is unknown, rather
-/// than old, where a message has no number for it.
+/// The document by which Home Assistant makes a device with its sensors. A sensor is unknown,
+/// rather than old, where a message has no number for it.
 pub fn discovery(layout: &FeedLayout) -> String {
     let id = layout.id();
     let topics = MqttTopics::new(&id);

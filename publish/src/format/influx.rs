@@ -1,8 +1,8 @@
 //! InfluxDB's line protocol: `measurement,tag=… field=…,field=… nanoseconds`.
 //!
 //! Measurement `anemo`, tags `head` and `id`, a field for each number of the row under the name of
-//! its column, `heaters` and `quality_flags` as integers, `state` as text. An event is a line of the
-//! measurement `anemo_event` with the field `text`.
+//! its column, `heaters` and `quality_flags` as integers, `state` as text. An event is a line of
+//! the measurement `anemo_event` with the field `text`.
 
 use super::numbers::FeedColumns;
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
@@ -37,8 +37,9 @@ fn nanoseconds(utc: SystemTime) -> u128 {
     utc.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos()
 }
 
-/// A tag's value: commas, equals signs and blanks behind a backslash. Nothing stands for a backslash
-/// before one of these or at the end, so it becomes a slash; an empty value would be an error.
+/// A tag's value: commas, equals signs and blanks behind a backslash. Nothing stands for a
+/// backslash before one of these or at the end, so it becomes a slash; an empty value would be an
+/// error.
 fn tag(value: &str) -> String {
     let mut escaped = String::new();
     for character in value.chars() {

@@ -1,6 +1,6 @@
 //! What carries lines: datagrams, connections that others open, a serial port, requests by HTTP.
 
-use super::PublishError;
+use super::context::PublishError;
 use crate::listen::{DatagramSender, Listener, Listening};
 use crate::target::{PublishLogin, PublishTarget, PublishWay};
 use serialport::SerialPort;
@@ -99,7 +99,7 @@ impl Requests {
     fn new(url: &str, target: &PublishTarget) -> Result<Self, PublishError> {
         let config = ureq::Agent::config_builder().timeout_global(Some(TIMEOUT)).max_redirects(0);
         #[cfg(feature = "tls")]
-        let config = config.tls_config(crate::tls::of_requests(target.ca_file.as_deref())?);
+        let config = config.tls_config(super::tls::of_requests(target.ca_file.as_deref())?);
         #[cfg(not(feature = "tls"))]
         if url.starts_with("https:") {
             return Err(PublishError::no_tls());

@@ -5,74 +5,24 @@
 //! between is in the recording.
 
 mod carrier;
+mod context;
 mod mqtt;
 mod scpi;
 mod scpi_session;
 mod text;
-
 #[cfg(feature = "tls")]
-pub(crate) use mqtt::BrokerStream;
+mod tls;
 
-use crate::commands::FeedCommands;
-use crate::feed::{Feed, FeedEvent, FeedItem, FeedReader, FeedRow, FeedWind};
-use crate::listen::{ListenError, Listening};
+pub use context::{PublishContext, PublishError};
+
+use crate::feed::{Feed, FeedItem, FeedReader, FeedRow, FeedWind};
 use crate::target::{PublishFormat, PublishTarget};
+use context::Output;
 use std::io;
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// What outputs need besides the feed.
-#[derive(Clone)]
-pub struct PublishContext {
-    /// What listeners may bind to.
-    pub listening: Listening,
-    /// Where commands go to; without, every command is refused.
-    pub commands: Option<FeedCommands>,
-    /// Takes sentences for the user.
-    pub report: Arc<dyn Fn(&str) + Send + Sync>,
-}
-
-/// Why an output does not work.
-#[derive(Debug, thiserror::Error)]
-pub enum PublishError {
-    /// It cannot listen.
-    #[error(transparent)]
-    Listen(#[from] ListenError),
-    /// It cannot be reached, or is no more.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// It was reached and refuses.
-    #[error("{0}")]
-    Refused(String),
-}
-
-#[cfg(not(feature = "tls"))]
-impl PublishError {
-    fn no_tls() -> Self {
-        Self::Refused("this program was built without the feature `tls`".to_owned())
-    }
-}
-
-/// One way out, open.
-trait Output: Send {
-    /// Sends a row.
-    fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError>;
-
-    /// Sends an event.
-    fn event(&mut self, _event: &FeedEvent) -> Result<(), PublishError> {
-        Ok(())
-    }
-
-    /// What is to be done several times a second, whether there is a row or not.
-    fn turn(&mut self) -> Result<(), PublishError> {
-        Ok(())
-    }
-
-    /// Says good-bye.
-    fn end(&mut self) {}
-}
 
 /// From one call of `turn` to the next.
 const TURN: Duration = Duration::from_millis(50);

@@ -4,7 +4,7 @@
 //! wait for beside it. A client with a runtime of its own would bring 28 packages for that.
 
 use super::carrier::{TIMEOUT, resolved};
-use super::{Output, PublishError};
+use super::context::{BrokerStream, Output, PublishError};
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
 use crate::format::FeedColumns;
 use crate::format::home_assistant::{self, MqttTopics};
@@ -16,10 +16,6 @@ use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// A stream to the broker, encrypted or not.
-pub(crate) trait BrokerStream: Read + Write + Send {}
-impl<T: Read + Write + Send> BrokerStream for T {}
 
 /// A broker takes a client for lost after one and a half times this.
 const KEEP_ALIVE: Duration = Duration::from_secs(20);
@@ -60,7 +56,7 @@ pub(super) fn open(target: &PublishTarget, layout: &FeedLayout) -> Result<Box<dy
 
 #[cfg(feature = "tls")]
 fn encrypted(host: &str, socket: TcpStream, target: &PublishTarget) -> Result<Box<dyn BrokerStream>, PublishError> {
-    crate::tls::to_broker(host, socket, target.ca_file.as_deref())
+    super::tls::to_broker(host, socket, target.ca_file.as_deref())
 }
 
 #[cfg(not(feature = "tls"))]
@@ -155,7 +151,7 @@ impl Output for MqttOutput {
         if self.heard.elapsed() > 2 * KEEP_ALIVE {
             return Err(PublishError::Refused("the broker does not answer".to_owned()));
         }
-        // Only its answers show that a broker is still there, so it is asked even while rows go out.
+        // Only its answers show that a broker is there, so it is asked even while rows go out.
         if self.asked.elapsed() > KEEP_ALIVE / 2 {
             self.asked = Instant::now();
             self.send(|packet| PingReq.write(packet))?;

@@ -1,7 +1,7 @@
 //! Outputs of lines: a format, and a way that carries it.
 
 use super::carrier::{self, Carrier};
-use super::{Output, PublishContext, PublishError};
+use super::context::{Output, PublishContext, PublishError};
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
 use crate::format::{FeedColumns, gill, influx, nmea};
 use crate::target::{PublishFormat, PublishTarget};

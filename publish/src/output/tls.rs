@@ -1,6 +1,6 @@
 //! Encrypted connections, by the feature `tls`: rustls with ring, 23 packages.
 
-use crate::output::{BrokerStream, PublishError};
+use super::context::{BrokerStream, PublishError};
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, ServerName};
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A stream to the broker `host`, whose certificate one of the authorities in `ca_file` has signed.
-pub(crate) fn to_broker(
+pub(super) fn to_broker(
     host: &str,
     socket: TcpStream,
     ca_file: Option<&Path>,
@@ -32,7 +32,7 @@ fn certificates(ca_file: &Path) -> Result<Vec<CertificateDer<'static>>, PublishE
 }
 
 /// What a request by HTTPS trusts: the authorities in `ca_file`, or those of the web.
-pub(crate) fn of_requests(ca_file: Option<&Path>) -> Result<ureq::tls::TlsConfig, PublishError> {
+pub(super) fn of_requests(ca_file: Option<&Path>) -> Result<ureq::tls::TlsConfig, PublishError> {
     let config = ureq::tls::TlsConfig::builder();
     let Some(ca_file) = ca_file else { return Ok(config.build()) };
     let trusted: Vec<_> =
