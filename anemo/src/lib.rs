@@ -21,6 +21,7 @@ mod board;
 mod calibrate;
 mod check;
 mod choice;
+mod convert;
 mod design;
 mod example;
 mod export;
@@ -116,6 +117,7 @@ enum Subcommands {
     Plot(plot::Arguments),
     Example(example::Arguments),
     Export(export::Arguments),
+    Convert(convert::Arguments),
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
@@ -192,6 +194,7 @@ pub fn main() -> ExitCode {
         Subcommands::Plot(arguments) => plot::execute(&arguments),
         Subcommands::Example(arguments) => example::execute(&arguments),
         Subcommands::Export(arguments) => export::execute(&arguments),
+        Subcommands::Convert(arguments) => convert::execute(&arguments),
         Subcommands::Reduce(arguments) => reduce::execute(&arguments),
         Subcommands::Analyse(arguments) => analyse::execute(&arguments),
         Subcommands::Predict(arguments) => predict::execute(&arguments),

@@ -5,8 +5,8 @@
 //!
 //! - a listener binds to the loopback, or to the one address that `--listen` names;
 //! - who can command knows a [`Token`];
-//! - what speaks HTTP checks Host and Origin ([`check_http`]), against pages of other sites and names
-//!   that are made to point here.
+//! - what speaks HTTP checks Host and Origin ([`check_http`]), against pages of other sites and
+//!   names that are made to point here.
 
 use std::fmt;
 use std::io;

@@ -191,6 +191,7 @@ impl ColumnKind {
     }
 
     /// Bytes of a value that is not compressed, about.
+    #[cfg(feature = "parquet")]
     pub(crate) const fn bytes(self) -> u64 {
         if matches!(self, Self::Wide | Self::Utc) { 8 } else { 4 }
     }

@@ -1,0 +1,61 @@
+//! Options of what is published while an instrument runs.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use crate::output::Failure;
+use publish::commands::FeedCommands;
+use publish::feed::Feed;
+use publish::listen::{Listening, Token};
+use publish::output::{PublishContext, Publishing};
+use publish::target::PublishTarget;
+
+#[derive(clap::Args)]
+pub struct PublishArguments {
+    /// Send rows to other programs: nmea+udp://HOST:PORT, gill+tcp:, influx+http:, mqtt:, scpi:, or
+    /// a .toml file of such addresses. May be repeated.
+    #[arg(long, value_name = "ADDRESS|FILE")]
+    publish: Vec<String>,
+    /// Let other machines reach listeners at this address of this one.
+    #[arg(long, value_name = "IP")]
+    listen: Option<IpAddr>,
+    /// What a listener's client says before it may command; without, one is made and printed.
+    #[arg(long, value_name = "TOKEN", env = "ANEMO_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+    /// Compass direction of the head's x axis, degrees clockwise from north.
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    pub heading: f64,
+}
+
+impl PublishArguments {
+    /// What is to be published, before anything runs.
+    pub fn targets(&self) -> Result<Vec<PublishTarget>, Failure> {
+        if !(0.0..=360.0).contains(&self.heading) {
+            return Err(Failure::usage("--heading lies between 0 and 360 degrees"));
+        }
+        let all = self.publish.iter().map(|argument| publish::targets(argument)).collect::<Result<Vec<_>, _>>();
+        Ok(all.map_err(Failure::usage)?.into_iter().flatten().collect())
+    }
+
+    /// Starts it.
+    pub fn start(
+        &self,
+        targets: &[PublishTarget],
+        feed: &Feed,
+        commands: &FeedCommands,
+    ) -> Result<Publishing, Failure> {
+        let token = match &self.token {
+            Some(token) => Token::new(token).map_err(Failure::usage)?,
+            None => Token::random().map_err(Failure::work)?,
+        };
+        if self.token.is_none() && targets.iter().any(PublishTarget::takes_commands) {
+            eprintln!("anemo: commands need the token {}", token.text());
+        }
+        let context = PublishContext {
+            listening: Listening::new(self.listen, token),
+            commands: Some(commands.clone()),
+            report: Arc::new(|sentence| eprintln!("anemo: {sentence}")),
+        };
+        publish::start(targets, feed, &context).map_err(Failure::work)
+    }
+}
