@@ -13,6 +13,7 @@
 //! one sentence that begins with `anemo:`.
 
 mod analyse;
+mod attend;
 #[cfg(feature = "studies")]
 mod benchmark;
 mod board;
@@ -25,8 +26,10 @@ mod export;
 mod fit_recorder;
 mod head;
 mod identify;
+mod live;
 mod merge;
 mod output;
+mod pace;
 mod picture;
 mod plot;
 mod predict;
@@ -35,6 +38,7 @@ mod progress;
 mod recorded;
 mod recover;
 mod reduce;
+mod replay;
 mod run;
 mod self_test;
 mod settings;
@@ -89,6 +93,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
+    Live(live::Arguments),
     Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
@@ -164,6 +169,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match arguments.command {
         Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Live(arguments) => live::execute(&arguments),
         Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),

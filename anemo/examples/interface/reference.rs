@@ -20,7 +20,7 @@ const PAGES: [Page; 3] = [
         file: "command-line.md",
         kind: "instruments",
         about: "Run a simulated or real instrument, and look at it and its recordings.",
-        commands: &["check", "run", "self-test", "settings", "status", "recover", "plot"],
+        commands: &["check", "run", "live", "self-test", "settings", "status", "recover", "plot"],
     },
     Page {
         file: "command-line-models.md",
