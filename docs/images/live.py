@@ -21,9 +21,10 @@ with sync_playwright() as playwright:
         page.wait_for_timeout(100)
     page.get_by_label("Text of the mark").fill("door opened")
     page.keyboard.press("Enter")
-    page.evaluate("document.activeElement.blur(), at('answer').textContent = ''")
+    page.evaluate("document.activeElement.blur()")
     while page.evaluate("now.time_s") < 328:
         page.wait_for_timeout(20)
+    page.evaluate("at('answer').textContent = ''")
     picture = Image.open(io.BytesIO(page.screenshot()))
-    picture.quantize(128, dither=Image.Dither.NONE).save("docs/images/live.png", optimize=True)
+    picture.convert("RGB").quantize(256, kmeans=3, dither=Image.Dither.NONE).save("docs/images/live.png", optimize=True)
     browser.close()

@@ -89,6 +89,9 @@ pub enum Parameter {
     PulseS,
     HostTimeoutS,
     FingerprintOhm,
+    StuckLimitTicks,
+    SustainedPowerW,
+    EnergyJ,
 }
 
 impl Parameter {

@@ -4,6 +4,7 @@
 use crate::command::{Command, Reply};
 use crate::control::controller::Controller;
 use crate::control::guard::{Cause, Trip};
+use crate::control::hardware_limits::HardwareLimits;
 use crate::control::lockout::Lockout;
 use crate::control::refusal::Refusal;
 use crate::control::self_test::SelfTest;
@@ -17,7 +18,7 @@ use crate::wind::anemometer::{Anemometer, WindTick};
 ///
 /// A tick has two halves, so that the heaters are set before the wind is computed:
 /// [`tick`](Self::tick) decides the levels, [`sense`](Self::sense) estimates the wind.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Instrument<const N: usize> {
     controller: Controller<N>,
     anemometer: Anemometer<N>,
@@ -30,9 +31,15 @@ pub struct Instrument<const N: usize> {
 }
 
 impl<const N: usize> Instrument<N> {
-    /// An instrument in standby, without settings.
-    pub fn new() -> Self {
-        Self::default()
+    /// An instrument in standby, without settings, on a board with these limits.
+    pub fn new(hardware: &'static HardwareLimits) -> Self {
+        Self {
+            controller: Controller::new(hardware),
+            anemometer: Anemometer::default(),
+            self_test: SelfTest::default(),
+            is_news: false,
+            input: FrontEndInput::default(),
+        }
     }
 
     /// The controller, read only.

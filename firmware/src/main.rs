@@ -188,7 +188,7 @@ mod app {
                 run_state: RunState::Standby,
             },
             Local {
-                instrument: Instrument::new(),
+                instrument: Instrument::new(&board::HARDWARE_LIMITS),
                 lockout_before: Some(lockout),
                 kept_lockout: lockout.words(),
                 front_end: parts.front_end,

@@ -5,6 +5,7 @@
 //! lose instead. Every reader knows how much it lost.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant, SystemTime};
@@ -35,6 +36,20 @@ pub struct FeedLayout {
     /// Compass direction in which the head's x axis points, degrees clockwise from north, where
     /// its z axis points up.
     pub heading_deg: f64,
+}
+
+impl FeedLayout {
+    /// A name that stays the instrument's: the chip's number, or the head's name where there is no
+    /// hardware. Letters, digits and underscores.
+    pub fn id(&self) -> String {
+        match self.unique_id {
+            [0, 0, 0] => {
+                let plain = |character: char| if character.is_ascii_alphanumeric() { character } else { '_' };
+                format!("simulated_{}", self.head.chars().map(plain).collect::<String>())
+            }
+            [a, b, c] => format!("{a:08x}{b:08x}{c:08x}"),
+        }
+    }
 }
 
 /// One sample.
@@ -149,6 +164,24 @@ pub enum FeedEventKind {
         /// Why, where it ended early.
         early: Option<String>,
     },
+}
+
+impl fmt::Display for FeedEventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Trip { cause, element: Some(element) } => write!(f, "trip: {cause} of {element}"),
+            Self::Trip { cause, element: None } => write!(f, "trip: {cause}"),
+            Self::Mark { text } => write!(f, "mark: {text}"),
+            Self::LinkLost { why } => write!(f, "link lost: {why}"),
+            Self::LinkBack => f.write_str("link back"),
+            Self::BoardReset { why } => write!(f, "board reset: {why}"),
+            Self::SegmentClosed { path } => write!(f, "segment closed: {}", path.display()),
+            Self::DiskFull => f.write_str("disk full"),
+            Self::DiskHasRoom => f.write_str("disk has room again"),
+            Self::Ended { early: None } => f.write_str("ended"),
+            Self::Ended { early: Some(why) } => write!(f, "ended early: {why}"),
+        }
+    }
 }
 
 /// A row or an event.

@@ -4,10 +4,23 @@
 //! |---|---|
 //! | [`feed`] | rows and events, from the run to everybody who listens |
 //! | [`commands`] | what a listener may ask of the run |
+//! | [`format`] | rows as NMEA 0183, Gill's strings, InfluxDB's lines, MQTT messages |
+//! | [`output`] | one thread an address: UDP, TCP, serial ports, HTTP, MQTT, SCPI |
+//! | [`target`] | addresses as a user writes them |
 //! | [`listen`] | the only place that opens sockets |
 //! | [`page`] | the live page, for a browser |
+//!
+//! The feature `tls` adds encrypted connections, with 12 packages for MQTT and 12 more for HTTP.
 
 pub mod commands;
 pub mod feed;
+pub mod format;
 pub mod listen;
+pub mod output;
 pub mod page;
+pub mod target;
+#[cfg(feature = "tls")]
+mod tls;
+
+pub use output::start;
+pub use target::targets;

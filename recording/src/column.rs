@@ -183,6 +183,7 @@ impl ColumnKind {
     }
 
     /// Bytes of a value that is not compressed, about.
+    #[cfg(feature = "parquet")]
     pub(crate) const fn bytes(self) -> u64 {
         if matches!(self, Self::Wide) { 8 } else { 4 }
     }

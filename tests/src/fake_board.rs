@@ -3,7 +3,7 @@
 //! And it can have everything that a cable and a board can have.
 
 use crate::{foreign_frame, sensor};
-use dr_core::control::{Cause, RunState};
+use dr_core::control::{Cause, HardwareLimits, RunState};
 use dr_core::sensor::Reading;
 use dr_core::{Command, Instrument, Reply};
 use firmware::drivers::ads131e06::CHANNELS;
@@ -184,7 +184,7 @@ impl Life {
         let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
         let mut outbox = Outbox::new(message_in, &unsent);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
-        let mut station = Instrument::<CHANNELS>::new();
+        let mut station = Instrument::<CHANNELS>::new(&HardwareLimits::SIMULATED);
         let mut sensor = self.new_sensor();
         let (mut obeyed, mut unheard, mut stop) = (Vec::new(), None, None);
         let (mut reset, mut starts, mut uptime_s, mut last_status) = (ResetCause::PowerOn, 1, 0, Instant::now());
@@ -237,7 +237,8 @@ impl Life {
                 return self.stay_away();
             }
             if due(self.quirks.restarts_at) {
-                (station, receiver, sequence) = (Instrument::new(), Receiver::new(), Sequence::new());
+                (station, receiver, sequence) =
+                    (Instrument::new(&HardwareLimits::SIMULATED), Receiver::new(), Sequence::new());
                 (reset, starts, uptime_s) = (ResetCause::Watchdog, starts + 1, 0);
                 station.trip(Cause::Watchdog);
             }

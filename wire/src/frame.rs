@@ -84,8 +84,8 @@ mod tests {
     };
     use dr_core::Command;
     use dr_core::control::{
-        Cause, Controller, Drive, ElementConfig, FirstTrip, Heaters, Limits, Margins, Refusal, RunState, Trip,
-        TripHistory,
+        Cause, Controller, Drive, ElementConfig, FirstTrip, HardwareLimits, Heaters, Limits, Margins, Refusal,
+        RunState, Trip, TripHistory,
     };
     use dr_core::model::{AlarmConfig, GainsConfig, NetworkSelfHeatingConfig, Reachability, SelfHeatingConfig};
     use dr_core::sensor::{Channel, Platinum, Reading};
@@ -227,6 +227,7 @@ mod tests {
             resistance_max_ohm: 260.0,
             temperature_max_c: 70.0,
             code_max: 8_388_607,
+            energy: None,
         };
         let command = Command::Element { element: 0, config: ElementConfig { channel, limits } };
         let mut space = [0; 64];
@@ -237,7 +238,7 @@ mod tests {
                 let mut tampered = sent.clone();
                 tampered[place..place + 4].copy_from_slice(&bad.to_le_bytes());
                 let received: Command = postcard::from_bytes(&tampered).unwrap();
-                let answer = Controller::<1>::new().handle(received);
+                let answer = Controller::<1>::new(&HardwareLimits::SIMULATED).handle(received);
                 assert!(
                     matches!(answer, Err(Refusal::Invalid { element: Some(0), .. })),
                     "{number} as {bad}: {answer:?}"

@@ -23,7 +23,7 @@
 //!
 //! A value is its format, one byte ([`FORMAT`]), and the postcard encoding of a [`Setting`]. It
 //! says itself what it is of: a value that is found under another key than its own is refused, as
-//! is one of another format.
+//! is one of a later format.
 
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestFinding};
@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 use crate::list::Name;
 
 /// Format of the values. Any change of what a [`Setting`] looks like in bytes raises it.
-pub const FORMAT: u8 = 1;
+pub const FORMAT: u8 = 2;
 
 /// Longest value: a card, of 50 numbers.
 pub const MOST_VALUE: usize = 224;
@@ -163,7 +163,7 @@ pub struct TestRecord {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Unusable {
     /// It is of another format, by an older or a newer firmware.
-    #[error("it is of format {found}, and this firmware reads format {FORMAT}")]
+    #[error("it is of format {found}, and this firmware reads formats 1 to {FORMAT}")]
     Format {
         /// Its.
         found: u8,
@@ -245,12 +245,17 @@ impl Setting {
     pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
         let key = SettingKey::of_number(number).ok_or(Unusable::UnknownKey)?;
         let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
-        // Values of older formats are converted here, once there are any: `format1.txt` has bytes
-        // of the first, and a test reads them.
-        if found != FORMAT {
-            return Err(Unusable::Format { found });
+        // Values of older formats are converted here: `format1.txt` has bytes of the first, and a
+        // test reads them.
+        let mut now = SettingValue::from_slice(bytes).map_err(|_| Unusable::Damaged)?;
+        match found {
+            FORMAT => {}
+            // An element has got a limit of energy since, which this one does without.
+            1 if key.kind == SettingKind::Element => now.push(0).map_err(|_| Unusable::Damaged)?,
+            1 => {}
+            _ => return Err(Unusable::Format { found }),
         }
-        let (setting, rest) = postcard::take_from_bytes::<Self>(bytes).map_err(|_| Unusable::Damaged)?;
+        let (setting, rest) = postcard::take_from_bytes::<Self>(&now).map_err(|_| Unusable::Damaged)?;
         if !rest.is_empty() {
             return Err(Unusable::Damaged);
         }

@@ -1,7 +1,7 @@
 //! What continuous integration does, with the time of every stage.
 
 use crate::book::{self, BookOptions};
-use crate::{coverage, install, lint, miri, shell, test};
+use crate::{counterparts, coverage, install, lint, miri, shell, test};
 use anyhow::{Result, bail};
 
 /// `jobs` are those of `cargo xtask`.
@@ -12,6 +12,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
         install::llvm_tools()?;
         install::emulated_core()?;
         install::ngspice()?;
+        counterparts::run()?;
         miri::prepare()?;
         install::qemu()
     };

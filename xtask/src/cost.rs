@@ -36,13 +36,14 @@ const fn kernel(symbol: &'static str, operation: &'static str, budget: u64) -> K
 /// cost is noticed and said.
 const KERNELS: [Kernel; 14] = [
     Kernel { poles: Some(8), ..kernel("relaxations_8_poles", "8 relaxations, compensated, with output", 120) },
-    // 2 670 in the mean; one element's drive and model are verified in a tick, and the largest take
-    // some 200 more. 150 of them are for the lock-out, the silence of the host and the head on the
-    // plug, whose sixteen words are under the checksum, too.
-    kernel("control_6_elements", "control tick: 6 elements, all drives, with models", 2990),
-    kernel("control_6_elements_observing", "the same, observing", 3650),
-    kernel("control_6_of_16", "control tick: the 6 elements on a controller of 16", 3480),
-    kernel("control_13_of_16", "13 elements on a controller of 16", 6240),
+    // 3 610 in the mean; one element's drive and model are verified in a tick, and the largest take
+    // some 250 more. 150 are for the lock-out, the silence of the host and the head on the plug,
+    // whose sixteen words are under the checksum, too; 150 an element for what it has had of energy
+    // and whether the high level warms it.
+    kernel("control_6_elements", "control tick: 6 elements, all drives, with models", 3_980),
+    kernel("control_6_elements_observing", "the same, observing", 4_660),
+    kernel("control_6_of_16", "control tick: the 6 elements on a controller of 16", 4_390),
+    kernel("control_13_of_16", "13 elements on a controller of 16", 8_130),
     kernel("platinum_linear", "resistance to temperature, linear", 16),
     kernel("platinum_iec60751", "resistance to temperature, IEC 60751", 135),
     kernel("prbs_step", "pseudo-random bit", 20),

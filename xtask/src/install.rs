@@ -228,14 +228,18 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Python with the packages that pages use, in an environment of its own among the build's
-/// products. Gives the folder of its programs.
+/// Python with the packages that pages use. Gives the folder of its programs.
 pub fn python() -> Result<PathBuf> {
-    let environment = shell::target_directory()?.join("tools/python");
+    python_environment("python", PYTHON_REQUIREMENTS)
+}
+
+/// Python with the packages that a file lists, in an environment of its own among the build's
+/// products. Gives the folder of its programs.
+pub fn python_environment(name: &str, requirements: &str) -> Result<PathBuf> {
+    let environment = shell::target_directory()?.join("tools").join(name);
     let programs = environment.join("bin");
-    let wanted = shell::root().join(PYTHON_REQUIREMENTS);
-    let wanted_text =
-        std::fs::read_to_string(&wanted).with_context(|| format!("{PYTHON_REQUIREMENTS} cannot be read"))?;
+    let wanted = shell::root().join(requirements);
+    let wanted_text = std::fs::read_to_string(&wanted).with_context(|| format!("{requirements} cannot be read"))?;
     // Written last, so that an install that was broken off is done again.
     let installed = environment.join("requirements.txt");
     if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted_text) {
@@ -244,12 +248,23 @@ pub fn python() -> Result<PathBuf> {
     system_package("Python with venv", "https://www.python.org/downloads", &PYTHON_PACKAGES, || {
         shell::answers("python3", &["-c", "import ensurepip, venv"])
     })?;
-    shell::announce(&format!("installing Python's packages for the pages into {}", environment.display()));
+    shell::announce(&format!("installing Python's packages of {requirements} into {}", environment.display()));
     shell::run(shell::program("python3").args(["-m", "venv", "--clear"]).arg(&environment))?;
     let mut pip = shell::program(programs.join("pip"));
     shell::run(pip.args(["install", "--quiet", "--disable-pip-version-check", "-r"]).arg(wanted))?;
     std::fs::write(&installed, wanted_text).with_context(|| format!("{} cannot be written", installed.display()))?;
     Ok(programs)
+}
+
+/// A package that has the same name wherever there is one.
+pub fn package_of_program(program: &str, package: &str) -> Result<()> {
+    system_package(program, "from its authors", &[package; 4], || is_on_path(program))
+}
+
+/// Whether a program is there. Servers may be where only root's path leads.
+pub fn is_on_path(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).chain([PathBuf::from("/usr/sbin")]).any(|folder| folder.join(program).is_file())
 }
 
 /// A package of the system, by the name that each of [`MANAGERS`] has for it, if `is_there` misses

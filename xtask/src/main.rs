@@ -6,6 +6,7 @@ mod book;
 mod checksum;
 mod ci;
 mod cost;
+mod counterparts;
 mod coverage;
 mod demo;
 mod dist;
@@ -97,6 +98,8 @@ enum Job {
     /// Put defects into the sensor board's firmware, one at a time, and show that its scenarios
     /// notice each
     Seeded(seeded::SeededOptions),
+    /// Install the programs that what `anemo` publishes is tested against
+    Counterparts,
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::FlashOptions),
 }
@@ -123,6 +126,7 @@ fn main() -> ExitCode {
         Job::Coverage => coverage::run(),
         Job::Mutants(options) => mutants::run(&options),
         Job::Seeded(options) => seeded::run(&options),
+        Job::Counterparts => counterparts::run(),
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use dr_core::ConfigError;
-use dr_core::control::{ElementConfig, Limits};
+use dr_core::control::{ElementConfig, EnergyLimit, Limits};
 use dr_core::sensor::{Channel, Level, Platinum};
 
 use super::nominal::{NominalElement, PlatinumKind};
@@ -89,6 +89,20 @@ impl ElementKeys<'_> {
         Ok(usize::from(layers))
     }
 
+    /// What the element bears, if it or its kind says so.
+    fn energy(&self) -> Result<Option<EnergyLimit>, FileError> {
+        let is_stated = |of: fn(&ElementTable) -> Option<f64>| {
+            of(self.own).is_some() || self.shared.as_ref().is_some_and(|(_, kind)| of(kind).is_some())
+        };
+        if !is_stated(|table| table.sustained_power_w) && !is_stated(|table| table.energy_j) {
+            return Ok(None);
+        }
+        Ok(Some(EnergyLimit {
+            sustained_power_w: self.number("sustained_power_w", |table| table.sustained_power_w)? as f32,
+            energy_j: self.number("energy_j", |table| table.energy_j)? as f32,
+        }))
+    }
+
     /// The error of dr-core for one of this element's numbers.
     fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
         self.source
@@ -102,6 +116,8 @@ impl ElementKeys<'_> {
             "current_high_a" => self.own.current_high_a.is_some(),
             "resistance_min_ohm" => self.own.resistance_min_ohm.is_some(),
             "resistance_max_ohm" => self.own.resistance_max_ohm.is_some(),
+            "sustained_power_w" => self.own.sustained_power_w.is_some(),
+            "energy_j" => self.own.energy_j.is_some(),
             _ => self.own.temperature_max_c.is_some(),
         };
         let key = self.shared.as_ref().filter(|_| !own).map_or(&self.key, |(kind_key, _)| kind_key);
@@ -144,6 +160,7 @@ pub(super) fn element(
         resistance_max_ohm: keys.number("resistance_max_ohm", |table| table.resistance_max_ohm)? as f32,
         temperature_max_c: keys.number("temperature_max_c", |table| table.temperature_max_c)? as f32,
         code_max: adc.code_max,
+        energy: keys.energy()?,
     };
     let layers = keys.layers()?;
     let platinum = characteristic(platinum_kind).map_err(|error| keys.refuse(&platinum_key, &error))?;

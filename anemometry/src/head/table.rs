@@ -55,5 +55,7 @@ pub(super) struct ElementTable {
     pub resistance_min_ohm: Option<f64>,
     pub resistance_max_ohm: Option<f64>,
     pub temperature_max_c: Option<f64>,
+    pub sustained_power_w: Option<f64>,
+    pub energy_j: Option<f64>,
     pub layers: Option<u8>,
 }

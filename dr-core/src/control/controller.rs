@@ -14,8 +14,10 @@
 //! anywhere. Heaters are low in `Standby` and `Tripped`.
 
 use super::drive::{Drive, DriveInput, DriveState};
+use super::energy::{EnergyBudget, EnergyLimit};
 use super::fingerprint::{Fingerprint, HeadCheck};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
+use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
 use super::state::{ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
@@ -34,6 +36,13 @@ struct ControlledElement {
     drive: Drive,
 }
 
+impl ControlledElement {
+    /// What power and energy it may have.
+    fn bears(&self, hardware: &HardwareLimits) -> EnergyLimit {
+        self.config.limits.energy.unwrap_or(hardware.energy)
+    }
+}
+
 /// State of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct ElementState {
@@ -47,8 +56,41 @@ struct ElementState {
     /// The last code, and ticks in a row that it has been the same.
     code: i32,
     same_ticks: u32,
+    rise: Rise,
     model: RelaxationState<ORDER>,
     observer: ObserverState,
+}
+
+/// How much the reading rises while the level is high.
+///
+/// A reading that says nothing of the element lets its drive heat for ever. At the high level an
+/// element becomes warmer, or the drive has what it holds and goes low. So a drive that regulates
+/// needs a rise of [`RISE_K`] again and again, in the time of the board; the others, which may
+/// stand in a steady state, need one after each change to the high level.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Rise {
+    /// The reading that it is compared with, °C.
+    from_c: f32,
+    /// Ticks in a row at the high level that it has not risen.
+    ticks: u32,
+    /// It has risen since the level became high.
+    is_seen: bool,
+}
+
+/// A reading that is so much higher has risen, K. Sphere B rises by 1.9 K or more in the sensor
+/// board's time in every experiment here.
+const RISE_K: f32 = 1.0;
+
+impl Rise {
+    /// Ticks at the high level without the rise that a drive needs.
+    fn missing_ticks(&mut self, level: Level, temperature_c: f32, regulates: bool) -> u32 {
+        if level == Level::Low || temperature_c >= self.from_c + RISE_K {
+            *self = Self { from_c: temperature_c, ticks: 0, is_seen: level == Level::High };
+        } else if regulates || !self.is_seen {
+            self.ticks = self.ticks.saturating_add(1);
+        }
+        self.ticks
+    }
 }
 
 impl ElementState {
@@ -64,6 +106,10 @@ impl ElementState {
 /// first on, without gaps; room for more costs a few words a tick that are cleared and passed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<const N: usize> {
+    /// In flash, and no command changes them.
+    hardware: &'static HardwareLimits,
+    /// Outlives every command.
+    energy: [EnergyBudget; N],
     sample_period_s: Option<f32>,
     guard: GuardConfig,
     observing: bool,
@@ -94,21 +140,17 @@ pub struct Controller<const N: usize> {
     head: HeadCheck,
 }
 
-impl<const N: usize> Default for Controller<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<const N: usize> Controller<N> {
     const FITS_THE_MASKS: () = assert!(N <= MOST_ELEMENTS, "heaters and validity are masks of 16 bits");
 
-    /// A controller in standby that knows no element yet.
-    pub fn new() -> Self {
+    /// A controller in standby that knows no element yet, on a board with these limits.
+    pub fn new(hardware: &'static HardwareLimits) -> Self {
         let () = Self::FITS_THE_MASKS;
         let mut new = Self {
+            hardware,
+            energy: [EnergyBudget::default(); N],
             sample_period_s: None,
-            guard: GuardConfig::default(),
+            guard: hardware.guard(),
             observing: false,
             configured: 0,
             elements: [None; N],
@@ -232,6 +274,7 @@ impl<const N: usize> Controller<N> {
                 RunState::Standby | RunState::Tripped(_) => {}
             }
         }
+        trip = trip.or_else(|| self.exceeded_energy());
         if let Some(trip) = trip {
             self.enter_tripped(trip);
         }
@@ -339,6 +382,14 @@ impl<const N: usize> Controller<N> {
         self.lockout = lockout;
     }
 
+    /// Trips for the first element whose energy budget is exceeded while it could be heated.
+    fn exceeded_energy(&self) -> Option<Trip> {
+        let heats = matches!(self.state, RunState::Running | RunState::Testing);
+        let mut all = self.elements.iter().map_while(Option::as_ref).zip(&self.energy).filter(|_| heats);
+        let exceeded = all.position(|(element, energy)| energy.is_exceeded(&element.bears(self.hardware)));
+        exceeded.map(|i| Trip::of(i, Cause::Energy))
+    }
+
     /// Enters `Tripped` from any state, and counts the trip.
     fn enter_tripped(&mut self, trip: Trip) {
         self.lockout.count(self.state, trip);
@@ -379,6 +430,7 @@ impl<const N: usize> Controller<N> {
     /// Steps the drive of every element with a good reading; the levels of the others go low.
     fn decide(&mut self, valid: u16) -> Option<Trip> {
         let (mut trip, mut high) = (None, 0);
+        let sample_period_s = self.sample_period_s.unwrap_or(0.0);
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
             let Some(element) = element else { break };
             if valid >> i & 1 == 0 {
@@ -392,7 +444,13 @@ impl<const N: usize> Controller<N> {
             };
             high |= u16::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
-            if state.saturated_ticks > self.guard.unreachable_limit_ticks {
+            let no_rise_ticks = state.rise.missing_ticks(
+                self.levels.level(i),
+                state.temperature_c,
+                element.drive.target_range_c().is_some(),
+            );
+            let no_rise_s = no_rise_ticks as f32 * sample_period_s;
+            if state.saturated_ticks > self.guard.unreachable_limit_ticks || no_rise_s > self.hardware.no_rise_s {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }
             let may_stick = self.guard.stuck_limit_ticks == 0 || !element.drive.can_heat();
@@ -421,10 +479,12 @@ impl<const N: usize> Controller<N> {
     /// controls.
     fn update_models(&mut self, valid: u16) -> ([f32; N], [f32; N]) {
         let (mut powers_w, mut equivalents_w) = ([0.0; N], [0.0; N]);
-        let states = self.states.iter_mut().zip(&mut powers_w).zip(&mut equivalents_w);
-        for (i, (element, ((state, power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
+        let sample_period_s = self.sample_period_s.unwrap_or(0.0);
+        let states = self.states.iter_mut().zip(&mut self.energy).zip(&mut powers_w).zip(&mut equivalents_w);
+        for (i, (element, (((state, energy), power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
             let Some(element) = element else { break };
             *power_w = element.config.channel.power_w(state.resistance_ohm, self.levels.level(i));
+            energy.spend(*power_w, sample_period_s, &element.bears(self.hardware));
             let Some(model) = &element.model else { continue };
             let mut input_w = *power_w;
             if let Some(observer) = &element.observer {

@@ -9,7 +9,9 @@
 //! | `NonFinite` | a number inside is not one | 1 tick |
 //! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
 //! | `Unreachable` | a regulating drive has requested one level all the time | `unreachable_limit_ticks` |
+//! | `Unreachable` | an element at the high level, in any drive, has not become warmer | the board's [`no_rise_s`](super::HardwareLimits::no_rise_s) |
 //! | `Stuck` | a driven element's code has not changed at all: the converter repeats itself | `stuck_limit_ticks` |
+//! | `Energy` | an element's energy exceeds its budget ([`energy`](super::energy)) | 1 tick |
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
@@ -20,6 +22,7 @@
 //!
 //! A trip is latched by the controller until it is acknowledged.
 
+use super::energy::EnergyLimit;
 use crate::error::{self, ConfigError, Parameter};
 use crate::sensor::{Channel, Level, Platinum, Reading};
 use core::fmt;
@@ -56,6 +59,8 @@ pub enum Cause {
     HostTimeout,
     OtherHead,
     AdcRegister,
+    #[strum(to_string = "energy-budget")]
+    Energy,
 }
 
 impl Cause {
@@ -107,6 +112,8 @@ pub struct Limits {
     /// Codes from here up (or from its negative down) are the ends of the ADC's range, not
     /// readings.
     pub code_max: i32,
+    /// What power and energy it bears; without it, what the board grants.
+    pub energy: Option<EnergyLimit>,
 }
 
 impl Limits {
@@ -127,6 +134,7 @@ impl Limits {
         error::within(Parameter::ResistanceMaxOhm, self.resistance_max_ohm, 0.0, most_ohm)?;
         error::within(Parameter::TemperatureMaxC, self.temperature_max_c, coldest_c, hottest_c)?;
         error::within(Parameter::CodeMax, self.code_max as f32, 1.0, 8_388_607.0)?;
+        self.energy.map(EnergyLimit::checked).transpose()?;
         Ok(self)
     }
 }
@@ -140,7 +148,7 @@ pub struct GuardConfig {
     /// Ticks in a row that a regulating drive may request the same level; one more trips.
     pub unreachable_limit_ticks: u32,
     /// Ticks in a row that a driven element may read the very same code; one more trips. 0: for
-    /// ever, for converters that show no noise.
+    /// ever, for converters that show no noise. The board has bounds for it.
     pub stuck_limit_ticks: u32,
 }
 
@@ -205,8 +213,13 @@ mod tests {
     use crate::control::state::RunState;
     use std::string::ToString;
 
-    const LIMITS: Limits =
-        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    const LIMITS: Limits = Limits {
+        resistance_min_ohm: 50.0,
+        resistance_max_ohm: 260.0,
+        temperature_max_c: 70.0,
+        code_max: 8_388_000,
+        energy: None,
+    };
 
     fn verdict(reading: Reading, level: Level) -> ReadingJudgement {
         let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
@@ -276,12 +289,17 @@ mod tests {
         assert_eq!(refused(Limits { temperature_max_c: 301.0, ..LIMITS }), Parameter::TemperatureMaxC);
         assert_eq!(refused(Limits { resistance_max_ohm: 338.0, ..LIMITS }), Parameter::ResistanceMaxOhm);
         assert_eq!(refused(Limits { code_max: 0, ..LIMITS }), Parameter::CodeMax);
+        let bearing = |sustained_power_w, energy_j| {
+            refused(Limits { energy: Some(EnergyLimit { sustained_power_w, energy_j }), ..LIMITS })
+        };
+        assert_eq!([bearing(f32::NAN, 1.0), bearing(0.0, 1.0)], [Parameter::SustainedPowerW; 2]);
+        assert_eq!([bearing(0.01, f32::INFINITY), bearing(0.01, -1.0)], [Parameter::EnergyJ; 2]);
     }
 
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 22] = [
+        const ALL: [Cause; 23] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -304,6 +322,7 @@ mod tests {
             Cause::HostTimeout,
             Cause::OtherHead,
             Cause::AdcRegister,
+            Cause::Energy,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {
@@ -339,6 +358,7 @@ mod tests {
             resistance_max_ohm: 260.0,
             temperature_max_c: 264.0,
             code_max: 8_000_000,
+            energy: None,
         };
         let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
         let good = |ohm: f32| ReadingJudgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };

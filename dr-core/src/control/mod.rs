@@ -3,8 +3,10 @@
 
 pub mod controller;
 pub mod drive;
+pub mod energy;
 pub mod fingerprint;
 pub mod guard;
+pub mod hardware_limits;
 pub mod lockout;
 pub mod refusal;
 pub mod self_test;
@@ -13,8 +15,10 @@ pub mod targets;
 
 pub use controller::Controller;
 pub use drive::Drive;
+pub use energy::EnergyLimit;
 pub use fingerprint::Fingerprint;
 pub use guard::{Cause, GuardConfig, Limits, Trip};
+pub use hardware_limits::HardwareLimits;
 pub use lockout::{FirstTrip, Lockout, LockoutWords, TripHistory};
 pub use refusal::Refusal;
 pub use self_test::SelfTest;

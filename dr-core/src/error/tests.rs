@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 68] = [
+const ALL: [Parameter; 71] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -78,6 +78,9 @@ const ALL: [Parameter; 68] = [
     Parameter::PulseS,
     Parameter::HostTimeoutS,
     Parameter::FingerprintOhm,
+    Parameter::StuckLimitTicks,
+    Parameter::SustainedPowerW,
+    Parameter::EnergyJ,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

@@ -51,12 +51,17 @@ fn code(temperature_c: f32) -> Reading {
 
 /// Two elements of which one is a surface of a head, in standby.
 fn instrument() -> Instrument<2> {
-    let mut instrument = Instrument::new();
+    let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
     let mut tell = |command| instrument.handle(command).unwrap();
     tell(Command::SamplePeriod { sample_period_s: PERIOD_S });
     let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), VOLT_PER_CODE, 3e-3, 16e-3).unwrap();
-    let limits =
-        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    let limits = Limits {
+        resistance_min_ohm: 50.0,
+        resistance_max_ohm: 260.0,
+        temperature_max_c: 70.0,
+        code_max: 8_388_000,
+        energy: None,
+    };
     for element in 0..2 {
         tell(Command::Element { element, config: ElementConfig { channel, limits } });
         tell(Command::Drive { element, drive: Drive::Passive });
@@ -157,7 +162,10 @@ fn a_head_is_described_in_standby_and_its_gas_at_any_time() {
     assert_eq!(instrument.controller().state(), RunState::Tripped(trip));
     assert_eq!(instrument.handle(Command::Wind(answer())), Err(Refusal::Tripped(trip)));
     instrument.handle(Command::Wind(gas())).unwrap();
-    assert_eq!(Instrument::<2>::new().handle(Command::Wind(gas())), Err(Refusal::NoSamplePeriod));
+    assert_eq!(
+        Instrument::<2>::new(&HardwareLimits::SIMULATED).handle(Command::Wind(gas())),
+        Err(Refusal::NoSamplePeriod)
+    );
 }
 
 #[test]

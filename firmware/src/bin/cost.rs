@@ -11,7 +11,7 @@
 use core::hint::black_box;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
-use dr_core::control::{Controller, Drive, ElementConfig, Heaters, Limits, Tick};
+use dr_core::control::{Controller, Drive, ElementConfig, HardwareLimits, Heaters, Limits, Tick};
 use dr_core::model::{
     AlarmConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, RelaxationState, Relaxations,
     SelfHeatingConfig, Symbol, mesh,
@@ -180,8 +180,13 @@ fn measure() -> Option<()> {
 fn element() -> Option<ElementConfig> {
     let platinum = Platinum::linear(175.0, 0.0031).ok()?;
     let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
-    let limits =
-        Limits { resistance_min_ohm: 50.0, resistance_max_ohm: 260.0, temperature_max_c: 70.0, code_max: 8_388_000 };
+    let limits = Limits {
+        resistance_min_ohm: 50.0,
+        resistance_max_ohm: 260.0,
+        temperature_max_c: 70.0,
+        code_max: 8_388_000,
+        energy: None,
+    };
     Some(ElementConfig { channel, limits })
 }
 
@@ -242,7 +247,7 @@ fn anemometer() -> Option<()> {
     const LOSS_W_K: f32 = 1e-3;
     const QUIESCENT_W_K: f32 = 1.7e-4;
     const GAS_C: f32 = -53.0;
-    let mut instrument = Instrument::<ELEMENTS>::new();
+    let mut instrument = Instrument::<ELEMENTS>::new(&HardwareLimits::SENSOR_BOARD);
     let mut send = |command| instrument.handle(command).ok();
     send(Command::SamplePeriod { sample_period_s: 1e-3 })?;
     let config = element()?;
@@ -333,7 +338,7 @@ fn control<const N: usize>(
     observe: bool,
     tick: fn(&mut Controller<N>, &[Reading; N]) -> Tick<N>,
 ) -> Option<()> {
-    let mut controller = Controller::<N>::new();
+    let mut controller = Controller::<N>::new(&HardwareLimits::SENSOR_BOARD);
     controller.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S }).ok()?;
     controller.handle(Command::Observe { on: observe }).ok()?;
     let config = element()?;

@@ -4,6 +4,7 @@
 //! | name | what it is |
 //! |---|---|
 //! | `ELEMENTS` | how many it can drive |
+//! | `HARDWARE_LIMITS` | what no message can lift |
 //! | `init` | clocks, pins and peripherals; returns `BoardParts` |
 //! | `FrontEnd` | `poll` gives the readings of a tick that is complete, `apply` sets the heaters |
 //! | `HostReceiver`, `HostTransmitter` | bytes from the host, frames to it |

@@ -29,7 +29,7 @@ use super::parts::BoardParts;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Cause, Heaters, Tick};
+use dr_core::control::{Cause, HardwareLimits, Heaters, Tick};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::wind::WindTick;
 use dr_core::{Digest, Instrument};
@@ -51,8 +51,11 @@ pub const NAME: &str = "virtual";
 pub const KIND: BoardKind = BoardKind::Virtual;
 /// As many as a message has room for.
 pub const ELEMENTS: usize = wire::MOST_ELEMENTS;
+
 /// This board's front end is a link.
 pub const IS_VIRTUAL: bool = true;
+/// What no message can lift.
+pub static HARDWARE_LIMITS: HardwareLimits = HardwareLimits::SIMULATED;
 /// The emulator's core clock.
 pub const CLOCK_HZ: u32 = 168_000_000;
 

@@ -3,7 +3,7 @@
 use super::error::InstrumentError;
 use super::lock_step::{LockStepController, packed};
 use super::observation::{LinkReport, TickReport};
-use dr_core::control::SelfTestFinding;
+use dr_core::control::{HardwareLimits, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Digest, Instrument, Reply};
 use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
@@ -38,7 +38,7 @@ impl InProcess {
                 crash: None,
                 unique_id: [0; 3],
             },
-            station: Instrument::new(),
+            station: Instrument::new(&HardwareLimits::SIMULATED),
             digest: Digest::default(),
             findings: Vec::new(),
         }

@@ -5,6 +5,7 @@ use anemometry::gas::Species;
 use anemometry::head::{NominalElement, PlatinumKind};
 
 mod gas_swing;
+mod wrong_reading;
 
 fn breeze() -> Vec<WindEntry> {
     vec![WindEntry {

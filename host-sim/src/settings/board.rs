@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use dr_core::control::Refusal;
+use dr_core::control::{HardwareLimits, Refusal};
 use dr_core::{Command, Instrument};
 use wire::settings::KeyNumber;
 use wire::{MOST_ELEMENTS, Setting, SettingsRefusal, SettingsReply, SettingsRequest};
@@ -41,12 +41,13 @@ pub fn usable(kept: &[KeptSetting]) -> BTreeMap<KeyNumber, Setting> {
     kept.iter().filter_map(|kept| Some((kept.number, kept.setting.clone().ok()?))).collect()
 }
 
-/// Sets a controller of this process up by all of it, as a board would be set up.
+/// Sets a controller of this process up by all of it, as a board would be set up. A board may have
+/// stricter limits, and refuses by itself.
 ///
 /// # Errors
 /// The first that it does not take.
 pub fn rehearse(settings: &BTreeMap<KeyNumber, Setting>) -> Result<(), SettingsError> {
-    let mut station = Instrument::<MOST_ELEMENTS>::new();
+    let mut station = Instrument::<MOST_ELEMENTS>::new(&HardwareLimits::SIMULATED);
     for (&number, setting) in settings {
         let Setting::Command(command) = setting else { continue };
         station.handle(*command).map_err(|refusal| {

@@ -206,6 +206,7 @@ mod tests {
             resistance_max_ohm: 1500.0,
             temperature_max_c: 70.0,
             code_max: 8_000_000,
+            energy: None,
         };
         put(Setting::Command(Command::Element { element: 0, config: ElementConfig { channel, limits } }));
         let mut tested =

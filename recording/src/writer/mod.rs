@@ -190,9 +190,13 @@ impl RecordingWriter {
     }
 }
 
-/// Whether a recording's name is a folder's: without extension, or of one that is there.
+/// Whether a recording's name is a folder's: without extension, or of one that is there. `.csv` is
+/// a name that has been forgotten.
 fn is_folder(path: &Path) -> bool {
-    path.file_name().is_some() && (path.extension().is_none() || path.is_dir() && check_name(path).is_err())
+    let Some(name) = path.file_name() else { return false };
+    let hidden = name.to_string_lossy().strip_prefix('.').map(|name| Path::new("r").with_extension(name));
+    let is_forgotten = hidden.is_some_and(|recording| check_name(&recording).is_ok());
+    !is_forgotten && (path.extension().is_none() || path.is_dir() && check_name(path).is_err())
 }
 
 /// Makes a folder for a new recording.

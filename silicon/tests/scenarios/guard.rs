@@ -6,11 +6,11 @@
 
 use crate::crashes::heat;
 use crate::rig::{EndOfRun, Rig, experiment};
-use dr_core::Command;
-use dr_core::control::{Cause, Drive, GuardConfig, RunState};
-use dr_core::sensor::Level;
+use dr_core::control::{Cause, Drive, ElementConfig, EnergyLimit, GuardConfig, Limits, Refusal, RunState};
+use dr_core::sensor::{Channel, Level, Platinum};
+use dr_core::{Command, Parameter};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::setup;
+use host_sim::instrument::{InstrumentError, InstrumentPort, setup};
 use host_sim::run::{setup_of, start};
 use host_sim::sensor::{ResistorFault, TimedFault};
 use silicon::adc::AdcFault;
@@ -173,7 +173,11 @@ fn an_element_above_its_limit_and_a_set_point_out_of_reach_trip() {
     let rig = Rig::of(&experiment);
     let mut instrument = rig.instrument();
     let mut commands = setup_of(&experiment).unwrap();
-    commands.push(Command::Guard(GuardConfig { unreachable_limit_ticks: 20, ..GuardConfig::default() }));
+    commands.push(Command::Guard(GuardConfig {
+        unreachable_limit_ticks: 20,
+        stuck_limit_ticks: 200,
+        ..GuardConfig::default()
+    }));
     setup::start(&mut instrument, &commands).unwrap();
     assert_eq!(rig.until_trip(&mut instrument, 40).trip.cause, Cause::Unreachable);
     rig.assert_no_complaint();
@@ -210,5 +214,69 @@ fn a_bit_that_flips_in_a_limit_trips() {
     }
     let end = rig.until_trip(&mut instrument, 10);
     assert_eq!(end.trip.cause, Cause::BitFlip);
+    rig.assert_no_complaint();
+}
+
+/// A converter that repeats itself, before a guard that is as patient as the board allows.
+#[test]
+fn a_reading_that_the_high_level_does_not_raise_trips_within_a_quarter_of_the_process_safety_time() {
+    let experiment = Experiment { sample_period_s: 0.1, ..experiment("held.toml", 1_000) };
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let mut commands = setup_of(&experiment).unwrap();
+    let patient =
+        GuardConfig { missing_limit_ticks: u32::MAX, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 1000 };
+    commands.push(Command::Guard(patient));
+    setup::start(&mut instrument, &commands).unwrap();
+    Rig::observe(&mut instrument, 5, |_| {});
+    rig.machine().board_mut().set_adc_fault(Some(AdcFault::Stuck));
+    let at = rig.machine().now();
+    let end = rig.until_trip(&mut instrument, 240);
+    assert_eq!((end.trip.cause, end.trip.element), (Cause::Unreachable, Some(0)));
+    assert!((ms(21_900)..ms(22_800)).contains(&(end.low_since - at)), "{}", end.low_since - at);
+    rig.assert_no_complaint();
+}
+
+#[test]
+fn what_is_laxer_than_the_board_is_refused_by_name() {
+    let experiment = heating();
+    let rig = Rig::of(&experiment);
+    let mut instrument = rig.instrument();
+    let commands = setup_of(&experiment).unwrap();
+    let good = commands.iter().find_map(|command| match *command {
+        Command::Element { element: 0, config } => Some(config),
+        _ => None,
+    });
+    let good = good.unwrap();
+    let limits = |limits: Limits| ElementConfig { limits, ..good };
+    let channel = |r0_ohm: f32, volt: f32, low_a: f32, high_a: f32| {
+        let platinum = Platinum::linear(r0_ohm, 0.0031).unwrap();
+        ElementConfig { channel: Channel::new(platinum, volt, low_a, high_a).unwrap(), ..good }
+    };
+    let volt = good.channel.volt(1.0);
+    let lax = [
+        (limits(Limits { temperature_max_c: 250.0, ..good.limits }), Parameter::TemperatureMaxC),
+        (limits(Limits { resistance_max_ohm: 330.0, ..good.limits }), Parameter::ResistanceMaxOhm),
+        (
+            limits(Limits { energy: Some(EnergyLimit { sustained_power_w: 0.1, energy_j: 1.0 }), ..good.limits }),
+            Parameter::SustainedPowerW,
+        ),
+        (channel(175.0, 2.0 * volt, 3e-3, 16e-3), Parameter::VoltPerCode),
+        (channel(175.0, volt, 15.9e-3, 16e-3), Parameter::CurrentLowA),
+        (channel(175.0, volt, 3e-3, 20e-3), Parameter::CurrentHighA),
+    ];
+    for (config, parameter) in lax {
+        match instrument.command(Command::Element { element: 0, config }) {
+            Err(InstrumentError::Refused(Refusal::Invalid { element: Some(0), error })) => {
+                assert_eq!(error.parameter, parameter)
+            }
+            other => panic!("{parameter:?}: {other:?}"),
+        }
+    }
+    let never = GuardConfig { stuck_limit_ticks: 0, ..GuardConfig::default() };
+    assert!(matches!(
+        instrument.command(Command::Guard(never)),
+        Err(InstrumentError::Refused(Refusal::Invalid { error, .. })) if error.parameter == Parameter::StuckLimitTicks
+    ));
     rig.assert_no_complaint();
 }

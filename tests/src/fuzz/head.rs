@@ -2,6 +2,7 @@
 
 use super::sentences::said_of;
 use anemometry::head::Head;
+use dr_core::control::HardwareLimits;
 use dr_core::{Command, Instrument};
 use host_sim::experiment::models::Models;
 use host_sim::settings::{file, of_head, rehearse};
@@ -44,7 +45,7 @@ pub fn run(bytes: &[u8]) -> bool {
 
 /// A controller takes what the file's check has let through.
 fn is_taken(head: &Head) {
-    let mut station = Instrument::<MOST_ELEMENTS>::new();
+    let mut station = Instrument::<MOST_ELEMENTS>::new(&HardwareLimits::SIMULATED);
     station.handle(Command::SamplePeriod { sample_period_s: SAMPLE_PERIOD_S as f32 }).expect("a period as any");
     station.handle(Command::Guard(head.guard_config(SAMPLE_PERIOD_S))).expect("any guard is taken");
     for (element, of) in (0_u8..).zip(&head.elements) {

@@ -9,7 +9,7 @@
 //!
 //! **After a command.** One that was refused has changed nothing.
 
-use dr_core::control::{Cause, ElementConfig, Heaters, Refusal, RunState, SelfTestPlan, Tick, Trip};
+use dr_core::control::{Cause, ElementConfig, HardwareLimits, Heaters, Refusal, RunState, SelfTestPlan, Tick, Trip};
 use dr_core::sensor::{Level, Reading};
 use dr_core::wind::QualityFlags;
 use dr_core::{Command, Instrument, Reply};
@@ -35,7 +35,7 @@ impl Default for Watched {
 impl Watched {
     /// One that knows nothing yet.
     pub fn new() -> Self {
-        Self { station: Instrument::new(), configs: [None; ELEMENTS], levels: Heaters(0) }
+        Self { station: Instrument::new(&HardwareLimits::SIMULATED), configs: [None; ELEMENTS], levels: Heaters(0) }
     }
 
     /// To look at.

@@ -16,7 +16,8 @@ use wire::Provocation;
 const RAM: u64 = 0x2000_0000;
 
 /// How deep the stack is while the firmware waits for its host: the frames of its start and of
-/// `idle` on the fast link, and on the slow one that of the interrupt that brings the flip.
+/// `idle` (760 bytes, of which few are in use) on the fast link, and on the slow one that of the
+/// interrupt that brings the flip.
 const LIVE_STACK_BYTES: u64 = 1024;
 
 /// What in its statics' names says that only the virtual board has them: its ways to the host,

@@ -10,7 +10,7 @@ use anemo_tests::fuzz::command::{element, set_up};
 use anemo_tests::fuzz::watched::{ELEMENTS, Watched};
 use dr_core::Command;
 use dr_core::control::controller::bit_flips::FLIPPABLE;
-use dr_core::control::{Drive, ElementConfig, GuardConfig, Limits, RunState, SelfTestPlan};
+use dr_core::control::{Drive, ElementConfig, EnergyLimit, GuardConfig, Limits, RunState, SelfTestPlan};
 use dr_core::model::SelfHeatingConfig;
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::wind::{WindCommand, WindOutputConfig};
@@ -101,11 +101,18 @@ fn config() -> impl Strategy<Value = ElementConfig> {
     let numbers =
         (number(10.0, 1000.0), number(0.001, 0.01), number(1e-8, 1e-5), number(1e-3, 4e-3), number(4e-3, 0.1));
     let limits = (number(1.0, 100.0), number(100.0, 300.0), number(0.0, 250.0), any::<i32>(), any::<bool>());
-    (numbers, limits).prop_map(|((r0, alpha, volt, low, high), (least, most, hottest, code_max, any_code))| {
+    let energy = (number(1e-4, 0.1), number(1e-4, 10.0), any::<bool>());
+    (numbers, limits, energy).prop_map(|(numbers, limits, (sustained_power_w, energy_j, any_energy))| {
+        let ((r0, alpha, volt, low, high), (least, most, hottest, code_max, any_code)) = (numbers, limits);
         let good = element();
         let code_max = if any_code { code_max } else { good.limits.code_max };
-        let limits =
-            Limits { resistance_min_ohm: least, resistance_max_ohm: most, temperature_max_c: hottest, code_max };
+        let limits = Limits {
+            resistance_min_ohm: least,
+            resistance_max_ohm: most,
+            temperature_max_c: hottest,
+            code_max,
+            energy: any_energy.then_some(EnergyLimit { sustained_power_w, energy_j }),
+        };
         let mut bytes = [0; 64];
         let length = postcard::to_slice(&good.channel, &mut bytes).expect("there is room").len();
         for (number, other) in [(175.0_f32, r0), (0.0031, alpha), (4.768e-7, volt), (3e-3, low), (16e-3, high)] {

@@ -100,7 +100,7 @@ const HELD: [Held; 3] = [
     },
     Held {
         region: Region::Stack,
-        flips: 50,
+        flips: 100,
         well_at_least: 85,
         wrong_wind_at_most: 5,
         wrong_number_at_most: 5,

@@ -49,9 +49,10 @@ impl Told {
     }
 }
 
+/// What a command prints; a run may have tripped.
 fn json(desk: &Desk, arguments: &[&str]) -> Value {
     let output = desk.anemo(arguments, &[]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 

@@ -17,8 +17,13 @@ const GAINS: GainsConfig =
 /// One of each kind, all numbers plain.
 fn one_of_each() -> Vec<Setting> {
     let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 5e-7, 0.003, 0.016).unwrap();
-    let limits =
-        Limits { resistance_min_ohm: 100.0, resistance_max_ohm: 300.0, temperature_max_c: 70.0, code_max: 8_388_607 };
+    let limits = Limits {
+        resistance_min_ohm: 100.0,
+        resistance_max_ohm: 300.0,
+        temperature_max_c: 70.0,
+        code_max: 8_388_607,
+        energy: None,
+    };
     let surface =
         SurfaceConfig { axis: [1.0; 3], corner: [2.0; 3], area_m2: 3.0, means: [4.0; 5], threefold: [5.0; 3] };
     let own = NetworkSelfHeatingConfig {
@@ -125,7 +130,7 @@ fn each_comes_out_as_it_went_in_and_nowhere_else() {
         for length in (1..value.len()).step_by(STEP) {
             assert_eq!(Setting::read(key.number(), &value[..length]), Err(Unusable::Damaged), "{kind:?} cut");
         }
-        for format in (0..=255).filter(|format| *format != FORMAT).step_by(STEP) {
+        for format in (0..=255).filter(|format| !(1..=FORMAT).contains(format)).step_by(STEP) {
             let mut value = value.clone();
             value[0] = format;
             assert_eq!(Setting::read(key.number(), &value), Err(Unusable::Format { found: format }));
@@ -135,24 +140,26 @@ fn each_comes_out_as_it_went_in_and_nowhere_else() {
     assert_eq!(Setting::Command(Command::Start).key(), None);
 }
 
-/// Values as a board keeps them, recorded from version 0.2: number of the key, format, bytes. Lines
-/// are added for new kinds, and never changed.
-const OF_FORMAT_1: &str = include_str!("format1.txt");
+/// Values as a board keeps them, in each format that there has been: number of the key, format,
+/// bytes. Lines are added for new kinds, and never changed.
+const OF_FORMATS: [&str; FORMAT as usize] = [include_str!("format1.txt"), include_str!("format2.txt")];
 
 /// A board that is updated goes on with what it has kept. Whoever changes what a value looks like
 /// raises `FORMAT`, and converts these in `Setting::read`.
 #[test]
 fn values_that_an_older_board_has_kept_are_still_read() {
     let settings = [one_of_each(), records()].concat();
-    assert_eq!(OF_FORMAT_1.lines().count(), settings.len(), "a line of each kind");
-    for (line, setting) in OF_FORMAT_1.lines().zip(settings) {
+    assert!(OF_FORMATS.iter().all(|values| values.lines().count() == settings.len()), "a line of each kind");
+    let formats =
+        OF_FORMATS.iter().zip(1..).flat_map(|(values, format)| values.lines().map(move |line| (format, line)));
+    for ((format, line), setting) in formats.zip(settings.iter().cycle()) {
         let (number, digits) = line.split_once(' ').unwrap();
         let number = KeyNumber::from_str_radix(number, 16).unwrap();
         let byte = |at| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
         let value: Vec<u8> = (0..digits.len()).step_by(2).map(byte).collect();
-        assert_eq!(value[0], 1);
+        assert_eq!(value[0], format);
         assert_eq!(Setting::read(number, &value), Ok(setting.clone()), "{number:#06x}");
-        if FORMAT == 1 {
+        if format == FORMAT {
             assert_eq!(setting.value().unwrap().as_slice(), value, "{number:#06x} looks otherwise: raise FORMAT");
         }
     }

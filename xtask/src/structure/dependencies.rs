@@ -20,7 +20,7 @@ const CRATES: [(&str, &[&str]); 15] = [
     ("anemometry", &["parquet"]),
     ("plot", &["parquet"]),
     ("host-sim", &["nix", "parquet", "serialport"]),
-    ("publish", &[]),
+    ("publish", &["nix", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),

@@ -9,7 +9,7 @@ use crate::model::SelfHeating;
 use crate::sensor::{Channel, Level};
 
 /// Number of values in which a bit can be flipped.
-pub const FLIPPABLE: usize = 22;
+pub const FLIPPABLE: usize = 24;
 
 /// A value in the memory of a controller, by what it is kept as.
 enum Place<'a> {
@@ -58,7 +58,8 @@ impl<const N: usize> Controller<N> {
     pub fn flip_bit(&mut self, which: usize, element: usize, bit: u32) -> Option<&'static str> {
         let state = self.states.get_mut(element)?;
         let of = self.elements.get_mut(element)?.as_mut()?;
-        let Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max } = &mut of.config.limits;
+        let Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max, energy: bears } =
+            &mut of.config.limits;
         let (name, place) = match which {
             0 => ("sample period", Place::Number(self.sample_period_s.as_mut()?)),
             1 => ("limit of missing readings", Place::Count(&mut self.guard.missing_limit_ticks)),
@@ -87,6 +88,8 @@ impl<const N: usize> Controller<N> {
             19 => ("set-point in force", Place::Number(&mut state.drive.target_c)),
             20 => ("ticks left", Place::Count(&mut state.drive.ticks_left)),
             21 => ("model", Place::Model(of.model.as_mut()?)),
+            22 => ("sustained power", Place::Number(&mut bears.as_mut()?.sustained_power_w)),
+            23 => ("energy", Place::Number(&mut bears.as_mut()?.energy_j)),
             _ => return None,
         };
         place.flip(bit, element)?;

@@ -44,6 +44,7 @@ impl ElementState {
             saturated_ticks,
             code: _,
             same_ticks: _,
+            rise: _,
             model,
             observer: _, // above
         } = *self;

@@ -47,6 +47,8 @@ impl<const N: usize> Controller<N> {
             }
             Command::Guard(config) => {
                 self.in_standby()?;
+                let checked = self.hardware.check_guard(&config);
+                checked.map_err(|error| Refusal::Invalid { element: None, error })?;
                 self.guard = config;
             }
             Command::Element { element, config } => {
@@ -62,6 +64,7 @@ impl<const N: usize> Controller<N> {
                     channel: config.channel.checked().map_err(invalid)?,
                     limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
                 };
+                self.hardware.check_element(&config).map_err(invalid)?;
                 *slot = Some(ControlledElement { config, model: None, observer: None, drive: Drive::Passive });
                 self.configured = self.configured.max(index + 1);
             }
@@ -103,11 +106,13 @@ impl<const N: usize> Controller<N> {
         Ok(Reply::Done)
     }
 
-    /// Clears everything except the counts of bit flips and trips, the link, and the fingerprint,
-    /// which is the board's own.
+    /// Clears everything except the counts of bit flips and trips, the energy budgets, the link,
+    /// and the fingerprint, which is the board's own.
     fn forget(&mut self) {
         let Self { bit_flips, lockout, host_silence, fingerprint_ohm, head, .. } = *self;
-        *self = Self { bit_flips, lockout, host_silence, fingerprint_ohm, head, ..Self::new() };
+        let energy = self.energy.map(|energy| energy.at_most_double(&self.hardware.energy));
+        let new = Self::new(self.hardware);
+        *self = Self { bit_flips, lockout, energy, host_silence, fingerprint_ohm, head, ..new };
     }
 
     /// Sets the fingerprint of the head, with which it is compared at once.

@@ -3,7 +3,7 @@
 //! | values | checksum updated | verified |
 //! |---|---|---|
 //! | what trips an element, for all of them: wiring, limits, guard, timeout of the host, fingerprint, sample period, number of elements | by each command that is carried out | every tick, before any decision |
-//! | run state, levels, armed time, number of the tick, what each drive remembers and decides by | at the end of each tick, and by each command | every tick, before any decision |
+//! | run state, levels, armed time, number of the tick, energy budgets, what each drive remembers and decides by | at the end of each tick, and by each command | every tick, before any decision |
 //! | an element's drive, model and observer | by each command that is carried out | one element per tick, in turn |
 //!
 //! So no reading is judged by a wrong number, and a wrong drive decides for N ticks at most, N
@@ -70,6 +70,8 @@ impl<const N: usize> Controller<N> {
         // A field that is neither here nor in `state_checksum`, nor said to be left out, does not
         // compile.
         let Self {
+            hardware,
+            energy: _,
             sample_period_s,
             guard,
             observing,
@@ -95,6 +97,8 @@ impl<const N: usize> Controller<N> {
         f32::visit_each(fingerprint_ohm, &mut checksum);
         let switches = u32::from(*observing) | u32::from(host_silence.is_some()) << 1;
         checksum.word(*configured as u32 | switches << 8);
+        // Those that a tick judges by, in flash: so a flipped reference shows.
+        (hardware.no_rise_s, hardware.energy).visit(&mut checksum);
         elements.iter().map_while(Option::as_ref).for_each(|element| element.config.visit(&mut checksum));
         checksum
     }
@@ -102,8 +106,10 @@ impl<const N: usize> Controller<N> {
     fn state_checksum(&self) -> Checksum {
         let mut checksum = Checksum::of(&[self.state.word(), self.tick, self.armed_ticks, u32::from(self.levels.0)]);
         checksum.word(self.head.word());
-        for (element, state) in self.elements.iter().map_while(Option::as_ref).zip(&self.states) {
+        let states = self.states.iter().zip(&self.energy);
+        for (element, (state, energy)) in self.elements.iter().map_while(Option::as_ref).zip(states) {
             element.drive.visit_state(&state.drive, &mut checksum);
+            energy.visit(&mut checksum);
         }
         checksum
     }

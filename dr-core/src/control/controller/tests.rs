@@ -2,6 +2,7 @@ extern crate std;
 
 use super::*;
 use crate::control::Refusal;
+use crate::control::energy::EnergyLimit;
 use crate::control::guard::Limits;
 use crate::error::Parameter;
 use crate::model::SelfHeatingConfig;
@@ -13,6 +14,7 @@ use std::vec::Vec;
 mod arming;
 mod bit_flips;
 mod elements;
+mod hardware;
 mod lock_out;
 mod messages;
 mod observing;
@@ -30,6 +32,7 @@ fn element() -> ElementConfig {
             resistance_max_ohm: 260.0,
             temperature_max_c: 70.0,
             code_max: 8_388_000,
+            energy: Some(EnergyLimit { sustained_power_w: 0.032, energy_j: 12.0 }),
         },
     }
 }
@@ -56,7 +59,7 @@ fn start<const N: usize>(controller: &mut Controller<N>) -> Result<Reply, Refusa
 
 /// A controller of two elements with these drives, running.
 fn running(drives: [Drive; 2]) -> Controller<2> {
-    let mut controller = Controller::new();
+    let mut controller = Controller::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     for (element_index, drive) in drives.into_iter().enumerate() {
         let element_index = element_index as u8;
@@ -197,7 +200,7 @@ fn unreachable_set_points_are_refused_by_the_model() {
 
 #[test]
 fn a_model_loaded_after_the_drive_is_checked_at_the_start() {
-    let mut controller = Controller::<1>::new();
+    let mut controller = Controller::<1>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: 20.0 } }).unwrap();
@@ -230,7 +233,7 @@ fn a_refused_command_changes_nothing() {
 
 #[test]
 fn names_what_has_to_come_first() {
-    let mut controller = Controller::<1>::new();
+    let mut controller = Controller::<1>::new(&HardwareLimits::SIMULATED);
     assert_eq!(start(&mut controller), Err(Refusal::NoSamplePeriod));
     assert_eq!(
         controller.handle(Command::Drive { element: 0, drive: Drive::Passive }),
@@ -247,7 +250,9 @@ fn names_what_has_to_come_first() {
 fn its_model_follows_the_power() {
     let mut controller = running([Drive::Level(Level::High), Drive::Passive]);
     for n in 0..200_000 {
-        controller.tick(&[code(-30.0, n > 0), code(-50.0, false)]);
+        // Its first reading is colder: one that never rises would trip.
+        let temperature_c = if n == 0 { -32.0 } else { -30.0 };
+        controller.tick(&[code(temperature_c, n > 0), code(-50.0, false)]);
     }
     // 2000 s of 40.6 mW into 628 K/W; six slowest time constants leave 0.25 %
     let expected_k = 628.0 * 0.016 * 0.016 * 175.0 * (1.0 - 0.0031 * 30.0);
@@ -293,7 +298,7 @@ fn clearing_forgets_elements_and_period() {
     let mut controller = running([Drive::Passive, Drive::Passive]);
     controller.handle(Command::Stop).unwrap();
     controller.handle(Command::Clear).unwrap();
-    assert_eq!(controller, Controller::new());
+    assert_eq!(controller, Controller::new(&HardwareLimits::SIMULATED));
 }
 
 #[test]
@@ -308,7 +313,7 @@ fn a_new_period_makes_models_wait_for_their_new_gains() {
 
 #[test]
 fn a_start_says_how_many_set_points_were_judged() {
-    let mut controller = Controller::<3>::new();
+    let mut controller = Controller::<3>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     for index in 0..3 {
         controller.handle(Command::Element { element: index, config: element() }).unwrap();
@@ -321,7 +326,7 @@ fn a_start_says_how_many_set_points_were_judged() {
 
 #[test]
 fn set_points_stay_under_the_temperature_limit() {
-    let mut controller = Controller::<1>::new();
+    let mut controller = Controller::<1>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     let refused = |controller: &mut Controller<1>, drive| match controller.handle(Command::Drive { element: 0, drive })
@@ -435,7 +440,7 @@ fn the_digest_sees_every_part_of_the_state() {
 
 #[test]
 fn a_code_that_never_changes_trips_a_driven_element() {
-    let mut controller = Controller::<2>::new();
+    let mut controller = Controller::<2>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Guard(GuardConfig { stuck_limit_ticks: 20, ..GuardConfig::default() })).unwrap();
     for (place, drive) in [(0, Drive::Passive), (1, Drive::Temperature { target_c: 0.0 })] {

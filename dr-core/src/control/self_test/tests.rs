@@ -4,7 +4,7 @@
 extern crate std;
 
 use super::*;
-use crate::control::{Drive, ElementConfig, Limits, Refusal, Trip};
+use crate::control::{Drive, ElementConfig, HardwareLimits, Limits, Refusal, Trip};
 use crate::error::Parameter;
 use crate::model::{SelfHeatingConfig, mesh};
 use crate::sensor::reading::REFERENCE_CODE;
@@ -120,6 +120,7 @@ fn config() -> ElementConfig {
             resistance_max_ohm: 260.0,
             temperature_max_c: 70.0,
             code_max: 8_388_000,
+            energy: None,
         },
     }
 }
@@ -129,7 +130,7 @@ const fn plan(pulse_s: Option<f32>) -> Command {
 }
 
 fn instrument(with_models: bool) -> Instrument<ELEMENTS> {
-    let mut instrument = Instrument::new();
+    let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
     instrument.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
     for element in 0..ELEMENTS as u8 {
         instrument.handle(Command::Element { element, config: config() }).unwrap();
@@ -473,7 +474,10 @@ fn what_cannot_be_tested_is_refused_and_changes_nothing() {
     let mut instrument = instrument(true);
     instrument.handle(Command::Disarm).unwrap();
     assert_eq!(instrument.handle(plan(Some(PULSE_S))), Err(Refusal::NotArmed));
-    assert_eq!(Instrument::<2>::new().handle(plan(None)), Err(Refusal::NotConfigured { element: 0 }));
+    assert_eq!(
+        Instrument::<2>::new(&HardwareLimits::SIMULATED).handle(plan(None)),
+        Err(Refusal::NotConfigured { element: 0 })
+    );
     instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
     instrument.handle(Command::Start).unwrap();
     for pulse_s in [None, Some(PULSE_S)] {
@@ -499,7 +503,7 @@ fn what_cannot_be_tested_is_refused_and_changes_nothing() {
 #[test]
 fn a_controller_ends_a_test_by_itself_when_its_time_is_over() {
     // As if the test's own count had been upset: nobody steps it.
-    let mut controller = Controller::<ELEMENTS>::new();
+    let mut controller = Controller::<ELEMENTS>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
     controller.handle(Command::Element { element: 0, config: config() }).unwrap();
     controller.handle(Command::Arm { window_s: 1.0 }).unwrap();

@@ -52,7 +52,7 @@ use background_checks::BackgroundChecks;
 use cortex_m::peripheral::SCB;
 use dead_man::DeadManTimer;
 use defmt_rtt as _;
-use dr_core::control::Cause;
+use dr_core::control::{Cause, HardwareLimits};
 use firmware::crash_record::CrashRecord;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::reset_flags;
@@ -74,6 +74,8 @@ pub const NAME: &str = "sensor";
 pub const KIND: BoardKind = BoardKind::Sensor;
 /// This board reads for itself.
 pub const IS_VIRTUAL: bool = false;
+/// What no message can lift.
+pub static HARDWARE_LIMITS: HardwareLimits = HardwareLimits::SENSOR_BOARD;
 
 /// HeaterPort low, clocks, link, ADC; 0.5 s, most of it the ADC's reference and offsets.
 ///

@@ -1,6 +1,6 @@
 use super::super::mock::Mock;
 use super::*;
-use dr_core::control::{GuardConfig, Refusal};
+use dr_core::control::{GuardConfig, HardwareLimits, Refusal};
 use dr_core::{Command, Instrument};
 use wire::settings::{FORMAT, SettingValue};
 
@@ -53,9 +53,9 @@ fn stored_settings_are_applied_in_order_at_the_next_start() {
     keep(&mut clerk, &Setting::Command(Command::SamplePeriod { sample_period_s: 0.02 }));
     keep(&mut clerk, &guard(4));
     let flash = clerk.store.as_mut().unwrap().flash_mut().again();
-    let (mut clerk, mut instrument) = (Books::new(flash), Instrument::new());
+    let (mut clerk, mut instrument) = (Books::new(flash), Instrument::new(&HardwareLimits::SIMULATED));
     assert_eq!(set_up(&mut clerk, &mut instrument), []);
-    let mut told = Instrument::<6>::new();
+    let mut told = Instrument::<6>::new(&HardwareLimits::SIMULATED);
     told.handle(Command::SamplePeriod { sample_period_s: 0.02 }).unwrap();
     told.handle(Command::Guard(GuardConfig {
         missing_limit_ticks: 4,
@@ -73,12 +73,12 @@ fn what_this_firmware_cannot_use_is_named_and_left_alone() {
     let mut clerk = Books::new(Mock::new());
     let (key, value) = (guard(3).key().unwrap().number(), guard(3).value().unwrap());
     // As another firmware would have written it, past the clerk.
-    let mut of_format_2 = value.clone();
-    of_format_2[0] = FORMAT + 1;
+    let mut of_a_later_format = value.clone();
+    of_a_later_format[0] = FORMAT + 1;
     let period = Setting::Command(Command::SamplePeriod { sample_period_s: 100.0 });
     let period_key = period.key().unwrap().number();
     let written: [(KeyNumber, &[u8], Unusable); 4] = [
-        (key, &of_format_2, Unusable::Format { found: FORMAT + 1 }),
+        (key, &of_a_later_format, Unusable::Format { found: FORMAT + 1 }),
         (0x7700, &value, Unusable::UnknownKey),
         (key + 1, &value, Unusable::Misplaced),
         (0x0500, &value[..4], Unusable::Damaged),
@@ -89,9 +89,9 @@ fn what_this_firmware_cannot_use_is_named_and_left_alone() {
     }
     // Readable, but 100 s is no sample period.
     keep(&mut clerk, &period);
-    let mut instrument = Instrument::new();
+    let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
     let left = set_up(&mut clerk, &mut instrument);
-    assert_eq!(instrument, Instrument::new(), "nothing of it has been used");
+    assert_eq!(instrument, Instrument::new(&HardwareLimits::SIMULATED), "nothing of it has been used");
     for (key, _, why) in written {
         assert!(left.contains(&(key, why)), "{key:#x}");
         let read = clerk.answer(1, &SettingsRequest::Read { key }).result;

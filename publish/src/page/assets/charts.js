@@ -221,12 +221,15 @@ class SpectrumPanel extends Panel {
   }
 
   theme() {
-    const values = (_, splits) => splits.map((value) => (Math.abs(Math.log10(value) % 1) < 1e-6 ? exponent(value) : ""));
+    const isDecade = (value) => Math.abs(Math.log10(value) % 1) < 1e-6;
+    const values = (_, splits) => splits.map((value) => (isDecade(value) ? exponent(value) : ""));
+    // Lines between the decades only where there is room.
+    const filter = (_, splits) => splits.map((value) => (isDecade(value) || splits.at(-1) / splits[0] < 2e3 ? value : null));
     this.make({
       sync: "frequency",
       series: [{}, { stroke: colour(0), width: 1.5, points: { show: false } }],
       scales: { x: { time: false, distr: 3 }, y: { distr: 3 } },
-      axes: [axis({ size: 24, space: 40, values }), axis({ size: 46, space: 16, values })],
+      axes: [axis({ size: 24, space: 40, values, filter }), axis({ size: 46, space: 16, values, filter })],
     }, [this.last.frequency, this.last.density]);
   }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 fn idle() -> Controller<2> {
-    let mut controller = Controller::new();
+    let mut controller = Controller::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: Drive::Level(Level::High) }).unwrap();
@@ -71,5 +71,8 @@ fn a_window_without_an_end_is_refused() {
         );
         assert!(!controller.is_armed());
     }
-    assert_eq!(Controller::<2>::new().handle(Command::Arm { window_s: 1.0 }), Err(Refusal::NoSamplePeriod));
+    assert_eq!(
+        Controller::<2>::new(&HardwareLimits::SIMULATED).handle(Command::Arm { window_s: 1.0 }),
+        Err(Refusal::NoSamplePeriod)
+    );
 }

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn elements_are_configured_without_gaps() {
-    let mut controller = Controller::<4>::new();
+    let mut controller = Controller::<4>::new(&HardwareLimits::SIMULATED);
     let configure = |index| Command::Element { element: index, config: element() };
     controller.handle(configure(0)).unwrap();
     let before = controller;
@@ -21,7 +21,7 @@ fn elements_are_configured_without_gaps() {
 /// Three drives on three elements, whatever room there is: all bits that the ticks say, and the
 /// digest.
 fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
-    let mut controller = Controller::<N>::new();
+    let mut controller = Controller::<N>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Observe { on: observe }).unwrap();
     let drives = [

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 #[test]
 fn no_two_states_have_the_same_word() {
-    const LAST: Cause = Cause::AdcRegister;
+    const LAST: Cause = Cause::Energy;
     let causes = [Cause::Open, Cause::Short, Cause::Missing, Cause::Unreachable, Cause::BitFlip, Cause::Watchdog, LAST];
     let of = |cause| (0..16).map(move |element| Trip::of(element, cause)).chain([Trip::whole(cause)]);
     let tripped = causes.into_iter().flat_map(of).map(RunState::Tripped);
@@ -31,8 +31,7 @@ fn ticks_are_counted_from_each_start() {
     controller.handle(Command::Stop).unwrap();
     start(&mut controller).unwrap();
     assert_eq!(controller.ticks(), 0);
-    assert_eq!(Controller::<2>::new().bit_flips(), 0);
-    assert_eq!(Controller::<2>::default(), Controller::<2>::new());
+    assert_eq!(Controller::<2>::new(&HardwareLimits::SIMULATED).bit_flips(), 0);
 }
 
 #[test]
@@ -45,7 +44,7 @@ fn standing_power_is_that_of_the_low_level() {
         assert!((f64::from(found) / truth - 1.0).abs() < 1e-6, "{temperature_c} °C: {found}");
     }
     assert_eq!(controller.standing_power_w(2, 0.0), 0.0);
-    assert_eq!(Controller::<2>::new().standing_power_w(0, 0.0), 0.0);
+    assert_eq!(Controller::<2>::new(&HardwareLimits::SIMULATED).standing_power_w(0, 0.0), 0.0);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_mean_power_must_be_one_that_some_plausible_resistance_gives_off() {
-    let mut controller = Controller::<1>::new();
+    let mut controller = Controller::<1>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     // (3 mA)² of 50 Ω, and (16 mA)² of 260 Ω.

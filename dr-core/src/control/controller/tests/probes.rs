@@ -5,7 +5,7 @@ use super::*;
 const MISSING: [Reading; 2] = [Reading::Missing; 2];
 
 fn idle() -> Controller<2> {
-    let mut controller = Controller::new();
+    let mut controller = Controller::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: 0.01 }).unwrap();
     controller.handle(Command::Element { element: 0, config: element() }).unwrap();
     controller.handle(Command::Drive { element: 0, drive: Drive::Passive }).unwrap();

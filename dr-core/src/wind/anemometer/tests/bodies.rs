@@ -1,7 +1,7 @@
 //! Six bodies whose network is known, in a wind that is known. Minutes of them take seconds.
 
 use super::*;
-use crate::control::{Drive, ElementConfig, Limits, Refusal};
+use crate::control::{Drive, ElementConfig, HardwareLimits, Limits, Refusal};
 use crate::model::{AlarmConfig, NetworkCrossHeatingConfig};
 use crate::sensor::{Channel, Platinum, Reading};
 use crate::{Command, Instrument};
@@ -63,7 +63,7 @@ impl AnemometerBench {
 
     /// Running for no time yet, after a long standby.
     fn cold(answer: &WindOutputConfig) -> Self {
-        let mut instrument = Instrument::new();
+        let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
         let mut tell = |command| instrument.handle(command).unwrap();
         tell(Command::SamplePeriod { sample_period_s: PERIOD_S });
         let limits = Limits {
@@ -71,6 +71,7 @@ impl AnemometerBench {
             resistance_max_ohm: 260.0,
             temperature_max_c: 70.0,
             code_max: 8_388_000,
+            energy: None,
         };
         for element in 0..ELEMENTS as u8 {
             tell(Command::Element { element, config: ElementConfig { channel: channel(), limits } });
@@ -349,7 +350,7 @@ fn its_head_is_set_up_in_standby_and_piece_by_piece() {
         Err(Refusal::Invalid { .. })
     ));
 
-    let mut instrument = Instrument::<ELEMENTS>::new();
+    let mut instrument = Instrument::<ELEMENTS>::new(&HardwareLimits::SIMULATED);
     let answer = Command::Wind(WindCommand::Output(answer()));
     assert_eq!(instrument.handle(answer), Err(Refusal::NoSamplePeriod));
     instrument.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();

@@ -1,0 +1,344 @@
+//! Where to publish what: addresses as a user writes them.
+//!
+//! | address | what it does |
+//! |---|---|
+//! | `nmea+udp://HOST:PORT`, `gill+udp:`, `gill-uv+udp:`, `influx+udp:` | sends datagrams |
+//! | `nmea+tcp://HOST:PORT`, `gill+tcp:`, `gill-uv+tcp:` | listens; who connects gets every line |
+//! | `nmea+serial:/dev/ttyUSB0?baud=4800`, `gill+serial:`, `gill-uv+serial:` | writes to a port |
+//! | `influx+http://HOST:PORT/write?db=NAME`, `influx+https:` | posts lines |
+//! | `mqtt://[USER:PASSWORD@]HOST[:PORT]`, `mqtts:` | sends messages to a broker |
+//! | `scpi://HOST[:PORT]` | listens and answers |
+//!
+//! `every=SECONDS` behind a question mark is the least time from one row to the next: 1 for Influx
+//! and MQTT, which keep what they get, 0 (every row with a wind estimate) for the others.
+
+use recording::toml_file::{FileError, TomlSource};
+use serde::Deserialize;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// One address with what belongs to it.
+#[derive(Clone, PartialEq)]
+pub struct PublishTarget {
+    /// The address without password.
+    pub name: String,
+    pub(crate) format: PublishFormat,
+    pub(crate) way: PublishWay,
+    /// From one row to the next at least, s.
+    pub(crate) every_s: f64,
+    pub(crate) login: Option<PublishLogin>,
+    /// Certificates of authorities, in PEM; those of the web where it is not given.
+    pub(crate) ca_file: Option<PathBuf>,
+}
+
+/// Who logs in at a broker or a database.
+#[derive(Clone, PartialEq)]
+pub(crate) struct PublishLogin {
+    pub(crate) user: String,
+    pub(crate) password: String,
+}
+
+/// What is sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PublishFormat {
+    Nmea,
+    GillPolar,
+    GillUv,
+    Influx,
+    Mqtt,
+    Scpi,
+}
+
+/// By which way.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum PublishWay {
+    /// Datagrams to `host:port`.
+    Datagrams(String),
+    /// A listener at `host:port`.
+    Listener(String),
+    /// A serial port.
+    Serial { device: String, baud: u32 },
+    /// Requests to this address.
+    Http(String),
+    /// A connection to `host:port`.
+    Connection { host: String, port: u16, is_encrypted: bool },
+}
+
+/// Why an address is none.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TargetError {
+    /// No such format or way.
+    #[error("`{0}` is nowhere to publish: an address begins with {known}", known = KNOWN)]
+    Scheme(String),
+    /// No host, or no port where one is needed.
+    #[error("`{0}` lacks {1}")]
+    Missing(String, &'static str),
+    /// An option that is not known here, or no number.
+    #[error("`{0}`: {1}")]
+    Option(String, String),
+    /// A file that cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+const KNOWN: &str = "nmea+udp, nmea+tcp, nmea+serial (the same with gill and gill-uv), influx+udp, influx+http, influx+https, mqtt, mqtts or scpi";
+
+impl FromStr for PublishTarget {
+    type Err = TargetError;
+
+    fn from_str(address: &str) -> Result<Self, TargetError> {
+        let (scheme, rest) = address.split_once(':').ok_or_else(|| TargetError::Scheme(address.to_owned()))?;
+        let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
+        let place = place.strip_prefix("//").unwrap_or(place);
+        let (login, place) = match place.rsplit_once('@') {
+            Some((login, place)) => (Some(PublishLogin::new(login)), place),
+            None => (None, place),
+        };
+        let name = format!("{scheme}:{}{place}", if rest.starts_with("//") { "//" } else { "" });
+        let mut options = TargetOptions::read(&name, query)?;
+        let (format, way) = scheme.split_once('+').unwrap_or((scheme, ""));
+        let (format, port) = match (format, way) {
+            ("nmea", "udp" | "tcp" | "serial") => (PublishFormat::Nmea, Some(10_110)),
+            ("gill", "udp" | "tcp" | "serial") => (PublishFormat::GillPolar, None),
+            ("gill-uv", "udp" | "tcp" | "serial") => (PublishFormat::GillUv, None),
+            ("influx", "udp") => (PublishFormat::Influx, Some(8_089)),
+            ("influx", "http" | "https") => (PublishFormat::Influx, None),
+            ("mqtt", "") => (PublishFormat::Mqtt, Some(1_883)),
+            ("mqtts", "") => (PublishFormat::Mqtt, Some(8_883)),
+            ("scpi", "") => (PublishFormat::Scpi, Some(5_025)),
+            _ => return Err(TargetError::Scheme(name)),
+        };
+        let way = match (scheme, way) {
+            (_, "serial") if place.is_empty() => return Err(TargetError::Missing(name, "a device")),
+            // The speeds that the makers of the formats chose.
+            (_, "serial") => {
+                let baud = options.baud.take().unwrap_or(if format == PublishFormat::Nmea { 4_800 } else { 9_600 });
+                PublishWay::Serial { device: place.to_owned(), baud }
+            }
+            (_, "http" | "https") => PublishWay::Http(format!("{way}://{place}{}", options.rest())),
+            _ => {
+                let (host, port) = host_and_port(&name, place, port)?;
+                match (scheme, way) {
+                    (_, "udp") => PublishWay::Datagrams(format!("{host}:{port}")),
+                    (_, "tcp") | ("scpi", _) => PublishWay::Listener(format!("{host}:{port}")),
+                    _ => PublishWay::Connection {
+                        host: host.trim_matches(['[', ']']).to_owned(),
+                        port,
+                        is_encrypted: scheme == "mqtts",
+                    },
+                }
+            }
+        };
+        options.all_used(&name)?;
+        let default_s = if matches!(format, PublishFormat::Influx | PublishFormat::Mqtt) { 1.0 } else { 0.0 };
+        Ok(Self { every_s: options.every_s.unwrap_or(default_s), name, format, way, login, ca_file: None })
+    }
+}
+
+impl PublishLogin {
+    fn new(text: &str) -> Self {
+        let (user, password) = text.split_once(':').unwrap_or((text, ""));
+        Self { user: user.to_owned(), password: password.to_owned() }
+    }
+}
+
+fn host_and_port(name: &str, place: &str, port: Option<u16>) -> Result<(String, u16), TargetError> {
+    let place = place.trim_end_matches('/');
+    let missing = |what| TargetError::Missing(name.to_owned(), what);
+    // Colons in brackets are those of an address of version 6.
+    let (host, given) = match place.rsplit_once(':') {
+        Some((host, port)) if !port.ends_with(']') => {
+            (host, Some(port.parse().map_err(|_| missing("a port: 1 … 65535"))?))
+        }
+        _ => (place, None),
+    };
+    if host.is_empty() {
+        return Err(missing("a host"));
+    }
+    Ok((host.to_owned(), given.or(port).ok_or_else(|| missing("a port"))?))
+}
+
+/// What stands behind the question mark.
+#[derive(Default)]
+struct TargetOptions<'a> {
+    every_s: Option<f64>,
+    baud: Option<u32>,
+    /// What is somebody else's.
+    others: Vec<&'a str>,
+}
+
+impl<'a> TargetOptions<'a> {
+    fn read(name: &str, query: &'a str) -> Result<Self, TargetError> {
+        let mut options = Self::default();
+        for option in query.split('&').filter(|option| !option.is_empty()) {
+            let wrong = |what: &str| TargetError::Option(name.to_owned(), format!("`{option}` is no {what}"));
+            match option.split_once('=') {
+                Some(("every", seconds)) => {
+                    let every_s = seconds.parse().ok().filter(|&s| is_interval(s));
+                    options.every_s = Some(every_s.ok_or_else(|| wrong("time in seconds, 0 … 86400"))?);
+                }
+                Some(("baud", baud)) => options.baud = Some(baud.parse().map_err(|_| wrong("speed of a serial port"))?),
+                _ => options.others.push(option),
+            }
+        }
+        Ok(options)
+    }
+
+    /// What an address of HTTP keeps.
+    fn rest(&mut self) -> String {
+        let others = std::mem::take(&mut self.others);
+        if others.is_empty() { String::new() } else { format!("?{}", others.join("&")) }
+    }
+
+    fn all_used(&self, name: &str) -> Result<(), TargetError> {
+        let unknown = self.others.first().copied().or(self.baud.map(|_| "baud"));
+        unknown.map_or(Ok(()), |option| {
+            Err(TargetError::Option(name.to_owned(), format!("`{option}` is no option of it; `every=SECONDS` is")))
+        })
+    }
+}
+
+/// Longer than a day, somebody forgot a unit.
+fn is_interval(every_s: f64) -> bool {
+    (0.0..=86_400.0).contains(&every_s)
+}
+
+/// A file of addresses, for passwords that do not belong on a command line.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetsFile {
+    publish: Vec<TargetEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetEntry {
+    to: String,
+    user: Option<String>,
+    password: Option<String>,
+    ca_file: Option<PathBuf>,
+}
+
+/// The targets of an argument: an address, or the path of a file of them, which ends in `.toml`.
+///
+/// ```toml
+/// [[publish]]
+/// to = "mqtts://broker.example"
+/// user = "mast"
+/// password = "…"
+/// ca_file = "ca.pem"   # beside this file
+/// ```
+///
+/// # Errors
+/// What is wrong with the address, or the file and its line.
+pub fn targets(argument: &str) -> Result<Vec<PublishTarget>, TargetError> {
+    let path = Path::new(argument);
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        return Ok(vec![argument.parse()?]);
+    }
+    let source = TomlSource::read(path)?;
+    let file: TargetsFile = source.parse()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let entries = file.publish.into_iter().enumerate();
+    entries.map(|(index, entry)| entry.target(index, &source, folder)).collect()
+}
+
+impl TargetEntry {
+    fn target(self, index: usize, source: &TomlSource, folder: &Path) -> Result<PublishTarget, TargetError> {
+        let refuse =
+            |error: TargetError| source.refuse(&format!("publish[{index}].to"), format!("is refused: {error}"));
+        let mut target: PublishTarget = self.to.parse().map_err(refuse)?;
+        if let Some(user) = self.user {
+            target.login = Some(PublishLogin { user, password: self.password.unwrap_or_default() });
+        }
+        target.ca_file = self.ca_file.map(|file| folder.join(file));
+        Ok(target)
+    }
+}
+
+impl fmt::Debug for PublishTarget {
+    /// Without the password.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} by {:?} every {} s", self.name, self.way, self.every_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn target(address: &str) -> PublishTarget {
+        address.parse().expect(address)
+    }
+
+    fn refusal(address: &str) -> String {
+        address.parse::<PublishTarget>().expect_err(address).to_string()
+    }
+
+    #[test]
+    fn addresses_are_what_loggers_expect() {
+        let ways = [
+            ("nmea+udp://127.0.0.1:10110", PublishWay::Datagrams("127.0.0.1:10110".to_owned())),
+            ("nmea+udp://127.0.0.1", PublishWay::Datagrams("127.0.0.1:10110".to_owned())),
+            ("gill+tcp://[::1]:4001", PublishWay::Listener("[::1]:4001".to_owned())),
+            ("scpi://127.0.0.1", PublishWay::Listener("127.0.0.1:5025".to_owned())),
+            ("nmea+serial:/dev/ttyUSB0", PublishWay::Serial { device: "/dev/ttyUSB0".to_owned(), baud: 4_800 }),
+            ("gill-uv+serial:COM3?baud=19200", PublishWay::Serial { device: "COM3".to_owned(), baud: 19_200 }),
+            (
+                "influx+http://localhost:8086/write?db=wind&every=10&precision=ns",
+                PublishWay::Http("http://localhost:8086/write?db=wind&precision=ns".to_owned()),
+            ),
+            ("mqtt://broker", PublishWay::Connection { host: "broker".to_owned(), port: 1_883, is_encrypted: false }),
+            ("mqtts://[::1]", PublishWay::Connection { host: "::1".to_owned(), port: 8_883, is_encrypted: true }),
+        ];
+        for (address, way) in ways {
+            assert_eq!(target(address).way, way, "{address}");
+        }
+        assert_eq!(target("influx+http://localhost:8086/write?db=wind&every=10").every_s, 10.0);
+        assert_eq!((target("mqtt://broker").every_s, target("nmea+udp://b").every_s), (1.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_meant_by_nobody_is_refused_with_what_would_be_right() {
+        assert!(
+            refusal("nmea+upd://localhost")
+                .starts_with("`nmea+upd://localhost` is nowhere to publish: an address begins with nmea+udp")
+        );
+        assert_eq!(refusal("gill+udp://localhost"), "`gill+udp://localhost` lacks a port");
+        assert_eq!(refusal("mqtt://localhost:x"), "`mqtt://localhost:x` lacks a port: 1 … 65535");
+        assert_eq!(refusal("mqtt://:1883"), "`mqtt://:1883` lacks a host");
+        assert_eq!(refusal("nmea+serial:"), "`nmea+serial:` lacks a device");
+        for wrong in ["every=-1", "every=nan", "every=1e9", "evry=1", "baud=9600"] {
+            assert!(refusal(&format!("mqtt://localhost?{wrong}")).starts_with("`mqtt://localhost`: "), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_password_is_used_and_not_shown() {
+        let target = target("mqtt://mast:p@ss:word@broker:1883");
+        assert!(target.login.as_ref().is_some_and(|login| login.user == "mast" && login.password == "p@ss:word"));
+        assert_eq!(target.name, "mqtt://broker:1883");
+        assert!(!format!("{target:?}").contains("word"));
+        assert!(!refusal("mqtt://mast:word@").contains("word"));
+    }
+
+    #[test]
+    fn a_file_holds_what_a_command_line_should_not() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("publish.toml");
+        let file = path.to_str().ok_or("a path of letters")?;
+        std::fs::write(
+            &path,
+            "[[publish]]\nto = \"mqtts://broker\"\nuser = \"u\"\npassword = \"p\"\nca_file = \"ca.pem\"\n\n[[publish]]\nto = \"scpi://localhost\"\n",
+        )?;
+        let read = targets(file)?;
+        assert_eq!(read.len(), 2);
+        assert_eq!(read[0].ca_file, Some(folder.path().join("ca.pem")));
+        assert!(read[0].login.as_ref().is_some_and(|login| login.password == "p"));
+        std::fs::write(&path, "[[publish]]\n\nto = \"mqqt://broker\"\n")?;
+        let sentence = targets(file).unwrap_err().to_string();
+        assert!(sentence.contains(", line 3: ") && sentence.contains("nowhere to publish"), "{sentence}");
+        Ok(())
+    }
+}

@@ -1,0 +1,41 @@
+//! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
+//! of SCPI, readers of files, a browser. Tests start them on the loopback and end them; none is a service of
+//! the system.
+
+use crate::{install, shell};
+use anyhow::Result;
+
+/// A program, its package in Debian, and the service that the package brings along.
+struct Counterpart {
+    program: &'static str,
+    package: &'static str,
+    service: Option<&'static str>,
+}
+
+const COUNTERPARTS: [Counterpart; 7] = [
+    Counterpart { program: "mosquitto", package: "mosquitto", service: Some("mosquitto") },
+    Counterpart { program: "mosquitto_sub", package: "mosquitto-clients", service: None },
+    Counterpart { program: "influxd", package: "influxdb", service: Some("influxdb") },
+    Counterpart { program: "lxi", package: "lxi-tools", service: None },
+    Counterpart { program: "ncdump", package: "netcdf-bin", service: None },
+    Counterpart { program: "octave-cli", package: "octave", service: None },
+    Counterpart { program: "chromium", package: "chromium", service: None },
+];
+
+/// Installs what is missing. What this system has no package of is named, and its tests skip.
+pub fn run() -> Result<()> {
+    install::python_environment("counterparts", "xtask/python-counterparts.txt")?;
+    for Counterpart { program, package, service } in COUNTERPARTS {
+        if install::is_on_path(program) {
+            continue;
+        }
+        if let Err(error) = install::package_of_program(program, package) {
+            shell::announce(&format!("{error:#}; the tests that need {program} will skip"));
+        }
+        // The package has started it; a user's machine is no server because of our tests.
+        if let Some(service) = service.filter(|_| shell::answers("systemctl", &["is-system-running"])) {
+            let _ = shell::run(shell::program("systemctl").args(["disable", "--now", service]));
+        }
+    }
+    Ok(())
+}
