@@ -35,8 +35,8 @@ pub fn layout(experiment: &Experiment, identity: &Identity) -> FeedLayout {
     }
 }
 
-/// Runs an experiment to its end, or until somebody interrupts it. Returns the sentence of its first
-/// trip, if there was one.
+/// Runs an experiment to its end, or until somebody interrupts it. Returns the sentence of its
+/// first trip, if there was one.
 ///
 /// # Errors
 /// If the instrument refuses the set-up, or cannot be reached any more.

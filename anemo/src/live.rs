@@ -13,7 +13,7 @@ use crate::board::{Emulation, InstrumentArguments, On};
 use crate::output::{Failure, finite, print};
 use crate::pace::Pace;
 use crate::progress::on_interrupt;
-use crate::replay::Replay;
+use crate::replay::FeedReplay;
 
 /// Show an instrument, or a recording, in a browser.
 ///
@@ -21,7 +21,8 @@ use crate::replay::Replay;
 /// it, and needs no internet. The page shows wind, temperatures, powers, heaters, noise and trips;
 /// from it, people stop, arm, start, acknowledge, change set-points and leave marks.
 ///
-/// Simulations run in real time. It ends as the experiment does, or by Ctrl-C, with the heaters low.
+/// Simulations run in real time. It ends as the experiment does, or by Ctrl-C, with the heaters
+/// low.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -89,7 +90,7 @@ fn show(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::usage("--on: a recording is shown as it is; name an experiment (.toml), or leave it out"));
     }
     let interrupted = on_interrupt();
-    let mut replay = Replay::open(&arguments.file).map_err(Failure::usage)?;
+    let mut replay = FeedReplay::open(&arguments.file).map_err(Failure::usage)?;
     let feed = Feed::new(replay.layout());
     let page = serve(arguments, &feed, None)?;
     let shown = replay.play(&feed, &Pace::new(arguments.speed), &interrupted);

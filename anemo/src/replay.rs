@@ -25,14 +25,14 @@ use crate::pace::Pace;
 const SAMPLE_PERIOD_S: f64 = 0.01;
 
 /// A recording that is open.
-pub struct Replay {
+pub struct FeedReplay {
     reader: RecordingReader,
     layout: FeedLayout,
     /// Of its first row, as far as it says so.
     start: SystemTime,
 }
 
-impl Replay {
+impl FeedReplay {
     /// Opens a recording of temperatures.
     ///
     /// # Errors

@@ -1,9 +1,9 @@
-"""Takes docs/images/live.png: python3 docs/images/live.py ADDRESS, of a page that was served 20 times as fast as real.
+"""Takes docs/images/live.png: python3 docs/images/live.py ADDRESS, of a page that was served faster than real time.
 
 The head is a calibrated one:
 
     sed 's#"../heads/sphere-b.toml"#"../tests/fixtures/sphere-b-calibrated.toml"#; /^models/d' experiments/gusts.toml > experiments/live.toml
-    anemo live experiments/live.toml --on sim --speed 20
+    anemo live experiments/live.toml --on sim --speed 40
 """
 
 import io

@@ -4,7 +4,7 @@ use crate::feed::{FeedLayout, FeedRow, FeedWind};
 
 /// One number of every row.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Channel {
+pub struct PageChannel {
     /// What it is, with its unit: the beginning of the recording's column.
     pub quantity: &'static str,
     /// Of which element or surface; empty for the whole instrument.
@@ -20,9 +20,9 @@ pub struct Channel {
 }
 
 /// The channels of a feed; the true wind is one where a simulation knows it.
-pub fn channels(layout: &FeedLayout, has_true_wind: bool) -> Vec<Channel> {
-    let of = |quantity: &'static str, word: &str, unit, noisy, names: &[String]| -> Vec<Channel> {
-        let channel = |of: &String| Channel {
+pub fn channels(layout: &FeedLayout, has_true_wind: bool) -> Vec<PageChannel> {
+    let of = |quantity: &'static str, word: &str, unit, noisy, names: &[String]| -> Vec<PageChannel> {
+        let channel = |of: &String| PageChannel {
             quantity,
             of: of.clone(),
             name: format!("{word} {of}").trim().to_owned(),

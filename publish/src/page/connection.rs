@@ -2,7 +2,6 @@
 
 use std::io::{self, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -34,7 +33,6 @@ pub struct Served {
     pub commands: Option<FeedCommands>,
     pub address: SocketAddr,
     pub token: Token,
-    pub stopping: Arc<AtomicBool>,
 }
 
 impl Served {
@@ -87,8 +85,6 @@ impl Served {
         let mut seen = Seen { epoch: None, events: 0, rows: 0, id: i64::MIN };
         let (mut spectrum_due, mut sign_due) = (Instant::now(), Instant::now());
         loop {
-            // Before the look at the state: whatever came until then is sent.
-            let stopping = self.stopping.load(Ordering::Relaxed);
             let (mut text, ended) = self.news(window, &mut seen);
             if spectrum_due <= Instant::now() {
                 spectrum_due = Instant::now() + SPECTRUM;
@@ -101,7 +97,7 @@ impl Served {
                 sign_due = Instant::now() + SIGN;
                 stream.write_all(text.as_bytes())?;
             }
-            if ended || stopping {
+            if ended {
                 return Ok(());
             }
             std::thread::sleep(PICTURE);

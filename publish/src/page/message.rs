@@ -5,7 +5,7 @@ use std::time::UNIX_EPOCH;
 use dr_core::wind::QualityFlags;
 use serde::Serialize;
 
-use super::channels::Channel;
+use super::channels::PageChannel;
 use super::spectrum::NoiseSpectrum;
 use super::state::PageState;
 use super::window::Bucket;
@@ -28,7 +28,7 @@ pub struct LayoutMessage<'a> {
     window_s: f64,
     bucket_s: f64,
     elements: &'a [String],
-    channels: &'a [Channel],
+    channels: &'a [PageChannel],
     /// Names of the quality flags, by their bits.
     flags: Vec<&'static str>,
     /// Whether commands are taken.

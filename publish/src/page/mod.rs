@@ -2,7 +2,7 @@
 //! needs no internet.
 //!
 //! ```text
-//! feed ──► state: windows of min, max, mean; samples; events ──► one thread a listener, 10 times a second
+//! feed ──► state: windows of min, max, mean; samples; events ──► a thread a listener, 10 times/s
 //! ```
 //!
 //! | address | what |
@@ -11,8 +11,8 @@
 //! | `GET /TOKEN/events?window_s=60&spectrum=3` | server-sent events: `layout`, `rows`, `event`, `spectrum`, `ended` |
 //! | `POST /TOKEN/command` | a command as JSON; the answer is `{"done": …}` or `{"refused": …}` |
 //!
-//! A listener that is slow gets fewer pictures and holds nobody up. Whoever lacks the token, or asks
-//! by another name of this computer, or from another page, is refused.
+//! A listener that is slow gets fewer pictures and holds nobody up. Whoever lacks the token, or
+//! asks by another name of this computer, or from another page, is refused.
 
 mod assets;
 mod channels;
@@ -57,8 +57,8 @@ pub struct LivePage {
 }
 
 impl LivePage {
-    /// Serves what the feed has from now on; without `commands`, as for a recording, people can only
-    /// look.
+    /// Serves what the feed has from now on; without `commands`, as for a recording, people can
+    /// only look.
     ///
     /// # Errors
     /// If nothing may or can listen at this address.
@@ -74,8 +74,7 @@ impl LivePage {
         let listeners = Arc::new(Mutex::new(0));
         let (token, bound) = (listening.token().clone(), listener.address());
         let address = format!("http://{bound}/{}/", token.text());
-        let served =
-            Served { state: Arc::clone(&state), commands, address: bound, token, stopping: Arc::clone(&stopping) };
+        let served = Served { state: Arc::clone(&state), commands, address: bound, token };
         let reader = feed.subscribe(QUEUE);
         let fills = {
             let stopping = Arc::clone(&stopping);
@@ -95,7 +94,7 @@ impl LivePage {
 }
 
 impl Drop for LivePage {
-    /// Pages get what is left, and the connections end.
+    /// Pages get what is left, and that it is the last; then their connections end.
     fn drop(&mut self) {
         self.stopping.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
@@ -112,7 +111,9 @@ impl Drop for LivePage {
 /// Keeps what the feed brings, until it ends or the page does.
 fn fill(state: &Mutex<PageState>, reader: &FeedReader, stopping: &AtomicBool) {
     loop {
-        match reader.recv_timeout(WAIT) {
+        // Before the last look, so that nothing is left.
+        let is_last = stopping.load(Ordering::Relaxed);
+        match reader.recv_timeout(if is_last { Duration::ZERO } else { WAIT }) {
             Ok(item) => {
                 let mut state = lock(state);
                 state.push(item, reader.lost());
@@ -121,13 +122,14 @@ fn fill(state: &Mutex<PageState>, reader: &FeedReader, stopping: &AtomicBool) {
                     state.push(item, reader.lost());
                 }
             }
-            Err(RecvTimeoutError::Timeout) if !stopping.load(Ordering::Relaxed) => {}
-            _ => {
-                lock(state).end();
-                return;
-            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+        if is_last {
+            break;
         }
     }
+    lock(state).end();
 }
 
 fn accept(listener: &Listener, served: &Served, stopping: &AtomicBool, listeners: &Arc<Mutex<usize>>) {

@@ -101,8 +101,8 @@ mod tests {
             .collect();
         let spectrum = welch(&noise, 1000.0).unwrap();
         let expected = (2.0 / 1000.0_f64).sqrt();
-        // 31 half-overlapping segments and at least 12 bins a point: 3 % of standard error, and 15 %
-        // is five of them.
+        // 31 half-overlapping segments and at least 12 bins a point: 3 % of standard error, and
+        // 15 % is five of them.
         let upper = spectrum.frequency_hz.iter().zip(&spectrum.density).filter(|(f, _)| **f > 50.0 && **f < 490.0);
         for (frequency_hz, density) in upper {
             assert!((density / expected - 1.0).abs() < 0.15, "{frequency_hz} Hz: {density} of {expected}");

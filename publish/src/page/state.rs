@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::channels::{Channel, channels, values};
+use super::channels::{PageChannel, channels, values};
 use super::window::{Bucket, DecimatedWindow};
 use crate::feed::{FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind, from_deg};
 
@@ -36,7 +36,7 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// All that is kept for listeners.
 pub struct PageState {
     pub layout: FeedLayout,
-    pub channels: Vec<Channel>,
+    pub channels: Vec<PageChannel>,
     pub windows: Vec<DecimatedWindow>,
     samples: Vec<VecDeque<f32>>,
     pub latest: Option<Arc<FeedRow>>,

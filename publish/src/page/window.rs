@@ -13,19 +13,19 @@ pub struct Bucket {
     pub id: i64,
     /// Its beginning, s.
     pub time_s: f64,
-    channels: Vec<Span>,
+    channels: Vec<ChannelRange>,
 }
 
 /// What one channel was in a bucket.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Span {
+struct ChannelRange {
     low: f32,
     high: f32,
     sum: f64,
     count: u32,
 }
 
-impl Span {
+impl ChannelRange {
     const NONE: Self = Self { low: f32::INFINITY, high: f32::NEG_INFINITY, sum: 0.0, count: 0 };
 
     fn add(&mut self, value: f32) {
@@ -44,7 +44,7 @@ impl Span {
 
 impl Bucket {
     fn new(id: i64, bucket_s: f64, channels: usize) -> Self {
-        Self { id, time_s: id as f64 * bucket_s, channels: vec![Span::NONE; channels] }
+        Self { id, time_s: id as f64 * bucket_s, channels: vec![ChannelRange::NONE; channels] }
     }
 
     /// Least of each channel; NaN where there was nothing.

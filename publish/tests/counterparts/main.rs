@@ -6,6 +6,7 @@
 
 mod bench;
 mod influx;
+mod live_page;
 mod mqtt;
 mod nmea;
 mod scpi;

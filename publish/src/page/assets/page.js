@@ -145,7 +145,8 @@ function draw(stamp) {
   dirty = false;
   panels.forEach((panel) => panel.draw());
   set("time", clock(now.time_s));
-  set("utc", new Date(now.utc_ms).toISOString().slice(0, 19).replace("T", " ") + " UTC");
+  // A recording may not say when it began.
+  set("utc", now.utc_ms > 1e12 ? `${new Date(now.utc_ms).toISOString().slice(0, 19).replace("T", " ")} UTC` : "");
   wind();
   if (stamp - roseAt > 1000) { roseAt = stamp; rose(); }
 }

@@ -1,4 +1,4 @@
-"""The live page in headless Chromium, for browser.rs: reads what to do from stdin, prints what it saw as JSON."""
+"""The live page in headless Chromium, for live_page.rs: reads what to do from stdin, prints what it saw as JSON."""
 
 import json
 import os

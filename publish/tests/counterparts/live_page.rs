@@ -1,8 +1,7 @@
-//! The live page in a real browser: Debian's Chromium, headless, driven by Playwright
-//! (`live_page.py`). `cargo xtask counterparts` installs both; without them, the test says so.
+//! The live page in a real browser: Chromium, headless, driven by Playwright (`live_page.py`).
 
 use std::io::{BufRead, BufReader, Lines, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -12,6 +11,8 @@ use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRo
 use publish::listen::{Listening, Token};
 use publish::page::LivePage;
 use serde_json::Value;
+
+use crate::bench;
 
 /// The first line is drawn after this, at the latest.
 const DRAWN_MS: f64 = 2000.0;
@@ -58,20 +59,6 @@ fn row(n: u32, state: &str) -> FeedItem {
     }))
 }
 
-/// A Python that has Playwright, and Chromium.
-fn browser() -> Option<(PathBuf, PathBuf)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-    let own = root.join("target/tools/counterparts/bin/python3");
-    let has = |python: &PathBuf| {
-        let output = Command::new(python).args(["-c", "import playwright"]).output();
-        output.is_ok_and(|output| output.status.success())
-    };
-    let python = [own, PathBuf::from("python3")].into_iter().find(has)?;
-    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
-    let chromium = folders.iter().map(|folder| folder.join("chromium")).find(|file| file.is_file())?;
-    Some((python, chromium))
-}
-
 /// The script, which answers each line with one of JSON.
 struct Script {
     child: Child,
@@ -81,7 +68,7 @@ struct Script {
 
 impl Script {
     fn start(python: &Path, chromium: &Path, address: &str) -> Self {
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live_page.py");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/counterparts/live_page.py");
         let mut command = Command::new(python);
         command.arg(script).arg(address).arg(chromium).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().unwrap();
@@ -109,10 +96,7 @@ impl Drop for Script {
 
 #[test]
 fn the_page_draws_alarms_keeps_its_memory_and_has_names() {
-    let Some((python, chromium)) = browser() else {
-        println!("skipped: no chromium, or no Python with playwright; `cargo xtask counterparts` installs them");
-        return;
-    };
+    let Some((python, chromium)) = bench::python().zip(bench::program("chromium")) else { return };
     let feed = Feed::new(FeedLayout {
         title: "Gusts".to_owned(),
         elements: ELEMENTS.map(str::to_owned).to_vec(),
