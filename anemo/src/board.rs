@@ -33,10 +33,10 @@ pub(super) struct InstrumentArguments {
     pub(super) emulation: Emulation,
     /// The file that is its flash, as of `anemo settings`; without it the board keeps nothing.
     #[arg(long, value_name = "FILE", help_heading = EMULATED)]
-    flash: Option<PathBuf>,
+    pub(super) flash: Option<PathBuf>,
     /// Acknowledge a trip of an earlier run, and go on.
     #[arg(long)]
-    acknowledge: bool,
+    pub(super) acknowledge: bool,
 }
 
 impl InstrumentArguments {
@@ -77,7 +77,7 @@ impl InstrumentArguments {
 }
 
 /// How a board is emulated.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(super) struct Emulation {
     /// Firmware of the emulated board; by default that of the release or build.
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]

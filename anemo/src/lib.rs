@@ -15,6 +15,7 @@
 //! one sentence that begins with `anemo:`.
 
 mod analyse;
+mod attend;
 #[cfg(feature = "studies")]
 mod benchmark;
 mod board;
@@ -34,8 +35,11 @@ mod log_files;
 mod log_host;
 mod log_source;
 mod mark;
+
+mod live;
 mod merge;
 mod output;
+mod pace;
 mod picture;
 mod plot;
 mod predict;
@@ -44,6 +48,7 @@ mod progress;
 mod recorded;
 mod recover;
 mod reduce;
+mod replay;
 mod run;
 mod self_test;
 mod settings;
@@ -100,6 +105,7 @@ enum Subcommands {
     Run(run::Arguments),
     Log(log::Arguments),
     Mark(mark::Arguments),
+    Live(live::Arguments),
     Recover(recover::Arguments),
     SelfTest(self_test::Arguments),
     Settings(settings::Arguments),
@@ -178,6 +184,7 @@ pub fn main() -> ExitCode {
         Subcommands::Run(arguments) => run::execute(&arguments),
         Subcommands::Log(arguments) => log::execute(&arguments),
         Subcommands::Mark(arguments) => mark::execute(&arguments),
+        Subcommands::Live(arguments) => live::execute(&arguments),
         Subcommands::Recover(arguments) => recover::execute(&arguments),
         Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
         Subcommands::Settings(arguments) => settings::execute(&arguments),

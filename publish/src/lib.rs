@@ -9,6 +9,7 @@
 //! | [`output`] | one thread an address: UDP, TCP, serial ports, HTTP, MQTT, SCPI |
 //! | [`target`] | addresses as a user writes them |
 //! | [`listen`] | the only place that opens sockets |
+//! | [`page`] | the live page, for a browser |
 //!
 //! The feature `tls` adds encrypted connections, with 12 packages for MQTT and 12 more for HTTP.
 
@@ -18,6 +19,7 @@ pub mod file;
 pub mod format;
 pub mod listen;
 pub mod output;
+pub mod page;
 pub mod target;
 
 pub use output::start;

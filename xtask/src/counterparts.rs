@@ -1,6 +1,6 @@
 //! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
-//! of SCPI, readers of files. Tests start them on the loopback and end them; none is a service of
-//! the system.
+//! of SCPI, readers of files, a browser. Tests start them on the loopback and end them; none is a
+//! service of the system.
 
 use crate::{install, shell};
 use anyhow::Result;
@@ -12,13 +12,14 @@ struct Counterpart {
     service: Option<&'static str>,
 }
 
-const COUNTERPARTS: [Counterpart; 6] = [
+const COUNTERPARTS: [Counterpart; 7] = [
     Counterpart { program: "mosquitto", package: "mosquitto", service: Some("mosquitto") },
     Counterpart { program: "mosquitto_sub", package: "mosquitto-clients", service: None },
     Counterpart { program: "influxd", package: "influxdb", service: Some("influxdb") },
     Counterpart { program: "lxi", package: "lxi-tools", service: None },
     Counterpart { program: "ncdump", package: "netcdf-bin", service: None },
     Counterpart { program: "octave-cli", package: "octave", service: None },
+    Counterpart { program: "chromium", package: "chromium", service: None },
 ];
 
 /// Installs what is missing. What this system has no package of is named, and its tests skip.

@@ -23,7 +23,7 @@ pub mod summary;
 pub use check::CheckReport;
 pub use conduct::run;
 pub use error::{EarlyEnd, RunError};
-pub use start::{SetPointJudgement, rehearse, setup_of, start};
+pub use start::{SetPointJudgement, change_drives, rehearse, setup_of, start};
 pub use summary::{ElementSummary, RunSummary, TripSummary};
 
 #[cfg(test)]

@@ -111,7 +111,10 @@ pub fn setup_of(experiment: &Experiment) -> Result<Vec<Command>, RunError> {
 /// next, on a board one soon after.
 ///
 /// `taken` is called with every drive that begins.
-pub(super) fn change_drives(
+///
+/// # Errors
+/// A refusal, by its key in the file; none of a tripped instrument, which keeps its heaters low.
+pub fn change_drives(
     experiment: &Experiment,
     instrument: &mut dyn InstrumentPort,
     change: &DriveChange,

@@ -28,7 +28,7 @@ pub fn program(name: &str) -> Option<PathBuf> {
 pub fn python() -> Option<PathBuf> {
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("..");
     let python = target.join("tools/counterparts/bin/python");
-    found("python with pynmea2 and pyvisa", python.is_file().then_some(python))
+    found("python with pynmea2, pyvisa and playwright", python.is_file().then_some(python))
 }
 
 fn found(name: &str, file: Option<PathBuf>) -> Option<PathBuf> {

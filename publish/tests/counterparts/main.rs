@@ -7,6 +7,7 @@
 mod bench;
 mod file;
 mod influx;
+mod live_page;
 mod mqtt;
 mod nmea;
 mod scpi;
