@@ -45,6 +45,7 @@ mod plot;
 mod predict;
 mod predict_against;
 mod progress;
+mod publish_options;
 mod recorded;
 mod recover;
 mod reduce;

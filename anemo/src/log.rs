@@ -11,6 +11,7 @@ use crate::log_host::{Host, PressureFile};
 use crate::log_source::SourceArguments;
 use crate::output::Failure;
 use crate::progress::on_interrupt;
+use crate::publish_options::PublishArguments;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::{LogOptions, LogSummary, log};
 use publish::commands::channel;
@@ -66,6 +67,8 @@ pub struct Arguments {
     /// Stop after so long.
     #[arg(long = "for", value_name = "TIME")]
     for_time: Option<SegmentLength>,
+    #[command(flatten)]
+    publish: PublishArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -89,15 +92,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if folder.extension().is_some() && !folder.is_dir() {
         return Err(Failure::in_file(folder, "a log is recorded into a folder, whose name has no extension"));
     }
+    let targets = arguments.publish.targets()?;
     let mut known = crate::run::metadata(&experiment, on);
     let (begin_s, begin) = begin(folder, &experiment, &mut known)?;
     let layout = crate::run::layout(&experiment, on);
     let interrupted = on_interrupt();
     let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
     let recorder = Recorder::create(folder, layout, &known, &options).map_err(Failure::usage)?;
-    let feed = Feed::new(feed_layout(&experiment, &first.identity().firmware, first.identity().unique_id));
-    // Listeners get clones of these two.
-    let (_commands, requests) = channel();
+    let (firmware, unique_id) = (first.identity().firmware.to_string(), first.identity().unique_id);
+    let feed = Feed::new(feed_layout(&experiment, &firmware, unique_id, arguments.publish.heading));
+    let (commands, requests) = channel();
+    let published = arguments.publish.start(&targets, &feed, &commands)?;
     let pressure = arguments.source.pressure.clone().map(|source| PressureFile {
         source,
         last_pa: experiment.pressure_pa,
@@ -146,6 +151,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let summary = log(&experiment, &options, &mut host)?;
     end(host, &summary)?;
+    published.end();
     if arguments.json {
         crate::output::print_json(&summary)?;
     } else {
@@ -203,7 +209,7 @@ fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result
     Ok((experiment.time_of((begin_s / period_s - 1e-6).ceil()), now))
 }
 
-fn feed_layout(experiment: &Experiment, firmware: &str, unique_id: [u32; 3]) -> FeedLayout {
+fn feed_layout(experiment: &Experiment, firmware: &str, unique_id: [u32; 3], heading_deg: f64) -> FeedLayout {
     let names: Vec<String> = experiment.head.names().into_iter().map(str::to_owned).collect();
     FeedLayout {
         title: experiment.title.clone(),
@@ -214,7 +220,7 @@ fn feed_layout(experiment: &Experiment, firmware: &str, unique_id: [u32; 3]) -> 
         sample_period_s: experiment.sample_period_s,
         firmware: firmware.to_owned(),
         unique_id,
-        heading_deg: 0.0,
+        heading_deg,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Options of what is published while an instrument runs.
 
-use std::net::IpAddr;
+use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
 use crate::output::Failure;
@@ -8,6 +8,7 @@ use publish::commands::FeedCommands;
 use publish::feed::Feed;
 use publish::listen::{Listening, Token};
 use publish::output::{PublishContext, Publishing};
+use publish::page::LivePage;
 use publish::target::PublishTarget;
 
 #[derive(clap::Args)]
@@ -16,6 +17,9 @@ pub struct PublishArguments {
     /// a .toml file of such addresses. May be repeated.
     #[arg(long, value_name = "ADDRESS|FILE")]
     publish: Vec<String>,
+    /// Serve the live page at this port, 0 for any that is free, and print its address.
+    #[arg(long, value_name = "PORT")]
+    page: Option<u16>,
     /// Let other machines reach listeners at this address of this one.
     #[arg(long, value_name = "IP")]
     listen: Option<IpAddr>,
@@ -43,7 +47,7 @@ impl PublishArguments {
         targets: &[PublishTarget],
         feed: &Feed,
         commands: &FeedCommands,
-    ) -> Result<Publishing, Failure> {
+    ) -> Result<Published, Failure> {
         let token = match &self.token {
             Some(token) => Token::new(token).map_err(Failure::usage)?,
             None => Token::random().map_err(Failure::work)?,
@@ -51,11 +55,37 @@ impl PublishArguments {
         if self.token.is_none() && targets.iter().any(PublishTarget::takes_commands) {
             eprintln!("anemo: commands need the token {}", token.text());
         }
+        let listening = Listening::new(self.listen, token);
+        let serve = |port: u16| {
+            let address = (self.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), port).into();
+            LivePage::serve(feed, Some(commands.clone()), &listening, address)
+        };
+        let page = self.page.map(serve).transpose().map_err(Failure::work)?;
+        if let Some(page) = &page {
+            eprintln!("anemo: live at {}", page.address());
+        }
         let context = PublishContext {
-            listening: Listening::new(self.listen, token),
+            listening,
             commands: Some(commands.clone()),
             report: Arc::new(|sentence| eprintln!("anemo: {sentence}")),
         };
-        publish::start(targets, feed, &context).map_err(Failure::work)
+        let outputs = publish::start(targets, feed, &context).map_err(Failure::work)?;
+        Ok(Published { outputs, page })
+    }
+}
+
+/// What is published, until the feed is gone.
+pub struct Published {
+    outputs: Publishing,
+    page: Option<LivePage>,
+}
+
+impl Published {
+    /// Waits until all have said good-bye.
+    pub fn end(self) {
+        drop(self.page);
+        for name in self.outputs.join() {
+            eprintln!("anemo: {name} has not taken the end of the log");
+        }
     }
 }
