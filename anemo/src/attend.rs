@@ -12,7 +12,7 @@ use dr_core::control::{Drive, RunState, SelfTestFinding, SelfTestPlan};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentError, InstrumentPort, Observation, setup};
 use host_sim::run::RunError;
-use publish::commands::{FeedCommand, FeedRequest};
+use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
 use wire::Identity;
 
@@ -56,7 +56,7 @@ pub fn attend(
     while ticks < experiment.ticks && !interrupted.load(Ordering::Relaxed) {
         while let Ok(request) = requests.try_recv() {
             let carried = carry_out(experiment, instrument, request.command.clone(), &|kind| tell(time_s, kind));
-            request.answer(carried.as_ref().map(drop).map_err(ToString::to_string));
+            request.answer(carried.as_ref().map(drop).map_err(|error| CommandRefusal(error.to_string())));
             if let Err(error) = carried
                 && !matches!(error, InstrumentError::Refused(_))
             {

@@ -15,7 +15,7 @@ use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;
 use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRequest};
-use publish::commands::{FeedCommand, FeedRequest};
+use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedRow, FeedWind};
 use recording::{Recorder, RecordingRow, utc};
 
@@ -261,11 +261,14 @@ impl LogHost for Host {
                     continue;
                 }
                 FeedCommand::SelfTest => {
-                    request.answer(Err("a log runs: end it, then run `anemo self-test`".to_owned()));
+                    request.answer(Err(CommandRefusal("a log runs: end it, then run `anemo self-test`".to_owned())));
                     continue;
                 }
             };
-            return Some(LogRequest { command, answer: Box::new(|outcome| request.answer(outcome)) });
+            return Some(LogRequest {
+                command,
+                answer: Box::new(|outcome| request.answer(outcome.map_err(CommandRefusal))),
+            });
         }
     }
 

@@ -42,12 +42,7 @@ impl PublishArguments {
     }
 
     /// Starts it.
-    pub fn start(
-        &self,
-        targets: &[PublishTarget],
-        feed: &Feed,
-        commands: &FeedCommands,
-    ) -> Result<Published, Failure> {
+    pub fn start(&self, targets: &[PublishTarget], feed: &Feed, commands: &FeedCommands) -> Result<Published, Failure> {
         let token = match &self.token {
             Some(token) => Token::new(token).map_err(Failure::usage)?,
             None => Token::random().map_err(Failure::work)?,

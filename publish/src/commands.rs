@@ -30,8 +30,13 @@ pub enum FeedCommand {
     SelfTest,
 }
 
-/// Done, or why not: a sentence.
-pub type CommandAnswer = Result<(), String>;
+/// Why the run does not obey: a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct CommandRefusal(pub String);
+
+/// Done, or why not.
+pub type CommandAnswer = Result<(), CommandRefusal>;
 
 /// The listeners' end. Clones ask the same run.
 #[derive(Debug, Clone)]
@@ -61,7 +66,7 @@ impl FeedCommands {
     /// A sentence: why the run refused, or that it did not answer within `timeout`.
     pub fn ask(&self, command: FeedCommand, timeout: Duration) -> CommandAnswer {
         let (answer, answered) = sync_channel(1);
-        let refuse = |sentence: &str| Err(sentence.to_owned());
+        let refuse = |sentence: &str| Err(CommandRefusal(sentence.to_owned()));
         match self.0.try_send(FeedRequest { command, answer }) {
             Ok(()) => match answered.recv_timeout(timeout) {
                 Ok(answer) => answer,
@@ -94,21 +99,21 @@ mod tests {
             scope.spawn(move || {
                 for request in requests.iter().take(2) {
                     let refused = request.command == FeedCommand::Start;
-                    request.answer(if refused { Err("it is tripped".to_owned()) } else { Ok(()) });
+                    request.answer(if refused { Err(CommandRefusal("it is tripped".to_owned())) } else { Ok(()) });
                 }
             });
-            assert_eq!(commands.ask(FeedCommand::Start, LONG), Err("it is tripped".to_owned()));
+            assert_eq!(commands.ask(FeedCommand::Start, LONG), Err(CommandRefusal("it is tripped".to_owned())));
             assert_eq!(commands.ask(FeedCommand::Stop, LONG), Ok(()));
         });
-        assert_eq!(commands.ask(FeedCommand::Stop, LONG), Err("the run takes no commands".to_owned()));
+        assert_eq!(commands.ask(FeedCommand::Stop, LONG), Err(CommandRefusal("the run takes no commands".to_owned())));
     }
 
     #[test]
     fn a_run_that_does_not_listen_costs_a_listener_its_patience_and_no_memory() {
         let (commands, _requests) = channel();
         for _ in 0..WAITING {
-            assert!(commands.ask(FeedCommand::Arm, Duration::ZERO).unwrap_err().contains("in time"));
+            assert!(commands.ask(FeedCommand::Arm, Duration::ZERO).unwrap_err().0.contains("in time"));
         }
-        assert!(commands.ask(FeedCommand::Arm, LONG).unwrap_err().contains("too many"));
+        assert!(commands.ask(FeedCommand::Arm, LONG).unwrap_err().0.contains("too many"));
     }
 }

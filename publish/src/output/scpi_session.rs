@@ -120,7 +120,7 @@ impl ScpiSession {
         let commands = instrument.commands.as_ref();
         let refuse = |why: String| ScpiError(-200, format!("Execution error; {why}"));
         let commands = commands.ok_or_else(|| refuse("the run takes no commands".to_owned()))?;
-        commands.ask(command, PATIENCE).map_err(refuse)?;
+        commands.ask(command, PATIENCE).map_err(|refusal| refuse(refusal.0))?;
         Ok(None)
     }
 }
@@ -284,7 +284,7 @@ mod tests {
                 let first = requests.recv().expect("a request");
                 let command = first.command.clone();
                 first.answer(Ok(()));
-                requests.recv().expect("a request").answer(Err("tripped".to_owned()));
+                requests.recv().expect("a request").answer(Err(commands::CommandRefusal("tripped".to_owned())));
                 command
             });
             session.answer("*CLS;SYST:PASS \"a-token-of-the-test\";SOUR:TEMP 'core;1',90.5;INIT", &instrument);

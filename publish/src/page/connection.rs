@@ -71,7 +71,7 @@ impl Served {
             return Err("a command is JSON".to_owned());
         }
         let (command, done) = request::command(&asked.body)?;
-        commands.ask(command, TIMEOUT)?;
+        commands.ask(command, TIMEOUT).map_err(|refusal| refusal.0)?;
         Ok(done)
     }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant, SystemTime};
 use serde_json::Value;
 
 use super::LivePage;
-use crate::commands::{FeedCommand, FeedCommands, channel};
+use crate::commands::{CommandRefusal, FeedCommand, FeedCommands, channel};
 use crate::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow};
 use crate::listen::{Listening, Token};
 
@@ -181,7 +181,11 @@ fn commands_are_carried_out_by_the_run_or_refused_by_its_sentence() {
     let run = std::thread::spawn(move || {
         let asked = requests.iter().take(2).map(|request| {
             let command = request.command.clone();
-            request.answer(if command == FeedCommand::Start { Err("not armed".to_owned()) } else { Ok(()) });
+            request.answer(if command == FeedCommand::Start {
+                Err(CommandRefusal("not armed".to_owned()))
+            } else {
+                Ok(())
+            });
             command
         });
         asked.collect::<Vec<_>>()

@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use publish::commands::{FeedCommand, channel};
+use publish::commands::{CommandRefusal, FeedCommand, channel};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow};
 use publish::listen::{Listening, Token};
 use publish::page::LivePage;
@@ -147,7 +147,7 @@ fn the_page_draws_alarms_keeps_its_memory_and_has_names() {
     let run = std::thread::spawn(move || {
         let request = requests.recv().unwrap();
         assert_eq!(request.command, FeedCommand::Stop);
-        request.answer(Err("it is tripped".to_owned()));
+        request.answer(Err(CommandRefusal("it is tripped".to_owned())));
     });
     let keys = script.ask("keys");
     assert_eq!(keys["answer"], "it is tripped");
