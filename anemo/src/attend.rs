@@ -193,7 +193,7 @@ mod tests {
             let stopped = until(&reader, "standby");
             assert_eq!(stopped.heaters, 0);
             let refusal = ask(FeedCommand::Start).unwrap_err();
-            assert!(refusal.starts_with("the instrument refuses"), "{refusal}");
+            assert!(refusal.0.starts_with("the instrument refuses"), "{refusal}");
             assert_eq!([ask(FeedCommand::Arm), ask(FeedCommand::Start)], [Ok(()), Ok(())]);
             let again = until(&reader, "running");
             assert!(again.time_s > stopped.time_s, "time goes on: {} {}", again.time_s, stopped.time_s);
