@@ -21,8 +21,9 @@ use recording::{Metadata, Recorder, SegmentLength, WriterOptions, utc};
 /// Log an instrument until it is stopped by Ctrl-C or SIGTERM.
 ///
 /// The recording is a folder of closed segments, which a later log continues. A lost link, a board
-/// that starts anew, a trip and a full disk do not end it: the rows show the gap, the column `event`
-/// says what happened. After a reset or a trip it only records, until a person starts the heaters.
+/// that starts anew, a trip and a full disk do not end it: the rows show the gap, the column
+/// `event` says what happened. After a reset or a trip it only records, until a person starts the
+/// heaters.
 ///
 /// Exit codes: 0 stopped, 1 failed, 2 wrong usage, 3 stopped and had tripped, 4 ended early.
 #[derive(clap::Args)]

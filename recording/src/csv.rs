@@ -1,8 +1,8 @@
 //! Recordings as CSV (RFC 4180) with `# key: value` lines around the table.
 //!
 //! Numbers are written with the fewest digits that give the same f32 back (f64 for the time). A
-//! missing number is an empty field, a moment (`utc`) is in RFC 3339. A line break in a metadata value is written `\n`, a backslash
-//! `\\`.
+//! missing number is an empty field, a moment (`utc`) is in RFC 3339. A line break in a metadata
+//! value is written `\n`, a backslash `\\`.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write as _};

@@ -36,8 +36,8 @@
 //! value`: above the header what is known at the start, below the last row what is known at the end
 //! of a run. Times are stored in f64, the rest in f32, which is what the instrument computes in.
 //! Files of before 0.2 (`power_w:sector1`, `answer_x_m_s`) are read with the names above. Any other
-//! uniformly sampled table with named columns can be read just as well, with its own names. In Parquet,
-//! unit and description of each column are metadata of its field.
+//! uniformly sampled table with named columns can be read just as well, with its own names. In
+//! Parquet, unit and description of each column are metadata of its field.
 //!
 //! | module or type | what it is |
 //! |---|---|

@@ -3,8 +3,8 @@
 //! Times are DOUBLE, temperatures, powers and wind FLOAT, heater bits INT32 marked as unsigned 8
 //! bit, quality flags INT32 marked as unsigned 32 bit and null where there is no estimate, event
 //! and state UTF-8 in a dictionary, moments INT64 marked as microseconds in UTC. Unit and
-//! description of every column are where Arrow keeps them. Reading accepts any flat file of numbers, booleans and text; a
-//! null is a missing number (NaN) or an empty text.
+//! description of every column are where Arrow keeps them. Reading accepts any flat file of
+//! numbers, booleans and text; a null is a missing number (NaN) or an empty text.
 
 mod arrow_schema;
 mod read;
@@ -103,8 +103,8 @@ impl RowSink for ParquetWriter {
         self.file.bytes_written() as u64 + self.rows as u64 * row
     }
 
-    /// What an instrument adds at the end is short; a column of a group has pages' heads, statistics
-    /// and its line in the table of contents, and in the schema its description.
+    /// What an instrument adds at the end is short; a column of a group has pages' heads,
+    /// statistics and its line in the table of contents, and in the schema its description.
     fn frame_bytes(&self) -> u64 {
         // Once plain, once for Arrow, in base64.
         2 * length(&self.metadata) + 16_384 + 512 * self.buffers.len() as u64 * (self.groups + 2)

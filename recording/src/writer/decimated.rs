@@ -83,7 +83,7 @@ impl Gathered {
 }
 
 /// Gathers rows until their interval is over.
-pub(super) struct Decimator {
+pub(super) struct RowDecimator {
     every_s: f64,
     kinds: Vec<ColumnKind>,
     /// Which interval the rows are of, if there are any.
@@ -91,7 +91,7 @@ pub(super) struct Decimator {
     gathered: Vec<Gathered>,
 }
 
-impl Decimator {
+impl RowDecimator {
     pub fn new(every_s: f64, columns: &[(String, ColumnKind)]) -> Self {
         let kinds = columns.iter().map(|(_, kind)| *kind).collect();
         Self { every_s, kinds, interval: None, gathered: Vec::new() }

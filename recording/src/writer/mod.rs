@@ -21,9 +21,9 @@ use crate::format1::FORMAT;
 use crate::names::{TIME, UTC};
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
-use crate::utc::seconds_of;
-use decimated::Decimator;
+use decimated::RowDecimator;
 use journal::Journal;
+use owned_row::stamped;
 use segments::Segments;
 use table::{TableWriter, unwritten};
 
@@ -51,7 +51,7 @@ pub struct RecordingWriter {
     journal: Option<Journal>,
     /// Of a folder.
     segments: Option<Segments>,
-    beside: Option<Box<(Decimator, RecordingWriter)>>,
+    beside: Option<Box<(RowDecimator, RecordingWriter)>>,
     rows: u64,
     /// Rows for which there was no room.
     left_out: u64,
@@ -114,7 +114,7 @@ impl RecordingWriter {
             let options = WriterOptions { keep_s: None, every_s: None, ..*options };
             let path = path.join(decimated::folder(every_s));
             let writer = Self::of_columns(&path, decimated::names(&columns), &metadata, &options)?;
-            Ok(Box::new((Decimator::new(every_s, &columns), writer)))
+            Ok(Box::new((RowDecimator::new(every_s, &columns), writer)))
         });
         Ok(Self {
             layout: RecordingLayout::default(),
@@ -312,12 +312,6 @@ impl RecordingWriter {
             self.segments.iter().for_each(Segments::remove_folder);
         }
     }
-}
-
-/// The cells of a row, with the moment at which it arrived behind its time.
-fn stamped<'a>(row: &'a RecordingRow<'_>, arrived: Option<SystemTime>) -> impl Iterator<Item = RowCell<'a>> {
-    let mut cells = row.cells();
-    cells.next().into_iter().chain(arrived.map(|arrived| RowCell::Number(seconds_of(arrived)))).chain(cells)
 }
 
 /// Whether a recording's name is a folder's: without extension, or of one that is there. `.csv` is

@@ -2,9 +2,9 @@
 
 use std::time::SystemTime;
 
-use super::stamped;
 use crate::column::RowCell;
 use crate::row::RecordingRow;
+use crate::utc::seconds_of;
 
 pub(super) struct OwnedRow {
     pub time_s: f64,
@@ -31,4 +31,10 @@ impl OwnedRow {
             OwnedCell::Text(text) => RowCell::Text(text),
         })
     }
+}
+
+/// The cells of a row, with the moment at which it arrived behind its time.
+pub(super) fn stamped<'a>(row: &'a RecordingRow<'_>, arrived: Option<SystemTime>) -> impl Iterator<Item = RowCell<'a>> {
+    let mut cells = row.cells();
+    cells.next().into_iter().chain(arrived.map(|arrived| RowCell::Number(seconds_of(arrived)))).chain(cells)
 }

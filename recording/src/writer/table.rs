@@ -75,8 +75,8 @@ impl TableWriter {
         Ok(())
     }
 
-    /// Has the disk keep room for one more row and for the end of the file, so that it can always be
-    /// closed.
+    /// Has the disk keep room for one more row and for the end of the file, so that it can always
+    /// be closed.
     pub fn reserve(&mut self) -> Result<(), RecordingError> {
         let wanted = self.sink.bytes() + self.sink.frame_bytes() + STEP / 4;
         if wanted > self.reserved {

@@ -27,8 +27,8 @@ impl TickTime {
         self.begins_anew = true;
     }
 
-    /// Time of a tick's row, s, and how many are missing before it. `elapsed_s` is the host's clock,
-    /// which bridges what the board has not counted.
+    /// Time of a tick's row, s, and how many are missing before it. `elapsed_s` is the host's
+    /// clock, which bridges what the board has not counted.
     pub fn of(&mut self, tick: u32, elapsed_s: Option<f64>, experiment: &Experiment) -> (f64, u32) {
         let period_s = experiment.sample_period_s;
         let missing = tick.wrapping_sub(self.due);
