@@ -67,7 +67,7 @@ fn is_kept(head: &Head) {
     let text = file::to_toml("a firmware", &settings).expect("any setting can be written");
     let read = file::from_source(&TomlSource { path: "settings.toml".into(), text });
     assert_eq!(read.as_ref(), Ok(&settings));
-    if let Err(error) = rehearse(&settings) {
+    if let Err(error) = rehearse(&settings, &HardwareLimits::SIMULATED) {
         let sentence = error.to_string();
         super::sentences::said(&sentence);
         assert!(
