@@ -9,9 +9,10 @@ use host_sim::instrument::InstrumentPort;
 use host_sim::instrument::serial::Serial;
 use host_sim::run::start;
 use silicon::adc::AdcFault;
+use silicon::complaint::BrokenRule;
 use silicon::machine::MachineConfig;
 use silicon::stream::MachineStream;
-use silicon::time::ms;
+use silicon::time::{ms, us};
 
 /// The converter's threshold of its comparators, which nothing else depends on.
 const FAULT_REGISTER: usize = 4;
@@ -63,6 +64,27 @@ fn conversions_that_are_served_too_late_are_dropped_and_counted() {
     let status = Box::new(instrument).finish().unwrap().status.unwrap();
     assert!((1..100).contains(&status.lost_conversions), "{}", status.lost_conversions);
     rig.assert_no_complaint();
+}
+
+/// A debugger holds the core in the middle of a frame for two conversions: what is left of the
+/// frame is the last one's, which is not read a second time.
+#[test]
+fn a_frame_that_was_torn_is_dropped_with_the_conversion_that_tore_it() {
+    let rig = Rig::of(&experiment("held.toml", 10));
+    let instrument = rig.instrument();
+    for k in 0..200 {
+        rig.machine().run_for(ms(2) + us(7 * k % 250)).unwrap();
+        rig.machine().board_mut().hold_core(true);
+        rig.machine().run_for(us(500)).unwrap();
+        rig.machine().board_mut().hold_core(false);
+    }
+    rig.machine().run_for(ms(1_200)).unwrap();
+    let complaints = rig.complaints();
+    let [torn] = complaints.as_slice() else { panic!("{complaints:?}") };
+    assert!(torn.rule == BrokenRule::AdcFrameAcrossUpdate && torn.times > 5, "{torn}");
+    // Two conversions for a hold that tore one, at least one for any other.
+    let status = Box::new(instrument).finish().unwrap().status.unwrap();
+    assert!(status.lost_conversions >= 200 + torn.times, "{} of {}", status.lost_conversions, torn.times);
 }
 
 #[test]

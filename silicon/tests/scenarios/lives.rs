@@ -21,7 +21,6 @@ use silicon::plant::SensorPlant;
 use silicon::soc::power::NOMINAL_MV;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wire::{Setting, SettingsRequest, ToBoard};
@@ -69,8 +68,8 @@ struct Life<'a> {
     experiment: &'a Experiment,
     /// Everything that is sent gets a number of its own.
     number: u16,
-    /// When its crystal has failed, or a debugger has held its core.
-    slowed: Vec<Range<u64>>,
+    /// Frames that crossed a conversion because the crystal failed, or a debugger held the core.
+    slowed: u32,
 }
 
 impl Life<'_> {
@@ -177,9 +176,7 @@ impl Life<'_> {
                 "crash"
             }
             16 => {
-                let mut machine = self.rig.machine();
-                self.slowed.push(machine.now()..machine.now() + ms(2));
-                machine.board_mut().fail_crystal();
+                self.slow(|life| life.rig.machine().board_mut().fail_crystal());
                 "crystal"
             }
             17 => {
@@ -231,11 +228,11 @@ impl Life<'_> {
                 "supply gone"
             }
             25 => {
-                let begin = self.rig.machine().now();
-                self.rig.machine().board_mut().hold_core(true);
-                self.run_for(ms(chance.below(1_200)));
-                self.rig.machine().board_mut().hold_core(false);
-                self.slowed.push(begin..self.rig.machine().now() + ms(2));
+                self.slow(|life| {
+                    life.rig.machine().board_mut().hold_core(true);
+                    life.run_for(ms(chance.below(1_200)));
+                    life.rig.machine().board_mut().hold_core(false);
+                });
                 "debugger"
             }
             _ => {
@@ -267,16 +264,28 @@ impl Life<'_> {
 impl Life<'_> {
     /// A crystal that fails, or a debugger, slows the bus in the middle of a frame, which then
     /// crosses the next conversion. It is dropped, as late frames are, and no decision comes of it.
+    fn slow(&mut self, deed: impl FnOnce(&Self)) {
+        let before = self.frames_across_update();
+        deed(self);
+        self.run_for(ms(2));
+        self.slowed += (self.frames_across_update() - before).min(1);
+    }
+
+    fn frames_across_update(&self) -> u32 {
+        let complaints = self.rig.complaints();
+        let crossing = complaints.iter().find(|of| of.rule == BrokenRule::AdcFrameAcrossUpdate);
+        crossing.map_or(0, |of| of.times)
+    }
+
     fn is_of_what_slows(&self, of: &Complaint) -> bool {
-        let causes = self.slowed.iter().filter(|slowed| slowed.contains(&of.cycle));
-        of.rule == BrokenRule::AdcFrameAcrossUpdate && of.times as usize <= causes.count()
+        of.rule == BrokenRule::AdcFrameAcrossUpdate && of.times <= self.slowed
     }
 }
 
 /// Lives these deeds; gives their names, and what was wrong.
 fn live(rig: &Rig, experiment: &Experiment, deeds: &[u64]) -> (Vec<&'static str>, Result<(), String>) {
     rig.begin_anew(experiment);
-    let mut life = Life { rig, experiment, number: 100, slowed: Vec::new() };
+    let mut life = Life { rig, experiment, number: 100, slowed: 0 };
     let mut names = Vec::new();
     for &deed in deeds {
         let mut chance = Chance::of(deed);

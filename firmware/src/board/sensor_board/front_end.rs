@@ -100,6 +100,8 @@ pub struct AdcFrontEnd {
     input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
+    /// The edge that waits came while a frame was read: what is left of its own is no frame.
+    torn: bool,
     /// Conversions without codes so far.
     lost: u32,
     /// Frames since the ADC's registers were read back.
@@ -156,6 +158,7 @@ impl AdcFrontEnd {
             connected: Some(FrontEndInput::Element),
             input: FrontEndInput::Element,
             overran: false,
+            torn: false,
             lost: 0,
             unchecked: 0,
             fault: None,
@@ -176,15 +179,10 @@ impl AdcFrontEnd {
                     None
                 }
                 Due::Late => {
-                    self.line.clear_interrupt_pending_bit();
+                    self.clear_edge();
                     None
                 }
-                Due::Read => {
-                    self.line.clear_interrupt_pending_bit();
-                    // An edge that has come meanwhile has changed the rest of the frame.
-                    let codes = self.adc.read_frame().ok().filter(|_| !self.line.check_interrupt());
-                    codes.inspect(|_| self.read_at = now)
-                }
+                Due::Read => self.read_frame(now),
             };
             match codes {
                 Some(_) => self.unchecked += 1,
@@ -223,9 +221,27 @@ impl AdcFrontEnd {
     fn has_edge(&mut self) -> bool {
         let edge = self.line.check_interrupt();
         if edge && self.rate.is_none() {
-            self.line.clear_interrupt_pending_bit();
+            self.clear_edge();
         }
         edge && self.rate.is_some()
+    }
+
+    /// The codes of the edge that waits.
+    fn read_frame(&mut self, now: u32) -> Option<[i32; ELEMENTS]> {
+        if self.clear_edge() {
+            self.overran = true;
+            return None;
+        }
+        let codes = self.adc.read_frame();
+        // An edge that has come meanwhile has changed the rest of the frame.
+        self.torn = self.line.check_interrupt();
+        codes.ok().filter(|_| !self.torn).inspect(|_| self.read_at = now)
+    }
+
+    /// Takes the edge that waits; returns whether its frame was spoilt by the reading of another.
+    fn clear_edge(&mut self) -> bool {
+        self.line.clear_interrupt_pending_bit();
+        core::mem::take(&mut self.torn)
     }
 
     /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
@@ -247,7 +263,7 @@ impl AdcFrontEnd {
         self.dead_man.decided(false);
         if self.any_high && self.has_edge() {
             // This conversion is of before.
-            self.line.clear_interrupt_pending_bit();
+            self.clear_edge();
             self.data_ready.next(counts(), true);
         }
         if self.any_high {
@@ -274,7 +290,7 @@ impl AdcFrontEnd {
         self.connected = self.adc.select(connect, &mut CycleDelay).ok().map(|()| input);
         self.rate = self.connected.map(|_| self.plan.rate());
         // An edge of what was read before.
-        self.line.clear_interrupt_pending_bit();
+        self.clear_edge();
         self.data_ready = expectation(self.plan);
         self.mean = SettledMean::new(self.plan);
     }
@@ -313,7 +329,7 @@ impl AdcFrontEnd {
             let taken = self.usable && self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
             self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
-            self.line.clear_interrupt_pending_bit();
+            self.clear_edge();
             self.data_ready = expectation(plan);
         }
         self.mean = SettledMean::new(plan);
