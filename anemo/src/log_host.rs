@@ -14,7 +14,7 @@ use crate::log_source::PressureSource;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;
-use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRequest};
+use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRefusal, LogRequest};
 use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedRow, FeedWind};
 use recording::{Recorder, RecordingRow, utc};
@@ -114,8 +114,8 @@ impl Host {
                 self.own_requests.push_back(LogCommand::Pressure(now_pa));
             }
             Ok(_) => {}
-            Err(sentence) => {
-                let (time_s, line) = (self.status.time_s, format!("{sentence}; the pressure stays"));
+            Err(failure) => {
+                let (time_s, line) = (self.status.time_s, format!("{}; the pressure stays", failure.sentence));
                 self.tell(time_s, &line, None);
             }
         }
@@ -240,9 +240,9 @@ impl LogHost for Host {
         }
         if let Some(command) = self.own_requests.pop_front() {
             let refused = format!("{command:?} was refused");
-            let answer = move |outcome: Result<(), String>| {
-                if let Err(sentence) = outcome {
-                    eprintln!("anemo: {refused}: {sentence}");
+            let answer = move |outcome| {
+                if let Err(refusal) = outcome {
+                    eprintln!("anemo: {refused}: {refusal}");
                 }
             };
             return Some(LogRequest { command, answer: Box::new(answer) });
@@ -265,9 +265,10 @@ impl LogHost for Host {
                     continue;
                 }
             };
+            let refuse = |refusal: LogRefusal| CommandRefusal(refusal.to_string());
             return Some(LogRequest {
                 command,
-                answer: Box::new(|outcome| request.answer(outcome.map_err(CommandRefusal))),
+                answer: Box::new(move |outcome| request.answer(outcome.map_err(refuse))),
             });
         }
     }

@@ -49,18 +49,18 @@ impl FromStr for PressureSource {
 
 impl PressureSource {
     /// The pressure now, Pa; of a file its last line.
-    pub(super) fn now_pa(&self) -> Result<f64, String> {
+    pub(super) fn now_pa(&self) -> Result<f64, Failure> {
         let (pressure_pa, place) = match self {
             Self::Pascal(pressure_pa) => (Some(*pressure_pa), "--pressure".to_owned()),
             Self::File(path) => {
-                let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+                let text = std::fs::read_to_string(path).map_err(|error| Failure::in_file(path, error))?;
                 let last = text.lines().rev().find(|line| !line.trim().is_empty());
                 (last.and_then(|line| line.trim().parse().ok()), path.display().to_string())
             }
         };
         pressure_pa
             .filter(|pressure_pa: &f64| pressure_pa.is_finite() && *pressure_pa > 0.0)
-            .ok_or_else(|| format!("{place}: a pressure in Pa belongs there"))
+            .ok_or_else(|| Failure::usage(format!("{place}: a pressure in Pa belongs there")))
     }
 }
 
@@ -79,7 +79,7 @@ impl SourceArguments {
             Experiment::from_source(source)?
         };
         if let Some(pressure) = &self.pressure {
-            experiment.pressure_pa = pressure.now_pa().map_err(Failure::usage)?;
+            experiment.pressure_pa = pressure.now_pa()?;
         }
         if let Some(target_c) = self.set_point {
             hold(&mut experiment, target_c).map_err(Failure::usage)?;
@@ -92,8 +92,7 @@ impl SourceArguments {
     fn of_head(&self, source: &TomlSource) -> Result<Experiment, Failure> {
         let head = Head::from_source(source.clone())?;
         let species = head.calibration.as_ref().map_or("air", |calibration| calibration.table.species.name());
-        let pressure_pa =
-            self.pressure.as_ref().map_or(Ok(101_325.0), PressureSource::now_pa).map_err(Failure::usage)?;
+        let pressure_pa = self.pressure.as_ref().map_or(Ok(101_325.0), PressureSource::now_pa)?;
         let target_c = self.set_point.or_else(|| self.overheat.map(|overheat_k| self.gas_temperature + overheat_k));
         let drives: String = target_c.map_or_else(String::new, |target_c| {
             let heated = head.names().into_iter().filter(|name| *name != recording::REFERENCE);

@@ -12,7 +12,7 @@ use super::message::{LayoutMessage, RowsMessage, SpectrumMessage, event};
 use super::spectrum::welch;
 use super::state::{PageState, WINDOWS_S, lock};
 use super::{assets, request};
-use crate::commands::FeedCommands;
+use crate::commands::{CommandRefusal, FeedCommands};
 use crate::listen::{Token, check_http};
 
 /// Longest time that a command waits for its answer: a tick, and repeats to a board.
@@ -56,7 +56,7 @@ impl Served {
             ("POST", "command") => {
                 let (status, body) = match self.carry_out(&asked) {
                     Ok(done) => ("200 OK", json!({ "done": done })),
-                    Err(refused) => ("409 Conflict", json!({ "refused": refused })),
+                    Err(refusal) => ("409 Conflict", json!({ "refused": refusal.0 })),
                 };
                 answer(&mut stream, status, "application/json", body.to_string().as_bytes())
             }
@@ -64,14 +64,15 @@ impl Served {
         }
     }
 
-    fn carry_out(&self, asked: &PageRequest) -> Result<String, String> {
-        let commands = self.commands.as_ref().ok_or("this is a recording: it takes no commands")?;
+    fn carry_out(&self, asked: &PageRequest) -> Result<String, CommandRefusal> {
+        let refuse = |sentence: &str| CommandRefusal(sentence.to_owned());
+        let commands = self.commands.as_ref().ok_or_else(|| refuse("this is a recording: it takes no commands"))?;
         // No form of another page can send this type without being asked beforehand.
         if !asked.header("content-type").is_some_and(|kind| kind.starts_with("application/json")) {
-            return Err("a command is JSON".to_owned());
+            return Err(refuse("a command is JSON"));
         }
         let (command, done) = request::command(&asked.body)?;
-        commands.ask(command, TIMEOUT).map_err(|refusal| refusal.0)?;
+        commands.ask(command, TIMEOUT)?;
         Ok(done)
     }
 

@@ -23,7 +23,6 @@ impl PageRequest {
     /// # Errors
     /// If the stream ends or fails, or what comes is no request or too long.
     pub fn read(stream: &mut impl Read) -> io::Result<Self> {
-        let refuse = |sentence: &str| io::Error::new(ErrorKind::InvalidData, sentence);
         let (mut text, mut chunk) = (Vec::new(), [0; 2048]);
         loop {
             let read = match stream.read(&mut chunk)? {
@@ -31,7 +30,7 @@ impl PageRequest {
                 read => read,
             };
             text.extend_from_slice(&chunk[..read]);
-            if let Some((request, 0)) = Self::parse(&text).map_err(|error| refuse(&error))? {
+            if let Some((request, 0)) = Self::parse(&text)? {
                 return Ok(request);
             }
             if text.len() > LONGEST {
@@ -42,10 +41,10 @@ impl PageRequest {
 
     /// The request, and how many bytes of its body are still missing; `None` while there are no
     /// whole headers.
-    fn parse(text: &[u8]) -> Result<Option<(Self, usize)>, String> {
+    fn parse(text: &[u8]) -> io::Result<Option<(Self, usize)>> {
         let mut lines = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut parsed = httparse::Request::new(&mut lines);
-        let httparse::Status::Complete(start) = parsed.parse(text).map_err(|error| error.to_string())? else {
+        let httparse::Status::Complete(start) = parsed.parse(text).map_err(io::Error::other)? else {
             return Ok(None);
         };
         let header = |line: &httparse::Header| {
@@ -58,9 +57,9 @@ impl PageRequest {
             body: Vec::new(),
         };
         let length = request.header("content-length").map_or(Ok(0), str::parse::<usize>);
-        let length = length.map_err(|_| "its length is no number".to_owned())?;
+        let length = length.map_err(|_| refuse("its length is no number"))?;
         if length > LONGEST || request.header("transfer-encoding").is_some() {
-            return Err("its body is too long".to_owned());
+            return Err(refuse("its body is too long"));
         }
         let body = &text[start..];
         let body = &body[..body.len().min(length)];
@@ -102,6 +101,10 @@ pub fn answer(stream: &mut impl Write, status: &str, kind: &str, body: &[u8]) ->
 /// Begins an answer that goes on with server-sent events.
 pub fn answer_events(stream: &mut impl Write) -> io::Result<()> {
     stream.write_all(format!("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{HEADERS}\r\n").as_bytes())
+}
+
+fn refuse(sentence: &str) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, sentence)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::commands::FeedCommand;
+use crate::commands::{CommandRefusal, FeedCommand};
 
 /// A command with what it needs: `"stop"`, `{"mark": {"text": "…"}}`.
 #[derive(Debug, PartialEq, Deserialize)]
@@ -20,9 +20,10 @@ enum CommandMessage {
 /// The command of a body, and what to say when it is done.
 ///
 /// # Errors
-/// A sentence, if the body is no command.
-pub fn command(body: &[u8]) -> Result<(FeedCommand, String), String> {
-    let message: CommandMessage = serde_json::from_slice(body).map_err(|error| format!("no command: {error}"))?;
+/// If the body is no command.
+pub fn command(body: &[u8]) -> Result<(FeedCommand, String), CommandRefusal> {
+    let message: CommandMessage =
+        serde_json::from_slice(body).map_err(|error| CommandRefusal(format!("no command: {error}")))?;
     let (command, done) = match message {
         CommandMessage::Arm => (FeedCommand::Arm, "Armed for 30 s: start, or heat.".to_owned()),
         CommandMessage::Start => (FeedCommand::Start, "Started.".to_owned()),

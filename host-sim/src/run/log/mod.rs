@@ -13,6 +13,7 @@
 
 mod acknowledge;
 mod overheat;
+mod refusal;
 mod session;
 mod tick_time;
 
@@ -25,6 +26,7 @@ use crate::instrument::{InstrumentPort, Observation};
 use recording::RecordingRow;
 
 pub use overheat::set as hold;
+pub use refusal::LogRefusal;
 pub use session::log;
 
 /// What a log does by itself.
@@ -135,8 +137,8 @@ pub enum LogCommand {
 pub struct LogRequest {
     /// What is asked for.
     pub command: LogCommand,
-    /// Takes the answer: done, or a sentence.
-    pub answer: Box<dyn FnOnce(Result<(), String>)>,
+    /// Takes the answer.
+    pub answer: Box<dyn FnOnce(Result<(), LogRefusal>)>,
 }
 
 /// What a log amounted to.

@@ -2,6 +2,7 @@
 
 use dr_core::control::Drive;
 
+use super::LogRefusal;
 use crate::experiment::Experiment;
 use crate::instrument::Observation;
 
@@ -52,13 +53,13 @@ impl Overheat {
 /// Gives every element that holds a temperature this one.
 ///
 /// # Errors
-/// A sentence, if it is beyond an element's limit: all stay as they are.
-pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), String> {
+/// If it is beyond an element's limit: all stay as they are.
+pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), LogRefusal> {
     let holds = |drive: &Drive| matches!(drive, Drive::Temperature { .. });
     let held = || experiment.drives.iter().zip(&experiment.head.elements).filter(|(drive, _)| holds(drive));
     if let Some((_, element)) = held().find(|(_, of)| target_c > f64::from(of.config.limits.temperature_max_c)) {
-        let (name, most_c) = (&element.name, element.config.limits.temperature_max_c);
-        return Err(format!("a set-point of {target_c:.2} °C is beyond the limit of {name}, {most_c} °C: it stays"));
+        let (element, most_c) = (element.name.clone(), element.config.limits.temperature_max_c);
+        return Err(LogRefusal::BeyondLimit { temperature_c: target_c, element, most_c });
     }
     let target_c = target_c as f32;
     experiment

@@ -7,7 +7,7 @@ use dr_core::wind::WindCommand;
 use super::acknowledge::Acknowledges;
 use super::overheat::{self, Overheat};
 use super::tick_time::TickTime;
-use super::{LogCommand, LogEvent, LogHost, LogOptions, LogRequest, LogSummary};
+use super::{LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, setup, why_it_started};
 use crate::run::error::{EarlyEnd, RunError};
@@ -69,7 +69,7 @@ impl Session {
             (None, _) => None,
             (Some(overheat_k), Some(reference)) => {
                 let first_c = experiment.gas_temperature_c + overheat_k;
-                overheat::set(&mut experiment, first_c).map_err(refused)?;
+                overheat::set(&mut experiment, first_c).map_err(|refusal| refused(refusal.to_string()))?;
                 Some(Overheat::new(overheat_k, reference))
             }
             (Some(_), None) => {
@@ -137,7 +137,7 @@ impl Session {
                         self.tell(host, LogEvent::Mark(text));
                         answer(Ok(()));
                     }
-                    _ => answer(Err("the board does not answer now".to_owned())),
+                    _ => answer(Err(LogRefusal::Deaf)),
                 }
             }
             let Ok(mut instrument) = host.connect() else { continue };
@@ -291,8 +291,8 @@ impl Session {
         host: &mut dyn LogHost,
         target_c: f64,
     ) -> Result<(), InstrumentError> {
-        if let Err(sentence) = overheat::set(&mut self.experiment, target_c) {
-            self.tell(host, LogEvent::Mark(sentence));
+        if let Err(refusal) = overheat::set(&mut self.experiment, target_c) {
+            self.tell(host, LogEvent::Mark(refusal.to_string()));
             return Ok(());
         }
         let drives = self.experiment.drives.clone();
@@ -331,32 +331,31 @@ impl Session {
         instrument: &mut dyn InstrumentPort,
         command: LogCommand,
         host: &mut dyn LogHost,
-    ) -> Result<(), String> {
-        let sentence = |error: InstrumentError| error.to_string();
+    ) -> Result<(), LogRefusal> {
         match command {
             LogCommand::Mark(text) => self.tell(host, LogEvent::Mark(text)),
-            LogCommand::Stop => drop(instrument.command(Command::Stop).map_err(sentence)?),
+            LogCommand::Stop => drop(instrument.command(Command::Stop)?),
             LogCommand::Acknowledge => {
-                instrument.command(Command::Acknowledge).map_err(sentence)?;
+                instrument.command(Command::Acknowledge)?;
                 if self.mute.take().is_some() {
-                    self.resume(instrument, host).map_err(|error| error.to_string())?;
+                    self.resume(instrument, host)?;
                 }
             }
             LogCommand::Start => {
-                start(&self.experiment, instrument).map_err(|error| error.to_string())?;
+                start(&self.experiment, instrument)?;
                 self.mute = None;
                 self.times.begin_anew();
             }
             LogCommand::SetPoint { element, temperature_c } => {
                 let names = self.experiment.head.names();
                 let place = names.iter().position(|name| *name == element);
-                let place = place.ok_or_else(|| format!("`{element}` is no element of the head"))?;
+                let Some(place) = place else { return Err(LogRefusal::NoElement(element)) };
                 let most_c = self.experiment.head.elements[place].config.limits.temperature_max_c;
                 if temperature_c.is_nan() || temperature_c > f64::from(most_c) {
-                    return Err(format!("{temperature_c} °C is beyond the limit of {element}, {most_c} °C"));
+                    return Err(LogRefusal::BeyondLimit { temperature_c, element, most_c });
                 }
                 let drive = Drive::Temperature { target_c: temperature_c as f32 };
-                self.drive(instrument, place, drive).map_err(sentence)?;
+                self.drive(instrument, place, drive)?;
                 self.experiment.drives[place] = drive;
                 self.tell(host, LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
             }
@@ -367,7 +366,7 @@ impl Session {
                 self.experiment.pressure_pa = pressure_pa;
                 if calibration.is_some() {
                     let gas = WindCommand::Gas { pressure_pa: pressure_pa as f32, temperature_c };
-                    instrument.command(Command::Wind(gas)).map_err(sentence)?;
+                    instrument.command(Command::Wind(gas))?;
                 }
                 self.tell(host, LogEvent::Mark(format!("gas pressure: {pressure_pa} Pa")));
             }

@@ -1,0 +1,31 @@
+//! Why a log does not do what it is asked for.
+
+use crate::instrument::InstrumentError;
+use crate::run::error::RunError;
+
+/// Why a log does not do what it is asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum LogRefusal {
+    /// The board refuses, or the link fails.
+    #[error(transparent)]
+    Instrument(#[from] InstrumentError),
+    /// The experiment cannot be started.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The link is down, or the board is starting.
+    #[error("the board does not answer now")]
+    Deaf,
+    /// The head has none of this name.
+    #[error("`{0}` is no element of the head")]
+    NoElement(String),
+    /// A set-point that the head does not allow: it stays as it was.
+    #[error("a set-point of {temperature_c:.2} °C is beyond the limit of {element}, {most_c} °C: it stays")]
+    BeyondLimit {
+        /// What was asked for, °C.
+        temperature_c: f64,
+        /// Of this element.
+        element: String,
+        /// What its head allows, °C.
+        most_c: f32,
+    },
+}
