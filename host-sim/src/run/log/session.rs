@@ -296,17 +296,15 @@ impl Session {
             return Ok(());
         }
         let drives = self.experiment.drives.clone();
-        let held = drives.iter().enumerate().filter(|(_, drive)| matches!(drive, Drive::Temperature { .. }));
-        held.map(|(element, drive)| self.drive(instrument, element, *drive)).collect::<Result<(), _>>().or_else(
-            |error| match error {
-                // A set-point that the models refuse, and a trip meanwhile: the samples tell of it.
-                InstrumentError::Refused(refusal) => {
-                    self.tell(host, LogEvent::Mark(format!("the gas asks for {target_c:.2} °C: {refusal}")));
-                    Ok(())
-                }
-                error => Err(error),
-            },
-        )
+        let mut held = drives.iter().enumerate().filter(|(_, drive)| matches!(drive, Drive::Temperature { .. }));
+        held.try_for_each(|(element, drive)| self.drive(instrument, element, *drive)).or_else(|error| match error {
+            // A set-point that the models refuse, and a trip meanwhile: the samples tell of it.
+            InstrumentError::Refused(refusal) => {
+                self.tell(host, LogEvent::Mark(format!("the gas asks for {target_c:.2} °C: {refusal}")));
+                Ok(())
+            }
+            error => Err(error),
+        })
     }
 
     /// Another drive of an element that runs; one that does not has it at the next start.
