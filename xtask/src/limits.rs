@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 /// Of all pages, tables' bars included.
 const MOST_WORDS: usize = 59_900;
 const MOST_PAGE_WORDS: usize = 2_500;
-const MOST_README_WORDS: usize = 1_340;
+const MOST_README_WORDS: usize = 1_345;
 const MOST_README_LINES: usize = 155;
 const SUMMARY: &str = "docs/SUMMARY.md";
 
@@ -64,11 +64,11 @@ mod tests {
     #[test]
     fn a_page_too_long_and_a_page_not_listed_are_named_with_their_numbers() {
         let page = |name: &str, words: usize| (name.to_owned(), "word ".repeat(words));
-        let pages = [page("README.md", 1_341), page("docs/a.md", 2_500), page("docs/b.md", 2_501), page(SUMMARY, 1)];
+        let pages = [page("README.md", 1_346), page("docs/a.md", 2_500), page("docs/b.md", 2_501), page(SUMMARY, 1)];
         assert_eq!(
             faults(&pages, "- [A](a.md)"),
             [
-                "README.md, words: 1341, 1340 are allowed",
+                "README.md, words: 1346, 1345 are allowed",
                 "docs/b.md, words: 2501, 2500 are allowed",
                 "docs/b.md is not listed in docs/SUMMARY.md",
             ]
