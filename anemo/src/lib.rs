@@ -15,7 +15,6 @@
 //! one sentence that begins with `anemo:`.
 
 mod analyse;
-mod attend;
 #[cfg(feature = "studies")]
 mod benchmark;
 mod board;
@@ -26,9 +25,11 @@ mod convert;
 mod design;
 mod example;
 mod export;
+mod feeding;
 mod fit_recorder;
 mod head;
 mod identify;
+mod live_host;
 mod live_table;
 mod log;
 mod log_files;

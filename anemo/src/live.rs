@@ -2,14 +2,18 @@
 
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
+use std::time::Instant;
 
+use host_sim::run::log::{LogOptions, log};
 use publish::commands::{self, FeedCommands};
 use publish::feed::Feed;
 use publish::listen::{Listening, Token};
 use publish::page::LivePage;
 
-use crate::attend::attend;
 use crate::board::{Emulation, InstrumentArguments, On};
+use crate::feeding;
+use crate::live_host::LiveHost;
+use crate::log::verdict;
 use crate::output::{Failure, finite, print};
 use crate::pace::Pace;
 use crate::progress::on_interrupt;
@@ -70,18 +74,24 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(file)?;
     let instrument = InstrumentArguments { on, emulation: emulation.clone(), flash: None, acknowledge: *acknowledge };
     let interrupted = on_interrupt();
-    let mut instrument = instrument.open(Some(file), || Ok(experiment.sensor()?))?;
+    let device = if let On::Serial(device) = &instrument.on { Some(device.clone()) } else { None };
+    let first = instrument.open(Some(file), || Ok(experiment.sensor()?))?;
     let (commands, requests) = commands::channel();
-    let feed = Feed::new(crate::attend::layout(&experiment, instrument.identity()));
+    let feed = Feed::new(feeding::layout(&experiment, first.identity(), 0.0));
     let page = serve(arguments, &feed, Some(commands))?;
-    let pace = is_simulated.then(|| Pace::new(*speed));
-    let attended = attend(&experiment, instrument.as_mut(), &feed, &requests, pace, &interrupted);
-    // Stopped whatever happened: a board must not be left heating.
-    let finished = instrument.finish();
-    drop((feed, page));
-    let tripped = attended?;
-    finished.map_err(Failure::work)?;
-    tripped.map_or(Ok(()), |sentence| Err(Failure { code: 3, sentence }))
+    let mut host = LiveHost {
+        first: Some(first),
+        device,
+        feed,
+        requests,
+        pace: is_simulated.then(|| Pace::new(*speed)),
+        interrupted,
+        until_s: experiment.time_s(experiment.ticks.saturating_sub(1)),
+        begun: Instant::now(),
+    };
+    let summary = log(&experiment, &LogOptions::default(), &mut host);
+    drop((host, page));
+    verdict(&summary?)
 }
 
 /// Shows a recording; people can only look.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::board::{InstrumentArguments, On};
+use crate::feeding;
 use crate::live_table::LiveTable;
 use crate::log_files::{LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
@@ -15,7 +16,7 @@ use crate::publish_options::PublishArguments;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::{LogOptions, LogSummary, log};
 use publish::commands::channel;
-use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout};
+use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem};
 use recording::{Metadata, Recorder, SegmentLength, WriterOptions, utc};
 
 /// Log an instrument until it is stopped by Ctrl-C or SIGTERM.
@@ -100,8 +101,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let interrupted = on_interrupt();
     let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
     let recorder = Recorder::create(folder, layout, &known, &options).map_err(Failure::usage)?;
-    let (firmware, unique_id) = (first.identity().firmware.to_string(), first.identity().unique_id);
-    let feed = Feed::new(feed_layout(&experiment, &firmware, unique_id, arguments.publish.heading));
+    let feed = Feed::new(feeding::layout(&experiment, first.identity(), arguments.publish.heading));
     let (commands, requests) = channel();
     let published = arguments.publish.start(&targets, &feed, &commands)?;
     let pressure = arguments.source.pressure.clone().map(|source| PressureFile {
@@ -183,7 +183,8 @@ fn end(mut host: Host, summary: &LogSummary) -> Result<(), Failure> {
     Ok(())
 }
 
-fn verdict(summary: &LogSummary) -> Result<(), Failure> {
+/// The exit code.
+pub fn verdict(summary: &LogSummary) -> Result<(), Failure> {
     match (&summary.ended, &summary.last_trip) {
         (Some(ended), _) => Err(Failure { code: 4, sentence: format!("the log ended early: {ended}") }),
         (None, Some(trip)) => {
@@ -208,21 +209,6 @@ fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result
     let period_s = experiment.sample_period_s;
     let begin_s = elapsed_s.max(before.last_s + period_s);
     Ok((experiment.time_of((begin_s / period_s - 1e-6).ceil()), now))
-}
-
-fn feed_layout(experiment: &Experiment, firmware: &str, unique_id: [u32; 3], heading_deg: f64) -> FeedLayout {
-    let names: Vec<String> = experiment.head.names().into_iter().map(str::to_owned).collect();
-    FeedLayout {
-        title: experiment.title.clone(),
-        head: experiment.head.name.clone(),
-        observed: experiment.observed().into_iter().map(|element| names[element].clone()).collect(),
-        elements: names,
-        surfaces: experiment.surfaces(),
-        sample_period_s: experiment.sample_period_s,
-        firmware: firmware.to_owned(),
-        unique_id,
-        heading_deg,
-    }
 }
 
 /// A time, s, where a size makes no sense.

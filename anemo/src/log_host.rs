@@ -8,15 +8,16 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant, SystemTime};
 
+use crate::feeding;
 use crate::live_table::LiveTable;
 use crate::log_files::{LogStatus, MOST_EVENTS, MarkReader};
 use crate::log_source::PressureSource;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;
-use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRefusal, LogRequest};
-use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
-use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedRow, FeedWind};
+use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRequest};
+use publish::commands::FeedRequest;
+use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem};
 use recording::{Recorder, RecordingRow, utc};
 
 /// Files are looked at as often.
@@ -187,18 +188,7 @@ impl LogHost for Host {
         if row.state != self.status.state {
             row.state.clone_into(&mut self.status.state);
         }
-        let feed_row = FeedRow {
-            time_s: row.time_s,
-            utc: moment,
-            temperature_c: row.temperature_c.to_vec(),
-            power_w: row.power_w.to_vec(),
-            equivalent_power_w: row.equivalent_power_w.to_vec(),
-            heaters: row.heaters,
-            state: row.state.into(),
-            wind: observation.wind.clone().map(|wind| FeedWind::new(wind, self.heading_deg)),
-            true_wind_m_s: row.true_wind_m_s,
-            gas_temperature_c: row.gas_temperature_c,
-        };
+        let feed_row = feeding::row(row, observation, moment, self.heading_deg);
         self.table.push(&feed_row, self.status.left_out);
         self.feed.push(&FeedItem::Row(Arc::new(feed_row)));
         self.status.rows += 1;
@@ -213,25 +203,15 @@ impl LogHost for Host {
     }
 
     fn happened(&mut self, time_s: f64, event: &LogEvent) {
-        let kind = match event.clone() {
-            LogEvent::Trip { cause, element } => {
-                if let Some(command) = &self.on_trip {
-                    let mut shell = Command::new("sh");
-                    shell.args(["-c", command]).env("ANEMO_TRIP_CAUSE", cause).env("ANEMO_TRIP_ELEMENT", &element);
-                    match shell.spawn() {
-                        Ok(child) => self.children.push(child),
-                        Err(error) => self.table.say(&format!("--on-trip cannot be started: {error}")),
-                    }
-                }
-                Some(FeedEventKind::Trip { cause: cause.to_owned(), element: Some(element) })
+        if let (LogEvent::Trip { cause, element }, Some(command)) = (event, &self.on_trip) {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", command]).env("ANEMO_TRIP_CAUSE", cause).env("ANEMO_TRIP_ELEMENT", element);
+            match shell.spawn() {
+                Ok(child) => self.children.push(child),
+                Err(error) => self.table.say(&format!("--on-trip cannot be started: {error}")),
             }
-            LogEvent::LinkLost(why) => Some(FeedEventKind::LinkLost { why }),
-            LogEvent::LinkBack => Some(FeedEventKind::LinkBack),
-            LogEvent::BoardReset(why) => Some(FeedEventKind::BoardReset { why }),
-            LogEvent::Mark(text) => Some(FeedEventKind::Mark { text }),
-            LogEvent::Acknowledged => None,
-        };
-        self.tell(time_s, &event.to_string(), kind);
+        }
+        self.tell(time_s, &event.to_string(), feeding::event(event.clone()));
     }
 
     fn request(&mut self) -> Option<LogRequest> {
@@ -247,30 +227,7 @@ impl LogHost for Host {
             };
             return Some(LogRequest { command, answer: Box::new(answer) });
         }
-        loop {
-            let request = self.requests.try_recv().ok()?;
-            let command = match request.command.clone() {
-                FeedCommand::Start => LogCommand::Start,
-                FeedCommand::Stop => LogCommand::Stop,
-                FeedCommand::Acknowledge => LogCommand::Acknowledge,
-                FeedCommand::SetPoint { element, temperature_c } => LogCommand::SetPoint { element, temperature_c },
-                FeedCommand::Mark { text } => LogCommand::Mark(crate::log_files::mark(&text)),
-                // `Start` arms; nothing else here heats.
-                FeedCommand::Arm => {
-                    request.answer(Ok(()));
-                    continue;
-                }
-                FeedCommand::SelfTest => {
-                    request.answer(Err(CommandRefusal("a log runs: end it, then run `anemo self-test`".to_owned())));
-                    continue;
-                }
-            };
-            let refuse = |refusal: LogRefusal| CommandRefusal(refusal.to_string());
-            return Some(LogRequest {
-                command,
-                answer: Box::new(move |outcome| request.answer(outcome.map_err(refuse))),
-            });
-        }
+        feeding::request(&self.requests, self.feed.layout().sample_period_s)
     }
 
     fn wait(&mut self) -> Result<(), RunError> {

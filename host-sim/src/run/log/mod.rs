@@ -19,6 +19,7 @@ mod tick_time;
 
 use std::fmt;
 
+use dr_core::control::SelfTestPlan;
 use serde::Serialize;
 
 use super::error::{EarlyEnd, RunError};
@@ -114,13 +115,17 @@ impl fmt::Display for LogEvent {
 /// What a log can be asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LogCommand {
-    /// Heat by the set-points.
+    /// Allow heat for a while: a start, a set-point or a self-test.
+    Arm,
+    /// Heat by the set-points; the instrument must be armed.
     Start,
+    /// Test the elements; the instrument must be armed. Findings are events.
+    SelfTest(SelfTestPlan),
     /// Heaters to standby; rows go on.
     Stop,
     /// Acknowledge a trip.
     Acknowledge,
-    /// Another set-point.
+    /// Another set-point; while it heats, the instrument must be armed.
     SetPoint {
         /// Name of the element.
         element: String,

@@ -1,7 +1,7 @@
 //! The loop of a log.
 
 use dr_core::Command;
-use dr_core::control::{Drive, Refusal, RunState, Trip};
+use dr_core::control::{Drive, Refusal, RunState, SelfTestFinding, Trip};
 use dr_core::wind::WindCommand;
 
 use super::acknowledge::Acknowledges;
@@ -12,7 +12,7 @@ use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, setup, why_it_started};
 use crate::run::error::{EarlyEnd, RunError};
 use crate::run::row::{RowBuilder, state_name};
-use crate::run::start::{setup_of, start};
+use crate::run::start::{change_drives, setup_of, start};
 
 /// Logs an instrument, heated by the drives of an experiment, until its host ends it.
 ///
@@ -51,6 +51,8 @@ struct Session {
     acknowledges: Acknowledges,
     first_s: Option<f64>,
     now_s: f64,
+    /// How many changes of the experiment's drives have been.
+    changes: usize,
     /// Which life of which board.
     life: Option<([u32; 3], u32)>,
     state: Option<RunState>,
@@ -87,6 +89,7 @@ impl Session {
             acknowledges: Acknowledges::default(),
             first_s: None,
             now_s: options.begin_s,
+            changes: 0,
             life: None,
             state: None,
             state_name: String::new(),
@@ -211,6 +214,7 @@ impl Session {
             let outcome = self.obey(instrument, command, host);
             answer(outcome);
         }
+        self.change_drives(instrument)?;
         let observation = match instrument.observe() {
             // It has told why it is mute; it may still be acknowledged.
             Err(InstrumentError::Silent(_)) if self.mute.is_some() => {
@@ -219,6 +223,7 @@ impl Session {
             }
             observation => observation?,
         };
+        self.tell_findings(instrument, host);
         let names = self.experiment.head.names();
         if !observation.is_of(names.len()) {
             let sentence = format!("a sample is not one of {} elements, as the head is", names.len());
@@ -256,6 +261,31 @@ impl Session {
             self.follow_gas(instrument, host, target_c)?;
         }
         Ok(())
+    }
+
+    /// Drives that the experiment changes with the row that comes.
+    fn change_drives(&mut self, instrument: &mut dyn InstrumentPort) -> Result<(), RunError> {
+        let since_s = self.first_s.map_or(0.0, |first_s| self.now_s - first_s + self.experiment.sample_period_s);
+        while let Some(change) = self.experiment.changes.get(self.changes).cloned()
+            && self.experiment.time_s(change.tick) <= since_s + 0.5 * self.experiment.sample_period_s
+        {
+            self.changes += 1;
+            // One that does not run has them at its next start.
+            if matches!(self.state, None | Some(RunState::Running)) {
+                change_drives(&self.experiment, instrument, &change, &mut |_, _| ())?;
+            }
+            change.drives.iter().for_each(|&(place, drive)| self.experiment.drives[place] = drive);
+        }
+        Ok(())
+    }
+
+    fn tell_findings(&mut self, instrument: &mut dyn InstrumentPort, host: &mut dyn LogHost) {
+        for SelfTestFinding { element, faults, .. } in instrument.findings() {
+            let names = self.experiment.head.names();
+            let name = names.get(usize::from(element)).copied().unwrap_or("?");
+            let text = format!("self-test of {name}, faults: {faults}");
+            self.tell(host, LogEvent::Mark(text));
+        }
     }
 
     /// Acknowledges a trip, where that was asked for and may be.
@@ -339,11 +369,16 @@ impl Session {
                     self.resume(instrument, host)?;
                 }
             }
+            LogCommand::Arm => drop(instrument.command(setup::ARM)?),
             LogCommand::Start => {
-                start(&self.experiment, instrument)?;
-                self.mute = None;
+                // Set-points may have changed while it did not run.
+                for (element, drive) in self.experiment.drives.iter().enumerate() {
+                    instrument.command(Command::Drive { element: element as u8, drive: *drive })?;
+                }
+                instrument.command(Command::Start)?;
                 self.times.begin_anew();
             }
+            LogCommand::SelfTest(plan) => drop(instrument.command(Command::SelfTest(plan))?),
             LogCommand::SetPoint { element, temperature_c } => {
                 let names = self.experiment.head.names();
                 let place = names.iter().position(|name| *name == element);
@@ -353,7 +388,7 @@ impl Session {
                     return Err(LogRefusal::BeyondLimit { temperature_c, element, most_c });
                 }
                 let drive = Drive::Temperature { target_c: temperature_c as f32 };
-                self.drive(instrument, place, drive)?;
+                instrument.command(Command::Drive { element: place as u8, drive })?;
                 self.experiment.drives[place] = drive;
                 self.tell(host, LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
             }
