@@ -7,6 +7,7 @@ mod closed_loop_recorded;
 mod closed_loop_said;
 mod controller_properties;
 mod crashes;
+mod endings;
 mod faults;
 mod figures;
 mod format1;
