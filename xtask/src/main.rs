@@ -3,6 +3,7 @@
 
 mod artefacts;
 mod book;
+mod campaign;
 mod checksum;
 mod ci;
 mod cost;
@@ -11,7 +12,6 @@ mod coverage;
 mod demo;
 mod dist;
 mod emulator;
-mod endings;
 mod flash;
 mod fuzz;
 mod hardware;
@@ -86,8 +86,8 @@ enum Job {
     Hardware(hardware::HardwareOptions),
     /// Count instructions and cycles of the hot paths on the emulated Cortex-M4F
     Cost(cost::CostOptions),
-    /// End runs and logs at random moments, and count what was received and lost
-    Endings(endings::EndingsOptions),
+    /// Try endings, lives, flipped bits or long runs, as many or as long as one likes
+    Campaign(campaign::CampaignOptions),
     /// Look for inputs at which a reader or the controller fails, as long as one likes, and keep
     /// what was found on the way
     Fuzz(fuzz::FuzzOptions),
@@ -124,7 +124,7 @@ fn main() -> ExitCode {
         Job::Safety => safety::run(),
         Job::Hardware(options) => hardware::run(&options),
         Job::Cost(options) => cost::run(&options),
-        Job::Endings(options) => endings::run(&options),
+        Job::Campaign(options) => campaign::run(&options),
         Job::Fuzz(options) => fuzz::run(&options),
         Job::Miri => miri::run(),
         Job::Coverage => coverage::run(),

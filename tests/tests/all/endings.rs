@@ -14,7 +14,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Endings, if nobody asks for another number.
-const ENDINGS: u32 = 12;
+const ENDINGS: u32 = 100;
 /// At once: each waits most of its time.
 const THREADS: u32 = 4;
 
@@ -117,7 +117,6 @@ fn fill_disk(random: &mut ChaCha8Rng) -> Option<u64> {
     let status = status.ok().filter(|status| status.code() != Some(77) && status.code() != Some(1))?;
     let said = std::fs::read_to_string(desk.path().join("said")).unwrap();
     assert!(status.success(), "{status:?} {said}");
-    assert!(said.contains("the disk is full: the segment is closed, rows are left out"), "{said}");
     let recording = Recording::read(&desk.path().join("out")).unwrap();
     let time_s = recording.time_s().unwrap();
     let whole = time_s.iter().enumerate().take_while(|(n, time_s)| (**time_s - *n as f64 / 100.0).abs() < 1e-9).count();
@@ -125,7 +124,8 @@ fn fill_disk(random: &mut ChaCha8Rng) -> Option<u64> {
     let last_line = said.lines().last().unwrap();
     let left_out: usize = last_line.split(' ').nth(1).and_then(|count| count.parse().ok()).unwrap_or(0);
     assert_eq!(recording.len() + left_out, 100 * for_s.parse::<usize>().unwrap(), "{said}");
-    assert!(whole > 1000, "{whole}");
+    // A simulation may be through before the recorder meets the end of the disk, and says it then.
+    assert!(whole > 1000 && left_out > 0 && said.contains("the disk "), "{whole} {said}");
     Some(whole as u64)
 }
 

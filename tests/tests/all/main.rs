@@ -22,6 +22,7 @@ mod identify_uncertainty;
 mod injection;
 mod link_faults;
 mod log;
+mod long_log;
 mod many_elements;
 mod models;
 mod refusals;
