@@ -15,10 +15,11 @@
 
 use super::drive::{Drive, DriveInput, DriveState};
 use super::energy::{EnergyBudget, EnergyLimit};
-use super::fingerprint::{Fingerprint, HeadCheck};
+use super::fingerprint::{COEFFICIENT_PER_K, Fingerprint, HeadCheck};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
+use super::rise::Rise;
 use super::state::{ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
 use crate::checksum::Checksum;
@@ -59,38 +60,6 @@ struct ElementState {
     rise: Rise,
     model: RelaxationState<ORDER>,
     observer: ObserverState,
-}
-
-/// How much the reading rises while the level is high.
-///
-/// A reading that says nothing of the element lets its drive heat for ever. At the high level an
-/// element becomes warmer, or the drive has what it holds and goes low. So a drive that regulates
-/// needs a rise of [`RISE_K`] again and again, in the time of the board; the others, which may
-/// stand in a steady state, need one after each change to the high level.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Rise {
-    /// The reading that it is compared with, °C.
-    from_c: f32,
-    /// Ticks in a row at the high level that it has not risen.
-    ticks: u32,
-    /// It has risen since the level became high.
-    is_seen: bool,
-}
-
-/// A reading that is so much higher has risen, K. Sphere B rises by 1.9 K or more in the sensor
-/// board's time in every experiment here.
-const RISE_K: f32 = 1.0;
-
-impl Rise {
-    /// Ticks at the high level without the rise that a drive needs.
-    fn missing_ticks(&mut self, level: Level, temperature_c: f32, regulates: bool) -> u32 {
-        if level == Level::Low || temperature_c >= self.from_c + RISE_K {
-            *self = Self { from_c: temperature_c, ticks: 0, is_seen: level == Level::High };
-        } else if regulates || !self.is_seen {
-            self.ticks = self.ticks.saturating_add(1);
-        }
-        self.ticks
-    }
 }
 
 impl ElementState {
@@ -349,7 +318,7 @@ impl<const N: usize> Controller<N> {
             let change_k = element
                 .as_ref()
                 .filter(|_| valid >> i & 1 == 1)
-                .map(|element| state.temperature_c - element.config.channel.platinum().temperature_c(taken_ohm));
+                .map(|_| (state.resistance_ohm / taken_ohm - 1.0) / COEFFICIENT_PER_K);
             is_compared.then_some((i, change_k))
         }));
         self.head = compared.unwrap_or(self.head);
@@ -430,7 +399,8 @@ impl<const N: usize> Controller<N> {
     /// Steps the drive of every element with a good reading; the levels of the others go low.
     fn decide(&mut self, valid: u16) -> Option<Trip> {
         let (mut trip, mut high) = (None, 0);
-        let sample_period_s = self.sample_period_s.unwrap_or(0.0);
+        let no_rise_limit_ticks =
+            self.sample_period_s.map_or(0, |period_s| (self.hardware.no_rise_s / period_s) as u32);
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
             let Some(element) = element else { break };
             if valid >> i & 1 == 0 {
@@ -444,13 +414,10 @@ impl<const N: usize> Controller<N> {
             };
             high |= u16::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
-            let no_rise_ticks = state.rise.missing_ticks(
-                self.levels.level(i),
-                state.temperature_c,
-                element.drive.target_range_c().is_some(),
-            );
-            let no_rise_s = no_rise_ticks as f32 * sample_period_s;
-            if state.saturated_ticks > self.guard.unreachable_limit_ticks || no_rise_s > self.hardware.no_rise_s {
+            let regulates = element.drive.target_range_c().is_some();
+            let no_rise =
+                state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_limit_ticks);
+            if state.saturated_ticks > self.guard.unreachable_limit_ticks || no_rise {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }
             let may_stick = self.guard.stuck_limit_ticks == 0 || !element.drive.can_heat();

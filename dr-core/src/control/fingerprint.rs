@@ -1,9 +1,9 @@
 //! Fingerprint of the head: the resistances of its elements at the low level, kept with the
 //! settings. Another head on the plug is refused, as it has other limits and other models.
 //!
-//! What is compared is the change of each element's temperature, by the law of its configuration,
-//! since the fingerprint was taken. The gas changes it by 0.39 %/K of the resistance (platinum,
-//! IEC 60751) for all elements alike, another head changes it for each element otherwise:
+//! What is compared is the change of each element's resistance since the fingerprint was taken, in
+//! K of [`COEFFICIENT_PER_K`]: by a law that nobody can state. The gas changes it for all elements
+//! alike, another head changes it for each element otherwise:
 //!
 //! | change since the fingerprint was taken | at most | why |
 //! |---|---|---|
@@ -24,6 +24,10 @@ pub type Fingerprint = [f32; MOST_ELEMENTS];
 
 /// Largest resistance of an element, Ω.
 pub const LARGEST_OHM: f32 = 1e6;
+
+/// Share of its resistance by which platinum changes in a kelvin: 0.31 % in thin films, 0.39 % in
+/// wires (IEC 60751).
+pub const COEFFICIENT_PER_K: f32 = 0.0035;
 
 /// Largest change of any element, K.
 pub const CHANGE_MOST_K: f32 = 100.0;

@@ -10,7 +10,9 @@
 //! | currents | 3 and 16 mA, ± 2 % each | R_S and divider of 0.1 %, and room for calibration |
 //! | high by low current | 1.5 | a level that stays high is read as low: at −60 °C as 71 °C or more |
 //! | temperature, resistance | 70 °C, 260 Ω | the head's silver and solder joints; full scale |
-//! | no rise at the high level | 22.5 s | process safety time, 90 s, by 4 |
+//! | resistance at the temperature limit | 220 Ω | 213 Ω at 70 °C and 3 % between specimens: whatever law is stated, an element of 175 Ω trips below 83 °C |
+//! | tick | 1 s | reaction times count in ticks |
+//! | no rise at the high level | 22.5 s | process safety time, 90 s, by 4: [`rise`](super::rise) |
 //! | equal codes | 3 … 1000 | noise exceeds a code |
 //! | mean power of an element, energy above it | 32 mW, 12 J | [`energy`](super::energy) |
 //!
@@ -40,6 +42,10 @@ pub struct HardwareLimits {
     pub temperature_max_c: f32,
     /// Highest `resistance_max_ohm` of an element, Ω.
     pub resistance_max_ohm: f32,
+    /// Highest resistance of an element at its `temperature_max_c`, Ω, by the law that is stated.
+    pub resistance_hot_ohm: f32,
+    /// Longest sample period, s.
+    pub sample_period_s: f32,
     /// `stuck_limit_ticks` of a guard; 0 as the least allows any converter.
     pub stuck_limit_ticks: (u32, u32),
     /// Longest time at the high level without a rise of the reading, s.
@@ -57,6 +63,8 @@ impl HardwareLimits {
         current_ratio_min: 1.5,
         temperature_max_c: 70.0,
         resistance_max_ohm: 260.0,
+        resistance_hot_ohm: 220.0,
+        sample_period_s: 1.0,
         stuck_limit_ticks: (3, 1000),
         no_rise_s: 90.0 / 4.0,
         energy: EnergyLimit { sustained_power_w: 0.032, energy_j: 12.0 },
@@ -70,6 +78,8 @@ impl HardwareLimits {
         current_high_a: (0.0, 1.0),
         temperature_max_c: 850.0,
         resistance_max_ohm: 1e6,
+        resistance_hot_ohm: f32::MAX,
+        sample_period_s: 10.0,
         stuck_limit_ticks: (0, u32::MAX),
         no_rise_s: 2000.0,
         energy: EnergyLimit { sustained_power_w: 1e3, energy_j: 1e6 },
@@ -102,8 +112,11 @@ impl HardwareLimits {
         let (least_a, most_a) = self.current_high_a;
         let least_a = least_a.max(self.current_ratio_min * current_low_a);
         bounded(Parameter::CurrentHighA, current_high_a, (least_a, most_a))?;
-        let (coldest_c, _) = channel.platinum().range_c();
-        bounded(Parameter::TemperatureMaxC, limits.temperature_max_c, (coldest_c, self.temperature_max_c))?;
+        let platinum = channel.platinum();
+        bounded(Parameter::Resistance0cOhm, platinum.resistance_ohm(0.0), (0.0, self.resistance_hot_ohm))?;
+        let (coldest_c, _) = platinum.range_c();
+        let hottest_c = platinum.temperature_c(self.resistance_hot_ohm).min(self.temperature_max_c);
+        bounded(Parameter::TemperatureMaxC, limits.temperature_max_c, (coldest_c, hottest_c))?;
         bounded(Parameter::ResistanceMaxOhm, limits.resistance_max_ohm, (0.0, self.resistance_max_ohm))?;
         limits.energy.map_or(Ok(()), |energy| energy.check_within(&self.energy))
     }
@@ -162,6 +175,34 @@ mod tests {
         assert_eq!(refused(&BOARD, &ElementConfig { channel, ..good }), Parameter::VoltPerCode);
         let sentence = BOARD.check_element(&hot).unwrap_err().to_string();
         assert!(sentence.starts_with("`temperature_max_c` must lie between ") && sentence.ends_with(" and 70"));
+    }
+
+    #[test]
+    fn a_law_by_which_an_element_would_be_hotter_than_it_reads_is_refused() {
+        let good = element(3e-3, 16e-3);
+        let of = |platinum: Platinum, temperature_max_c| {
+            let channel = Channel::new(platinum, 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
+            ElementConfig { channel, limits: Limits { temperature_max_c, ..good.limits } }
+        };
+        let linear = |ohm, coefficient_per_c| Platinum::linear(ohm, coefficient_per_c).unwrap();
+        // 3 % between specimens, and any law that reads hotter than it is.
+        for platinum in [linear(180.0, 0.0031), linear(175.0, 0.0036), linear(100.0, 0.0031)] {
+            assert_eq!(BOARD.check_element(&of(platinum, 70.0)), Ok(()));
+        }
+        assert_eq!(BOARD.check_element(&of(Platinum::iec60751(100.0).unwrap(), 70.0)), Ok(()));
+        assert_eq!(refused(&BOARD, &of(linear(1e6, 0.0031), 70.0)), Parameter::Resistance0cOhm);
+        for (platinum, temperature_max_c) in [
+            (linear(182.0, 0.0031), 70.0),
+            (linear(175.0, 0.0037), 70.0),
+            (linear(130.0, 0.01), 70.0),
+            (Platinum::iec60751(175.0).unwrap(), 67.0),
+        ] {
+            assert_eq!(refused(&BOARD, &of(platinum, temperature_max_c)), Parameter::TemperatureMaxC);
+            // Its own limit may be lower.
+            assert_eq!(BOARD.check_element(&of(platinum, 40.0)), Ok(()));
+        }
+        // What the table claims.
+        assert!(linear(175.0, 0.0031).temperature_c(BOARD.resistance_hot_ohm) < 83.0);
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod guard;
 pub mod hardware_limits;
 pub mod lockout;
 pub mod refusal;
+mod rise;
 pub mod self_test;
 pub mod state;
 pub mod targets;

@@ -261,6 +261,8 @@ fn what_is_laxer_than_the_board_is_refused_by_name() {
             limits(Limits { energy: Some(EnergyLimit { sustained_power_w: 0.1, energy_j: 1.0 }), ..good.limits }),
             Parameter::SustainedPowerW,
         ),
+        (channel(1e6, volt, 3e-3, 16e-3), Parameter::Resistance0cOhm),
+        (channel(190.0, volt, 3e-3, 16e-3), Parameter::TemperatureMaxC),
         (channel(175.0, 2.0 * volt, 3e-3, 16e-3), Parameter::VoltPerCode),
         (channel(175.0, volt, 15.9e-3, 16e-3), Parameter::CurrentLowA),
         (channel(175.0, volt, 3e-3, 20e-3), Parameter::CurrentHighA),
@@ -277,6 +279,10 @@ fn what_is_laxer_than_the_board_is_refused_by_name() {
     assert!(matches!(
         instrument.command(Command::Guard(never)),
         Err(InstrumentError::Refused(Refusal::Invalid { error, .. })) if error.parameter == Parameter::StuckLimitTicks
+    ));
+    assert!(matches!(
+        instrument.command(Command::SamplePeriod { sample_period_s: 2.0 }),
+        Err(InstrumentError::Refused(Refusal::Invalid { error, .. })) if error.parameter == Parameter::SamplePeriodS
     ));
     rig.assert_no_complaint();
 }

@@ -37,7 +37,8 @@ impl<const N: usize> Controller<N> {
             }
             Command::SamplePeriod { sample_period_s } => {
                 self.in_standby()?;
-                let period = error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, 10.0);
+                let period =
+                    error::within(Parameter::SamplePeriodS, sample_period_s, 1e-4, self.hardware.sample_period_s);
                 self.sample_period_s = Some(period.map_err(|error| Refusal::Invalid { element: None, error })?);
                 self.armed_ticks = 0;
                 // Their gains were computed for the old period.

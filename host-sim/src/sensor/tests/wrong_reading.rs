@@ -24,8 +24,10 @@ struct End {
     hottest_c: f64,
 }
 
-/// An instrument that regulates all elements to 60 °C.
-fn regulating(hardware: &'static HardwareLimits, channel: Channel) -> Instrument<6> {
+const HELD: Drive = Drive::Temperature { target_c: 60.0 };
+
+/// An instrument all of whose elements have this drive.
+fn driven(hardware: &'static HardwareLimits, channel: Channel, drive: Drive) -> Instrument<6> {
     let limits = Limits {
         resistance_min_ohm: 50.0,
         resistance_max_ohm: 260.0,
@@ -35,9 +37,7 @@ fn regulating(hardware: &'static HardwareLimits, channel: Channel) -> Instrument
     };
     let guard = GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 200 };
     let config = ElementConfig { channel, limits };
-    let of = |element| {
-        [Command::Element { element, config }, Command::Drive { element, drive: Drive::Temperature { target_c: 60.0 } }]
-    };
+    let of = |element| [Command::Element { element, config }, Command::Drive { element, drive }];
     let period = Command::SamplePeriod { sample_period_s: PERIOD_S as f32 };
     let mut instrument = Instrument::new(hardware);
     for command in [period, Command::Guard(guard)].into_iter().chain((0..6).flat_map(of)).chain(START) {
@@ -46,7 +46,7 @@ fn regulating(hardware: &'static HardwareLimits, channel: Channel) -> Instrument
     instrument
 }
 
-fn heat(hardware: &'static HardwareLimits, share: f64, duration_s: f64) -> End {
+fn heat(hardware: &'static HardwareLimits, drive: Drive, share: f64, duration_s: f64) -> End {
     let config = SensorConfig {
         sample_period_s: PERIOD_S,
         gas_temperature_c: GAS_C,
@@ -56,7 +56,7 @@ fn heat(hardware: &'static HardwareLimits, share: f64, duration_s: f64) -> End {
     let mut sensor = Sensor::new(&config).unwrap();
     let platinum = Platinum::linear(175.0, 0.0031).unwrap();
     let channel = Channel::new(platinum, config.volt_per_code as f32, 3e-3, 16e-3).unwrap();
-    let mut instrument = regulating(hardware, channel);
+    let mut instrument = driven(hardware, channel, drive);
     let start_c = sensor.truth().element_temperature_c;
     let mut end = End { trip: None, hottest_c: f64::MIN };
     let mut heaters = 0_u16;
@@ -81,22 +81,46 @@ fn heat(hardware: &'static HardwareLimits, share: f64, duration_s: f64) -> End {
 #[test]
 fn a_reading_that_hardly_rises_is_ended_long_before_the_head_is_too_hot() {
     for share in [0.0, 0.02, 0.05, 0.1] {
-        let bounded = heat(&HardwareLimits::SENSOR_BOARD, share, 60.0);
+        let bounded = heat(&HardwareLimits::SENSOR_BOARD, HELD, share, 60.0);
         let (at_s, trip) = bounded.trip.unwrap();
         assert_eq!(trip, Trip::of(0, Cause::Unreachable), "{share}");
         assert!(at_s < 22.7 && bounded.hottest_c < 35.0, "{share}: {at_s} s, {} °C", bounded.hottest_c);
     }
-    let free = heat(&LAX, 0.1, 400.0);
+    let free = heat(&LAX, HELD, 0.1, 400.0);
     assert!(free.trip.is_none() && free.hottest_c > 120.0, "{:?}, {} °C", free.trip, free.hottest_c);
+}
+
+#[test]
+fn a_reading_that_stands_still_is_ended_in_drives_that_alternate() {
+    let power = |power_w| Drive::Power { power_w };
+    let prbs = |ticks_per_bit| Drive::Prbs { order: 9, seed: 5, ticks_per_bit };
+    for drive in [power(0.031), power(0.040), power(0.02), prbs(1), prbs(100)] {
+        let bounded = heat(&HardwareLimits::SENSOR_BOARD, drive, 0.0, 400.0);
+        let (at_s, trip) = bounded.trip.unwrap();
+        println!("{drive:?}: {at_s} s, {} °C", bounded.hottest_c);
+        assert_eq!(trip.cause, Cause::Unreachable, "{drive:?}");
+        assert!(bounded.hottest_c < 60.0, "{drive:?}: {at_s} s, {} °C", bounded.hottest_c);
+    }
+    // Under a quarter of the time it may go on for ever.
+    let mild = heat(&HardwareLimits::SENSOR_BOARD, power(0.011), 0.0, 7200.0);
+    assert!(mild.trip.is_none() && mild.hottest_c < 70.0, "{:?}, {} °C", mild.trip, mild.hottest_c);
+}
+
+/// What remains: a tenth of the rise is a rise. A steady power is ended by nothing but the budget.
+#[test]
+fn a_steady_power_whose_reading_hardly_rises_remains() {
+    let steady = heat(&HardwareLimits::SENSOR_BOARD, Drive::Power { power_w: 0.031 }, 0.1, 7200.0);
+    println!("{:?}, {} °C", steady.trip, steady.hottest_c);
+    assert!(steady.hottest_c < 135.0, "{:?}, {} °C", steady.trip, steady.hottest_c);
 }
 
 /// What remains is stated on the page of single faults: such a reading is ended, but late.
 #[test]
 fn a_reading_that_shows_half_the_rise_is_ended_by_the_energy_budget() {
-    let bounded = heat(&HardwareLimits::SENSOR_BOARD, 0.5, 1000.0);
+    let bounded = heat(&HardwareLimits::SENSOR_BOARD, HELD, 0.5, 1000.0);
     let (at_s, trip) = bounded.trip.unwrap();
     assert_eq!(trip.cause, Cause::Energy);
     assert!(at_s < 950.0 && (90.0..97.0).contains(&bounded.hottest_c), "{at_s} s, {} °C", bounded.hottest_c);
-    let free = heat(&LAX, 0.5, 1000.0);
+    let free = heat(&LAX, HELD, 0.5, 1000.0);
     assert!(free.trip.is_none(), "{:?}", free.trip);
 }

@@ -66,7 +66,12 @@ fn a_reading_that_does_not_rise_ends_every_drive_that_heats() {
     let prbs = Drive::Prbs { order: 5, seed: 3, ticks_per_bit: 400 };
     let (at, trip) = trip_at(prbs, 0.0, 0.0).unwrap();
     assert_eq!((at % 400, trip), (226, Trip::of(0, Cause::Unreachable)));
-    for drive in [Drive::Passive, Drive::Level(Level::Low)] {
+    // A drive that alternates: 23 of 38 mW, and bits of one tick.
+    for drive in [Drive::Power { power_w: 0.023 }, Drive::Prbs { order: 9, seed: 3, ticks_per_bit: 1 }] {
+        let (at, trip) = trip_at(drive, 0.0, 0.0).unwrap();
+        assert!((400..900).contains(&at) && trip == Trip::of(0, Cause::Unreachable), "{drive:?}: {at} {trip:?}");
+    }
+    for drive in [Drive::Passive, Drive::Level(Level::Low), Drive::Power { power_w: 0.005 }] {
         assert_eq!(trip_at(drive, 0.0, 0.0), None);
     }
 }
@@ -136,6 +141,10 @@ fn a_message_beyond_the_board_is_refused_by_name_and_changes_nothing() {
     let refused = controller.handle(Command::Guard(guard)).unwrap_err();
     assert!(
         matches!(refused, Refusal::Invalid { element: None, error } if error.parameter == Parameter::StuckLimitTicks)
+    );
+    let refused = controller.handle(Command::SamplePeriod { sample_period_s: 2.0 }).unwrap_err();
+    assert!(
+        matches!(refused, Refusal::Invalid { element: None, error } if error.parameter == Parameter::SamplePeriodS)
     );
     assert_eq!(controller, Controller::new(&HardwareLimits::SENSOR_BOARD));
 }
