@@ -44,7 +44,7 @@ impl InstrumentArguments {
     pub(super) fn flash(&self) -> Result<Option<&Path>, Failure> {
         if self.flash.is_some() && !matches!(self.on, On::Qemu | On::Silicon) {
             return Err(Failure::usage(
-                "--flash: only the emulated board's flash is a file; leave it out, or name --on qemu",
+                "--flash: only an emulated board's flash is a file; leave it out, or name --on qemu or --on silicon",
             ));
         }
         Ok(self.flash.as_deref())
@@ -57,6 +57,9 @@ impl InstrumentArguments {
         sensor: impl FnOnce() -> Result<Sensor, Failure>,
     ) -> Result<Box<dyn InstrumentPort>, Failure> {
         let flash = self.flash()?;
+        if self.emulation.link.is_some() && self.on != On::Qemu {
+            return Err(Failure::usage("--link: only the emulated board has two; leave it out, or name --on qemu"));
+        }
         let mut instrument: Box<dyn InstrumentPort> = match &self.on {
             On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
             On::Qemu => {
@@ -83,14 +86,16 @@ pub(super) struct Emulation {
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
     firmware: Option<PathBuf>,
     /// Link to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
-    #[arg(long, value_name = "fifo|usart", default_value = "fifo", hide_possible_values = true, help_heading = EMULATED,
+    /// [default: fifo]
+    #[arg(long, value_name = "fifo|usart", hide_possible_values = true, help_heading = EMULATED,
         value_parser = choice([("fifo", "", EmulatorLink::Fifo), ("usart", "", EmulatorLink::Usart)]))]
-    link: EmulatorLink,
+    link: Option<EmulatorLink>,
 }
 
 impl Emulation {
     fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
-        Emulated::start_with(&self.firmware(FIRMWARE), self.link, flash).map_err(Failure::work)
+        Emulated::start_with(&self.firmware(FIRMWARE), self.link.unwrap_or(EmulatorLink::Fifo), flash)
+            .map_err(Failure::work)
     }
 
     fn start_silicon(&self, experiment: Option<&Path>, flash: Option<&Path>) -> Result<Serial<VirtualLine>, Failure> {

@@ -56,7 +56,7 @@ impl LogHost for LiveHost {
         self.device.as_ref().map(|_| self.begun.elapsed().as_secs_f64())
     }
 
-    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation) -> Result<(), RunError> {
+    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation, _: u64) -> Result<(), RunError> {
         self.pace.iter().for_each(|pace| pace.wait(row.time_s, &self.interrupted));
         self.feed.push(&FeedItem::Row(Arc::new(feeding::row(row, observation, SystemTime::now(), 0.0))));
         if row.time_s >= self.until_s {

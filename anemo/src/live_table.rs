@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
+use dr_core::wind::QualityFlags;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use publish::feed::{FeedRow, FeedWind};
+use publish::feed::from_deg;
+use recording::RecordingRow;
 
 const DRAW_EVERY: Duration = Duration::from_millis(250);
 const LINE_EVERY: Duration = Duration::from_secs(60);
@@ -20,36 +22,56 @@ pub(super) struct LiveTable {
     /// High ticks of each element, and ticks, since the table was drawn.
     high: Vec<u32>,
     ticks: u32,
-    wind: Option<FeedWind>,
+    /// The last one, as [`recording::wind::numbers`] has it.
+    estimate: Vec<f32>,
+    heading_deg: f64,
     lost: u64,
 }
 
 impl LiveTable {
-    pub fn new(title: &str, elements: Vec<String>) -> Self {
+    /// Of a run of so many ticks, or one whose end is not known; winds come from a head with this
+    /// heading.
+    pub fn new(title: &str, elements: Vec<String>, ticks: Option<u64>, heading_deg: f64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(5));
-            bar.set_style(ProgressStyle::with_template("{msg}").unwrap_or_else(|_| ProgressStyle::default_bar()));
+            let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(5));
+            let template = ticks.map_or("{msg}", |_| "{msg}\n{bar:40}  {percent:>3} %  {eta} left");
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
         let high = vec![0; elements.len()];
         let drawn = Instant::now();
-        Self { title: title.to_owned(), elements, bar, drawn, rows: 0, high, ticks: 0, wind: None, lost: 0 }
+        Self {
+            title: title.to_owned(),
+            elements,
+            bar,
+            drawn,
+            rows: 0,
+            high,
+            ticks: 0,
+            estimate: Vec::new(),
+            heading_deg,
+            lost: 0,
+        }
     }
 
     /// Takes a row; `lost` is how many are missing so far.
-    pub fn push(&mut self, row: &FeedRow, lost: u64) {
+    pub fn push(&mut self, row: &RecordingRow<'_>, lost: u64) {
         self.rows += 1;
         self.ticks += 1;
         self.lost = lost;
         self.high.iter_mut().enumerate().for_each(|(i, high)| *high += u32::from(row.heaters >> i & 1));
-        if row.wind.is_some() {
-            self.wind.clone_from(&row.wind);
+        if row.estimate.iter().any(|number| number.is_finite()) {
+            self.estimate.clear();
+            self.estimate.extend_from_slice(row.estimate);
         }
         if self.drawn.elapsed() < if self.bar.is_some() { DRAW_EVERY } else { LINE_EVERY } {
             return;
         }
         match &self.bar {
-            Some(bar) => bar.set_message(self.table(row)),
+            Some(bar) => {
+                bar.set_message(self.table(row));
+                bar.set_position(self.rows);
+            }
             None => {
                 eprintln!("{:.0} s, {} rows, {} lost, {}{}", row.time_s, self.rows, lost, row.state, self.wind_text())
             }
@@ -68,13 +90,17 @@ impl LiveTable {
     }
 
     fn wind_text(&self) -> String {
-        let Some(wind) = self.wind.as_ref().filter(|wind| wind.is_valid()) else { return String::new() };
-        let from = if wind.has_direction() { format!(" from {:.0}°", wind.from_deg) } else { String::new() };
-        let flags = wind.estimate.quality_flags.0;
-        format!(", {:.2} ± {:.2} m/s{from}, flags {flags}", wind.estimate.speed_m_s, wind.estimate.speed_error_m_s)
+        let [x, y, _, speed_m_s, _, error_m_s, .., flags] = *self.estimate else { return String::new() };
+        if !speed_m_s.is_finite() {
+            return String::new();
+        }
+        let from_deg = from_deg([x, y].map(f64::from), self.heading_deg);
+        let has_direction = !QualityFlags(flags as u16).has(QualityFlags::NO_DIRECTION);
+        let from = if has_direction { format!(" from {from_deg:.0}°") } else { String::new() };
+        format!(", {speed_m_s:.2} ± {error_m_s:.2} m/s{from}, flags {flags}")
     }
 
-    fn table(&self, row: &FeedRow) -> String {
+    fn table(&self, row: &RecordingRow<'_>) -> String {
         let width = self.elements.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(7);
         let mut text = format!("{} · {:.1} s · {}", self.title, row.time_s, row.state);
         let _ = write!(
@@ -85,7 +111,7 @@ impl LiveTable {
             "element"
         );
         for ((name, high), (temperature_c, power_w)) in
-            self.elements.iter().zip(&self.high).zip(row.temperature_c.iter().zip(&row.power_w))
+            self.elements.iter().zip(&self.high).zip(row.temperature_c.iter().zip(row.power_w))
         {
             let duty = 100.0 * f64::from(*high) / f64::from(self.ticks.max(1));
             let _ = write!(text, "\n{name:width$}  {temperature_c:>8.2} °C  {:>6.2} mW  {duty:>3.0} %", power_w * 1e3);

@@ -133,7 +133,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         keeps_heating: arguments.keep_heating,
         on_trip: arguments.on_trip.clone().filter(|what| what != "stop"),
         interrupted,
-        table: LiveTable::new(&experiment.title, feed.layout().elements.clone()),
+        table: LiveTable::new(&experiment.title, feed.layout().elements.clone(), None, arguments.publish.heading),
         feed,
         requests,
         own_requests: VecDeque::new(),

@@ -180,7 +180,7 @@ impl LogHost for Host {
         Some(self.begin_s + self.began.map_or(0.0, |began| began.elapsed().as_secs_f64()))
     }
 
-    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation) -> Result<(), RunError> {
+    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation, lost: u64) -> Result<(), RunError> {
         self.pace(row.time_s)?;
         let moment = self.moment(row.time_s);
         self.recorder.push_at(row, moment)?;
@@ -189,7 +189,7 @@ impl LogHost for Host {
             row.state.clone_into(&mut self.status.state);
         }
         let feed_row = feeding::row(row, observation, moment, self.heading_deg);
-        self.table.push(&feed_row, self.status.left_out);
+        self.table.push(row, lost + self.status.left_out);
         self.feed.push(&FeedItem::Row(Arc::new(feed_row)));
         self.status.rows += 1;
         self.status.time_s = row.time_s;

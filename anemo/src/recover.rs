@@ -24,6 +24,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for path in &arguments.recordings {
         let text = match recording::recover(path).map_err(Failure::work)? {
             Some(recovered) => format!("{}: {} rows\n", recovered.file.display(), recovered.rows),
+            None if !path.exists() => {
+                return Err(Failure::in_file(path, "there is no recording and no journal of one"));
+            }
             None => format!("{}: nothing to recover: no journal with rows of its own\n", path.display()),
         };
         crate::output::print(&text)?;

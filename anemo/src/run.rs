@@ -5,18 +5,16 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use crate::board::{InstrumentArguments, On};
+use crate::live_table::LiveTable;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
-use crate::progress::{on_interrupt, progress};
+use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
 use host_sim::experiment::Experiment;
 use host_sim::run::{RunError, RunSummary, TripSummary, run};
 use recording::{Metadata, RecordingLayout, SegmentLength, WriterOptions};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
-
-/// Rows between two steps of the progress bar.
-const PROGRESS_EVERY: u32 = 256;
 
 /// Run an experiment and record it.
 ///
@@ -69,17 +67,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
-    let bar = progress(&experiment.title, Some(experiment.ticks.into()));
-    let (start, mut rows) = (Instant::now(), 0_u32);
+    let names = experiment.head.names().into_iter().map(str::to_owned).collect();
+    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), 0.0);
+    let (start, mut rows) = (Instant::now(), 0_u64);
     let summary = run(&experiment, instrument, &mut |row| {
         recorded.push(row)?;
         rows += 1;
-        if rows.is_multiple_of(PROGRESS_EVERY) {
-            bar.set_position(u64::from(rows));
-        }
+        let due = (row.time_s / experiment.sample_period_s).round() as u64 + 1;
+        table.push(row, due.saturating_sub(rows));
         if interrupted.load(Ordering::Relaxed) { Err(RunError::Interrupted) } else { Ok(()) }
     });
-    bar.finish_and_clear();
+    drop(table);
     let summary = match summary {
         Ok(summary) => summary,
         Err(RunError::Recording(error)) => return Err(recorded.rescue(error)),

@@ -158,6 +158,10 @@ impl RunStatistics {
             late: report.status.as_ref().map_or(0, |status| status.late_ticks),
             hash: hash.map(|hash| format!("{hash:016x}")),
             judgement,
+            duration_s: match ended {
+                Some(_) => experiment.time_s(self.summary.ticks + self.summary.lost),
+                None => self.summary.duration_s,
+            },
             ended,
             unreached: named()
                 .filter(|(_, element)| element.missed || element.misses())

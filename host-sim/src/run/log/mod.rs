@@ -58,11 +58,11 @@ pub trait LogHost {
     /// Time since the first row by the clock of the host, s; none where time passes with rows only.
     fn elapsed_s(&self) -> Option<f64>;
 
-    /// Takes a row.
+    /// Takes a row; so many were lost before it, in all.
     ///
     /// # Errors
     /// [`RunError::Interrupted`] ends the log in order, any other with this reason.
-    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation) -> Result<(), RunError>;
+    fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation, lost: u64) -> Result<(), RunError>;
 
     /// Takes an event.
     fn happened(&mut self, time_s: f64, event: &LogEvent);

@@ -249,7 +249,7 @@ impl Session {
         // Who takes a row may want it to be the last.
         self.summary.rows += 1;
         self.summary.duration_s = time_s - *self.first_s.get_or_insert(time_s);
-        host.row(&rows.row(&observation, time_s, event, &self.state_name), &observation)?;
+        host.row(&rows.row(&observation, time_s, event, &self.state_name), &observation, self.summary.lost)?;
         if trip.is_some() && self.options.ends_at_trip {
             return Err(RunError::Interrupted);
         }
