@@ -56,8 +56,8 @@
 //! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop,
 //! every cause of the guard, crashes in each task, settings, supply, self-test, the line, random
 //! lives, flipped bits, ten minutes of a run (`cargo xtask campaign` for more of the last three).
-//! `equal_bits` hands the readings that the board has taken to a controller in this process, and `against_qemu` runs images of the virtual board here and in
-//! QEMU: both are equal to the bit.
+//! `equal_bits` hands the readings that the board has taken to a controller in this process, and
+//! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the

@@ -12,7 +12,7 @@
 //! | temperature, resistance | 70 °C, 260 Ω | the head's silver and solder joints; full scale |
 //! | resistance at the temperature limit | 220 Ω | 213 Ω at 70 °C and 3 % between specimens: whatever law is stated, an element of 175 Ω trips below 83 °C |
 //! | tick | 1 s | reaction times count in ticks |
-//! | no rise at the high level | 22.5 s | process safety time, 90 s, by 4: [`rise`](super::rise) |
+//! | no rise at the high level | 22.5 s | process safety time, 90 s, by 4: `control/rise.rs` |
 //! | equal codes | 3 … 1000 | noise exceeds a code |
 //! | mean power of an element, energy above it | 32 mW, 12 J | [`energy`](super::energy) |
 //!

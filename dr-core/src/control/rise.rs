@@ -1,7 +1,7 @@
 //! Whether the reading rises while an element is heated.
 //!
-//! A reading that says nothing of the element lets its drive heat for ever. A heated element becomes
-//! warmer, or a drive that regulates has what it holds and goes low. So
+//! A reading that says nothing of the element lets its drive heat for ever. A heated element
+//! becomes warmer, or a drive that regulates has what it holds and goes low. So
 //!
 //! | drive | needs a rise of [`RISE_K`] |
 //! |---|---|
@@ -11,7 +11,8 @@
 //! The bucket gains [`GAIN`] in a tick at the high level, and loses 1 in one at the low level: a
 //! drive that alternates is judged, too, in time t / (1.33 d − 0.33) for a share d of high ticks.
 //! One that is high for less than a quarter of the time, 11 mW, need not warm an element by much,
-//! and six of them so do not warm the sphere above 70 °C. When the bucket is empty, all begins anew.
+//! and six of them so do not warm the sphere above 70 °C. When the bucket is empty, all begins
+//! anew.
 
 use crate::sensor::Level;
 
@@ -33,8 +34,8 @@ pub(super) struct Rise {
 }
 
 impl Rise {
-    /// Takes the reading of a tick; whether the rise is missing that `limit_ticks` at the high level
-    /// should have shown.
+    /// Takes the reading of a tick; whether the rise is missing that `limit_ticks` at the high
+    /// level should have shown.
     pub(super) fn is_missing(&mut self, level: Level, temperature_c: f32, regulates: bool, limit_ticks: u32) -> bool {
         let most = limit_ticks.saturating_mul(GAIN);
         let has_risen = temperature_c >= self.from_c + RISE_K;

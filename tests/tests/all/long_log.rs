@@ -6,7 +6,7 @@
 use anemo_tests::Desk;
 use recording::Recording;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -25,8 +25,9 @@ fn resident_mib(program: &Child) -> Option<f64> {
 }
 
 /// A port of the loopback that nobody has.
+#[expect(clippy::disallowed_types, reason = "a test, on the loopback")]
 fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).unwrap().port()
+    std::net::TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).unwrap().port()
 }
 
 struct Broker(Child);
