@@ -4,8 +4,8 @@
 //! |---|---|
 //! | [`feed`] | rows and events, from the run to everybody who listens |
 //! | [`commands`] | what a listener may ask of the run |
-//! | [`file`] | recordings as TOA5, NetCDF and MATLAB's files |
-//! | [`format`] | rows as NMEA 0183, Gill's strings, InfluxDB's lines, MQTT messages |
+//! | [`mod@file`] | recordings as TOA5, NetCDF and MATLAB's files |
+//! | [`mod@format`] | rows as NMEA 0183, Gill's strings, InfluxDB's lines, MQTT messages |
 //! | [`output`] | one thread an address: UDP, TCP, serial ports, HTTP, MQTT, SCPI |
 //! | [`target`] | addresses as a user writes them |
 //! | [`listen`] | the only place that opens sockets |
