@@ -41,7 +41,7 @@
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
 //! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
-//! | [`Recorder`], [`recover`] | a writer in a thread of its own; what a journal has kept |
+//! | [`Recorder`], [`recover`], [`journal_of`] | a writer in a thread of its own; what a journal has kept; its name |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
@@ -81,6 +81,7 @@ pub use names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
     STATE, TEMPERATURE, TIME, TRUE_WIND, column_name, element_of, in_columns, shared_column, stated_unit,
 };
+pub use parts::journal_of;
 pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
