@@ -44,7 +44,7 @@ impl InstrumentArguments {
     pub(super) fn flash(&self) -> Result<Option<&Path>, Failure> {
         if self.flash.is_some() && !matches!(self.on, On::Qemu | On::Silicon) {
             return Err(Failure::usage(
-                "--flash: only an emulated board's flash is a file; leave it out, or name --on qemu or --on silicon",
+                "--flash: only the flash of qemu and silicon is a file; leave it out, or name --on qemu or --on silicon",
             ));
         }
         Ok(self.flash.as_deref())
@@ -57,9 +57,7 @@ impl InstrumentArguments {
         sensor: impl FnOnce() -> Result<Sensor, Failure>,
     ) -> Result<Box<dyn InstrumentPort>, Failure> {
         let flash = self.flash()?;
-        if self.emulation.link.is_some() && self.on != On::Qemu {
-            return Err(Failure::usage("--link: only the emulated board has two; leave it out, or name --on qemu"));
-        }
+        self.emulation.has_link(&self.on)?;
         let mut instrument: Box<dyn InstrumentPort> = match &self.on {
             On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
             On::Qemu => {
@@ -85,8 +83,7 @@ pub(super) struct Emulation {
     /// Firmware of the emulated board; by default that of the release or build.
     #[arg(long, value_name = "ELF", env = "ANEMO_FIRMWARE", help_heading = EMULATED)]
     firmware: Option<PathBuf>,
-    /// Link to the emulated board: `fifo` is fast, `usart` is what a cable would carry.
-    /// [default: fifo]
+    /// Link of `--on qemu`: `fifo`, the default, is fast, `usart` is what a cable would carry.
     #[arg(long, value_name = "fifo|usart", hide_possible_values = true, help_heading = EMULATED,
         value_parser = choice([("fifo", "", EmulatorLink::Fifo), ("usart", "", EmulatorLink::Usart)]))]
     link: Option<EmulatorLink>,
@@ -94,8 +91,18 @@ pub(super) struct Emulation {
 
 impl Emulation {
     fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
-        Emulated::start_with(&self.firmware(FIRMWARE), self.link.unwrap_or(EmulatorLink::Fifo), flash)
-            .map_err(Failure::work)
+        let link = self.link.unwrap_or(EmulatorLink::Fifo);
+        Emulated::start_with(&self.firmware(FIRMWARE), link, flash).map_err(Failure::work)
+    }
+
+    /// Refuses a choice of link where there is none.
+    fn has_link(&self, on: &On) -> Result<(), Failure> {
+        match self.link {
+            Some(_) if *on != On::Qemu => {
+                Err(Failure::usage("--link: only qemu has a choice of links; leave it out, or name --on qemu"))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn start_silicon(&self, experiment: Option<&Path>, flash: Option<&Path>) -> Result<Serial<VirtualLine>, Failure> {
@@ -150,6 +157,7 @@ pub(super) enum OpenBoard {
 
 impl OpenBoard {
     pub(super) fn open(on: &On, emulation: &Emulation, flash: &Path) -> Result<Self, Failure> {
+        emulation.has_link(on)?;
         Ok(match on {
             On::Sim => {
                 return Err(Failure::usage(

@@ -22,11 +22,11 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for path in &arguments.recordings {
+        if !path.exists() && !recording::journal_of(path).exists() {
+            return Err(Failure::in_file(path, "there is no such recording, and no journal of one"));
+        }
         let text = match recording::recover(path).map_err(Failure::work)? {
             Some(recovered) => format!("{}: {} rows\n", recovered.file.display(), recovered.rows),
-            None if !path.exists() => {
-                return Err(Failure::in_file(path, "there is no recording and no journal of one"));
-            }
             None => format!("{}: nothing to recover: no journal with rows of its own\n", path.display()),
         };
         crate::output::print(&text)?;

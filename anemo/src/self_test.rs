@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use dr_core::control::SelfTestPlan;
 use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
+use dr_core::control::{SelfTestFault, SelfTestPlan};
 use wire::Setting;
 
 use crate::board::{InstrumentArguments, On, OpenBoard};
@@ -106,7 +106,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
     let report = SelfTestReport { names, ..report };
     crate::output::print_report(&report, arguments.json)?;
-    report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}"))))
+    let is_simulated = !matches!(arguments.instrument.on, On::Serial(_));
+    let noise_v_rms = experiment.filter(|_| is_simulated).map(|experiment| experiment.imperfections.noise_v_rms);
+    let is_frozen = report.findings.iter().any(|finding| finding.faults.has(SelfTestFault::Frozen));
+    let hint = if is_frozen && noise_v_rms == Some(0.0) {
+        "; `frozen`: the experiment simulates no noise, give it `front_end.noise_v_rms`, as 1.5e-6"
+    } else {
+        ""
+    };
+    report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}{hint}"))))
 }
 
 fn show_stored(arguments: &Arguments, names: Vec<String>) -> Result<(), Failure> {

@@ -35,7 +35,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return crate::output::print_report(&LogStatus::read(folder).map_err(missing)?, arguments.json);
     }
     let Some(On::Serial(device)) = &arguments.on else {
-        return Err(Failure::usage("--on: only a board at a port has a past; name it, as in serial:/dev/ttyACM0"));
+        return Err(Failure::usage(
+            "--on: sim, qemu and silicon begin with the command and end with it; name a board at a port, as in serial:/dev/ttyACM0",
+        ));
     };
     let status = Serial::open(device).and_then(|mut board| board.status()).map_err(Failure::work)?;
     crate::output::print_report(&status, arguments.json)

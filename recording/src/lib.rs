@@ -43,7 +43,7 @@
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
 //! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
-//! | [`Recorder`], [`recover`], [`so_far`] | a writer in a thread of its own; what a journal has kept; a folder that is continued |
+//! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`utc`] | moments in UTC |
@@ -88,6 +88,7 @@ pub use names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
     STATE, TEMPERATURE, TIME, TRUE_WIND, UTC, column_name, element_of, in_columns, shared_column, stated_unit,
 };
+pub use parts::journal_of;
 pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};

@@ -22,7 +22,7 @@ pub(crate) fn journal_in(folder: &Path) -> PathBuf {
 }
 
 /// The journal beside a recording that is one file.
-pub(crate) fn journal_of(file: &Path) -> PathBuf {
+pub fn journal_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(".");
     name.push(JOURNAL);

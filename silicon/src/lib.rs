@@ -59,7 +59,7 @@
 //! `equal_bits` hands the readings that the board has taken to a controller in this process, and
 //! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
 //!
-//! **Limits.** It agrees with our reading of the manuals, not with silicon: no wait states, no
+//! **Limits.** It agrees with our reading of the manuals, not with chips: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
 //! sensor.
 //!

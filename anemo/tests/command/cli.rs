@@ -185,6 +185,11 @@ fn wrong_usage_is_code_2_and_one_sentence() {
             "a.gif: a picture's name ends in .svg, .pdf or .png",
         ),
         (vec!["plot", "no.parquet", "-o", "a.svg"], "no.parquet: there is no such file"),
+        (vec!["recover", "no.parquet"], "no.parquet: there is no such recording, and no journal of one"),
+        (vec!["run", &gusts, "--on", "silicon", "--link", "usart"], "--link: only qemu has a choice of links"),
+        (vec!["settings", "show", "--on", "silicon", "--link", "fifo"], "--link: only qemu has a choice of links"),
+        (vec!["run", &gusts, "--on", "sim", "--flash", "a.flash"], "name --on qemu or --on silicon"),
+        (vec!["status", "--on", "silicon"], "silicon begin with the command and end with it"),
     ] {
         let (code, sentence) = refused(folder.path(), &arguments);
         assert_eq!(code, 2, "{sentence}");
@@ -272,6 +277,15 @@ fn a_cut_recording_is_refused_and_the_old_picture_stays() {
     assert_eq!(code, 2);
     assert!(sentence.contains("r.parquet: is damaged or cut short"), "{sentence}");
     assert_eq!(std::fs::read_to_string(folder.join("p.svg")).unwrap(), "old");
+}
+
+#[test]
+fn a_self_test_without_simulated_noise_names_the_key_of_the_noise() {
+    let (folder, file) = changed("gusts.toml", "noise_v_rms = 1.5e-6", "noise_v_rms = 0.0");
+    let output = anemo(folder.path(), &["self-test", &file, "--on", "sim", "--no-heat"]);
+    assert_eq!(output.status.code(), Some(1));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains(" of 6 elements; `frozen`: ") && stderr.contains("`front_end.noise_v_rms`"), "{stderr}");
 }
 
 #[test]

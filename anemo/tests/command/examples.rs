@@ -27,9 +27,18 @@ const FIRST: [&str; 12] = [
     "wind",
 ];
 
-/// What is only parsed: a board and its log, the emulator, and studies of minutes.
-const PARSED: [&str; 7] =
-    [" mast/", "serial:", "--on qemu", "anemo benchmark", "anemo thesis\n", "anemo thesis rems", "anemo example"];
+/// What is only parsed: a board and its log, the emulator, a program that was killed, and studies of
+/// minutes.
+const PARSED: [&str; 8] = [
+    " mast/",
+    "serial:",
+    "--on qemu",
+    "anemo recover",
+    "anemo benchmark",
+    "anemo thesis\n",
+    "anemo thesis rems",
+    "anemo example",
+];
 
 /// Shorter experiments: longer ticks, fewer and shorter winds.
 const SHORTER: [(&str, &[(&str, &str)]); 7] = [

@@ -22,6 +22,8 @@ pub(super) struct RunStatistics {
     tally: EstimateTally,
     state: String,
     last: Option<RunState>,
+    /// The tick behind the last sample.
+    end: u32,
     elements: Vec<ElementStatistics>,
 }
 
@@ -60,7 +62,6 @@ impl RunStatistics {
             title: experiment.title.clone(),
             head: experiment.head.name.clone(),
             firmware: firmware.to_owned(),
-            duration_s: experiment.duration_s(),
             validity: experiment.construction.as_ref().map_or("what is known of convection", Construction::validity),
             ..RunSummary::default()
         };
@@ -69,6 +70,7 @@ impl RunStatistics {
             tally: EstimateTally::default(),
             state: String::new(),
             last: None,
+            end: 0,
             elements: experiment.drives.iter().map(of).collect(),
         }
     }
@@ -122,6 +124,7 @@ impl RunStatistics {
         observation.wind.iter().for_each(|wind| self.tally.add(wind));
         let sample = &observation.sample;
         self.summary.ticks += 1;
+        self.end = sample.tick + 1;
         for (i, element) in self.elements.iter_mut().enumerate() {
             if sample.valid >> i & 1 == 1 {
                 element.sum_c += f64::from(sample.temperature_c[i]);
@@ -153,15 +156,14 @@ impl RunStatistics {
     ) -> RunSummary {
         let names = experiment.head.names();
         let named = || names.iter().zip(&self.elements);
+        // Samples that got lost at the end belong to a run that was not cut short.
+        let end = if ended.is_some() { self.end } else { experiment.ticks };
         RunSummary {
+            duration_s: experiment.time_s(end),
             damaged: report.link.damaged + report.link.oversized,
             late: report.status.as_ref().map_or(0, |status| status.late_ticks),
             hash: hash.map(|hash| format!("{hash:016x}")),
             judgement,
-            duration_s: match ended {
-                Some(_) => experiment.time_s(self.summary.ticks + self.summary.lost),
-                None => self.summary.duration_s,
-            },
             ended,
             unreached: named()
                 .filter(|(_, element)| element.missed || element.misses())

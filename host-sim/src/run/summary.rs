@@ -20,7 +20,7 @@ pub struct RunSummary {
     pub firmware: String,
     /// Rows of the recording.
     pub ticks: u32,
-    /// Length of the run, s.
+    /// Length of the run, s: that of the experiment, or up to the last row if it ended early.
     pub duration_s: f64,
     /// Ticks that happened, but of which no sample arrived.
     pub lost: u32,

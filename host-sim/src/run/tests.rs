@@ -246,10 +246,12 @@ fn a_run_that_ends_early_keeps_its_rows_and_says_why() {
         let summary = summary.unwrap();
         let ended = summary.ended.unwrap();
         assert!(ended.why.contains(why) && ended.stopped, "{ended:?}");
-        assert_eq!((kept, summary.ticks), (rows, rows));
+        assert_eq!((kept, summary.ticks, summary.duration_s), (rows, rows, f64::from(rows) / 100.0));
     }
     let (rows, unstopped) = broken(Break::Stop, 0);
-    let ended = unstopped.unwrap().ended.unwrap();
+    let unstopped = unstopped.unwrap();
+    assert_eq!(unstopped.duration_s, 1.0);
+    let ended = unstopped.ended.unwrap();
     assert_eq!((rows, ended.stopped), (100, false));
     assert!(ended.to_string().contains("heaters may still be on"), "{ended}");
     // Without a row there is nothing to keep.

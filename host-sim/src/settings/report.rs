@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use dr_core::control::Refusal;
 use serde::Serialize;
 use serde_json::Value;
+use wire::Unusable;
 use wire::settings::{KeyNumber, SettingKey, SettingKind};
 
 use super::kept::{KeptSetting, content, default_of};
@@ -61,7 +63,7 @@ impl SettingsReport {
             let (value, stored, unusable) =
                 match kept.iter().find(|kept| kept.number == number).map(|kept| &kept.setting) {
                     Some(Ok(setting)) => (Some(content(setting)), true, None),
-                    Some(Err(why)) => (default.clone(), true, Some(why.to_string())),
+                    Some(Err(why)) => (default.clone(), true, Some(reason(number, why))),
                     None => (default.clone(), false, None),
                 };
             SettingReport { value, default, stored, unusable }
@@ -115,6 +117,21 @@ impl SettingReport {
     }
 }
 
+/// Why a kept value is not used. Elements follow each other without a gap: one that cannot be used
+/// keeps out those behind it, which are not at fault.
+fn reason(number: KeyNumber, why: &Unusable) -> String {
+    let key = SettingKey::of_number(number).filter(|key| key.kind == SettingKind::Element);
+    match (key, why) {
+        (Some(SettingKey { kind, which }), &Unusable::Refused(Refusal::NotConfigured { element }))
+            if element < which =>
+        {
+            let first = names::of(SettingKey { kind, which: element }.number());
+            format!("it comes behind {first}, which is missing or not used")
+        }
+        _ => why.to_string(),
+    }
+}
+
 fn brief(value: Option<&Value>) -> String {
     let text = match value {
         None | Some(Value::Null) => return "–".to_owned(),
@@ -125,5 +142,26 @@ fn brief(value: Option<&Value>) -> String {
     match text.char_indices().nth(MOST_SHOWN) {
         Some((end, _)) => format!("{}…", text.get(..end).unwrap_or(&text)),
         None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wire::settings::SettingValue;
+
+    #[test]
+    fn an_element_behind_one_that_is_not_used_names_that_one_and_no_fault_of_its_own() {
+        let kept = |which, element| {
+            let number = SettingKey { kind: SettingKind::Element, which }.number();
+            let why = Unusable::Refused(Refusal::NotConfigured { element });
+            KeptSetting { number, value: SettingValue::new(), setting: Err(why) }
+        };
+        let report = SettingsReport::of("firmware", &[kept(1, 0), kept(3, 2)], true);
+        let text = report.to_string();
+        let state = |key: &str| text.lines().find_map(|line| line.strip_prefix(key)).unwrap().to_owned();
+        assert!(state("element.1").ends_with("not used: it comes behind element.0, which is missing or not used"));
+        assert!(state("element.3").ends_with("not used: it comes behind element.2, which is missing or not used"));
+        assert!(!text.contains("has no configuration"), "{text}");
     }
 }

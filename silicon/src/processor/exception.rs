@@ -36,7 +36,7 @@ const TO_THREAD: u32 = 1 << 3;
 const BASIC_FRAME: u32 = 1 << 4;
 
 /// Enters the handler of `exception`, whose address is `handler`. A frame that cannot be stored is
-/// an error, with the stack pointer below it as on silicon.
+/// an error, with the stack pointer below it as on the chip.
 pub fn enter<D>(unicorn: &mut Unicorn<'_, D>, exception: u16, handler: u32) -> Result<(), uc_error> {
     let has_floats = unicorn.reg_read(RegisterARM::CONTROL)? & FPCA != 0;
     let before = unicorn.reg_read(RegisterARM::SP)? as u32;

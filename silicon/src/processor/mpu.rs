@@ -6,7 +6,7 @@
 //!
 //! Limits: all code is privileged here. The rights of RAM and of code are those of their first
 //! byte. The core's own registers are outside of the unit. It protects in the handlers of NMI and
-//! hard fault as well, where it does not on silicon unless HFNMIENA is set.
+//! hard fault as well, where it does not on the chip unless HFNMIENA is set.
 
 const ENABLE: u32 = 1;
 const DEFAULT_MAP: u32 = 1 << 2;

@@ -1,7 +1,7 @@
 //! What ends a firmware's life, and what the next one begins with: heaters low, tripped for the
 //! cause, until it is acknowledged.
 //!
-//! The emulated board is really reset: its RAM stays, as on silicon, and it starts anew from the
+//! The emulated board is really reset: its RAM stays, as on a chip, and it starts anew from the
 //! vector table.
 
 use anemo_tests::{experiment, firmware, readings, sensor, start};

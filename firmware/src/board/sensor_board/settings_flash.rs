@@ -15,7 +15,7 @@
 //! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is
 //!   reset afterwards, for which it has to be off.
 //!
-//! Nothing of this has run on silicon. What it is asked to do is tested on the host
+//! Nothing of this has run on a chip. What it is asked to do is tested on the host
 //! (`firmware/src/settings`).
 
 use super::watchdog;
