@@ -27,8 +27,8 @@ const FIRST: [&str; 12] = [
     "wind",
 ];
 
-/// What is only parsed: a board and its log, the emulator, a program that was killed, and studies of
-/// minutes.
+/// What is only parsed: a board and its log, the emulator, a program that was killed, and studies
+/// of minutes.
 const PARSED: [&str; 8] = [
     " mast/",
     "serial:",
