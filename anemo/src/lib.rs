@@ -53,6 +53,7 @@ mod reduce;
 mod replay;
 mod run;
 mod self_test;
+mod service;
 mod settings;
 mod status;
 #[cfg(feature = "studies")]

@@ -34,7 +34,8 @@ Examples:
   anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ \\
       --segment 1h --keep 30d --every 1s
   anemo log heads/sphere-b-reference.toml --overheat 30 --pressure gas.txt \\
-      --on serial:/dev/ttyACM0 -o mast/")]
+      --on serial:/dev/ttyACM0 -o mast/
+  anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ --service")]
 pub struct Arguments {
     #[command(flatten)]
     source: SourceArguments,
@@ -74,6 +75,9 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
+    /// Print the systemd unit that runs this log as a service, and do nothing else.
+    #[arg(long)]
+    service: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -95,6 +99,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(folder, "a log is recorded into a folder, whose name has no extension"));
     }
     let targets = arguments.publish.targets()?;
+    if arguments.service {
+        return crate::output::print(&crate::service::unit(&experiment.title)?);
+    }
     let mut known = crate::run::metadata(&experiment, on);
     let (begin_s, begin) = begin(folder, &experiment, &mut known)?;
     let layout = crate::run::layout(&experiment, on);

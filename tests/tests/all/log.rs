@@ -145,3 +145,20 @@ fn a_log_continues_the_folder_of_the_one_before() {
     let means = Recording::read(&desk.path().join("mast/every-1s")).unwrap();
     assert!((10..=11).contains(&means.len()) && means.has("max_temperature_c_core1"));
 }
+
+#[test]
+fn systemd_accepts_the_unit_of_a_service() {
+    let desk = Desk::new("steady.toml", &[]);
+    let output = desk.anemo(&["log", "e.toml", "--on", "sim", "-o", "a mast", "--service"], &[]);
+    assert!(output.status.success());
+    let unit = desk.path().join("anemo.service");
+    std::fs::write(&unit, &output.stdout).unwrap();
+    assert!(!desk.path().join("a mast").exists());
+    let mut analyze = std::process::Command::new("systemd-analyze");
+    let verified = match analyze.args(["verify", "--man=no"]).arg(&unit).output() {
+        Ok(verified) => verified,
+        Err(error) => return println!("systemd-analyze: {error}; the unit is not verified"),
+    };
+    let said = String::from_utf8_lossy(&verified.stderr);
+    assert!(verified.status.success() && !said.contains("anemo.service"), "{said}");
+}
