@@ -69,7 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let file = arguments.output.as_ref().map(|output| output.display().to_string());
     let report = ExportReport::new(&part, form, file).map_err(|error| Failure::in_file(&arguments.model, error))?;
     if let Some(output) = &arguments.output {
-        crate::output::write_text(output, &report.text()).map_err(Failure::usage)?;
+        crate::output::write_text(output, &report.text())?;
     }
     crate::output::print_report(&report, arguments.json)
 }

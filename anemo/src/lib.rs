@@ -179,8 +179,13 @@ pub fn main() -> ExitCode {
         }
         Err(error) => {
             // Help and version. That nobody reads them is no failure.
-            let _ = error.print();
-            return ExitCode::from(u8::from(error.use_stderr()) * 2);
+            return match error.print() {
+                Err(unprinted) if unprinted.kind() != std::io::ErrorKind::BrokenPipe => {
+                    complain(&format!("it cannot be printed: {unprinted}"));
+                    ExitCode::FAILURE
+                }
+                _ => ExitCode::from(u8::from(error.use_stderr()) * 2),
+            };
         }
     };
     let outcome = match arguments.command {
@@ -223,7 +228,7 @@ pub fn main() -> ExitCode {
 }
 
 fn complain(sentence: &str) {
-    let _ = writeln!(std::io::stderr(), "anemo: {sentence}");
+    let _ = writeln!(std::io::stderr(), "anemo: {}", output::sentence(sentence));
 }
 
 /// Clap's message to a command without its usage block, in one line.

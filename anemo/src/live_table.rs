@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
+use crate::output::{printable, sentence};
 use dr_core::wind::QualityFlags;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use publish::feed::from_deg;
@@ -41,8 +42,8 @@ impl LiveTable {
         let high = vec![0; elements.len()];
         let drawn = Instant::now();
         Self {
-            title: title.to_owned(),
-            elements,
+            title: printable(title).into_owned(),
+            elements: elements.iter().map(|name| printable(name).into_owned()).collect(),
             bar,
             drawn,
             rows: 0,
@@ -84,8 +85,8 @@ impl LiveTable {
     /// Prints a line that stays.
     pub fn say(&self, line: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("anemo: {line}")),
-            None => eprintln!("anemo: {line}"),
+            Some(bar) => bar.suspend(|| eprintln!("anemo: {}", sentence(line))),
+            None => eprintln!("anemo: {}", sentence(line)),
         }
     }
 

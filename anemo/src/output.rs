@@ -1,5 +1,6 @@
 //! How a command ends: what it prints and writes, and the exit code of its failures.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
 
@@ -9,6 +10,9 @@ use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
 use recording::RecordingReader;
 use recording::toml_file::FileError;
+
+/// Longest sentence of a failure.
+const MOST_LETTERS: usize = 2_000;
 
 /// Why the command ends, and with which exit code.
 #[derive(Debug, PartialEq)]
@@ -58,10 +62,26 @@ impl From<RunError> for Failure {
     }
 }
 
+/// A text as a terminal may have it: titles, names of columns and of boards come from elsewhere, and
+/// a control character could say something else than what stands there.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let obeys = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    if text.contains(obeys) { text.replace(obeys, "\u{fffd}").into() } else { text.into() }
+}
+
+/// A sentence of a failure, without what nobody would read to its end.
+pub fn sentence(text: &str) -> String {
+    let text = printable(text);
+    match text.char_indices().nth(MOST_LETTERS) {
+        Some((end, _)) => format!("{} … ({} more bytes)", &text[..end], text.len() - end),
+        None => text.into_owned(),
+    }
+}
+
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::work(format!("the result cannot be printed: {error}")))
         }
@@ -177,5 +197,18 @@ pub fn finite(options: &[(&str, Option<f64>)]) -> Result<(), Failure> {
     match options.iter().find(|(_, value)| value.is_some_and(|value| !value.is_finite())) {
         Some((name, _)) => Err(Failure::usage(format!("{name} must be a finite number"))),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_from_elsewhere_commands_a_terminal_or_fills_it() {
+        assert_eq!(printable("a °C\tb\n"), "a °C\tb\n");
+        assert_eq!(printable("\u{1b}]0;owned\u{7}\u{9b}2J"), "\u{fffd}]0;owned\u{fffd}\u{fffd}2J");
+        let long = sentence(&"ä".repeat(10_000_000));
+        assert!(long.ends_with("ä … (19996000 more bytes)") && long.chars().count() < 2_100);
     }
 }

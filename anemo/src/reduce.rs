@@ -57,10 +57,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(&arguments.model, error));
     }
     if let (Some(path), Ok(table)) = (&arguments.toml, &table) {
-        crate::output::write_text(path, table).map_err(Failure::usage)?;
+        crate::output::write_text(path, table)?;
     }
     if let Some(path) = &arguments.output {
-        reduced.model.write(path).map_err(Failure::usage)?;
+        reduced.model.write(path).map_err(Failure::work)?;
     }
     let [file, table_file] =
         [&arguments.output, &arguments.toml].map(|path| path.as_ref().map(|path| path.display().to_string()));

@@ -1,7 +1,7 @@
 //! The command from outside: exit codes, sentences, and that nothing half-written is left.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
@@ -286,6 +286,16 @@ fn a_self_test_without_simulated_noise_names_the_key_of_the_noise() {
     assert_eq!(output.status.code(), Some(1));
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(stderr.contains(" of 6 elements; `frozen`: ") && stderr.contains("`front_end.noise_v_rms`"), "{stderr}");
+}
+
+#[test]
+fn a_result_that_cannot_be_printed_is_a_failure() {
+    for argument in ["--version", "--help"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let status =
+            Command::new(env!("CARGO_BIN_EXE_anemo")).arg(argument).stdout(full).stderr(Stdio::null()).status();
+        assert_eq!(status.unwrap().code(), Some(1), "{argument}");
+    }
 }
 
 #[test]

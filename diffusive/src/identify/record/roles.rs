@@ -25,6 +25,8 @@ const MEASURED_ONLY: f64 = 0.01;
 const CLASS_NAMES: [&str; 6] = ["event", "class", "wind", "condition", "phase", "label"];
 /// Different numbers that such a column holds at most.
 const MOST_CLASSES: usize = 16;
+/// Inputs that are guessed at most: the work grows by the cube of their number.
+const MOST_GUESSED: usize = 16;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Roles {
@@ -116,6 +118,12 @@ impl Roles {
         }
         if no_inputs {
             self.inputs = free.iter().copied().filter(|column| !self.outputs.contains(column)).collect();
+            if self.inputs.len() > MOST_GUESSED {
+                let count = self.inputs.len();
+                return Err(columns.refuse(format!(
+                    "{count} columns of numbers could be inputs, and no more than {MOST_GUESSED} are taken unasked: name those that heat by --input, and what they warm by --output"
+                )));
+            }
         }
         if self.inputs.is_empty() || self.outputs.is_empty() {
             return Err(columns.refuse(format!(

@@ -48,6 +48,20 @@ fn three_columns_are_time_input_and_output_in_order() {
 }
 
 #[test]
+fn a_wide_table_is_not_guessed_at() {
+    let table = |inputs: usize| {
+        let row = |first: &str| format!("{first}{}\n", ",1".repeat(inputs + 1));
+        let header: String = (0..inputs).map(|n| format!(",q{n}")).collect();
+        format!("t{header},T\n{}{}{}", row("0"), row("1"), row("2"))
+    };
+    let sentence = refused(&table(17));
+    assert!(sentence.contains("17 columns of numbers could be inputs") && sentence.contains("--input"), "{sentence}");
+    assert!(!read(&table(16), &Selection::default()).is_err_and(|sentence| sentence.contains("could be inputs")));
+    let named = Selection { inputs: names(&["q0"]), ..Selection::default() };
+    assert!(read(&table(17), &named).is_ok());
+}
+
+#[test]
 fn of_more_columns_the_last_is_the_output_and_constant_inputs_are_left_out() {
     let (survey, block, _) =
         read("t,Q1,Q2,note,fan,T\n0,0,0,x,7,20\n1,1,0,1,7,20\n2,1,1,y,7,21\n", &Selection::default()).unwrap();
