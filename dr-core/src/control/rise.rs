@@ -1,12 +1,12 @@
 //! Whether the reading rises while an element is heated.
 //!
-//! A reading that says nothing of the element lets its drive heat for ever. A heated element becomes
-//! warmer, or a drive that regulates has what it holds and goes low. So
+//! A reading that says nothing of the element lets its drive heat for ever. A heated element
+//! becomes warmer, or a drive that regulates has what it holds and goes low. So
 //!
 //! | drive | needs a rise of [`RISE_K`] |
 //! |---|---|
 //! | holds a temperature | again and again, each in the time of the board at the high level |
-//! | any other, which may stand in a steady state | one, before its bucket is as full as that time at the high level fills it |
+//! | any other, which may stand in a steady state | one, before its bucket is as full as that time at high fills it |
 //!
 //! The bucket gains [`GAIN`] in a tick at the high level, and loses 1 in one at the low level: a
 //! drive that alternates is judged, too, in time t / (1.33 d − 0.33) for a share d of high ticks.
@@ -33,8 +33,8 @@ pub(super) struct Rise {
 }
 
 impl Rise {
-    /// Takes the reading of a tick; whether the rise is missing that `limit_ticks` at the high level
-    /// should have shown.
+    /// Takes the reading of a tick; whether the rise is missing that `limit_ticks` at the high
+    /// level should have shown.
     pub(super) fn is_missing(&mut self, level: Level, temperature_c: f32, regulates: bool, limit_ticks: u32) -> bool {
         let most = limit_ticks.saturating_mul(GAIN);
         let has_risen = temperature_c >= self.from_c + RISE_K;
