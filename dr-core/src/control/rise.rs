@@ -11,7 +11,8 @@
 //! The bucket gains [`GAIN`] in a tick at the high level, and loses 1 in one at the low level: a
 //! drive that alternates is judged, too, in time t / (1.33 d − 0.33) for a share d of high ticks.
 //! One that is high for less than a quarter of the time, 11 mW, need not warm an element by much,
-//! and six of them so do not warm the sphere above 70 °C. When the bucket is empty, all begins anew.
+//! and six of them so do not warm the sphere above 70 °C. When the bucket is empty, all begins
+//! anew.
 
 use crate::sensor::Level;
 
