@@ -222,14 +222,7 @@ mod tests {
     #[test]
     fn configurations_are_checked_again_where_they_arrive() {
         let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.768e-7, 3e-3, 16e-3).unwrap();
-        let limits = Limits {
-            resistance_min_ohm: 50.0,
-            resistance_max_ohm: 260.0,
-            temperature_max_c: 70.0,
-            code_max: 8_388_607,
-            energy: None,
-        };
-        let command = Command::Element { element: 0, config: ElementConfig { channel, limits } };
+        let command = Command::Element { element: 0, config: ElementConfig { channel, limits: Limits::SPHERE_B } };
         let mut space = [0; 64];
         let sent = postcard::to_slice(&command, &mut space).unwrap().to_vec();
         for number in [175.0_f32, 0.0031, 4.768e-7, 3e-3, 16e-3, 50.0, 260.0, 70.0] {

@@ -117,6 +117,15 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// Those of an element of sphere B, 175 Ω at 0 °C, on a converter of 24 bit. For tests.
+    pub const SPHERE_B: Self = Self {
+        resistance_min_ohm: 50.0,
+        resistance_max_ohm: 260.0,
+        temperature_max_c: 70.0,
+        code_max: 8_388_000,
+        energy: None,
+    };
+
     /// The limits, if they make sense for this resistor: above the end of its law, an inverse may
     /// give any temperature.
     ///
@@ -213,13 +222,7 @@ mod tests {
     use crate::control::state::RunState;
     use std::string::ToString;
 
-    const LIMITS: Limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_000,
-        energy: None,
-    };
+    const LIMITS: Limits = Limits::SPHERE_B;
 
     fn verdict(reading: Reading, level: Level) -> ReadingJudgement {
         let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 4.0 / 8_388_608.0, 3e-3, 16e-3).unwrap();
@@ -353,13 +356,7 @@ mod tests {
         // − 128).
         let platinum = Platinum::linear(128.0, 1.0 / 256.0).unwrap();
         let channel = Channel::new(platinum, 1.0 / 1_048_576.0, 1.0 / 256.0, 1.0 / 64.0).unwrap();
-        let limits = Limits {
-            resistance_min_ohm: 50.0,
-            resistance_max_ohm: 260.0,
-            temperature_max_c: 264.0,
-            code_max: 8_000_000,
-            energy: None,
-        };
+        let limits = Limits { temperature_max_c: 264.0, ..LIMITS };
         let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
         let good = |ohm: f32| ReadingJudgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
         assert_eq!(at(&limits, 260 * 4096), good(260.0));

@@ -136,13 +136,7 @@ mod tests {
         let platinum = Platinum::linear(175.0, 0.0031).unwrap();
         ElementConfig {
             channel: Channel::new(platinum, 4.0 / 8_388_608.0, current_low_a, current_high_a).unwrap(),
-            limits: Limits {
-                resistance_min_ohm: 50.0,
-                resistance_max_ohm: 260.0,
-                temperature_max_c: 70.0,
-                code_max: 8_388_607,
-                energy: None,
-            },
+            limits: Limits::SPHERE_B,
         }
     }
 

@@ -6,7 +6,7 @@
 //! | drive | needs a rise of [`RISE_K`] |
 //! |---|---|
 //! | holds a temperature | again and again, each in the time of the board at the high level |
-//! | any other, which may stand in a steady state | one, before its bucket is as full as that time at the high level fills it |
+//! | any other, which may stand in a steady state | one, before its bucket is as full as that time at high fills it |
 //!
 //! The bucket gains [`GAIN`] in a tick at the high level, and loses 1 in one at the low level: a
 //! drive that alternates is judged, too, in time t / (1.33 d − 0.33) for a share d of high ticks.

@@ -55,15 +55,8 @@ fn instrument() -> Instrument<2> {
     let mut tell = |command| instrument.handle(command).unwrap();
     tell(Command::SamplePeriod { sample_period_s: PERIOD_S });
     let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), VOLT_PER_CODE, 3e-3, 16e-3).unwrap();
-    let limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_000,
-        energy: None,
-    };
     for element in 0..2 {
-        tell(Command::Element { element, config: ElementConfig { channel, limits } });
+        tell(Command::Element { element, config: ElementConfig { channel, limits: Limits::SPHERE_B } });
         tell(Command::Drive { element, drive: Drive::Passive });
     }
     tell(Command::Wind(WindCommand::SelfHeating { element: 0, config: own(R_K_PER_W) }));

@@ -180,14 +180,7 @@ fn measure() -> Option<()> {
 fn element() -> Option<ElementConfig> {
     let platinum = Platinum::linear(175.0, 0.0031).ok()?;
     let channel = Channel::new(platinum, VOLT_PER_CODE, CURRENT_LOW_A, CURRENT_HIGH_A).ok()?;
-    let limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_000,
-        energy: None,
-    };
-    Some(ElementConfig { channel, limits })
+    Some(ElementConfig { channel, limits: Limits::SPHERE_B })
 }
 
 /// What the ADC reads of an element.

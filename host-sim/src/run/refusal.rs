@@ -27,6 +27,11 @@ pub(super) const fn is_of_the_head(parameter: Parameter) -> bool {
     )
 }
 
+/// Whether a number is a current that the experiment sets in place of the head's.
+pub(super) fn is_of_the_currents(experiment: &Experiment, element: usize, parameter: Parameter) -> bool {
+    matches!(parameter, Parameter::CurrentLowA | Parameter::CurrentHighA) && experiment.currents.contains(&element)
+}
+
 /// The instrument knows elements by number; the key of the file has the name.
 fn without_number(refusal: &Refusal) -> String {
     let words = refusal.to_string();

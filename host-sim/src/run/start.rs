@@ -43,9 +43,15 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
             InstrumentError::Tripped { cause: trip.cause.name(), element: setup::place(*trip, &names) }.into()
         }
         InstrumentError::Refused(Refusal::Invalid { element, error }) if refusal::is_of_the_head(error.parameter) => {
-            let name = element.and_then(|element| names.get(usize::from(element)));
-            let of = name.map_or_else(String::new, |name| format!("{name}: "));
-            experiment.source.refuse("head", format!("asks for what this board does not grant: {of}{error}")).into()
+            let of = element.map(usize::from).and_then(|element| Some((element, *names.get(element)?)));
+            let (key, of) = match of {
+                Some((element, name)) if refusal::is_of_the_currents(experiment, element, error.parameter) => {
+                    (format!("currents.{name}"), String::new())
+                }
+                Some((_, name)) => ("head".to_owned(), format!("{name}: ")),
+                None => ("head".to_owned(), String::new()),
+            };
+            experiment.source.refuse(&key, format!("asks for what this board does not grant: {of}{error}")).into()
         }
         InstrumentError::Refused(refusal) => match element_of(refusal).and_then(|element| names.get(element)) {
             // It names the key where the user can do something about it.

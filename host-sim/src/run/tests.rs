@@ -5,8 +5,8 @@ use super::*;
 use crate::experiment::Experiment;
 use crate::instrument::in_process::InProcess;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStep, Observation};
-use dr_core::control::{RunState, SelfTestFinding};
-use dr_core::{Command, Reply};
+use dr_core::control::{HardwareLimits, RunState, SelfTestFinding};
+use dr_core::{Command, Instrument, Reply};
 use recording::RecordingError;
 use wire::Identity;
 
@@ -174,6 +174,27 @@ fn rows_carry_the_gas_only_where_it_swings() {
         let expected = -53.15 + 2.0 * (std::f64::consts::TAU * (time_s - 1.0).max(0.0) / 3.0).sin();
         assert!((gas_c.unwrap() - expected).abs() < 1e-9, "{time_s} s: {gas_c:?} for {expected}");
     }
+}
+
+/// A board that grants less of the high current than its head has.
+static WEAK: HardwareLimits = HardwareLimits { current_high_a: (0.01, 0.015), ..HardwareLimits::SENSOR_BOARD };
+
+#[test]
+fn currents_that_a_board_does_not_grant_are_refused_where_they_are_stated() {
+    let refused = |text: &str, hardware| {
+        let experiment = shortened("steady.toml", "[drives]", text);
+        let mut controller = InProcess::new();
+        *controller.station_mut() = Instrument::new(hardware);
+        start(&experiment, &mut LockStep::new(controller, experiment.sensor().unwrap())).unwrap_err().to_string()
+    };
+    let stated = "[currents]\nsector3 = { low_a = 0.003, high_a = 0.0199 }\n\n[drives]";
+    let sentence = refused(stated, &HardwareLimits::SENSOR_BOARD);
+    let steady = include_str!("../../../experiments/steady.toml");
+    let line = steady.lines().position(|line| line == "[drives]").unwrap() + 2;
+    let expected = format!("line {line}: `currents.sector3` asks for what this board does not grant: ");
+    assert!(sentence.contains(&expected) && !sentence.contains("sector3:"), "{sentence}");
+    let sentence = refused("[drives]", &WEAK);
+    assert!(sentence.contains("`head` asks for what this board does not grant: sector1: "), "{sentence}");
 }
 
 /// An instrument of which something breaks at a tick.

@@ -217,16 +217,15 @@ fn a_bit_that_flips_in_a_limit_trips() {
     rig.assert_no_complaint();
 }
 
-/// A converter that repeats itself, before a guard that is as patient as the board allows.
+/// A converter that repeats itself, before a guard that is as lax as the board allows.
 #[test]
 fn a_reading_that_the_high_level_does_not_raise_trips_within_a_quarter_of_the_process_safety_time() {
     let experiment = Experiment { sample_period_s: 0.1, ..experiment("held.toml", 1_000) };
     let rig = Rig::of(&experiment);
     let mut instrument = rig.instrument();
     let mut commands = setup_of(&experiment).unwrap();
-    let patient =
-        GuardConfig { missing_limit_ticks: u32::MAX, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 1000 };
-    commands.push(Command::Guard(patient));
+    let lax = GuardConfig { missing_limit_ticks: u32::MAX, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 1000 };
+    commands.push(Command::Guard(lax));
     setup::start(&mut instrument, &commands).unwrap();
     Rig::observe(&mut instrument, 5, |_| {});
     rig.machine().board_mut().set_adc_fault(Some(AdcFault::Stuck));

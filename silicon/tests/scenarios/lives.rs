@@ -330,9 +330,9 @@ fn no_life_leaves_a_heater_on_or_ends_deaf() {
             let mut chance = Chance::of(seed);
             let deeds: Vec<u64> = (0..DEEDS).map(|_| chance.word()).collect();
             if live(&rig, &experiment, &deeds).1.is_err() {
-                let told = format!("life {seed}: {}", shrink(&rig, &experiment, deeds));
-                println!("{told}");
-                failures.lock().unwrap().push(told);
+                let failure = format!("life {seed}: {}", shrink(&rig, &experiment, deeds));
+                println!("{failure}");
+                failures.lock().unwrap().push(failure);
             }
             if seed % 100 == 0 {
                 println!("{seed} of {last} lives");

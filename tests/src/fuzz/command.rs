@@ -72,14 +72,7 @@ fn between(watched: &Watched, element: usize, share: u8) -> Reading {
 /// An element of prototype B.
 pub fn element() -> ElementConfig {
     let channel = Platinum::linear(175.0, 0.0031).and_then(|platinum| Channel::new(platinum, 4.768e-7, 3e-3, 16e-3));
-    let limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_607,
-        energy: None,
-    };
-    ElementConfig { channel: channel.expect("prototype B has been built"), limits }
+    ElementConfig { channel: channel.expect("prototype B has been built"), limits: Limits::SPHERE_B }
 }
 
 /// Three elements that are driven in three ways.

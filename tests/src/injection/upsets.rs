@@ -26,7 +26,7 @@ const WATCHED_TICKS: u32 = 120;
 
 /// A board that has not answered for so long does not answer any more. One that does takes less
 /// than a millisecond.
-const PATIENCE: Duration = Duration::from_millis(1500);
+const TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// What came of a flip. Of two the later one counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -152,7 +152,7 @@ impl Trial {
         let mut twin = InProcess::new();
         start(experiment, &mut board);
         start(experiment, &mut twin);
-        board.set_timeout(PATIENCE);
+        board.set_timeout(TIMEOUT);
         Self { board, twin, sensor, judge: Judge::new(experiment), wrong: (0, 0, 0), error: String::new() }
     }
 

@@ -18,13 +18,6 @@ const GAS_C: f32 = -50.0;
 fn head(elements: usize, observe: bool) -> Vec<Command> {
     let platinum = Platinum::linear(175.0, 0.0031).unwrap();
     let channel = Channel::new(platinum, VOLT_PER_CODE, 3e-3, 16e-3).unwrap();
-    let limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_000,
-        energy: None,
-    };
     let drives = [
         Drive::Temperature { target_c: -30.0 },
         Drive::Power { power_w: 0.01 },
@@ -43,7 +36,7 @@ fn head(elements: usize, observe: bool) -> Vec<Command> {
             reference_c: GAS_C,
         };
         commands.extend([
-            Command::Element { element, config: ElementConfig { channel, limits } },
+            Command::Element { element, config: ElementConfig { channel, limits: Limits::SPHERE_B } },
             Command::Model { element, model },
             Command::Drive { element, drive: drives[i % drives.len()] },
         ]);

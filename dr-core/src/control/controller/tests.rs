@@ -27,13 +27,7 @@ const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
 fn element() -> ElementConfig {
     ElementConfig {
         channel: Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), VOLT_PER_CODE, 3e-3, 16e-3).unwrap(),
-        limits: Limits {
-            resistance_min_ohm: 50.0,
-            resistance_max_ohm: 260.0,
-            temperature_max_c: 70.0,
-            code_max: 8_388_000,
-            energy: Some(EnergyLimit { sustained_power_w: 0.05, energy_j: 12.0 }),
-        },
+        limits: Limits { energy: Some(EnergyLimit { sustained_power_w: 0.05, energy_j: 12.0 }), ..Limits::SPHERE_B },
     }
 }
 
@@ -348,7 +342,7 @@ fn of_two_faults_the_first_element_is_named() {
 }
 
 #[test]
-fn a_new_drive_starts_afresh_and_with_full_patience() {
+fn a_new_drive_starts_afresh_and_with_the_whole_timeout() {
     let prbs = Drive::Prbs { order: 7, seed: 21, ticks_per_bit: 1 };
     let mut controller = running([prbs, Drive::Power { power_w: 0.06 }]);
     controller.handle(Command::Stop).unwrap();

@@ -115,13 +115,7 @@ fn config() -> ElementConfig {
     let platinum = Platinum::linear(175.0, 0.0031).unwrap();
     ElementConfig {
         channel: Channel::new(platinum, VOLT_PER_CODE as f32, CURRENTS_A[0] as f32, CURRENTS_A[1] as f32).unwrap(),
-        limits: Limits {
-            resistance_min_ohm: 50.0,
-            resistance_max_ohm: 260.0,
-            temperature_max_c: 70.0,
-            code_max: 8_388_000,
-            energy: None,
-        },
+        limits: Limits::SPHERE_B,
     }
 }
 

@@ -101,9 +101,9 @@ fn settled() -> &'static stm32f4xx_hal::pac::iwdg::RegisterBlock {
     // SAFETY: but for the key, whose writes are single, only one task at a time uses its registers:
     // the start, then the settings'.
     let watchdog = unsafe { &*IWDG::ptr() };
-    let mut patience = SETTLING_LOOPS;
-    while watchdog.sr().read().bits() != 0 && patience > 0 {
-        patience -= 1;
+    let mut timeout = SETTLING_LOOPS;
+    while watchdog.sr().read().bits() != 0 && timeout > 0 {
+        timeout -= 1;
     }
     watchdog
 }

@@ -57,9 +57,9 @@ pub fn prove(watchdog: &IWDG, reset: ResetCause) -> (ResetCause, bool) {
     key(ENABLE);
     key(UNLOCK);
     watchdog.rlr().write(|w| w.rl().set(COUNTS));
-    let mut patience = GIVEN_UP_CYCLES / 16;
-    while watchdog.sr().read().bits() != 0 && patience > 0 {
-        patience -= 1;
+    let mut timeout = GIVEN_UP_CYCLES / 16;
+    while watchdog.sr().read().bits() != 0 && timeout > 0 {
+        timeout -= 1;
     }
     key(RELOAD);
     delay(GIVEN_UP_CYCLES);

@@ -28,15 +28,8 @@ const HELD: Drive = Drive::Temperature { target_c: 60.0 };
 
 /// An instrument all of whose elements have this drive.
 fn driven(hardware: &'static HardwareLimits, channel: Channel, drive: Drive) -> Instrument<6> {
-    let limits = Limits {
-        resistance_min_ohm: 50.0,
-        resistance_max_ohm: 260.0,
-        temperature_max_c: 70.0,
-        code_max: 8_388_607,
-        energy: None,
-    };
     let guard = GuardConfig { missing_limit_ticks: 1, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 200 };
-    let config = ElementConfig { channel, limits };
+    let config = ElementConfig { channel, limits: Limits::SPHERE_B };
     let of = |element| [Command::Element { element, config }, Command::Drive { element, drive }];
     let period = Command::SamplePeriod { sample_period_s: PERIOD_S as f32 };
     let mut instrument = Instrument::new(hardware);

@@ -7,8 +7,8 @@ use crate::control::{EnergyLimit, HardwareLimits, Lockout};
 const WEAK: HardwareLimits =
     HardwareLimits { energy: EnergyLimit { sustained_power_w: 0.02, energy_j: 0.5 }, ..HardwareLimits::SENSOR_BOARD };
 
-/// Longest patience of a message.
-const PATIENT: GuardConfig =
+/// The longest timeouts that a message can set.
+const LAXEST: GuardConfig =
     GuardConfig { missing_limit_ticks: u32::MAX, unreachable_limit_ticks: u32::MAX, stuck_limit_ticks: 1000 };
 
 /// An element whose head states no energy.
@@ -20,7 +20,7 @@ fn unstated() -> ElementConfig {
 fn set_up(controller: &mut Controller<2>, drive: Drive) {
     controller.handle(Command::Clear).unwrap();
     controller.handle(Command::SamplePeriod { sample_period_s: 0.1 }).unwrap();
-    controller.handle(Command::Guard(PATIENT)).unwrap();
+    controller.handle(Command::Guard(LAXEST)).unwrap();
     for i in 0..2 {
         controller.handle(Command::Element { element: i, config: unstated() }).unwrap();
     }
@@ -137,7 +137,7 @@ fn a_message_beyond_the_board_is_refused_by_name_and_changes_nothing() {
     assert!(
         matches!(refused, Refusal::Invalid { element: Some(0), error } if error.parameter == Parameter::TemperatureMaxC)
     );
-    let guard = GuardConfig { stuck_limit_ticks: 0, ..PATIENT };
+    let guard = GuardConfig { stuck_limit_ticks: 0, ..LAXEST };
     let refused = controller.handle(Command::Guard(guard)).unwrap_err();
     assert!(
         matches!(refused, Refusal::Invalid { element: None, error } if error.parameter == Parameter::StuckLimitTicks)

@@ -84,8 +84,8 @@ fn a_model_is_pulled_by_readings_of_its_own_element_and_by_no_others() {
     for absent in 0..2 {
         let mut controller = observing([Drive::Passive, Drive::Passive]);
         controller.handle(Command::Stop).unwrap();
-        let patient = GuardConfig { missing_limit_ticks: 1000, ..GuardConfig::default() };
-        controller.handle(Command::Guard(patient)).unwrap();
+        let lax = GuardConfig { missing_limit_ticks: 1000, ..GuardConfig::default() };
+        controller.handle(Command::Guard(lax)).unwrap();
         start(&mut controller).unwrap();
         controller.tick(&[code(-45.0, false); 2]);
         let before = [0, 1].map(|element| controller.model_temperature_c(element).unwrap());

@@ -66,15 +66,8 @@ impl AnemometerBench {
         let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
         let mut tell = |command| instrument.handle(command).unwrap();
         tell(Command::SamplePeriod { sample_period_s: PERIOD_S });
-        let limits = Limits {
-            resistance_min_ohm: 50.0,
-            resistance_max_ohm: 260.0,
-            temperature_max_c: 70.0,
-            code_max: 8_388_000,
-            energy: None,
-        };
         for element in 0..ELEMENTS as u8 {
-            tell(Command::Element { element, config: ElementConfig { channel: channel(), limits } });
+            tell(Command::Element { element, config: ElementConfig { channel: channel(), limits: Limits::SPHERE_B } });
             tell(Command::Drive { element, drive: Drive::Temperature { target_c: -30.0 } });
             let mut r_k_per_w = [0.0; 8];
             r_k_per_w[0] = (1.0 / LOSS_W_K) as f32;
