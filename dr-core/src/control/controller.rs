@@ -19,7 +19,7 @@ use super::fingerprint::{COEFFICIENT_PER_K, Fingerprint, HeadCheck};
 use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
-use super::rise::Rise;
+use super::rise::{self, Rise};
 use super::state::{ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
 use crate::checksum::Checksum;
@@ -399,8 +399,8 @@ impl<const N: usize> Controller<N> {
     /// Steps the drive of every element with a good reading; the levels of the others go low.
     fn decide(&mut self, valid: u16) -> Option<Trip> {
         let (mut trip, mut high) = (None, 0);
-        let no_rise_limit_ticks =
-            self.sample_period_s.map_or(0, |period_s| (self.hardware.no_rise_s / period_s) as u32);
+        let no_rise_ticks = self.sample_period_s.map_or(0, |period_s| (self.hardware.no_rise_s / period_s) as u32);
+        let no_rise_full = rise::full(no_rise_ticks);
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
             let Some(element) = element else { break };
             if valid >> i & 1 == 0 {
@@ -415,8 +415,7 @@ impl<const N: usize> Controller<N> {
             high |= u16::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             let regulates = element.drive.target_range_c().is_some();
-            let no_rise =
-                state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_limit_ticks);
+            let no_rise = state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_full);
             if state.saturated_ticks > self.guard.unreachable_limit_ticks || no_rise {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }

@@ -33,23 +33,28 @@ pub(super) struct Rise {
     is_seen: bool,
 }
 
+/// What `limit_ticks` at the high level fill a bucket with.
+pub(super) fn full(limit_ticks: u32) -> u32 {
+    limit_ticks.saturating_mul(GAIN).min(u32::MAX - 2 * GAIN)
+}
+
 impl Rise {
-    /// Takes the reading of a tick; whether the rise is missing that `limit_ticks` at the high
-    /// level should have shown.
-    pub(super) fn is_missing(&mut self, level: Level, temperature_c: f32, regulates: bool, limit_ticks: u32) -> bool {
-        let most = limit_ticks.saturating_mul(GAIN);
+    /// Takes the reading of a tick; whether the rise is missing that a [`full`] bucket should have
+    /// shown.
+    #[inline(always)] // into the tick, where time counts
+    pub(super) fn is_missing(&mut self, level: Level, temperature_c: f32, regulates: bool, full: u32) -> bool {
         let has_risen = temperature_c >= self.from_c + RISE_K;
         self.bucket = match level {
-            Level::High => self.bucket.saturating_add(GAIN).min(most.saturating_add(GAIN)),
+            Level::High => (self.bucket + GAIN).min(full + GAIN),
             Level::Low if regulates => 0,
             Level::Low => self.bucket.saturating_sub(1),
         };
         if self.bucket == 0 || regulates && has_risen {
             *self = Self { from_c: temperature_c, bucket: 0, is_seen: false };
-        } else if has_risen {
-            self.is_seen = true;
+            return false;
         }
-        !self.is_seen && self.bucket > most
+        self.is_seen |= has_risen;
+        !self.is_seen && self.bucket > full
     }
 }
 
@@ -62,7 +67,7 @@ mod tests {
         let mut rise = Rise::default();
         (0..100_000).find(|n| {
             let level = if n * high_of_ten / 10 != (n + 1) * high_of_ten / 10 { Level::High } else { Level::Low };
-            rise.is_missing(level, 0.1 * (n % 3) as f32, false, 225)
+            rise.is_missing(level, 0.1 * (n % 3) as f32, false, full(225))
         })
     }
 
@@ -81,7 +86,7 @@ mod tests {
     fn one_rise_lasts_until_the_bucket_is_empty() {
         let mut rise = Rise::default();
         let mut run =
-            |level, temperature_c, ticks| (0..ticks).any(|_| rise.is_missing(level, temperature_c, false, 100));
+            |level, temperature_c, ticks| (0..ticks).any(|_| rise.is_missing(level, temperature_c, false, full(100)));
         assert!(!run(Level::Low, -2.0, 5));
         assert!(!run(Level::High, 0.0, 10_000));
         // 300 ticks later the heat of before is forgotten.
