@@ -62,8 +62,8 @@ impl From<RunError> for Failure {
     }
 }
 
-/// A text as a terminal may have it: titles, names of columns and of boards come from elsewhere, and
-/// a control character could say something else than what stands there.
+/// A text as a terminal may have it: titles, names of columns and of boards come from elsewhere,
+/// and a control character could say something else than what stands there.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let obeys = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
     if text.contains(obeys) { text.replace(obeys, "\u{fffd}").into() } else { text.into() }
