@@ -59,8 +59,8 @@ fn row(n: u32, state: &str) -> FeedItem {
     }))
 }
 
-/// How many programs share a processor, by the minute before: times are those of a machine that does
-/// nothing else.
+/// How many programs share a processor, by the minute before: times are those of a machine that
+/// does nothing else.
 fn load() -> f64 {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let waiting = load.split(' ').next().and_then(|load| load.parse::<f64>().ok()).unwrap_or(0.0);
