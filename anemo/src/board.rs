@@ -11,6 +11,7 @@ use host_sim::instrument::serial::Serial;
 use host_sim::instrument::virtual_line::{self, VirtualBoardFiles, VirtualLine};
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
 use host_sim::sensor::Sensor;
+use wire::BoardKind;
 
 /// The firmware of the emulated board: beside this command in a release, in this folder of a build.
 const FIRMWARE: &str = "firmware-virtual-board.elf";
@@ -129,6 +130,16 @@ pub(super) enum On {
     /// build of the whole workspace.
     Silicon,
     Serial(String),
+}
+
+impl On {
+    /// Whose limits hold there. A cable leads to a sensor board.
+    pub(super) const fn board(&self) -> BoardKind {
+        match self {
+            Self::Sim | Self::Qemu => BoardKind::Virtual,
+            Self::Silicon | Self::Serial(_) => BoardKind::Sensor,
+        }
+    }
 }
 
 impl FromStr for On {

@@ -71,6 +71,7 @@ pub fn request(requests: &Receiver<FeedRequest>, sample_period_s: f64) -> Option
         FeedCommand::Acknowledge => LogCommand::Acknowledge,
         FeedCommand::SelfTest => LogCommand::SelfTest(self_test(sample_period_s)),
         FeedCommand::SetPoint { element, temperature_c } => LogCommand::SetPoint { element, temperature_c },
+        FeedCommand::Pressure { pressure_pa } => LogCommand::Pressure(pressure_pa),
         FeedCommand::Mark { text } => LogCommand::Mark(crate::log_files::mark(&text)),
     };
     let refuse = |refusal: LogRefusal| CommandRefusal(refusal.to_string());

@@ -71,7 +71,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !is_simulated && *speed != 1.0 {
         return Err(Failure::usage("--speed: a sensor board runs in real time; leave it out"));
     }
-    let (experiment, _) = crate::output::read_experiment(file)?;
+    let (experiment, _) = crate::output::read_experiment(file, on.board())?;
     let instrument = InstrumentArguments { on, emulation: emulation.clone(), flash: None, acknowledge: *acknowledge };
     let interrupted = on_interrupt();
     let device = if let On::Serial(device) = &instrument.on { Some(device.clone()) } else { None };

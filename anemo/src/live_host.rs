@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn listeners_stop_arm_start_and_test_a_run_and_are_refused_as_any_host_is() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/steady.toml");
-        let (experiment, _) = read_experiment(path.as_ref()).unwrap();
+        let (experiment, _) = read_experiment(path.as_ref(), wire::BoardKind::Virtual).unwrap();
         let instrument = LockStep::new(InProcess::new(), experiment.sensor().unwrap());
         let feed = Feed::new(feeding::layout(&experiment, instrument.identity(), 0.0));
         let reader = feed.subscribe(1_000_000);
@@ -124,6 +124,9 @@ mod tests {
             assert!(set(names[0], -20.0).is_err());
             assert_eq!([ask(FeedCommand::Arm), set(names[0], -20.0)], [Ok(()), Ok(())]);
             assert!(set("nose", -20.0).is_err() && set(names[0], 1e6).is_err() && set(names[0], f64::NAN).is_err());
+            let pressure = |pressure_pa| ask(FeedCommand::Pressure { pressure_pa });
+            assert_eq!(pressure(700.0), Ok(()));
+            assert!(pressure(0.0).is_err() && pressure(f64::INFINITY).is_err());
             assert_eq!(ask(FeedCommand::Stop), Ok(()));
             let stopped = until(&reader, "standby");
             assert_eq!(stopped.heaters, 0);

@@ -83,7 +83,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let on = &arguments.instrument.on;
     let device = if let On::Serial(device) = on { Some(device.clone()) } else { None };
-    let experiment = arguments.source.experiment()?;
+    let experiment = arguments.source.experiment(arguments.instrument.on.board())?;
     let options = WriterOptions {
         has_journal: true,
         segment: arguments.segment,

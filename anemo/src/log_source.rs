@@ -8,6 +8,7 @@ use anemometry::head::Head;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::hold;
 use recording::toml_file::TomlSource;
+use wire::BoardKind;
 
 /// Set-points and conditions of a log.
 #[derive(clap::Args)]
@@ -69,8 +70,8 @@ impl SourceArguments {
         &self.source
     }
 
-    /// Reads it; a controller in this process judges it.
-    pub(super) fn experiment(&self) -> Result<Experiment, Failure> {
+    /// Reads it; a controller in this process judges it by what such a board grants.
+    pub(super) fn experiment(&self, board: BoardKind) -> Result<Experiment, Failure> {
         let source = TomlSource::read(&self.source)?;
         let table: toml::Table = source.text.parse().unwrap_or_default();
         let mut experiment = if table.contains_key("elements") || table.contains_key("kinds") {
@@ -84,7 +85,7 @@ impl SourceArguments {
         if let Some(target_c) = self.set_point {
             hold(&mut experiment, target_c).map_err(Failure::usage)?;
         }
-        host_sim::run::rehearse(&experiment)?;
+        host_sim::run::rehearse(&experiment, board)?;
         Ok(experiment)
     }
 

@@ -10,6 +10,7 @@ use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
 use recording::RecordingReader;
 use recording::toml_file::FileError;
+use wire::BoardKind;
 
 /// Longest sentence of a failure.
 const MOST_LETTERS: usize = 2_000;
@@ -148,9 +149,12 @@ fn has_extension(path: &std::path::Path, extension: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
 }
 
-/// Reads an experiment and lets a controller in this process judge it, so that nothing is started
-/// that would be refused.
-pub fn read_experiment(path: &std::path::Path) -> Result<(Experiment, host_sim::run::SetPointJudgement), Failure> {
+/// Reads an experiment and lets a controller in this process judge it by what such a board grants,
+/// so that nothing is started that would be refused.
+pub fn read_experiment(
+    path: &std::path::Path,
+    board: BoardKind,
+) -> Result<(Experiment, host_sim::run::SetPointJudgement), Failure> {
     if path.is_dir() {
         return Err(Failure::in_file(path, "is a folder: an experiment, a .toml file, belongs here"));
     }
@@ -158,7 +162,7 @@ pub fn read_experiment(path: &std::path::Path) -> Result<(Experiment, host_sim::
         return Err(Failure::in_file(path, format!("there is no such file; {hint}")));
     }
     let experiment = Experiment::read(path)?;
-    let judgement = host_sim::run::rehearse(&experiment)?;
+    let judgement = host_sim::run::rehearse(&experiment, board)?;
     Ok((experiment, judgement))
 }
 

@@ -52,7 +52,7 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (experiment, _) = crate::output::read_experiment(&arguments.experiment)?;
+    let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let layout = layout(&experiment, &arguments.instrument.on);
     let known = metadata(&experiment, &arguments.instrument.on);

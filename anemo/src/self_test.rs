@@ -62,7 +62,11 @@ pub struct Arguments {
 const PULSE_S: f32 = 1.0;
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let experiment = arguments.experiment.as_deref().map(crate::output::read_experiment).transpose()?;
+    let experiment = arguments
+        .experiment
+        .as_deref()
+        .map(|path| crate::output::read_experiment(path, arguments.instrument.on.board()))
+        .transpose()?;
     let experiment = experiment.map(|(experiment, _)| experiment);
     let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
     if arguments.stored {

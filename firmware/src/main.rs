@@ -339,16 +339,17 @@ mod app {
             }
             let tick = instrument.tick(&readings);
             // The heaters first: the wind decides nothing.
-            if !front_end.apply(&tick) {
+            let applied = front_end.apply(&tick);
+            // If the timer has expired since, these levels are too old; the next tick trips. If the
+            // supply has fallen since, this task is pending again, and trips then. Either may have
+            // lowered a pin while it was raised, which is no fault of the pin.
+            if OUTPUT_TIMED_OUT.load(Relaxed) || CRASH_TRIP.waits() {
+                board::heaters_low();
+            } else if !applied {
                 instrument.trip(Cause::Heater);
             }
             let tripped = matches!(tick.state, RunState::Tripped(_));
             CUT.store(cut_off.judge(tripped, &readings), Relaxed);
-            // If the timer has expired since, these levels are too old; the next tick trips. If the
-            // supply has fallen since, this task is pending again, and trips then.
-            if OUTPUT_TIMED_OUT.load(Relaxed) || CRASH_TRIP.waits() {
-                board::heaters_low();
-            }
             front_end.select(instrument.input());
             let wind = instrument.sense(&tick);
             if let Some(test) = instrument.take_self_test() {

@@ -21,6 +21,11 @@ pub enum FeedCommand {
         /// °C.
         temperature_c: f64,
     },
+    /// The gas has another pressure.
+    Pressure {
+        /// Pa.
+        pressure_pa: f64,
+    },
     /// Mark an event in the recording.
     Mark {
         /// In the listener's words.

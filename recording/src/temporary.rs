@@ -54,7 +54,8 @@ impl Temporary {
     /// If the disk does not take it.
     pub fn keep(self) -> io::Result<()> {
         File::open(&self.beside)?.sync_all()?;
-        self.beside.persist(&self.destination).map_err(|refused| refused.error)
+        self.beside.persist(&self.destination).map_err(|refused| refused.error)?;
+        sync_name(&self.destination)
     }
 
     /// Writes a whole file in one go.
@@ -66,6 +67,24 @@ impl Temporary {
         io::Write::write_all(&mut file, content)?;
         temporary.keep()
     }
+}
+
+/// Has the disk know a new name before anything that counts on it is asked.
+///
+/// # Errors
+/// If the disk does not take it.
+#[cfg(unix)]
+pub(crate) fn sync_name(path: &Path) -> io::Result<()> {
+    match File::open(folder_of(path))?.sync_all() {
+        // Some file systems of networks keep no names of their own.
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        outcome => outcome,
+    }
+}
+
+#[cfg(not(unix))]
+pub(crate) fn sync_name(_: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 fn folder_of(path: &Path) -> &Path {

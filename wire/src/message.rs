@@ -165,6 +165,16 @@ pub enum BoardKind {
     Virtual,
 }
 
+impl BoardKind {
+    /// How many elements it has channels for.
+    pub const fn elements(self) -> usize {
+        match self {
+            Self::Sensor => 6,
+            Self::Virtual => MOST_ELEMENTS,
+        }
+    }
+}
+
 /// Why the processor started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetCause {

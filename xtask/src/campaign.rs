@@ -18,6 +18,8 @@ enum CampaignKind {
     /// Ways in which runs and logs end: kill, SIGTERM, a cable out, a board that starts anew, a
     /// full disk.
     Endings,
+    /// Cuts of a recording host's supply.
+    PowerCuts,
     /// Seconds of a log at 1 kHz with retention, live page and MQTT.
     Log,
     /// Random lives of the sensor board's image.
@@ -33,6 +35,7 @@ impl CampaignKind {
     const fn test(self) -> [&'static str; 3] {
         match self {
             Self::Endings => ["all", "endings::", "ANEMO_ENDINGS"],
+            Self::PowerCuts => ["all", "power_cuts::", "ANEMO_POWER_CUTS"],
             Self::Log => ["all", "long_log::", "ANEMO_LOG_S"],
             Self::Lives => ["scenarios", "lives::", "ANEMO_LIVES"],
             Self::Flips => ["scenarios", "upsets::", "ANEMO_FLIPS"],

@@ -1,6 +1,6 @@
 //! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
-//! of SCPI, readers of files, a browser. Tests start them on the loopback and end them; none is a
-//! service of the system.
+//! of SCPI, readers of files, a browser, and one that writes down what a log asks of the disk. Tests
+//! start them on the loopback and end them; none is a service of the system.
 
 use crate::{install, shell};
 use anyhow::Result;
@@ -12,13 +12,14 @@ struct Counterpart {
     service: Option<&'static str>,
 }
 
-const COUNTERPARTS: [Counterpart; 7] = [
+const COUNTERPARTS: [Counterpart; 8] = [
     Counterpart { program: "mosquitto", package: "mosquitto", service: Some("mosquitto") },
     Counterpart { program: "mosquitto_sub", package: "mosquitto-clients", service: None },
     Counterpart { program: "influxd", package: "influxdb", service: Some("influxdb") },
     Counterpart { program: "lxi", package: "lxi-tools", service: None },
     Counterpart { program: "ncdump", package: "netcdf-bin", service: None },
     Counterpart { program: "octave-cli", package: "octave", service: None },
+    Counterpart { program: "strace", package: "strace", service: None },
     Counterpart { program: "chromium", package: "chromium", service: None },
 ];
 

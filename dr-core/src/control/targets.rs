@@ -6,6 +6,7 @@
 //! because a wind that the model does not contain raises u_Q and reduces them.
 
 use super::drive::Drive;
+use super::guard::Limits;
 use super::refusal::Refusal;
 use super::state::ElementConfig;
 use crate::error::{self, ConfigError, Parameter};
@@ -34,7 +35,23 @@ pub(super) fn check_power(drive: &Drive, config: &ElementConfig) -> Result<(), C
     Ok(())
 }
 
-/// Set-points must stay under the temperature limit and, where there is a model, within what it
+impl ElementConfig {
+    /// The hottest set-point that trips none of the limits, °C, and the limit that comes next:
+    /// temperature, resistance, or the end of the converter's range at the high level.
+    pub fn hottest_set_point(&self) -> (f32, Parameter) {
+        let Limits { resistance_max_ohm, temperature_max_c, code_max, .. } = self.limits;
+        let full_scale_ohm = self.channel.resistance_ohm(code_max, Level::High);
+        let (most_ohm, parameter) = if full_scale_ohm < resistance_max_ohm {
+            (full_scale_ohm, Parameter::CodeMax)
+        } else {
+            (resistance_max_ohm, Parameter::ResistanceMaxOhm)
+        };
+        let most_c = self.channel.platinum().temperature_c(most_ohm);
+        if most_c < temperature_max_c { (most_c, parameter) } else { (temperature_max_c, Parameter::TemperatureMaxC) }
+    }
+}
+
+/// Set-points must stay under the limits and, where there is a model, within what it
 /// says can be held.
 pub(super) fn check(
     index: u8,
@@ -45,7 +62,7 @@ pub(super) fn check(
     let Some((low_c, high_c)) = drive.target_range_c() else { return Ok(()) };
     let (coldest_c, _) = config.channel.platinum().range_c();
     let parameter = if low_c < high_c { Parameter::HighC } else { Parameter::TargetC };
-    error::within(parameter, high_c, coldest_c, config.limits.temperature_max_c)
+    error::within(parameter, high_c, coldest_c, config.hottest_set_point().0)
         .map_err(|error| Refusal::Invalid { element: Some(index), error })?;
     let Some(model) = model else { return Ok(()) };
     for target_c in [low_c, high_c] {

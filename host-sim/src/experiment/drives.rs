@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use dr_core::Parameter;
 use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
@@ -27,6 +28,17 @@ impl GasRange {
             return self.coldest_c.to_string();
         }
         format!("{} to {}", tidy(self.coldest_c), tidy(self.hottest_c))
+    }
+}
+
+/// Which limit of a head ends the set-points.
+fn beyond_limit(hottest_c: f32, limit: Parameter) -> String {
+    match limit {
+        Parameter::TemperatureMaxC => format!("the head's limit is {hottest_c} °C"),
+        Parameter::ResistanceMaxOhm => {
+            format!("the element counts as open above {hottest_c:.1} °C, by the head's `resistance_max_ohm`")
+        }
+        _ => format!("the converter's range ends at {hottest_c:.1} °C with the high current: lower the current"),
     }
 }
 
@@ -147,9 +159,9 @@ impl DriveReader<'_> {
 
     /// A temperature that an element can have: above the gas at every time, and below its limit.
     fn set_point(&self, key: &str, celsius: f64, element: &HeadElement) -> Result<f32, FileError> {
-        let hottest = f64::from(element.config.limits.temperature_max_c);
-        let sentence = if celsius.is_nan() || celsius > hottest {
-            format!("is {celsius} °C: the head's limit is {hottest} °C")
+        let (hottest_c, limit) = element.config.hottest_set_point();
+        let sentence = if celsius.is_nan() || celsius > f64::from(hottest_c) {
+            format!("is {celsius} °C: {}", beyond_limit(hottest_c, limit))
         } else if celsius <= self.gas.hottest_c {
             let gas = self.gas.words();
             format!("is {celsius} °C, but the gas has {gas} °C and a heater cannot cool: it must lie above")

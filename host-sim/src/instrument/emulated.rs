@@ -12,7 +12,7 @@ use super::error::InstrumentError;
 use super::link::{BoardLink, BoardStream, RetryPolicy};
 use super::lock_step::{LockStepController, packed};
 use super::observation::{LinkReport, TickReport};
-use super::port::SettingsPort;
+use super::port::{SettingsPort, granted_by};
 use super::reset_cause::why_it_started;
 use dr_core::control::{HardwareLimits, Heaters, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
@@ -320,7 +320,7 @@ impl SettingsPort for Emulated {
     }
 
     fn limits(&self) -> &'static HardwareLimits {
-        &HardwareLimits::SIMULATED
+        granted_by(self.identity.board)
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {

@@ -3,7 +3,8 @@
 use super::error::InstrumentError;
 use super::lock_step::{LockStepController, packed};
 use super::observation::{LinkReport, TickReport};
-use dr_core::control::{HardwareLimits, SelfTestFinding};
+use super::port::granted_by;
+use dr_core::control::SelfTestFinding;
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Digest, Instrument, Reply};
 use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
@@ -23,22 +24,27 @@ impl Default for InProcess {
 }
 
 impl InProcess {
-    /// A controller in standby.
+    /// A controller in standby, which takes any head.
     pub fn new() -> Self {
+        Self::of(BoardKind::Virtual)
+    }
+
+    /// A controller in standby that grants what such a board grants.
+    pub fn of(board: BoardKind) -> Self {
         let firmware = Name::try_from(concat!("anemo ", env!("CARGO_PKG_VERSION"), " in process")).unwrap_or_default();
         let order = dr_core::model::ORDER as u8;
         Self {
             identity: Identity {
                 firmware,
-                board: BoardKind::Virtual,
-                elements: MOST_ELEMENTS as u8,
+                board,
+                elements: board.elements() as u8,
                 order,
                 reset: ResetCause::PowerOn,
                 starts: 1,
                 crash: None,
                 unique_id: [0; 3],
             },
-            station: Instrument::new(&HardwareLimits::SIMULATED),
+            station: Instrument::new(granted_by(board)),
             digest: Digest::default(),
             findings: Vec::new(),
         }

@@ -32,7 +32,7 @@ pub mod virtual_line;
 pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};
 pub use observation::{LinkReport, Observation, TickReport};
-pub use port::{InstrumentPort, SettingsPort};
+pub use port::{InstrumentPort, SettingsPort, granted_by};
 pub use reset_cause::why_it_started;
 #[cfg(feature = "serial")]
 pub use status::{BoardStatus, FirstTripReport};

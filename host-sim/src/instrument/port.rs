@@ -5,7 +5,7 @@ use super::error::InstrumentError;
 use super::observation::{LinkReport, Observation};
 use dr_core::control::{HardwareLimits, SelfTestFinding};
 use dr_core::{Command, Reply};
-use wire::{Identity, SettingsReply, SettingsRequest};
+use wire::{BoardKind, Identity, SettingsReply, SettingsRequest};
 
 /// Anything that an experiment can be run on.
 pub trait InstrumentPort {
@@ -36,6 +36,14 @@ pub trait InstrumentPort {
     /// # Errors
     /// If the instrument does not end well.
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError>;
+}
+
+/// What a board of this kind grants.
+pub const fn granted_by(board: BoardKind) -> &'static HardwareLimits {
+    match board {
+        BoardKind::Sensor => &HardwareLimits::SENSOR_BOARD,
+        BoardKind::Virtual => &HardwareLimits::SIMULATED,
+    }
 }
 
 /// A board that keeps settings in its flash.

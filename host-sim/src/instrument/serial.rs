@@ -9,7 +9,7 @@
 use super::error::InstrumentError;
 use super::link::{BoardLink, BoardStream, RetryPolicy};
 use super::observation::{LinkReport, Observation, TickReport};
-use super::port::{InstrumentPort, SettingsPort};
+use super::port::{InstrumentPort, SettingsPort, granted_by};
 use super::reset_cause::why_it_started;
 use super::status::BoardStatus;
 use dr_core::control::{HardwareLimits, Refusal, RunState, SelfTestFinding};
@@ -18,7 +18,7 @@ use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
-use wire::{BoardKind, FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
+use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -246,10 +246,7 @@ impl<S: BoardStream> SettingsPort for Serial<S> {
     }
 
     fn limits(&self) -> &'static HardwareLimits {
-        match self.identity.board {
-            BoardKind::Sensor => &HardwareLimits::SENSOR_BOARD,
-            BoardKind::Virtual => &HardwareLimits::SIMULATED,
-        }
+        granted_by(self.identity.board)
     }
 
     fn ask_settings(&mut self, request: &SettingsRequest) -> Result<SettingsReply, InstrumentError> {

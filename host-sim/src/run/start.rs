@@ -9,6 +9,7 @@ use super::refusal;
 use crate::experiment::{DriveChange, Experiment};
 use crate::instrument::in_process::InProcess;
 use crate::instrument::{InstrumentError, InstrumentPort, LockStep, setup};
+use wire::BoardKind;
 
 /// How many set-points of an experiment, those of its changes included, can be held by a model, and
 /// how many have no model.
@@ -21,11 +22,11 @@ pub struct SetPointJudgement {
 }
 
 /// Lets a controller in this process judge the set-up and all changes before any instrument is
-/// touched.
-pub fn rehearse(experiment: &Experiment) -> Result<SetPointJudgement, RunError> {
+/// touched: one that grants what a board of this kind does.
+pub fn rehearse(experiment: &Experiment, board: BoardKind) -> Result<SetPointJudgement, RunError> {
     // Which sensor is around it does not matter: no time passes.
     let sensor = experiment.simulated(&experiment.sensor_config().unwrap_or_default())?;
-    let mut instrument = LockStep::new(InProcess::new(), sensor);
+    let mut instrument = LockStep::new(InProcess::of(board), sensor);
     let judgement = start(experiment, &mut instrument)?;
     for change in &experiment.changes {
         change_drives(experiment, &mut instrument, change, &mut |_, _| ())?;

@@ -11,6 +11,7 @@
 //! | `SYSTem:PASSword "<token>"` | allows what follows |
 //! | `INITiate`, `ABORt`, `OUTPut:ARM`, `OUTPut:PROTection:CLEar`, `CALibration:TEST` | start, stop, arm, acknowledge, self-test |
 //! | `SOURce:TEMPerature "<element>",<°C>`, `SYSTem:MARK "<text>"` | set-point; event mark |
+//! | `SOURce:PRESsure <Pa>` | pressure of the gas, as a barometer elsewhere measures it |
 //!
 //! What is not known, or not valid, is 9.91E37, the standard's not-a-number. The crate `scpi` was
 //! weighed: it depends on releases of `lexical-core` with known unsoundness.
@@ -111,6 +112,8 @@ impl ScpiSession {
             FeedCommand::Mark { text: text()? }
         } else if is("SOURce:TEMPerature") {
             set_point(parameters)?
+        } else if is("SOURce:PRESsure") {
+            FeedCommand::Pressure { pressure_pa: decimal(parameters)? }
         } else {
             return Err(undefined());
         };
@@ -192,9 +195,12 @@ fn set_point(parameters: &str) -> Result<FeedCommand, ScpiError> {
     let mut parameters = split(parameters, ',');
     let missing = || ScpiError(-109, "Missing parameter".to_owned());
     let (element, temperature) = (parameters.next().ok_or_else(missing)?, parameters.next().ok_or_else(missing)?);
-    let temperature_c: Option<f64> = temperature.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    let temperature_c = temperature_c.ok_or_else(|| ScpiError(-120, "Numeric data error".to_owned()))?;
-    Ok(FeedCommand::SetPoint { element: quoted(element)?.to_owned(), temperature_c })
+    Ok(FeedCommand::SetPoint { temperature_c: decimal(temperature)?, element: quoted(element)?.to_owned() })
+}
+
+fn decimal(parameter: &str) -> Result<f64, ScpiError> {
+    let number = parameter.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| ScpiError(-120, "Numeric data error".to_owned()))
 }
 
 fn quoted(parameter: &str) -> Result<&str, ScpiError> {
@@ -281,17 +287,22 @@ mod tests {
         assert!(requests.try_recv().is_err(), "the run has heard of none");
         std::thread::scope(|scope| {
             let run = scope.spawn(move || {
-                let first = requests.recv().expect("a request");
-                let command = first.command.clone();
-                first.answer(Ok(()));
+                let asked = [(); 2].map(|()| {
+                    let request = requests.recv().expect("a request");
+                    let command = request.command.clone();
+                    request.answer(Ok(()));
+                    command
+                });
                 requests.recv().expect("a request").answer(Err(commands::CommandRefusal("tripped".to_owned())));
-                command
+                asked
             });
-            session.answer("*CLS;SYST:PASS \"a-token-of-the-test\";SOUR:TEMP 'core;1',90.5;INIT", &instrument);
-            let wanted = FeedCommand::SetPoint { element: "core;1".to_owned(), temperature_c: 90.5 };
+            session.answer("*CLS;SYST:PASS \"a-token-of-the-test\";SOUR:TEMP 'core;1',90.5;SOUR:PRES x;:SOUR:PRES 7.1e2;INIT", &instrument);
+            let set = FeedCommand::SetPoint { element: "core;1".to_owned(), temperature_c: 90.5 };
+            let wanted = [set, FeedCommand::Pressure { pressure_pa: 710.0 }];
             assert_eq!(run.join().expect("no panic"), wanted);
         });
-        assert_eq!(session.errors, [ScpiError(-200, "Execution error; tripped".to_owned())]);
+        let wrong = ScpiError(-120, "Numeric data error".to_owned());
+        assert_eq!(session.errors, [wrong, ScpiError(-200, "Execution error; tripped".to_owned())]);
     }
 
     #[test]

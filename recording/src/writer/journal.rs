@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::column::{ColumnKind, Metadata, RowCell, RowSink};
 use crate::csv::CsvWriter;
+use crate::temporary::sync_name;
 
 /// Rows wait no longer than this for the disk. A killed program or a cut supply costs as much.
 pub(crate) const SYNC_EVERY: Duration = Duration::from_millis(250);
@@ -38,6 +39,7 @@ impl Journal {
         let csv = CsvWriter::new(file.try_clone()?, &columns, metadata)?;
         let mut journal = Self { path, file, columns, csv, synced: Instant::now(), has_news: true, is_stale: false };
         journal.sync()?;
+        sync_name(&journal.path)?;
         Ok(journal)
     }
 

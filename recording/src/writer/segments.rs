@@ -13,6 +13,7 @@ use crate::column::{ColumnValues, Metadata};
 use crate::error::RecordingError;
 use crate::parts::{journal_in, segment_in, segments_in};
 use crate::reader::RecordingReader;
+use crate::temporary::sync_name;
 
 /// A recording in a folder that another one continues.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +64,7 @@ impl Segments {
     /// Makes a folder for a new recording, or goes on in one.
     pub fn new(folder: &Path, options: &WriterOptions, columns: &[String]) -> Result<Self, RecordingError> {
         match std::fs::create_dir(folder) {
-            Ok(()) => {}
+            Ok(()) => sync_name(folder).map_err(unwritten(folder))?,
             Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
             Err(error) => return Err(unwritten(folder)(error)),
         }

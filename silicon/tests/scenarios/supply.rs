@@ -123,6 +123,31 @@ fn a_falling_supply_lowers_the_heaters_and_trips_at_any_moment_of_a_tick() {
     }
 }
 
+/// Between the decision to heat and the reading back of the pin, at every few cycles of it.
+#[test]
+fn a_supply_that_falls_while_a_heater_is_raised_leaves_it_low() {
+    let rig = Rig::of(&heating());
+    start(&heating(), &mut rig.instrument()).unwrap();
+    let started = rig.machine().snapshot().unwrap();
+    let begin = rig.machine().now();
+    while rig.machine().board().heaters() == 0 {
+        rig.machine().run_for(us(20)).unwrap();
+        assert!(rig.machine().now() < begin + ms(50), "nothing is heated");
+    }
+    let raised_at = rig.machine().pins().last().unwrap().cycle;
+    for moment in 0..120 {
+        rig.machine().restore(&started).unwrap();
+        rig.machine().run_for(raised_at - begin - us(6) + 13 * moment).unwrap();
+        rig.machine().board_mut().set_supply(3_000);
+        rig.machine().run_for(ms(30)).unwrap();
+        assert_eq!(rig.machine().board().heaters(), 0, "moment {moment}");
+        let state = rig.machine().board().witness.state();
+        let cause = if let Some(RunState::Tripped(trip)) = state { Some(trip.cause) } else { None };
+        assert_eq!(cause, Some(Cause::BrownOut), "moment {moment}: {state:?}");
+        rig.assert_no_complaint();
+    }
+}
+
 #[test]
 fn nothing_starts_and_nothing_is_written_until_the_supply_is_back() {
     let rig = heated();

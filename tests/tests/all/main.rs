@@ -25,6 +25,7 @@ mod log;
 mod long_log;
 mod many_elements;
 mod models;
+mod power_cuts;
 mod refusals;
 mod self_test;
 mod serial;

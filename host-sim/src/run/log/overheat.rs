@@ -5,6 +5,7 @@ use dr_core::control::Drive;
 use super::LogRefusal;
 use crate::experiment::Experiment;
 use crate::instrument::Observation;
+use anemometry::head::HeadElement;
 
 /// The gas is taken from the mean over so long, s: longer than a fluctuation, shorter than weather.
 const MEAN_OVER_S: f64 = 10.0;
@@ -57,8 +58,9 @@ impl Overheat {
 pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), LogRefusal> {
     let holds = |drive: &Drive| matches!(drive, Drive::Temperature { .. });
     let held = || experiment.drives.iter().zip(&experiment.head.elements).filter(|(drive, _)| holds(drive));
-    if let Some((_, element)) = held().find(|(_, of)| target_c > f64::from(of.config.limits.temperature_max_c)) {
-        let (element, most_c) = (element.name.clone(), element.config.limits.temperature_max_c);
+    let most_c = |of: &HeadElement| of.config.hottest_set_point().0;
+    if let Some((_, element)) = held().find(|(_, of)| target_c > f64::from(most_c(of))) {
+        let (element, most_c) = (element.name.clone(), most_c(element));
         return Err(LogRefusal::BeyondLimit { temperature_c: target_c, element, most_c });
     }
     let target_c = target_c as f32;

@@ -18,6 +18,9 @@ pub enum LogRefusal {
     /// The head has none of this name.
     #[error("`{0}` is no element of the head")]
     NoElement(String),
+    /// No pressure of a gas: it stays as it was.
+    #[error("a pressure of {0} Pa is none of a gas: it stays")]
+    NoPressure(f64),
     /// A set-point that the head does not allow: it stays as it was.
     #[error("a set-point of {temperature_c:.2} °C is beyond the limit of {element}, {most_c} °C: it stays")]
     BeyondLimit {

@@ -383,7 +383,7 @@ impl Session {
                 let names = self.experiment.head.names();
                 let place = names.iter().position(|name| *name == element);
                 let Some(place) = place else { return Err(LogRefusal::NoElement(element)) };
-                let most_c = self.experiment.head.elements[place].config.limits.temperature_max_c;
+                let (most_c, _) = self.experiment.head.elements[place].config.hottest_set_point();
                 if temperature_c.is_nan() || temperature_c > f64::from(most_c) {
                     return Err(LogRefusal::BeyondLimit { temperature_c, element, most_c });
                 }
@@ -393,6 +393,9 @@ impl Session {
                 self.tell(host, LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
             }
             LogCommand::Pressure(pressure_pa) => {
+                if !(pressure_pa.is_finite() && pressure_pa > 0.0) {
+                    return Err(LogRefusal::NoPressure(pressure_pa));
+                }
                 let calibration = self.experiment.head.calibration.as_ref();
                 let has_reference = calibration.is_some_and(|calibration| calibration.reference.is_some());
                 let temperature_c = (!has_reference).then_some(self.experiment.gas_temperature_c as f32);
