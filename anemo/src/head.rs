@@ -55,8 +55,8 @@ pub struct IdentifyArguments {
     /// records.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Elements of the network, with commas between them; by default all. The others, which only
-    /// measure, are part of the structure.
+    /// Elements of the network, with commas between them; by default all but `reference`. The
+    /// others, which only measure, are part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Most free rates of the self-heating of an element, 1 to 8.
@@ -84,7 +84,9 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let poles = PolesPerPair { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
     let open = |n: usize| {
         let record = QuiescentRecord::read(&arguments.records[n])?;
-        if arguments.elements.is_empty() { Ok(record) } else { record.only(&arguments.elements) }
+        let of_head = || record.elements.iter().filter(|name| *name != recording::REFERENCE).cloned().collect();
+        let wanted: Vec<String> = if arguments.elements.is_empty() { of_head() } else { arguments.elements.clone() };
+        record.only(&wanted)
     };
     let head = head(arguments)?;
     let mut model = identify(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;

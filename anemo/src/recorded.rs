@@ -27,7 +27,7 @@ impl RecordingOutputs {
             Recorder::create(path, layout.clone(), metadata, options).map(|recorder| (path.to_owned(), recorder))
         });
         let recorder = recorder.transpose().map_err(Failure::usage)?;
-        Ok(Self { recorder, picture: canvas.map(|canvas| (canvas, Collector::new(layout, metadata))) })
+        Ok(Self { recorder, picture: canvas.map(|canvas| (canvas, Collector::thinned(layout, metadata))) })
     }
 
     pub fn push(&mut self, row: &RecordingRow<'_>) -> Result<(), RecordingError> {

@@ -10,7 +10,7 @@ use crate::error::PlotError;
 use crate::picture::{PictureFormat, PictureWidth};
 use crate::{model, run};
 use diffusive::model::Model;
-use recording::{Recording, Temporary};
+use recording::{Temporary, ThinnedRecording};
 
 /// What a picture's file is beside its name.
 #[derive(Debug, Clone, Default)]
@@ -84,7 +84,7 @@ pub enum PlotReport {
         /// The picture.
         plot: String,
         /// Rows of the recording.
-        rows: usize,
+        rows: u64,
     },
 }
 
@@ -112,16 +112,12 @@ impl TimeCrop {
         self.from_s.or(self.to_s).is_none()
     }
 
-    fn of(self, recording: Recording) -> Result<Recording, PlotError> {
-        if self.is_whole() {
-            return Ok(recording);
-        }
-        let (from_s, to_s) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
-        let ends = |time_s: &[f64]| Some((*time_s.first()?, *time_s.last()?));
-        let (first_s, last_s) = ends(recording.time_s()?).unwrap_or_default();
-        let path = recording.path.clone();
-        let cropped = recording.between(from_s, to_s)?;
-        if cropped.is_empty() { Err(PlotError::Crop { path, first_s, last_s }) } else { Ok(cropped) }
+    /// Reads this part.
+    fn read(self, path: &Path) -> Result<ThinnedRecording, PlotError> {
+        let range_s = self.from_s.unwrap_or(f64::NEG_INFINITY)..=self.to_s.unwrap_or(f64::INFINITY);
+        let part = ThinnedRecording::read(path, &range_s)?;
+        let (first_s, last_s) = part.span_s;
+        if part.rows == 0 { Err(PlotError::Crop { path: path.to_owned(), first_s, last_s }) } else { Ok(part) }
     }
 }
 
@@ -146,9 +142,9 @@ pub fn draw_file(
         Canvas::with(picture, options)?.draw(&model::figure(&model, &[]))?;
         return Ok(PlotReport::Model { plot, pairs: model.pairs.len() });
     }
-    let recording = crop.of(Recording::read(file)?)?;
-    Canvas::with(picture, options)?.draw(&run::figure(&recording)?)?;
-    Ok(PlotReport::Recording { plot, rows: recording.len() })
+    let part = crop.read(file)?;
+    Canvas::with(picture, options)?.draw(&run::figure(&part.recording)?)?;
+    Ok(PlotReport::Recording { plot, rows: part.rows })
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

@@ -2,29 +2,37 @@
 
 use std::path::PathBuf;
 
-use crate::column::{ColumnKind, ColumnValues, Metadata, RecordingColumn};
+use crate::column::{ColumnKind, Metadata};
 use crate::error::RecordingError;
 use crate::recording::Recording;
 use crate::row::{RecordingLayout, RecordingRow};
+use crate::thinned::{MOST_ROWS, ThinnedRows};
 use crate::writer::with_format;
 
 /// Rows gathered in memory instead of in a file.
 #[derive(Debug)]
 pub struct Collector {
     layout: RecordingLayout,
-    recording: Recording,
+    metadata: Metadata,
+    rows: ThinnedRows,
 }
 
 impl Collector {
     /// Starts a recording with the metadata that are known at its start.
     pub fn new(layout: RecordingLayout, metadata: &Metadata) -> Self {
-        let empty = |name: String| {
-            let values = ColumnValues::empty(ColumnKind::of(&name) == ColumnKind::Text);
-            RecordingColumn { name, values }
-        };
-        let columns = layout.columns().into_iter().map(empty).collect();
-        let recording = Recording { path: PathBuf::from("this run"), metadata: with_format(metadata), columns };
-        Self { layout, recording }
+        Self::with(layout, metadata, usize::MAX)
+    }
+
+    /// Starts one whose memory is bounded, for a picture: more than [`MOST_ROWS`] rows become
+    /// means.
+    pub fn thinned(layout: RecordingLayout, metadata: &Metadata) -> Self {
+        Self::with(layout, metadata, MOST_ROWS)
+    }
+
+    fn with(layout: RecordingLayout, metadata: &Metadata, most: usize) -> Self {
+        let is_text = |name: &str| ColumnKind::of(name) == ColumnKind::Text;
+        let rows = ThinnedRows::new(layout.columns().into_iter().map(|name| (name.clone(), is_text(&name))), most);
+        Self { layout, metadata: with_format(metadata), rows }
     }
 
     /// What the rows consist of.
@@ -38,15 +46,12 @@ impl Collector {
     /// If it does not fit the layout.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        for (column, cell) in self.recording.columns.iter_mut().zip(row.cells()) {
-            column.values.push(cell);
-        }
-        Ok(())
+        self.rows.push(row.cells()).map_err(|column| RecordingError::mixed("this run".as_ref(), &column))
     }
 
     /// The recording, with what is known at its end.
     pub fn finish(mut self, metadata: &Metadata) -> Recording {
-        self.recording.metadata.extend(metadata.iter().cloned());
-        self.recording
+        self.metadata.extend(metadata.iter().cloned());
+        Recording { path: PathBuf::from("this run"), metadata: self.metadata, columns: self.rows.finish() }
     }
 }

@@ -75,6 +75,11 @@ impl ColumnWords {
         self.rows.push(code);
     }
 
+    /// Takes the last row away.
+    pub(crate) fn drop_last(&mut self) {
+        self.rows.pop();
+    }
+
     /// The different words, in the order of their first appearance.
     pub fn dictionary(&self) -> &[String] {
         &self.dictionary
@@ -83,6 +88,11 @@ impl ColumnWords {
     /// For every row, which word of the dictionary it has.
     pub fn codes(&self) -> &[u32] {
         &self.rows
+    }
+
+    /// The word of a row.
+    pub(crate) fn word(&self, row: usize) -> &str {
+        &self.dictionary[self.rows[row] as usize]
     }
 
     /// Number of rows.
@@ -125,6 +135,14 @@ impl ColumnValues {
         match self {
             Self::Numbers(numbers) => *numbers = numbers[rows].to_vec(),
             Self::Words(words) => words.rows = words.rows[rows].to_vec(),
+        }
+    }
+
+    /// Of two rows the first; an odd last one stays.
+    pub(crate) fn keep_every_second(&mut self) {
+        match self {
+            Self::Numbers(numbers) => *numbers = numbers.chunks(2).map(|pair| pair[0]).collect(),
+            Self::Words(words) => words.rows = words.rows.chunks(2).map(|pair| pair[0]).collect(),
         }
     }
 
@@ -203,6 +221,14 @@ pub(crate) enum RowCell<'a> {
     /// A missing number is NaN.
     Number(f64),
     Text(&'a str),
+}
+
+/// A row of columns.
+pub(crate) fn cells_of_row(columns: &[RecordingColumn], row: usize) -> impl Iterator<Item = RowCell<'_>> {
+    columns.iter().map(move |column| match &column.values {
+        ColumnValues::Numbers(numbers) => RowCell::Number(numbers[row]),
+        ColumnValues::Words(words) => RowCell::Text(words.word(row)),
+    })
 }
 
 /// The writer of a format: rows go in, cell by cell in the order of the columns.

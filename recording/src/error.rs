@@ -42,6 +42,15 @@ impl RecordingError {
         Self::new(path, format!("is damaged or cut short, and cannot be read: {reason}"))
     }
 
+    /// A column changes its kind.
+    pub(crate) fn mixed(path: &Path, column: &str) -> Self {
+        Self::new(path, format!("column `{column}` is partly numbers and partly text"))
+    }
+
+    pub(crate) fn no_rows(path: &Path) -> Self {
+        Self::new(path, "has columns but no rows")
+    }
+
     /// A row has other cells than its recording.
     pub(crate) fn row(time_s: f64, sentence: &str) -> Self {
         let sentence = format!("the row for {time_s} s does not fit the recording: {sentence}");

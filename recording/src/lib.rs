@@ -43,6 +43,7 @@
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
 //! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
+//! | [`ThinnedRecording`] | a file of any length, for pictures |
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
@@ -74,6 +75,7 @@ pub mod regular;
 mod row;
 mod temporary;
 pub mod text;
+mod thinned;
 pub mod toml_file;
 pub mod utc;
 pub mod wind;
@@ -93,6 +95,7 @@ pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
 pub use temporary::Temporary;
+pub use thinned::{MOST_ROWS, ThinnedRecording};
 pub use writer::{
     Recorder, RecordingSoFar, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions,
     is_being_written, recover, so_far, write_columns,

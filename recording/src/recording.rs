@@ -33,13 +33,11 @@ impl Recording {
                 continue;
             }
             for (all, more) in columns.iter_mut().zip(chunk) {
-                all.values.append(more.values).map_err(|()| {
-                    RecordingError::new(path, format!("column `{}` is partly numbers and partly text", all.name))
-                })?;
+                all.values.append(more.values).map_err(|()| RecordingError::mixed(path, &all.name))?;
             }
         }
         if columns.is_empty() {
-            return Err(RecordingError::new(path, "has columns but no rows"));
+            return Err(RecordingError::no_rows(path));
         }
         Ok(Self { path: path.to_owned(), metadata: reader.metadata(), columns })
     }

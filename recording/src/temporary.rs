@@ -4,6 +4,7 @@
 //! is a rename within one file system. Dropped before [`Temporary::keep`], it is removed: a run
 //! that fails leaves nothing half-written, and an older file as it was.
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ impl Temporary {
             return Err(io::Error::other("it is a pipe or a device, and only regular files are written"));
         }
         let destination = if older.is_some() { destination.canonicalize()? } else { destination.to_owned() };
-        let prefix = format!(".{}.tmp-", name.to_string_lossy());
+        let prefix = prefix(name);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix);
         let permissions = older.map_or_else(new_file_permissions, |older| Some(older.permissions()));
@@ -58,6 +59,19 @@ impl Temporary {
         sync_name(&self.destination)
     }
 
+    /// Removes what writers of this file have left that were killed; the caller knows that none is
+    /// at work.
+    pub(crate) fn clear_left(destination: &Path) {
+        let Some(name) = destination.file_name() else { return };
+        let prefix = prefix(name);
+        for entry in std::fs::read_dir(folder_of(destination)).into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+                // It only takes room.
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// Writes a whole file in one go.
     ///
     /// # Errors
@@ -67,6 +81,11 @@ impl Temporary {
         io::Write::write_all(&mut file, content)?;
         temporary.keep()
     }
+}
+
+/// How the names of a file's temporary ones begin.
+fn prefix(name: &OsStr) -> String {
+    format!(".{}.tmp-", name.to_string_lossy())
 }
 
 /// Has the disk know a new name before anything that counts on it is asked.

@@ -10,8 +10,8 @@
 //! This is judged by the bytes on the converter's bus, whatever the board makes of them: the frame
 //! begins with its mark, and the code is not at an end of its range. It is judged at every change
 //! of the pins and at every conversion. The length of a tick is the last one to which the board has
-//! agreed; one that it has from its flash is not known here. A core that is stopped from outside
-//! can lower nothing: its watchdog does, within its slowest period.
+//! agreed; before, the longest that it grants. A core that is stopped from outside can lower
+//! nothing: its watchdog does, within its slowest period.
 
 use crate::adc::{CHANNELS, FRAME_BYTES};
 use crate::complaint::{BrokenRule, Complaints};
@@ -22,6 +22,8 @@ use wire::{FromBoard, Receiver, ToBoard};
 
 /// Half a millisecond of the dead-man timer, and a conversion with its frame.
 const LATE: u64 = us(1_000);
+/// Of what the board grants.
+const LONGEST_TICK: u64 = ms(1_000);
 /// Half a second of the watchdog by the slow oscillator at its slowest.
 const WATCHDOG: u64 = ms(950);
 /// The upper half of the first byte of a frame (SBAS561, "Data Retrieval").
@@ -140,7 +142,10 @@ impl HeaterWitness {
 
     /// Time has passed.
     pub fn passed(&self, now: u64, complaints: &mut Complaints) {
-        let Some(tick) = self.tick.filter(|_| self.levels != 0) else { return };
+        if self.levels == 0 {
+            return;
+        }
+        let tick = self.tick.unwrap_or(LONGEST_TICK);
         let oldest = LATE + if self.stopped_at.is_some() { WATCHDOG.max(2 * tick) } else { 2 * tick };
         let is_old = |&(channel, read_at): &(usize, u64)| self.levels >> channel & 1 == 1 && now > read_at + oldest;
         if (0..).zip(self.read_at).any(|of| is_old(&of)) {

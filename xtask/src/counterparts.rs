@@ -1,6 +1,6 @@
 //! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
-//! of SCPI, readers of files, a browser, and one that writes down what a log asks of the disk. Tests
-//! start them on the loopback and end them; none is a service of the system.
+//! of SCPI, readers of files, a browser, and one that writes down what a log asks of the disk.
+//! Tests start them on the loopback and end them; none is a service of the system.
 
 use crate::{install, shell};
 use anyhow::Result;

@@ -1,7 +1,8 @@
-//! Everything that is checked by reading: links, structure, lines, format, clippy on both sides,
-//! documentation.
+//! Everything that is checked by reading: links, structure, lines, licences, format, clippy on both
+//! sides, documentation.
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
+use crate::deny::{self, DenyOptions};
 use crate::install::{self, TARGET};
 use crate::{limits, lines, links, shell, structure};
 use anyhow::{Context, Result};
@@ -17,6 +18,8 @@ pub fn run() -> Result<()> {
     structure::run()?;
     shell::announce("lines of code");
     lines::run()?;
+    shell::announce("licences and sources of dependencies");
+    deny::run(&DenyOptions::default())?;
     shell::announce("format");
     shell::run(shell::cargo().args(["fmt", "--all", "--check"])).context("files are not formatted; type: cargo fmt")?;
     shell::announce("clippy, host");

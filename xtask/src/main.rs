@@ -10,6 +10,7 @@ mod cost;
 mod counterparts;
 mod coverage;
 mod demo;
+mod deny;
 mod dist;
 mod emulator;
 mod flash;
@@ -60,6 +61,9 @@ enum Job {
     Book(book::BookOptions),
     /// Check what can be checked by reading: format, clippy, documentation, links between pages
     Lint,
+    /// Refuse dependencies by their licences and sources, and by advisories where a database is
+    /// given
+    Deny(deny::DenyOptions),
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
     /// run, test, and interpret beside it
     Ci,
@@ -114,6 +118,7 @@ fn main() -> ExitCode {
         Job::Pages(options) => pages::run(&options, Job::command(), None),
         Job::Book(options) => book::run(&options),
         Job::Lint => lint::run(),
+        Job::Deny(options) => deny::run(&options),
         Job::Ci => ci::run(Job::command()),
         Job::Structure => structure::run(),
         Job::Lines => lines::run(),

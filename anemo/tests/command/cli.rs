@@ -167,6 +167,41 @@ fn check_tells_what_changes_and_whose_currents_are_the_experiment_s() {
 }
 
 #[test]
+fn what_a_board_cannot_do_is_refused_before_it_begins() {
+    let boom = experiment("thesis/rems-boom-held.toml");
+    let (hot, _) = changed("steady.toml", "temperature_c = -23.15 }", "temperature_c = 69.0 }");
+    let (fast, slow) = changed("steady.toml", "sample_period_s = 0.01", "sample_period_s = 2.0");
+    let head = std::fs::read_to_string(root().join("heads/sphere-b.toml")).unwrap();
+    let with_head = |from: &str, to: &str| {
+        assert!(head.contains(from));
+        std::fs::write(hot.path().join("head.toml"), head.replace(from, to)).unwrap();
+        let text = std::fs::read_to_string(hot.path().join("e.toml")).unwrap();
+        let of_head =
+            |line: &str| if line.starts_with("head = ") { "head = \"head.toml\"".into() } else { line.to_owned() };
+        let lines = text.lines().filter(|line| !line.starts_with("models")).map(of_head);
+        std::fs::write(hot.path().join("own.toml"), lines.collect::<Vec<_>>().join("\n")).unwrap();
+        refused(hot.path(), &["check", "own.toml"]).1
+    };
+    let (code, sentence) = refused(hot.path(), &["check", &boom, "--on", "serial"]);
+    assert_eq!(code, 2);
+    assert!(sentence.ends_with("`head` cannot be used: the head has 13 elements, the board can drive 6"), "{sentence}");
+    // The port is not looked at before.
+    for arguments in [vec!["check"], vec!["run", "-o", "r"], vec!["log", "-o", "r"]] {
+        let arguments = [arguments.as_slice(), &[experiment("sphere-a.toml").as_str(), "--on", "serial:/no"]].concat();
+        let (code, sentence) = refused(hot.path(), &arguments);
+        let reason = "asks for what this board does not grant: hemisphere1: `current_low_a` must lie between";
+        assert!(code == 2 && sentence.contains(reason), "{arguments:?}: {sentence}");
+    }
+    assert!(anemo(hot.path(), &["check", &experiment("sphere-a.toml")]).status.success());
+    assert!(refused(fast.path(), &["check", &slow]).1.contains("`sample_period_s` is 2 s: it must lie between"));
+    let open = with_head("resistance_max_ohm = 260.0", "resistance_max_ohm = 205.0");
+    assert!(open.contains("`drives.sector1.temperature_c` is 69 °C: the element counts as open above 5"), "{open}");
+    let range = with_head("full_scale_v = 4.0", "full_scale_v = 3.2");
+    assert!(range.contains("is 69 °C: the converter's range ends at 4"), "{range}");
+    assert_eq!(files(hot.path()), ["e.toml", "head.toml", "own.toml"]);
+}
+
+#[test]
 fn wrong_usage_is_code_2_and_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let gusts = experiment("gusts.toml");

@@ -26,6 +26,10 @@ const AFTER_GAP: f64 = 10.0;
 /// Longest time that is gone through in a gap, and longest time after one, s: nothing is left of
 /// the stored heat then.
 const LONGEST_GAP_S: f64 = 3600.0;
+/// Ticks that are gone through in gaps, a row, beside those of one longest gap: a file of gaps with
+/// few rows between them takes no longer than one of rows. What a gap beyond that leaves in the
+/// stored heat is flagged as that of any gap.
+const GONE_THROUGH_A_ROW: u64 = 10;
 /// Part of the sample period by which the time between two rows may be off: a written time may be
 /// rounded.
 const ROUNDED: f64 = 0.1;
@@ -51,6 +55,8 @@ pub struct Replay {
     last_gas_c: Option<f64>,
     /// How many ticks are missing before the next row; none before it is looked at.
     missing: Option<u64>,
+    /// Ticks that were gone through in gaps.
+    gone_through: u64,
     /// Gaps so far, and how long they were in all, s.
     pub gaps: (u64, f64),
     /// Until when moments are soon after a gap, s.
@@ -132,6 +138,7 @@ impl Replay {
             last_event: String::new(),
             last_gas_c: None,
             missing: None,
+            gone_through: 0,
             gaps: (0, 0.0),
             after_gap_s: f64::NEG_INFINITY,
         })
@@ -229,7 +236,11 @@ impl Replay {
         let gap_s = (ticks - 1.0) * period_s;
         self.gaps = (self.gaps.0 + 1, self.gaps.1 + gap_s);
         self.after_gap_s = self.after_gap_s.max(time_s + (AFTER_GAP * gap_s).min(LONGEST_GAP_S));
-        Ok((ticks - 1.0).min((LONGEST_GAP_S / period_s).ceil()) as u64)
+        let longest = (LONGEST_GAP_S / period_s).ceil() as u64;
+        let left = (longest + GONE_THROUGH_A_ROW * self.count).saturating_sub(self.gone_through);
+        let missing = ((ticks - 1.0) as u64).min(longest).min(left);
+        self.gone_through += missing;
+        Ok(missing)
     }
 }
 

@@ -5,6 +5,7 @@
 //! core: each waits for the other all the time, and waking up on another core costs more than the
 //! work.
 
+mod left_over;
 mod process;
 mod stream;
 

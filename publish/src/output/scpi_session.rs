@@ -296,7 +296,10 @@ mod tests {
                 requests.recv().expect("a request").answer(Err(commands::CommandRefusal("tripped".to_owned())));
                 asked
             });
-            session.answer("*CLS;SYST:PASS \"a-token-of-the-test\";SOUR:TEMP 'core;1',90.5;SOUR:PRES x;:SOUR:PRES 7.1e2;INIT", &instrument);
+            session.answer(
+                "*CLS;SYST:PASS \"a-token-of-the-test\";SOUR:TEMP 'core;1',90.5;SOUR:PRES x;:SOUR:PRES 7.1e2;INIT",
+                &instrument,
+            );
             let set = FeedCommand::SetPoint { element: "core;1".to_owned(), temperature_c: 90.5 };
             let wanted = [set, FeedCommand::Pressure { pressure_pa: 710.0 }];
             assert_eq!(run.join().expect("no panic"), wanted);

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::journal::take_over;
 use super::table::TableWriter;
-use crate::column::{ColumnKind, ColumnValues, Metadata, RowCell};
+use crate::column::{ColumnKind, Metadata, cells_of_row};
 use crate::error::RecordingError;
 use crate::file_format::JOURNAL;
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of, number_of, segment_in, segments_in};
 use crate::reader::RecordingReader;
+use crate::temporary::Temporary;
 
 /// What [`recover`] has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,6 +63,7 @@ pub fn recover(recording: &Path) -> Result<Option<Recovered>, RecordingError> {
         }
         (None, _) => journal.with_extension(""),
     };
+    Temporary::clear_left(&file);
     if file.exists() {
         let sentence = format!("is there already: move it away, and what {} keeps takes its name", journal.display());
         return Err(RecordingError::new(&file, sentence));
@@ -94,18 +96,8 @@ fn write(journal: &Path, file: &Path) -> Result<u64, RecordingError> {
     let mut table = TableWriter::create(file, &columns, &known)?;
     let mut rows = 0;
     while let Some(chunk) = reader.next_chunk()? {
-        let texts: Vec<Vec<&str>> = chunk
-            .iter()
-            .map(|column| match &column.values {
-                ColumnValues::Words(words) => words.iter().collect(),
-                ColumnValues::Numbers(_) => Vec::new(),
-            })
-            .collect();
         for row in 0..chunk.first().map_or(0, |column| column.values.len()) {
-            table.push(&mut chunk.iter().zip(&texts).map(|(column, texts)| match &column.values {
-                ColumnValues::Numbers(numbers) => RowCell::Number(numbers[row]),
-                ColumnValues::Words(_) => RowCell::Text(texts[row]),
-            }))?;
+            table.push(&mut cells_of_row(&chunk, row))?;
             rows += 1;
         }
     }

@@ -126,12 +126,18 @@ impl Life<'_> {
                 "stop"
             }
             7 => {
-                let sample_period_s = chance.one_of(&[0.001, 0.002, 0.01, 0.1]);
+                let sample_period_s = chance.one_of(&[0.001, 0.002, 0.01, 0.1, 0.5]);
                 self.command([Command::SamplePeriod { sample_period_s }]);
                 "sample period"
             }
             8 => {
-                let drive = Drive::Level(chance.one_of(&[Level::Low, Level::High]));
+                let drive = chance.one_of(&[
+                    Drive::Level(Level::Low),
+                    Drive::Level(Level::High),
+                    Drive::Power { power_w: 0.012 },
+                    Drive::Prbs { order: 7, seed: 5, ticks_per_bit: 3 },
+                    Drive::Temperature { target_c: -20.0 },
+                ]);
                 self.command([Command::Drive { element: chance.below(6) as u8, drive }]);
                 "drive"
             }

@@ -12,7 +12,7 @@ use anemometry::head::Head;
 use anemometry::network::QuiescentNetwork;
 use diffusive::model::Model;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
-use recording::Recording;
+use recording::{ColumnValues, Recording, write_columns};
 
 const ELEMENTS: [&str; 4] = ["hemisphere1", "hemisphere2", "core1", "core2"];
 const GAS_C: f64 = -53.15;
@@ -87,6 +87,27 @@ fn from_still_records_to_the_conductance_of_a_wind() {
         let noise_k = element["noise_low_k"].as_f64().unwrap();
         assert!((noise_k / 2.53e-3 - 1.0).abs() < 0.03, "{noise_k}");
     }
+
+    // An element beside the sphere that measures the gas is none of the network's.
+    for name in &files {
+        let recording = Recording::read(&folder.join(name)).unwrap();
+        let numbers = |column: &recording::RecordingColumn| match &column.values {
+            ColumnValues::Numbers(numbers) => Some((column.name.clone(), numbers.clone())),
+            ColumnValues::Words(_) => None,
+        };
+        let mut columns: Vec<_> = recording.columns.iter().skip(1).filter_map(numbers).collect();
+        columns.push(("temperature_c_reference".to_owned(), vec![GAS_C; recording.len()]));
+        columns.push(("power_w_reference".to_owned(), vec![1e-6; recording.len()]));
+        let named: Vec<(&str, &[f64])> =
+            columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+        write_columns(&folder.join(format!("with-{name}")), 0.01, &named, &recording.metadata).unwrap();
+    }
+    let beside = files.clone().map(|name| format!("with-{name}"));
+    let mut arguments = vec!["head", "identify", "--json"];
+    arguments.extend(beside.iter().map(String::as_str));
+    let with_reference: serde_json::Value = serde_json::from_str(&command(folder, &arguments).unwrap()).unwrap();
+    assert_eq!(with_reference["elements"].as_array().unwrap().len(), ELEMENTS.len());
+    assert_eq!(with_reference["elements"][0]["layers"], json["elements"][0]["layers"]);
 
     let model = Model::read(&folder.join("network.json")).unwrap();
     let head = Head::read(&file("heads/sphere-a.toml")).unwrap();

@@ -10,6 +10,8 @@ pub struct SeededChange {
     pub path: String,
     /// All of the file with it.
     pub text: String,
+    /// Whether unit tests of the firmware's library may fail, which then is enough.
+    pub has_unit_tests: bool,
     /// One of these has to fail; they run in this order.
     pub scenarios: Vec<String>,
     /// Has to stand in the output of the one that fails.

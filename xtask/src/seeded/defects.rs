@@ -25,7 +25,7 @@ impl Defect {
             1 => sound.replacen(&text, &becomes, 1),
             n => bail!("{name}: its text stands {n} times in {path}, and has to once"),
         };
-        Ok(SeededChange { name, path, text: changed, scenarios: vec![scenario], shows })
+        Ok(SeededChange { name, path, text: changed, has_unit_tests: false, scenarios: vec![scenario], shows })
     }
 }
 

@@ -17,7 +17,7 @@ use change::{SeededChange, read};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -142,8 +142,12 @@ impl Workbench {
         let sound = read(&file)?;
         write(&file, &change.text)?;
         let image = self.build();
+        let is_noticed = image.is_ok() && change.has_unit_tests && self.unit_tests_fail();
         write(&file, &sound)?;
         let Ok(image) = image else { return Ok(Verdict::Refused) };
+        if is_noticed {
+            return Ok(Verdict::Caught);
+        }
         for scenario in &change.scenarios {
             match self.scenario(&image, scenario)? {
                 ScenarioEnd::Passed => (),
@@ -154,6 +158,14 @@ impl Workbench {
             }
         }
         Ok(Verdict::Missed(format!("{} passes", change.scenarios.join(", "))))
+    }
+
+    /// Runs the unit tests of the copy's firmware.
+    fn unit_tests_fail(&self) -> bool {
+        let mut tests = shell::cargo();
+        tests.current_dir(&self.tree).env_remove("CARGO_TARGET_DIR");
+        tests.args(["test", "--quiet", "--release", "-p", "firmware", "--lib"]);
+        !tests.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
     }
 
     /// Runs scenarios of this name on an image.

@@ -1,16 +1,16 @@
 //! Mutants of the sensor board's own files and of its drivers.
 //!
 //! cargo-mutants finds them, but cannot try them: no host compiles the former, and its tests of the
-//! drivers know no registers.
+//! drivers know no registers. `mutants.toml` says which files, and leaves out with a reason what
+//! nobody could notice.
 
 use super::change::{SeededChange, read};
 use crate::{install, shell};
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
-const FILES: [&str; 2] = ["firmware/src/board/sensor_board/**/*.rs", "firmware/src/drivers/**/*.rs"];
 /// Modules of `silicon/tests/scenarios`, the quickest first: most mutants end in the first two.
-const SCENARIOS: [&str; 10] = [
+const SCENARIOS: [&str; 12] = [
     "boot::",
     "ticks::",
     "front_end::",
@@ -20,6 +20,8 @@ const SCENARIOS: [&str; 10] = [
     "proof::",
     "supervision::",
     "crashes::",
+    "self_test::",
+    "cut_off::",
     "settings::",
 ];
 
@@ -61,7 +63,9 @@ impl Mutant {
         let sound = read(&shell::root().join(&self.file))?;
         let text = self.applied_to(&sound).with_context(|| format!("{}: its place is not in the file", self.name))?;
         let scenarios = SCENARIOS.map(String::from).to_vec();
-        Ok(SeededChange { name: self.name, path: self.file, text, scenarios, shows: String::new() })
+        // A driver's own tests run on the host, and are quicker.
+        let has_unit_tests = self.file.contains("/drivers/");
+        Ok(SeededChange { name: self.name, path: self.file, text, has_unit_tests, scenarios, shows: String::new() })
     }
 
     fn applied_to(&self, sound: &str) -> Option<String> {
@@ -73,9 +77,7 @@ impl Mutant {
 /// All mutants, or those of a shard.
 pub fn list(shard: Option<&str>) -> Result<Vec<SeededChange>> {
     let mut mutants = shell::program(install::tool(&install::CARGO_MUTANTS)?);
-    // The file of settings is that of dr-core's mutants.
-    mutants.args(["mutants", "--no-config", "--package", "firmware", "--list", "--json"]);
-    mutants.args(FILES.iter().flat_map(|file| ["--file", file]));
+    mutants.args(["mutants", "--config", "xtask/src/seeded/mutants.toml", "--package", "firmware", "--list", "--json"]);
     mutants.args(shard.iter().flat_map(|shard| ["--shard", shard]));
     let mutants: Vec<Mutant> = serde_json::from_str(&shell::captured(&mut mutants)?)?;
     mutants.into_iter().map(Mutant::seeded).collect()

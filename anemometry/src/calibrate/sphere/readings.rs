@@ -149,6 +149,13 @@ fn wind(head: &SphereGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<
 
 /// The first number of a reading that cannot be meant.
 fn fault(surface: &str, reading: &SurfaceReading) -> Option<String> {
+    let overheat_k = reading.overheat_k;
+    if overheat_k.is_finite() && overheat_k <= 0.0 {
+        return Some(format!(
+            "{surface} is {:.3e} K colder than the gas: a surface that gives off heat is warmer; look at the gas temperature and at the network of quiescent gas",
+            -overheat_k
+        ));
+    }
     [
         ("power_w", reading.power_w, f64::MIN, "a number"),
         ("above_reference_k", reading.above_reference_k, f64::MIN, "a number"),

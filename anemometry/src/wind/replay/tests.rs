@@ -77,6 +77,24 @@ fn of_a_gap_of_days_no_more_than_an_hour_is_gone_through() {
     assert_eq!(moments.last().unwrap().tick.tick, 500_009);
 }
 
+/// A row each 3000 s would be as much work as ten years of rows.
+#[test]
+fn rows_far_apart_cost_no_more_than_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let times_s: Vec<f64> = (0..600).map(|n| 3000.0 * f64::from(n / 2) + 0.01 * f64::from(n % 2)).collect();
+    let moments = replayed(&recording(folder.path(), &times_s, Some("0.01"))).unwrap();
+    let (longest, rows) = (360_000, times_s.len());
+    assert!(
+        (longest..=longest + (GONE_THROUGH_A_ROW as usize + 1) * rows).contains(&moments.len()),
+        "{}",
+        moments.len()
+    );
+    let recorded = moments.iter().filter(|moment| moment.known != TickOrigin::Missing).skip(2);
+    assert!(
+        recorded.clone().count() == rows - 2 && recorded.clone().all(|moment| moment.known == TickOrigin::AfterGap)
+    );
+}
+
 #[test]
 fn times_that_cannot_be_are_refused_with_their_row() {
     let folder = tempfile::tempdir().unwrap();

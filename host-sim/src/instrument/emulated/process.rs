@@ -1,5 +1,6 @@
 //! The emulator's process: its folder, its links, its log and its end.
 
+use super::left_over;
 use super::stream::Pipe;
 use crate::instrument::error::InstrumentError;
 use crate::instrument::link;
@@ -35,6 +36,8 @@ const LAST_WORDS: usize = 3;
 pub struct Process {
     firmware: PathBuf,
     folder: TempDir,
+    /// Says that somebody still needs the folder.
+    _lock: File,
     child: Option<Child>,
     /// How long the board may take to answer.
     pub timeout: Duration,
@@ -56,8 +59,10 @@ impl Process {
                 "{name} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds"
             )));
         }
-        let folder = tempfile::Builder::new().prefix("anemo-qemu-").tempdir()?;
-        Ok(Self { firmware: path, folder, child: None, timeout: link::TIMEOUT })
+        left_over::clear();
+        let folder = tempfile::Builder::new().prefix(left_over::PREFIX).tempdir()?;
+        let lock = left_over::own(folder.path())?;
+        Ok(Self { firmware: path, folder, _lock: lock, child: None, timeout: link::TIMEOUT })
     }
 
     /// Lets the board keep its settings in this file, erased flash if there is none.
@@ -129,7 +134,7 @@ impl Process {
                 )),
                 _ => InstrumentError::Unusable(format!("the emulator `{emulator}` cannot be started: {error}")),
             })?;
-        self.child = Some(child);
+        left_over::note_emulator(self.folder.path(), self.child.insert(child).id())?;
         Ok(())
     }
 
