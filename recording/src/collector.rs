@@ -46,7 +46,7 @@ impl Collector {
     /// If it does not fit the layout.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        self.rows.push(row.cells()).map_err(|column| RecordingError::mixed("this run".as_ref(), &column))
+        self.rows.push("this run".as_ref(), row.cells())
     }
 
     /// The recording, with what is known at its end.

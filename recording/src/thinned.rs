@@ -92,13 +92,13 @@ impl ThinnedRows {
         Self { columns, most: most & !1, kept: 0, block: 1, waiting: 0 }
     }
 
-    /// Adds a row, a cell a column.
+    /// Adds a row of a file, a cell a column.
     ///
     /// # Errors
-    /// The name of a column that has numbers and text.
-    pub fn push<'a>(&mut self, cells: impl Iterator<Item = RowCell<'a>>) -> Result<(), String> {
+    /// If a column has numbers and text.
+    pub fn push<'a>(&mut self, path: &Path, cells: impl Iterator<Item = RowCell<'a>>) -> Result<(), RecordingError> {
         for (column, cell) in self.columns.iter_mut().zip(cells) {
-            column.add(cell, self.waiting == 0).map_err(|()| column.name.clone())?;
+            column.add(cell, self.waiting == 0).map_err(|()| RecordingError::mixed(path, &column.name))?;
         }
         self.waiting += 1;
         if self.waiting == self.block {
@@ -173,7 +173,7 @@ impl ThinnedRecording {
                 };
                 span_s = Some((span_s.map_or(time_s, |(first_s, _)| first_s), time_s));
                 if range_s.contains(&time_s) || time_s.is_nan() {
-                    gathered.push(cells_of_row(&chunk, row)).map_err(|name| RecordingError::mixed(path, &name))?;
+                    gathered.push(path, cells_of_row(&chunk, row))?;
                     rows += 1;
                 }
             }
@@ -226,7 +226,7 @@ mod tests {
         for n in 0..11 {
             let word = if n < 6 { "calm" } else { "gust" };
             let x = if n % 2 == 0 { f64::NAN } else { f64::from(n) };
-            rows.push([RowCell::Text(word), RowCell::Number(x)].into_iter()).unwrap();
+            rows.push(Path::new("r"), [RowCell::Text(word), RowCell::Number(x)].into_iter()).unwrap();
         }
         let columns = rows.finish();
         let [ColumnValues::Words(words), ColumnValues::Numbers(numbers)] = [&columns[0].values, &columns[1].values]
@@ -236,6 +236,7 @@ mod tests {
         assert_eq!(words.iter().collect::<Vec<_>>(), ["calm", "calm"]);
         assert_eq!(*numbers, [2.0, 6.0]);
         let mut rows = ThinnedRows::new([("x".to_owned(), false)], 4);
-        assert_eq!(rows.push(std::iter::once(RowCell::Text("?"))), Err("x".to_owned()));
+        let sentence = rows.push(Path::new("r"), std::iter::once(RowCell::Text("?"))).unwrap_err().to_string();
+        assert_eq!(sentence, "r: column `x` is partly numbers and partly text");
     }
 }

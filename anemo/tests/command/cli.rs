@@ -168,7 +168,7 @@ fn check_tells_what_changes_and_whose_currents_are_the_experiment_s() {
 
 #[test]
 fn what_a_board_cannot_do_is_refused_before_it_begins() {
-    let boom = experiment("thesis/rems-boom-held.toml");
+    let (boom, other) = (experiment("thesis/rems-boom-held.toml"), experiment("sphere-a.toml"));
     let (hot, _) = changed("steady.toml", "temperature_c = -23.15 }", "temperature_c = 69.0 }");
     let (fast, slow) = changed("steady.toml", "sample_period_s = 0.01", "sample_period_s = 2.0");
     let head = std::fs::read_to_string(root().join("heads/sphere-b.toml")).unwrap();
@@ -187,12 +187,12 @@ fn what_a_board_cannot_do_is_refused_before_it_begins() {
     assert!(sentence.ends_with("`head` cannot be used: the head has 13 elements, the board can drive 6"), "{sentence}");
     // The port is not looked at before.
     for arguments in [vec!["check"], vec!["run", "-o", "r"], vec!["log", "-o", "r"]] {
-        let arguments = [arguments.as_slice(), &[experiment("sphere-a.toml").as_str(), "--on", "serial:/no"]].concat();
+        let arguments = [arguments.as_slice(), &[other.as_str(), "--on", "serial:/no"]].concat();
         let (code, sentence) = refused(hot.path(), &arguments);
         let reason = "asks for what this board does not grant: hemisphere1: `current_low_a` must lie between";
         assert!(code == 2 && sentence.contains(reason), "{arguments:?}: {sentence}");
     }
-    assert!(anemo(hot.path(), &["check", &experiment("sphere-a.toml")]).status.success());
+    assert!(anemo(hot.path(), &["check", &other]).status.success());
     assert!(refused(fast.path(), &["check", &slow]).1.contains("`sample_period_s` is 2 s: it must lie between"));
     let open = with_head("resistance_max_ohm = 260.0", "resistance_max_ohm = 205.0");
     assert!(open.contains("`drives.sector1.temperature_c` is 69 °C: the element counts as open above 5"), "{open}");

@@ -36,11 +36,17 @@ enum Naming {
 }
 
 /// Something that was asked of the file system; `synced` counts for all before it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct History<T> {
     asked: Vec<(f64, T)>,
     /// When, and how many of them were on the disk from then on.
     synced: Vec<(f64, usize)>,
+}
+
+impl<T> Default for History<T> {
+    fn default() -> Self {
+        Self { asked: Vec::new(), synced: Vec::new() }
+    }
 }
 
 impl<T> History<T> {
@@ -124,7 +130,7 @@ impl Reader<'_> {
         let file = match self.names.get(&path) {
             Some(file) => *file,
             None if flags.contains("O_CREAT") => {
-                self.trace.files.push(History { asked: Vec::new(), synced: Vec::new() });
+                self.trace.files.push(History::default());
                 let file = self.trace.files.len() - 1;
                 let (folder, name) = split(&path);
                 self.name(at_s, folder, Naming::File(name, file));
@@ -289,7 +295,7 @@ impl Trace {
 /// When each row arrived, s since 1970, and its time, s.
 fn arrivals(recording: &Recording) -> Vec<(f64, f64)> {
     let (utc, time_s) = (recording.numbers("utc").unwrap(), recording.time_s().unwrap());
-    utc.iter().copied().zip(time_s).collect()
+    utc.iter().copied().zip(time_s.iter().copied()).collect()
 }
 
 #[test]
