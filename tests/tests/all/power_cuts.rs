@@ -139,7 +139,10 @@ impl Reader<'_> {
             }
             None => return,
         };
-        assert!(!flags.contains("O_TRUNC") && !flags.contains("O_APPEND"), "{flags}");
+        assert!(!flags.contains("O_APPEND"), "{flags}");
+        if flags.contains("O_TRUNC") {
+            self.change(at_s, file, Change::Truncate(0));
+        }
         self.places.push((file, 0));
         self.open.insert(descriptor, Opened::File(self.places.len() - 1));
     }
