@@ -127,3 +127,21 @@ fn a_supply_that_is_cut_while_a_sector_is_erased_loses_nothing() {
         rig.assert_no_complaint();
     }
 }
+
+/// Sectors are erased in turn, and what is still valid moves on.
+#[test]
+fn a_setting_that_changes_more_often_than_its_sectors_have_room_is_kept() {
+    let rig = Rig::of(&experiment("held.toml", 10));
+    let mut instrument = rig.instrument();
+    let before = rig.machine().board().flash.erases;
+    let mut last = 0;
+    while rig.machine().board().flash.erases < before + 4 {
+        last += 1;
+        assert!(last < 10_000, "no sector is erased");
+        store(&mut instrument, last);
+    }
+    assert_eq!(kept(&mut instrument, &EVERY), Some(Setting::TelemetryEvery(last)));
+    rig.machine().reset_by(ResetSource::Pin).unwrap();
+    assert_eq!(kept(&mut rig.instrument(), &EVERY), Some(Setting::TelemetryEvery(last)));
+    rig.assert_no_complaint();
+}
