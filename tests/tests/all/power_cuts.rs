@@ -17,7 +17,8 @@ use std::process::{Command, Stdio};
 const CUTS: u64 = 300;
 /// A cut may cost so much of what had arrived, s.
 const LOSS_S: f64 = 2.0;
-const CALLS: &str = "trace=openat,write,pwrite64,lseek,ftruncate,fcntl,close,mkdir,rename,unlink,rmdir,fsync,fdatasync";
+const CALLS: &str = "trace=openat,write,pwrite64,lseek,ftruncate,fcntl,close,mkdir,rename,renameat,renameat2,unlink,\
+    unlinkat,rmdir,fsync,fdatasync";
 
 /// What changes a file, once the disk has it.
 #[derive(Debug)]
@@ -185,8 +186,9 @@ impl Reader<'_> {
                     self.trace.folders.entry(path).or_default();
                 }
             }
-            ("rename", _) => {
-                if let (Some(from), Some(to)) = (self.path(arguments[0]), self.path(arguments[1])) {
+            ("rename" | "renameat" | "renameat2", _) => {
+                let [from, to] = if call == "rename" { [0, 1] } else { [1, 3] };
+                if let (Some(from), Some(to)) = (self.path(arguments[from]), self.path(arguments[to])) {
                     let file = self.names.remove(&from).unwrap();
                     let ((folder, old), (other, new)) = (split(&from), split(&to));
                     assert_eq!(folder, other);
@@ -194,8 +196,8 @@ impl Reader<'_> {
                     self.names.insert(to, file);
                 }
             }
-            ("unlink", _) => {
-                if let Some(path) = self.path(arguments[0]) {
+            ("unlink" | "unlinkat", _) => {
+                if let Some(path) = self.path(arguments[if call == "unlink" { 0 } else { 1 }]) {
                     self.names.remove(&path);
                     let (folder, name) = split(&path);
                     self.name(at_s, folder, Naming::Remove(name));
