@@ -99,6 +99,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(folder, "a log is recorded into a folder, whose name has no extension"));
     }
     let targets = arguments.publish.targets()?;
+    if let Some(target) = targets.iter().find(|target| target.is_wind_only() && experiment.surfaces().is_empty()) {
+        let (target, head) = (&target.name, &experiment.head.name);
+        return Err(Failure::usage(format!(
+            "{target}: head `{head}` has no calibration, so that there is no wind to send: calibrate it by `anemo calibrate`, or leave this address out"
+        )));
+    }
     if arguments.service {
         return crate::output::print(&crate::service::unit(&experiment.title)?);
     }

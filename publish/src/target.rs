@@ -84,6 +84,13 @@ pub enum TargetError {
 
 const KNOWN: &str = "nmea+udp, nmea+tcp, nmea+serial (the same with gill and gill-uv), influx+udp, influx+http, influx+https, mqtt, mqtts or scpi";
 
+impl PublishTarget {
+    /// Whether it is told of nothing but the wind.
+    pub const fn is_wind_only(&self) -> bool {
+        matches!(self.format, PublishFormat::Nmea | PublishFormat::GillPolar | PublishFormat::GillUv)
+    }
+}
+
 impl FromStr for PublishTarget {
     type Err = TargetError;
 

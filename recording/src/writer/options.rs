@@ -18,11 +18,9 @@ impl Default for SegmentLength {
     }
 }
 
-/// What is no length of a segment.
+/// What is no length.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no length of a segment: a time of 1 s at least (30s, 10min, 1h, 1d) or a size (500kB, 64MB, 1GB) belongs here"
-)]
+#[error("`{0}`: a time of 1 s at least (30s, 10min, 1h, 1d) or a size (500kB, 64MB, 1GB) belongs here")]
 pub struct SegmentLengthError(String);
 
 /// Seconds in a unit.
