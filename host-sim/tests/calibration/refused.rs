@@ -159,7 +159,7 @@ fn readings_that_cannot_be_meant_are_refused_by_label() {
     };
     assert!(refused(|s| s.surfaces[2].power_w = f64::NAN).contains("sector3: `power_w` is NaN"));
     assert!(refused(|s| s.surfaces[1].above_reference_k = f64::INFINITY).contains("`above_reference_k`"));
-    assert!(refused(|s| s.surfaces[0].overheat_k = -1.0).contains("sector1: `overheat_k` is -1"));
+    assert!(refused(|s| s.surfaces[0].overheat_k = -1.0).contains("sector1 is 1 K colder than the gas"));
     assert!(refused(|s| s.surfaces[0].variance_w2 = 0.0).contains("`variance_w2` is 0"));
     assert!(refused(|s| s.wind_m_s[1] = f64::NAN).contains("a component of the wind is NaN"));
     assert!(refused(|s| s.wind_m_s = [1e9, 0.0, 0.0]).contains("Reynolds number"));

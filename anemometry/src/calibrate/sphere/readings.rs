@@ -21,6 +21,7 @@ use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
 use crate::vector::length;
+use recording::text::tidy;
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
@@ -152,8 +153,8 @@ fn fault(surface: &str, reading: &SurfaceReading) -> Option<String> {
     let overheat_k = reading.overheat_k;
     if overheat_k.is_finite() && overheat_k <= 0.0 {
         return Some(format!(
-            "{surface} is {:.3e} K colder than the gas: a surface that gives off heat is warmer; look at the gas temperature and at the network of quiescent gas",
-            -overheat_k
+            "{surface} is {} K colder than the gas: a surface that gives off heat is warmer; look at the gas temperature and at the network of quiescent gas",
+            tidy(-overheat_k)
         ));
     }
     [
