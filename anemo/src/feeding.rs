@@ -18,7 +18,7 @@ use wire::Identity;
 const PULSE_S: f32 = 1.0;
 
 /// What the feed says of itself.
-pub fn layout(experiment: &Experiment, identity: &Identity, heading_deg: f64) -> FeedLayout {
+pub fn layout(experiment: &Experiment, identity: &Identity) -> FeedLayout {
     let names: Vec<String> = experiment.head.names().into_iter().map(str::to_owned).collect();
     FeedLayout {
         title: experiment.title.clone(),
@@ -29,7 +29,8 @@ pub fn layout(experiment: &Experiment, identity: &Identity, heading_deg: f64) ->
         sample_period_s: experiment.sample_period_s,
         firmware: identity.firmware.to_string(),
         unique_id: identity.unique_id,
-        heading_deg,
+        // An unknown mounting: bearings are those about the head's z axis.
+        heading_deg: experiment.head.heading_deg.unwrap_or(0.0),
     }
 }
 

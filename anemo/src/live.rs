@@ -77,7 +77,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let device = if let On::Serial(device) = &instrument.on { Some(device.clone()) } else { None };
     let first = instrument.open(Some(file), || Ok(experiment.sensor()?))?;
     let (commands, requests) = commands::channel();
-    let feed = Feed::new(feeding::layout(&experiment, first.identity(), 0.0));
+    let feed = Feed::new(feeding::layout(&experiment, first.identity()));
     let page = serve(arguments, &feed, Some(commands))?;
     let mut host = LiveHost {
         first: Some(first),

@@ -108,7 +108,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/steady.toml");
         let (experiment, _) = read_experiment(path.as_ref(), wire::BoardKind::Virtual).unwrap();
         let instrument = LockStep::new(InProcess::new(), experiment.sensor().unwrap());
-        let feed = Feed::new(feeding::layout(&experiment, instrument.identity(), 0.0));
+        let feed = Feed::new(feeding::layout(&experiment, instrument.identity()));
         let reader = feed.subscribe(1_000_000);
         let (commands, requests) = channel();
         let interrupted = Arc::new(AtomicBool::new(false));

@@ -83,7 +83,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let on = &arguments.instrument.on;
     let device = if let On::Serial(device) = on { Some(device.clone()) } else { None };
-    let experiment = arguments.source.experiment(arguments.instrument.on.board())?;
+    let mut experiment = arguments.source.experiment(arguments.instrument.on.board())?;
     let options = WriterOptions {
         has_journal: true,
         segment: arguments.segment,
@@ -108,13 +108,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.service {
         return crate::output::print(&crate::service::unit(&experiment.title)?);
     }
+    experiment.head.heading_deg = arguments.publish.heading.or(experiment.head.heading_deg);
     let mut known = crate::run::metadata(&experiment, on);
     let (begin_s, begin) = begin(folder, &experiment, &mut known)?;
     let layout = crate::run::layout(&experiment, on);
     let interrupted = on_interrupt();
     let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
     let recorder = Recorder::create(folder, layout, &known, &options).map_err(Failure::usage)?;
-    let feed = Feed::new(feeding::layout(&experiment, first.identity(), arguments.publish.heading));
+    let feed = Feed::new(feeding::layout(&experiment, first.identity()));
     let (commands, requests) = channel();
     let published = arguments.publish.start(&targets, &feed, &commands)?;
     let pressure = arguments.source.pressure.clone().map(|source| PressureFile {
@@ -146,7 +147,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         keeps_heating: arguments.keep_heating,
         on_trip: arguments.on_trip.clone().filter(|what| what != "stop"),
         interrupted,
-        table: LiveTable::new(&experiment.title, feed.layout().elements.clone(), None, arguments.publish.heading),
+        table: LiveTable::new(&experiment.title, feed.layout().elements.clone(), None, feed.layout().heading_deg),
         feed,
         requests,
         own_requests: VecDeque::new(),

@@ -26,15 +26,16 @@ pub struct PublishArguments {
     /// What a listener's client says before it may command; without, one is made and printed.
     #[arg(long, value_name = "TOKEN", env = "ANEMO_TOKEN", hide_env_values = true)]
     token: Option<String>,
-    /// Compass direction of the head's x axis, degrees clockwise from north.
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
-    pub heading: f64,
+    /// Compass direction of the head's x axis, degrees clockwise from north, in place of the head
+    /// file's `heading_deg`.
+    #[arg(long, value_name = "DEGREES")]
+    pub heading: Option<f64>,
 }
 
 impl PublishArguments {
     /// What is to be published, before anything runs.
     pub fn targets(&self) -> Result<Vec<PublishTarget>, Failure> {
-        if !(0.0..=360.0).contains(&self.heading) {
+        if self.heading.is_some_and(|heading_deg| !(0.0..=360.0).contains(&heading_deg)) {
             return Err(Failure::usage("--heading lies between 0 and 360 degrees"));
         }
         let all = self.publish.iter().map(|argument| publish::targets(argument)).collect::<Result<Vec<_>, _>>();

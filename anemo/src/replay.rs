@@ -58,6 +58,7 @@ impl FeedReplay {
             sample_period_s: stated.filter(|period_s| *period_s > 0.0).unwrap_or(SAMPLE_PERIOD_S),
             title: text("title").unwrap_or("Recording").to_owned(),
             head: text("head_name").unwrap_or_default().to_owned(),
+            heading_deg: text("heading_deg").and_then(|text| text.parse().ok()).unwrap_or(0.0),
             firmware: format!("recorded by {}", text("firmware").unwrap_or("an instrument")),
             ..FeedLayout::default()
         };

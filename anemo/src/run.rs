@@ -68,7 +68,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
     let names = experiment.head.names().into_iter().map(str::to_owned).collect();
-    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), 0.0);
+    let heading_deg = experiment.head.heading_deg.unwrap_or(0.0);
+    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), heading_deg);
     let (start, mut rows) = (Instant::now(), 0_u64);
     let summary = run(&experiment, instrument, &mut |row| {
         recorded.push(row)?;
@@ -153,7 +154,8 @@ pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
-    let known = pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value));
+    let heading = experiment.head.heading_deg.map(|heading_deg| ("heading_deg", heading_deg.to_string()));
+    let known = pairs.into_iter().chain(models).chain(heading).map(|(key, value)| (key.to_owned(), value));
     known.chain(experiment.conditions().to_metadata()).collect()
 }
 

@@ -24,6 +24,9 @@ pub struct Head {
     pub name: String,
     /// Name of the simulated sensor; without it, only a real sensor can be run.
     pub sensor: Option<String>,
+    /// Compass direction in which its x axis points where it is mounted, degrees clockwise from
+    /// north.
+    pub heading_deg: Option<f64>,
     /// Voltage of one code, V.
     pub volt_per_code: f64,
     /// When readings trip.
@@ -49,6 +52,9 @@ impl Head {
     /// As [`Head::read`].
     pub fn from_source(source: TomlSource) -> Result<Self, FileError> {
         let table: HeadTable = source.parse()?;
+        if let Some(heading_deg) = table.heading_deg {
+            source.within("heading_deg", heading_deg, 0.0..=360.0, "°")?;
+        }
         let full_scale_v = source.positive("adc.full_scale_v", table.adc.full_scale_v, "V")?;
         source.within("adc.bits", f64::from(table.adc.bits), 8.0..=24.0, "bit")?;
         let half_range = f64::from(1_u32 << (table.adc.bits - 1));
@@ -84,6 +90,7 @@ impl Head {
         Ok(Self {
             name: table.name,
             sensor: table.sensor,
+            heading_deg: table.heading_deg,
             volt_per_code: adc.volt_per_code,
             guard: table.guard,
             calibration,

@@ -12,6 +12,7 @@ use super::nominal::PlatinumKind;
 pub(super) struct HeadTable {
     pub name: String,
     pub sensor: Option<String>,
+    pub heading_deg: Option<f64>,
     pub adc: AdcTable,
     pub guard: GuardTable,
     /// Any word may be a kind.

@@ -1,6 +1,6 @@
 //! A log of a board at a serial port: what ends a run is an event, and the recording goes on.
 
-use anemo_tests::Desk;
+use anemo_tests::{Desk, file};
 use anemo_tests::fake_board::{FakeBoard, Quirks};
 use dr_core::Command;
 use nix::sys::signal::{Signal, kill};
@@ -144,6 +144,26 @@ fn a_log_continues_the_folder_of_the_one_before() {
     assert_eq!((time_s[499], time_s[500] >= 5.0), (4.99, true));
     let means = Recording::read(&desk.path().join("mast/every-1s")).unwrap();
     assert!((10..=11).contains(&means.len()) && means.has("max_temperature_c_core1"));
+}
+
+#[test]
+fn a_recording_says_how_its_head_is_mounted() {
+    let desk = Desk::new("steady.toml", &[]);
+    let head = std::fs::read_to_string(file("heads/sphere-b.toml")).unwrap();
+    let log = |heading: &str, folder: &str, options: &[&str]| {
+        std::fs::write(desk.path().join("head.toml"), format!("heading_deg = {heading}\n{head}")).unwrap();
+        let log = ["log", "head.toml", "--set-point", "40", "--on", "sim", "--fast", "--for", "2s", "-o", folder];
+        desk.anemo(&[log.as_slice(), options].concat(), &[])
+    };
+    for (folder, options, heading) in [("a", [].as_slice(), "90"), ("b", &["--heading", "180"], "180")] {
+        let output = log("90.0", folder, options);
+        assert!(output.status.success(), "{output:?}");
+        let recording = Recording::read(&desk.path().join(folder)).unwrap();
+        assert_eq!(recording.metadata("heading_deg"), Some(heading));
+    }
+    let refused = log("400.0", "c", &[]);
+    let sentence = String::from_utf8(refused.stderr).unwrap();
+    assert!(sentence.contains("`heading_deg` is 400 °: it must lie between 0 and 360"), "{sentence}");
 }
 
 #[test]
