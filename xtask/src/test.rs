@@ -55,7 +55,8 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     };
     stages.run("examples in the documentation", || shell::run(&mut test(&["--doc"])))?;
     stages.run("unit tests", || shell::run(&mut test(&["--lib", "--bins"])))?;
-    let mut whole = test(&["--test", "*"]);
+    // One failing program of tests does not keep the others from being heard.
+    let mut whole = test(&["--test", "*", "--no-fail-fast"]);
     if std::io::stdout().is_terminal() {
         // Through a pipe they would have none.
         whole.args(["--", "--color=always"]);

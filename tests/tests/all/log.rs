@@ -1,7 +1,7 @@
 //! A log of a board at a serial port: what ends a run is an event, and the recording goes on.
 
-use anemo_tests::{Desk, file};
 use anemo_tests::fake_board::{FakeBoard, Quirks};
+use anemo_tests::{Desk, file};
 use dr_core::Command;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
