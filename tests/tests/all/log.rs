@@ -148,11 +148,11 @@ fn a_log_continues_the_folder_of_the_one_before() {
 
 #[test]
 fn a_recording_says_how_its_head_is_mounted() {
-    let desk = Desk::new("steady.toml", &[]);
+    let desk = Desk::new("steady.toml", &[("../heads/sphere-b.toml", "head.toml")]);
     let head = std::fs::read_to_string(file("heads/sphere-b.toml")).unwrap();
     let log = |heading: &str, folder: &str, options: &[&str]| {
         std::fs::write(desk.path().join("head.toml"), format!("heading_deg = {heading}\n{head}")).unwrap();
-        let log = ["log", "head.toml", "--set-point", "40", "--on", "sim", "--fast", "--for", "2s", "-o", folder];
+        let log = ["log", "e.toml", "--on", "sim", "--fast", "--for", "2s", "-o", folder];
         desk.anemo(&[log.as_slice(), options].concat(), &[])
     };
     for (folder, options, heading) in [("a", [].as_slice(), "90"), ("b", &["--heading", "180"], "180")] {
