@@ -213,7 +213,10 @@ pub fn verdict(summary: &LogSummary) -> Result<(), Failure> {
 fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result<(f64, SystemTime), Failure> {
     let now = SystemTime::now();
     // Rows that a killed program has left become a segment.
-    recording::recover(folder).map_err(Failure::work)?;
+    let recovered = recording::recover(folder).map_err(Failure::work)?;
+    if let Some(damaged) = recovered.and_then(|recovered| recovered.damaged) {
+        eprintln!("anemo: {}", crate::recover::put_aside(&damaged));
+    }
     let Some(before) = recording::so_far(folder).map_err(Failure::usage)? else { return Ok((0.0, now)) };
     let start = before.metadata.iter().find(|(key, _)| key == "start_utc").map(|(_, start)| start.clone());
     let elapsed_s = start.as_deref().and_then(utc::from_rfc3339).map_or(0.0, |start_s| utc::seconds_of(now) - start_s);

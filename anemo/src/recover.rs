@@ -1,6 +1,6 @@
 //! `anemo recover`: what was kept of a recording that was cut short.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 
@@ -8,7 +8,8 @@ use crate::output::Failure;
 ///
 /// What a sensor board measures, and every recording in a folder, has a journal: its rows are on
 /// the disk within half a second. They become the file that was to be written, or the last segment
-/// of the folder. The file says `complete = false`.
+/// of the folder. The file says `complete = false`. Lines that a disk has damaged are left out, and
+/// the journal with them is put aside.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -20,13 +21,21 @@ pub struct Arguments {
     recordings: Vec<PathBuf>,
 }
 
+/// What is said of a journal of which some could not be read.
+pub fn put_aside(damaged: &Path) -> String {
+    format!("{}: some lines were damaged and could not be read; they are kept there as they are", damaged.display())
+}
+
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for path in &arguments.recordings {
         if !path.exists() && !recording::journal_of(path).exists() {
             return Err(Failure::in_file(path, "there is no such recording, and no journal of one"));
         }
         let text = match recording::recover(path).map_err(Failure::work)? {
-            Some(recovered) => format!("{}: {} rows\n", recovered.file.display(), recovered.rows),
+            Some(recovered) => {
+                let rows = format!("{}: {} rows\n", recovered.file.display(), recovered.rows);
+                recovered.damaged.iter().fold(rows, |rows, damaged| format!("{rows}{}\n", put_aside(damaged)))
+            }
             None => format!("{}: nothing to recover: no journal with rows of its own\n", path.display()),
         };
         crate::output::print(&text)?;

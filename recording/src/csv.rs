@@ -87,7 +87,8 @@ fn write_metadata(file: &mut impl io::Write, metadata: &Metadata) -> io::Result<
     Ok(())
 }
 
-fn metadata_of(line: &str) -> Option<(String, String)> {
+/// What a `#` line says.
+pub(crate) fn metadata_of(line: &str) -> Option<(String, String)> {
     let (key, value) = line.strip_prefix('#')?.split_once(':')?;
     let mut plain = String::with_capacity(value.len());
     let mut letters = value.trim().chars();
@@ -128,7 +129,10 @@ impl Uncommented {
             let start = self.line.len();
             let read = self.file.read_until(b'\n', &mut self.line)?;
             let line = &self.line[start..];
-            if read == 0 || self.may_be_torn && (!line.ends_with(b"\n") || line.contains(&0)) {
+            if self.may_be_torn && line.ends_with(b"\n") && line.contains(&0) {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "zeros stand before the last row"));
+            }
+            if read == 0 || self.may_be_torn && !line.ends_with(b"\n") {
                 // What stands before belongs to a row that is not whole.
                 self.line.truncate(if self.may_be_torn { 0 } else { start });
                 return Ok(!self.line.is_empty());
@@ -293,7 +297,7 @@ fn at_line(position: Option<&csv::Position>) -> String {
 }
 
 /// A field's number; an empty field is a missing one.
-fn number(column: &str, field: &str) -> Option<f64> {
+pub(crate) fn number(column: &str, field: &str) -> Option<f64> {
     if field.is_empty() {
         return Some(f64::NAN);
     }

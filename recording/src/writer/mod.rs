@@ -7,6 +7,7 @@ mod options;
 mod owned_row;
 mod recorder;
 mod recover;
+mod salvage;
 mod segments;
 mod table;
 

@@ -4,13 +4,14 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::journal::take_over;
+use super::salvage::Salvage;
 use super::table::TableWriter;
-use crate::column::{ColumnKind, Metadata, cells_of_row};
+use crate::column::Metadata;
 use crate::error::RecordingError;
 use crate::file_format::JOURNAL;
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of, number_of, segment_in, segments_in};
 use crate::reader::RecordingReader;
-use crate::temporary::Temporary;
+use crate::temporary::{Temporary, sync_name};
 
 /// What [`recover`] has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,10 +20,15 @@ pub struct Recovered {
     pub file: PathBuf,
     /// How many.
     pub rows: u64,
+    /// The journal as it was, put aside if some of it could not be read; it keeps its rows where
+    /// `file` has none.
+    pub damaged: Option<PathBuf>,
 }
 
 /// Makes a closed file of the rows in a journal, and removes the journal. None if there is none,
 /// or if its rows are in a closed file already.
+///
+/// A journal of which some cannot be read is put aside, and the rows that can be read are taken.
 ///
 /// # Arguments
 /// The recording: a folder, the file that was to become one (`run.parquet`), or the journal itself.
@@ -48,30 +54,28 @@ pub fn recover(recording: &Path) -> Result<Option<Recovered>, RecordingError> {
     };
     let unwritten = |error| RecordingError::io(&journal, "removed", error);
     let folder = journal.parent().filter(|folder| journal_in(folder) == journal);
-    let file = match (folder, number_of(&journal)) {
-        (Some(folder), Some(number)) => {
-            if segments_in(folder)?.iter().any(|(closed, _)| *closed == number) {
-                std::fs::remove_file(&journal).map_err(unwritten)?;
-                return Ok(None);
-            }
-            segment_in(folder, number)
-        }
-        // Its columns' names did not reach the disk: there is no row.
-        (Some(_), None) => {
-            std::fs::remove_file(&journal).map_err(unwritten)?;
-            return Ok(None);
-        }
-        (None, _) => journal.with_extension(""),
-    };
+    let closed = folder.map(segments_in).transpose()?.unwrap_or_default();
+    let number = number_of(&journal);
+    if number.is_some_and(|number| closed.iter().any(|(closed, _)| *closed == number)) {
+        std::fs::remove_file(&journal).map_err(unwritten)?;
+        return Ok(None);
+    }
+    let next = closed.last().map_or(1, |(last, _)| last + 1);
+    let file = folder.map_or(journal.with_extension(""), |folder| segment_in(folder, number.unwrap_or(next)));
     Temporary::clear_left(&file);
     if file.exists() {
         let sentence = format!("is there already: move it away, and what {} keeps takes its name", journal.display());
         return Err(RecordingError::new(&file, sentence));
     }
-    let rows = write(&journal, &file)?;
-    std::fs::remove_file(&journal).map_err(unwritten)?;
+    let before = closed.last().and_then(|(_, file)| RecordingReader::open(file).ok());
+    let before = before.map(|reader| reader.names().to_vec());
+    let (rows, unread) = write(&journal, &file, before)?;
+    let damaged = if unread > 0 { Some(put_aside(&journal).map_err(unwritten)?) } else { None };
+    if damaged.is_none() {
+        std::fs::remove_file(&journal).map_err(unwritten)?;
+    }
     drop(lock);
-    Ok((rows > 0).then_some(Recovered { file, rows }))
+    Ok((rows > 0 || damaged.is_some()).then_some(Recovered { file, rows, damaged }))
 }
 
 /// The decimated recordings in a folder.
@@ -83,27 +87,34 @@ fn every_in(folder: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.path()).filter(is_one).collect()
 }
 
-/// Writes the rows of a journal into a file; returns how many there are. None leave no file.
-fn write(journal: &Path, file: &Path) -> Result<u64, RecordingError> {
-    let mut reader = match RecordingReader::open(journal) {
-        Ok(reader) => reader,
-        // Not even the columns' names reached the disk.
-        Err(_) => return Ok(0),
-    };
-    let columns = ColumnKind::of_each(reader.names().iter().cloned());
-    let mut known: Metadata = reader.metadata();
-    known.retain(|(key, _)| key != SEGMENT_NUMBER || journal_in(file.parent().unwrap_or(Path::new(""))) == journal);
-    let mut table = TableWriter::create(file, &columns, &known)?;
-    let mut rows = 0;
-    while let Some(chunk) = reader.next_chunk()? {
-        for row in 0..chunk.first().map_or(0, |column| column.values.len()) {
-            table.push(&mut cells_of_row(&chunk, row))?;
-            rows += 1;
-        }
-    }
+/// Writes the rows of a journal into a file; returns how many there are, and how many lines cannot
+/// be read. Without rows there is no file.
+fn write(journal: &Path, file: &Path, before: Option<Vec<String>>) -> Result<(u64, u64), RecordingError> {
+    let mut salvage = Salvage::open(journal, before).map_err(|error| RecordingError::io(journal, "read", error))?;
+    // Only a file in a folder is a segment.
+    let is_segment = journal_in(file.parent().unwrap_or(Path::new(""))) == journal;
+    salvage.metadata.retain(|(key, _)| key != SEGMENT_NUMBER || is_segment);
+    let mut table = TableWriter::create(file, &salvage.columns, &salvage.metadata)?;
+    let (rows, unread) = salvage.write(journal, &mut table)?;
     if rows > 0 {
-        let ended = [("complete", "false"), ("ended", "the program that recorded it ended without closing it")];
-        table.finish(&ended.map(|(key, value)| (key.to_owned(), value.to_owned())).to_vec())?;
+        table.finish(&ended(unread))?;
     }
-    Ok(rows)
+    Ok((rows, unread))
+}
+
+fn ended(unread: u64) -> Metadata {
+    let mut ended = "the program that recorded it ended without closing it".to_owned();
+    if unread > 0 {
+        ended.push_str(&format!(", and {unread} lines of its journal could not be read"));
+    }
+    [("complete", "false".to_owned()), ("ended", ended)].map(|(key, value)| (key.to_owned(), value)).to_vec()
+}
+
+/// Gives a journal a name under which no recording looks for it; returns it.
+fn put_aside(journal: &Path) -> std::io::Result<PathBuf> {
+    let name = |number: u32| journal.with_extension(format!("damaged-{number}.{JOURNAL}"));
+    let aside = (1..).map(name).find(|aside| !aside.exists()).unwrap_or_else(|| name(0));
+    std::fs::rename(journal, &aside)?;
+    sync_name(&aside)?;
+    Ok(aside)
 }

@@ -172,6 +172,50 @@ fn a_journal_may_end_anywhere() {
     assert_eq!((counts.first(), counts.last()), (Some(&0), Some(&40)));
 }
 
+/// What a disk has damaged in the midst costs the lines that it hit, and nothing is thrown away.
+#[test]
+fn a_damaged_journal_keeps_the_rows_that_can_be_read() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::Seconds(1.0)).unwrap();
+    for n in 0..130 {
+        push(&mut writer, n);
+    }
+    let journal = kill(writer);
+    let whole = std::fs::read(&journal).unwrap();
+    let first = std::fs::read(folder.join("segment-000001.parquet")).unwrap();
+    let find = |text: &str| whole.windows(text.len()).position(|bytes| bytes == text.as_bytes()).unwrap();
+    let row = find("\n1.1,") + 1;
+    let garbage: &[u8] = &[0xff, 0xfe, 0];
+    let hits: [(usize, &[u8], u64); 6] = [
+        (row, garbage, 29),                    // no text
+        (row, b"1,1", 29),                     // a field too many
+        (row, b"\"", 29),                      // a quote that nothing ends
+        (row, b"x", 29),                       // a word in place of a number
+        (find("# segment"), b"# sogment", 30), // which segment it is
+        (find("time_s,"), b"tame_s", 30),      // names of columns
+    ];
+    for (at, damage, rows) in hits {
+        let mut bytes = whole.clone();
+        bytes[at..at + damage.len()].copy_from_slice(damage);
+        std::fs::remove_dir_all(&folder).unwrap();
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("segment-000001.parquet"), &first).unwrap();
+        std::fs::write(&journal, &bytes).unwrap();
+        let recovered = recover(&folder).unwrap().unwrap();
+        assert_eq!(recovered.rows, rows, "{damage:?}");
+        let read = Recording::read(&folder).unwrap();
+        let is_hit = |n: &f64| rows < 30 && *n == 110.0;
+        let expected: Vec<f64> = (0..130).map(f64::from).filter(|n| !is_hit(n)).map(|n| n / 100.0).collect();
+        assert_eq!(read.time_s().unwrap(), expected, "{damage:?}");
+        assert_eq!(recovered.damaged.is_some(), rows < 30, "{damage:?}");
+        if let Some(aside) = recovered.damaged {
+            assert_eq!(std::fs::read(aside).unwrap(), bytes);
+        }
+        assert_eq!(recover(&folder).unwrap(), None);
+    }
+}
+
 #[test]
 fn a_journal_of_closed_rows_does_not_repeat_them() {
     let outer = tempfile::tempdir().unwrap();
