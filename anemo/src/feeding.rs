@@ -58,7 +58,7 @@ pub fn event(event: LogEvent) -> Option<FeedEventKind> {
         LogEvent::LinkBack => FeedEventKind::LinkBack,
         LogEvent::BoardReset(why) => FeedEventKind::BoardReset { why },
         LogEvent::Mark(text) => FeedEventKind::Mark { text },
-        LogEvent::Acknowledged => return None,
+        LogEvent::Acknowledged | LogEvent::Continued(_) => return None,
     })
 }
 

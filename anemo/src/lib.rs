@@ -61,7 +61,6 @@ mod thesis;
 mod validate;
 mod wind;
 
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -166,7 +165,7 @@ fn renamed(words: &[String]) -> Option<String> {
 pub fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     if let Some(sentence) = renamed(&words) {
-        complain(&sentence);
+        output::complain(&sentence);
     }
     let arguments = match CommandLine::try_parse() {
         Ok(arguments) => arguments,
@@ -174,14 +173,14 @@ pub fn main() -> ExitCode {
             if error.use_stderr()
                 && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
-            complain(&one_sentence(&error, words.first().map(String::as_str)));
+            output::complain(&one_sentence(&error, words.first().map(String::as_str)));
             return ExitCode::from(2);
         }
         Err(error) => {
             // Help and version. That nobody reads them is no failure.
             return match error.print() {
                 Err(unprinted) if unprinted.kind() != std::io::ErrorKind::BrokenPipe => {
-                    complain(&format!("it cannot be printed: {unprinted}"));
+                    output::complain(&format!("it cannot be printed: {unprinted}"));
                     ExitCode::FAILURE
                 }
                 _ => ExitCode::from(u8::from(error.use_stderr()) * 2),
@@ -221,14 +220,10 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            complain(&failure.sentence);
+            output::complain(&failure.sentence);
             ExitCode::from(failure.code)
         }
     }
-}
-
-fn complain(sentence: &str) {
-    let _ = writeln!(std::io::stderr(), "anemo: {}", output::sentence(sentence));
 }
 
 /// Clap's message to a command without its usage block, in one line.

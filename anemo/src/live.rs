@@ -1,6 +1,7 @@
 //! `anemo live`: a web page of a run, or of a recording.
 
 use std::net::Ipv4Addr;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -14,10 +15,13 @@ use crate::board::{Emulation, InstrumentArguments, On};
 use crate::feeding;
 use crate::live_host::LiveHost;
 use crate::log::verdict;
-use crate::output::{Failure, finite, print};
+use crate::output::{Failure, print};
 use crate::pace::Pace;
 use crate::progress::on_interrupt;
 use crate::replay::FeedReplay;
+
+/// Beyond them a page shows nothing that moves.
+const SPEEDS: RangeInclusive<f64> = 1e-3..=1e6;
 
 /// Show an instrument, or a recording, in a browser.
 ///
@@ -30,8 +34,8 @@ use crate::replay::FeedReplay;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo live experiments/gusts.toml --on sim --speed 1000
-  anemo live gusts.parquet --speed 10000
+  anemo live experiments/gusts.toml --on sim --speed 10
+  anemo live gusts.parquet --speed 20
   anemo live experiments/gusts.toml --on qemu
   anemo live experiments/gusts.toml --on serial:/dev/ttyACM0 --port 8035")]
 pub struct Arguments {
@@ -55,9 +59,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    finite(&[("--speed", Some(arguments.speed))])?;
-    if arguments.speed <= 0.0 {
-        return Err(Failure::usage("--speed must be above 0"));
+    if !SPEEDS.contains(&arguments.speed) {
+        return Err(Failure::usage("--speed lies between 0.001 and 1000000"));
     }
     let is_experiment = arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if is_experiment { run(arguments) } else { show(arguments) }

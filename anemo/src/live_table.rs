@@ -2,10 +2,10 @@
 //! there is none.
 
 use std::fmt::Write as _;
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _, stderr};
 use std::time::{Duration, Instant};
 
-use crate::output::{printable, sentence};
+use crate::output::{complain, printable};
 use dr_core::wind::QualityFlags;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use publish::feed::from_deg;
@@ -74,7 +74,9 @@ impl LiveTable {
                 bar.set_position(self.rows);
             }
             None => {
-                eprintln!("{:.0} s, {} rows, {} lost, {}{}", row.time_s, self.rows, lost, row.state, self.wind_text())
+                let (rows, wind) = (self.rows, self.wind_text());
+                // Nobody reads it, or a full disk takes it: the log goes on.
+                let _ = writeln!(stderr(), "{:.0} s, {rows} rows, {lost} lost, {}{wind}", row.time_s, row.state);
             }
         }
         self.drawn = Instant::now();
@@ -85,8 +87,8 @@ impl LiveTable {
     /// Prints a line that stays.
     pub fn say(&self, line: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("anemo: {}", sentence(line))),
-            None => eprintln!("anemo: {}", sentence(line)),
+            Some(bar) => bar.suspend(|| complain(line)),
+            None => complain(line),
         }
     }
 

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant, SystemTime};
 use crate::board::{InstrumentArguments, On};
 use crate::feeding;
 use crate::live_table::LiveTable;
-use crate::log_files::{LogStatus, MarkReader};
+use crate::log_files::{ENDED, LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
 use crate::log_source::SourceArguments;
-use crate::output::Failure;
+use crate::output::{Failure, complain};
 use crate::progress::on_interrupt;
 use crate::publish_options::PublishArguments;
 use host_sim::experiment::Experiment;
@@ -33,7 +33,7 @@ Examples:
   anemo log experiments/gusts.toml --on sim --fast --for 5s -o try/
   anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ \\
       --segment 1h --keep 30d --every 1s
-  anemo log heads/sphere-b-reference.toml --overheat 30 --pressure gas.txt \\
+  anemo log heads/sphere-a-reference.toml --overheat 30 --pressure gas.txt \\
       --on serial:/dev/ttyACM0 -o mast/
   anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ --service")]
 pub struct Arguments {
@@ -110,7 +110,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     experiment.head.heading_deg = arguments.publish.heading.or(experiment.head.heading_deg);
     let mut known = crate::run::metadata(&experiment, on);
-    let (begin_s, begin) = begin(folder, &experiment, &mut known)?;
+    let Begin { begin_s, begin, continued } = begin(folder, &experiment, &mut known)?;
     let layout = crate::run::layout(&experiment, on);
     let interrupted = on_interrupt();
     let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
@@ -163,21 +163,18 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ends_at_trip: arguments.on_trip.as_deref() == Some("stop"),
         acknowledges: arguments.auto_acknowledge,
         overheat_k: arguments.source.overheat,
+        continued,
     };
     let summary = log(&experiment, &options, &mut host)?;
     end(host, &summary)?;
     published.end();
-    if arguments.json {
-        crate::output::print_json(&summary)?;
-    } else {
-        crate::output::print(&summary.to_string())?;
-    }
-    verdict(&summary)
+    // That the instrument tripped is more than that nobody reads of it.
+    verdict(&summary).and(crate::output::print_report(&summary, arguments.json))
 }
 
 /// Closes the recording, and tells listeners.
 fn end(mut host: Host, summary: &LogSummary) -> Result<(), Failure> {
-    "ended".clone_into(&mut host.status.state);
+    ENDED.clone_into(&mut host.status.state);
     host.write_status();
     let Host { recorder, feed, status, .. } = host;
     let early = summary.ended.as_ref().map(ToString::to_string);
@@ -192,7 +189,7 @@ fn end(mut host: Host, summary: &LogSummary) -> Result<(), Failure> {
     outcome.push(("ended".to_owned(), early.unwrap_or_else(|| "stopped".to_owned())));
     let left_out = recorder.finish(&outcome).map_err(Failure::work)?;
     if left_out > 0 {
-        eprintln!("anemo: {left_out} rows were left out while the disk was full");
+        complain(&format!("{left_out} rows were left out while the disk was full"));
     }
     Ok(())
 }
@@ -208,24 +205,56 @@ pub fn verdict(summary: &LogSummary) -> Result<(), Failure> {
     }
 }
 
-/// Time of the first row, s, and the moment that it stands for: of a recording that is continued,
-/// which this adds to, behind its last row.
-fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result<(f64, SystemTime), Failure> {
+/// How a log begins.
+struct Begin {
+    /// Time of the first row, s: in a recording that is continued, behind its last.
+    begin_s: f64,
+    /// The moment that it stands for.
+    begin: SystemTime,
+    /// For how long there are no rows before it, s, if the recording is continued.
+    continued: Option<f64>,
+}
+
+/// Looks what is in the folder, whose recording this adds to.
+fn begin(folder: &Path, experiment: &Experiment, known: &mut Metadata) -> Result<Begin, Failure> {
     let now = SystemTime::now();
     // Rows that a killed program has left become a segment.
     let recovered = recording::recover(folder).map_err(Failure::work)?;
     if let Some(damaged) = recovered.and_then(|recovered| recovered.damaged) {
-        eprintln!("anemo: {}", crate::recover::put_aside(&damaged));
+        complain(&crate::recover::put_aside(&damaged));
     }
-    let Some(before) = recording::so_far(folder).map_err(Failure::usage)? else { return Ok((0.0, now)) };
+    let Some(before) = recording::so_far(folder).map_err(Failure::usage)? else {
+        return Ok(Begin { begin_s: 0.0, begin: now, continued: None });
+    };
+    refuse_other(folder, &before.metadata, known)?;
     let start = before.metadata.iter().find(|(key, _)| key == "start_utc").map(|(_, start)| start.clone());
-    let elapsed_s = start.as_deref().and_then(utc::from_rfc3339).map_or(0.0, |start_s| utc::seconds_of(now) - start_s);
+    let start_s = start.as_deref().and_then(utc::from_rfc3339);
+    let elapsed_s = start_s.map_or(0.0, |start_s| utc::seconds_of(now) - start_s);
     if let (Some(start), Some((_, own))) = (start, known.iter_mut().find(|(key, _)| key == "start_utc")) {
         *own = start;
     }
     let period_s = experiment.sample_period_s;
     let begin_s = elapsed_s.max(before.last_s + period_s);
-    Ok((experiment.time_of((begin_s / period_s - 1e-6).ceil()), now))
+    let begin_s = experiment.time_of((begin_s / period_s - 1e-6).ceil());
+    // A simulation that ran faster than the clock is ahead of it.
+    let begin = start_s.and_then(|start_s| Duration::try_from_secs_f64(start_s + begin_s).ok());
+    let begin = begin.map_or(now, |since| SystemTime::UNIX_EPOCH + since);
+    Ok(Begin { begin_s, begin, continued: Some(begin_s - before.last_s - period_s) })
+}
+
+/// Refuses to continue the recording of another head or at another period, whose columns may be the
+/// same.
+fn refuse_other(folder: &Path, before: &Metadata, known: &Metadata) -> Result<(), Failure> {
+    for (key, what) in [("head_name", "of head"), ("sample_period_s", "with a sample period, in s, of")] {
+        let of = |metadata: &Metadata| metadata.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone());
+        if let (Some(theirs), Some(own)) = (of(before), of(known))
+            && theirs != own
+        {
+            let sentence = format!("holds a log {what} {theirs}, this one is {what} {own}: name another folder");
+            return Err(Failure::in_file(folder, sentence));
+        }
+    }
+    Ok(())
 }
 
 /// A time, s, where a size makes no sense.

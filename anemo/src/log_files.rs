@@ -16,6 +16,8 @@ const STATUS: &str = "status.json";
 pub(super) const MOST_CHARACTERS: usize = 200;
 /// Bytes of marks that are read at once.
 const MOST_BYTES: u64 = 1 << 16;
+/// The state of a log that was closed.
+pub(super) const ENDED: &str = "ended";
 /// Events that a status names.
 pub(super) const MOST_EVENTS: usize = 10;
 
@@ -96,8 +98,12 @@ impl LogStatus {
     /// The status of a log in a folder.
     pub fn read(folder: &Path) -> std::io::Result<Self> {
         let text = std::fs::read(folder.join(STATUS))?;
-        let status: Self = serde_json::from_slice(&text)?;
-        Ok(Self { is_running: recording::is_being_written(folder), ..status })
+        let mut status: Self = serde_json::from_slice(&text)?;
+        status.is_running = recording::is_being_written(folder);
+        if !status.is_running && status.state != ENDED {
+            "cut short".clone_into(&mut status.state);
+        }
+        Ok(status)
     }
 }
 
@@ -105,7 +111,11 @@ impl std::fmt::Display for LogStatus {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "{} · head {} · {} · {}", self.title, self.head, self.instrument, self.firmware)?;
         let running = if self.is_running { "recording" } else { "no program records; the last status" };
-        writeln!(f, "{running}: {} rows up to {:.2} s, {} · {}", self.rows, self.time_s, self.state, self.utc)?;
+        let Self { rows, time_s, state, utc, .. } = self;
+        writeln!(f, "{running}: {rows} rows since it was started, up to {time_s:.2} s, {state} · {utc}")?;
+        if !self.is_running && state != ENDED {
+            writeln!(f, "its last rows are kept: `anemo recover` or the next log makes a segment of them")?;
+        }
         if self.disk_full {
             writeln!(f, "the disk is full: {} rows left out", self.left_out)?;
         }

@@ -12,6 +12,7 @@ use crate::feeding;
 use crate::live_table::LiveTable;
 use crate::log_files::{LogStatus, MOST_EVENTS, MarkReader};
 use crate::log_source::PressureSource;
+use crate::output::complain;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;
@@ -222,7 +223,7 @@ impl LogHost for Host {
             let refused = format!("{command:?} was refused");
             let answer = move |outcome| {
                 if let Err(refusal) = outcome {
-                    eprintln!("anemo: {refused}: {refusal}");
+                    complain(&format!("{refused}: {refusal}"));
                 }
             };
             return Some(LogRequest { command, answer: Box::new(answer) });

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::output::Failure;
+use crate::output::{Failure, finite, is_head};
 use anemometry::head::Head;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::hold;
@@ -25,12 +25,13 @@ pub(super) struct SourceArguments {
     /// Gas pressure: a number in Pa, or a file whose last line is one, read again when it changes.
     #[arg(long, value_name = "PA|FILE")]
     pub(super) pressure: Option<PressureSource>,
-    /// Sample period of a head without an experiment, s.
-    #[arg(long, value_name = "S", default_value_t = 0.01)]
-    sample_period: f64,
-    /// Gas temperature before the head has measured any, °C; of a head without an experiment.
-    #[arg(long, value_name = "°C", default_value_t = 20.0, allow_negative_numbers = true)]
-    gas_temperature: f64,
+    /// Sample period of a head without an experiment, s; 0.01 if not given.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sample_period: Option<f64>,
+    /// Gas temperature before the head has measured any, °C, of a head without an experiment; 20 if
+    /// not given.
+    #[arg(long, value_name = "°C", allow_negative_numbers = true)]
+    gas_temperature: Option<f64>,
 }
 
 /// Where the gas pressure comes from.
@@ -72,11 +73,27 @@ impl SourceArguments {
 
     /// Reads it; a controller in this process judges it by what such a board grants.
     pub(super) fn experiment(&self, board: BoardKind) -> Result<Experiment, Failure> {
+        finite(&[
+            ("--set-point", self.set_point),
+            ("--overheat", self.overheat),
+            ("--sample-period", self.sample_period),
+            ("--gas-temperature", self.gas_temperature),
+        ])?;
         let source = TomlSource::read(&self.source)?;
-        let table: toml::Table = source.text.parse().unwrap_or_default();
-        let mut experiment = if table.contains_key("elements") || table.contains_key("kinds") {
+        let mut experiment = if is_head(&source) {
+            if board != BoardKind::Sensor {
+                let sentence = "is a head: a simulation asks for an experiment, with the wind around it; name one, or a sensor board by --on serial:DEVICE";
+                return Err(Failure::in_file(&self.source, sentence));
+            }
             self.of_head(&source)?
         } else {
+            let own = [("--sample-period", self.sample_period), ("--gas-temperature", self.gas_temperature)];
+            if let Some((option, _)) = own.iter().find(|(_, given)| given.is_some()) {
+                return Err(Failure::usage(format!(
+                    "{option}: {} is an experiment, which states it itself; change it there",
+                    self.source.display()
+                )));
+            }
             Experiment::from_source(source)?
         };
         if let Some(pressure) = &self.pressure {
@@ -94,7 +111,8 @@ impl SourceArguments {
         let head = Head::from_source(source.clone())?;
         let species = head.calibration.as_ref().map_or("air", |calibration| calibration.table.species.name());
         let pressure_pa = self.pressure.as_ref().map_or(Ok(101_325.0), PressureSource::now_pa)?;
-        let target_c = self.set_point.or_else(|| self.overheat.map(|overheat_k| self.gas_temperature + overheat_k));
+        let gas_c = self.gas_temperature.unwrap_or(20.0);
+        let target_c = self.set_point.or_else(|| self.overheat.map(|overheat_k| gas_c + overheat_k));
         let drives: String = target_c.map_or_else(String::new, |target_c| {
             let heated = head.names().into_iter().filter(|name| *name != recording::REFERENCE);
             heated.map(|name| format!("{name} = {{ temperature_c = {target_c:?} }}\n")).collect()
@@ -104,8 +122,8 @@ impl SourceArguments {
              [gas]\nspecies = {species:?}\npressure_pa = {pressure_pa:?}\ntemperature_c = {:?}\n\n[drives]\n{drives}",
             head.name,
             self.source.file_name().unwrap_or_default().to_string_lossy(),
-            self.sample_period,
-            self.gas_temperature,
+            self.sample_period.unwrap_or(0.01),
+            gas_c,
         );
         Ok(Experiment::from_source(TomlSource { path: self.source.clone(), text })?)
     }

@@ -9,7 +9,7 @@ use anemometry::wind::replay;
 use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
 use recording::RecordingReader;
-use recording::toml_file::FileError;
+use recording::toml_file::{FileError, TomlSource};
 use wire::BoardKind;
 
 /// Longest sentence of a failure.
@@ -77,6 +77,12 @@ pub fn sentence(text: &str) -> String {
         Some((end, _)) => format!("{} … ({} more bytes)", &text[..end], text.len() - end),
         None => text.into_owned(),
     }
+}
+
+/// Says something to people. Nobody who listens, or a full disk behind it, does not end what is
+/// being done.
+pub fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "anemo: {}", sentence(text));
 }
 
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
@@ -161,9 +167,22 @@ pub fn read_experiment(
     if let Some(hint) = misspelt(path) {
         return Err(Failure::in_file(path, format!("there is no such file; {hint}")));
     }
-    let experiment = Experiment::read(path)?;
+    let source = TomlSource::read(path)?;
+    if is_head(&source) {
+        return Err(Failure::in_file(
+            path,
+            "is a head: an experiment belongs here, which names its head by `head = \"…\"`",
+        ));
+    }
+    let experiment = Experiment::from_source(source)?;
     let judgement = host_sim::run::rehearse(&experiment, board)?;
     Ok((experiment, judgement))
+}
+
+/// Whether a file describes a head, and no experiment.
+pub fn is_head(source: &TomlSource) -> bool {
+    let table: toml::Table = source.text.parse().unwrap_or_default();
+    table.contains_key("elements") || table.contains_key("kinds")
 }
 
 /// The file beside a missing one that may be meant.

@@ -1,6 +1,6 @@
 //! Progress bar and Ctrl-C of long work at a terminal.
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -36,6 +36,6 @@ pub(super) fn on_interrupt() -> Arc<AtomicBool> {
 #[cfg(feature = "studies")]
 pub(super) fn announce(what: &str) {
     if std::io::stderr().is_terminal() {
-        eprintln!("  {what}");
+        let _ = writeln!(std::io::stderr(), "  {what}");
     }
 }

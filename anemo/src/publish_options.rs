@@ -3,7 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
-use crate::output::Failure;
+use crate::output::{Failure, complain};
 use publish::commands::FeedCommands;
 use publish::feed::Feed;
 use publish::listen::{Listening, Token};
@@ -49,7 +49,7 @@ impl PublishArguments {
             None => Token::random().map_err(Failure::work)?,
         };
         if self.token.is_none() && targets.iter().any(PublishTarget::takes_commands) {
-            eprintln!("anemo: commands need the token {}", token.text());
+            complain(&format!("commands need the token {}", token.text()));
         }
         let listening = Listening::new(self.listen, token);
         let serve = |port: u16| {
@@ -58,12 +58,12 @@ impl PublishArguments {
         };
         let page = self.page.map(serve).transpose().map_err(Failure::work)?;
         if let Some(page) = &page {
-            eprintln!("anemo: live at {}", page.address());
+            complain(&format!("live at {}", page.address()));
         }
         let context = PublishContext {
             listening,
             commands: Some(commands.clone()),
-            report: Arc::new(|sentence| eprintln!("anemo: {sentence}")),
+            report: Arc::new(|sentence| complain(&sentence)),
         };
         let outputs = publish::start(targets, feed, &context).map_err(Failure::work)?;
         Ok(Published { outputs, page })
@@ -81,7 +81,7 @@ impl Published {
     pub fn end(self) {
         drop(self.page);
         for name in self.outputs.join() {
-            eprintln!("anemo: {name} has not taken the end of the log");
+            complain(&format!("{name} has not taken the end of the log"));
         }
     }
 }

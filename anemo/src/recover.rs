@@ -8,8 +8,8 @@ use crate::output::Failure;
 ///
 /// What a sensor board measures, and every recording in a folder, has a journal: its rows are on
 /// the disk within half a second. They become the file that was to be written, or the last segment
-/// of the folder. The file says `complete = false`. Lines that a disk has damaged are left out, and
-/// the journal with them is put aside.
+/// of the folder. The file says `complete = false`. A journal that a disk has damaged, as its
+/// checksums show, is put aside as it is; the lines that can be read are taken.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -21,9 +21,12 @@ pub struct Arguments {
     recordings: Vec<PathBuf>,
 }
 
-/// What is said of a journal of which some could not be read.
+/// What is said of a journal that is damaged.
 pub fn put_aside(damaged: &Path) -> String {
-    format!("{}: some lines were damaged and could not be read; they are kept there as they are", damaged.display())
+    format!(
+        "{}: the journal was damaged, so that rows may be wrong or missing; it is kept as it was",
+        damaged.display()
+    )
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {

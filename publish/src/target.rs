@@ -123,10 +123,15 @@ impl FromStr for PublishTarget {
                 let baud = options.baud.take().unwrap_or(if format == PublishFormat::Nmea { 4_800 } else { 9_600 });
                 PublishWay::Serial { device: place.to_owned(), baud }
             }
-            (_, "http" | "https") => PublishWay::Http(format!("{way}://{place}{}", options.rest())),
+            (_, "http" | "https") => {
+                host_and_port(&name, place.split('/').next().unwrap_or_default(), Some(80))?;
+                PublishWay::Http(format!("{way}://{place}{}", options.rest()))
+            }
             _ => {
                 let (host, port) = host_and_port(&name, place, port)?;
                 match (scheme, way) {
+                    // Only a listener may take any that is free.
+                    _ if port == 0 && way != "tcp" && scheme != "scpi" => return Err(TargetError::Missing(name, PORT)),
                     (_, "udp") => PublishWay::Datagrams(format!("{host}:{port}")),
                     (_, "tcp") | ("scpi", _) => PublishWay::Listener(format!("{host}:{port}")),
                     _ => PublishWay::Connection {
@@ -157,14 +162,14 @@ impl PublishLogin {
     }
 }
 
+const PORT: &str = "a port: 1 … 65535";
+
 fn host_and_port(name: &str, place: &str, port: Option<u16>) -> Result<(String, u16), TargetError> {
     let place = place.trim_end_matches('/');
     let missing = |what| TargetError::Missing(name.to_owned(), what);
     // Colons in brackets are those of an address of version 6.
     let (host, given) = match place.rsplit_once(':') {
-        Some((host, port)) if !port.ends_with(']') => {
-            (host, Some(port.parse().map_err(|_| missing("a port: 1 … 65535"))?))
-        }
+        Some((host, port)) if !port.ends_with(']') => (host, Some(port.parse().map_err(|_| missing(PORT))?)),
         _ => (place, None),
     };
     if host.is_empty() {
@@ -187,12 +192,20 @@ impl<'a> TargetOptions<'a> {
         let mut options = Self::default();
         for option in query.split('&').filter(|option| !option.is_empty()) {
             let wrong = |what: &str| TargetError::Option(name.to_owned(), format!("`{option}` is no {what}"));
+            let once = |is_first: bool| {
+                let twice = || TargetError::Option(name.to_owned(), format!("`{option}` stands beside another"));
+                if is_first { Ok(()) } else { Err(twice()) }
+            };
             match option.split_once('=') {
                 Some(("every", seconds)) => {
                     let every_s = seconds.parse().ok().filter(|&s| is_interval(s));
+                    once(options.every_s.is_none())?;
                     options.every_s = Some(every_s.ok_or_else(|| wrong("time in seconds, 0 … 86400"))?);
                 }
-                Some(("baud", baud)) => options.baud = Some(baud.parse().map_err(|_| wrong("speed of a serial port"))?),
+                Some(("baud", baud)) => {
+                    once(options.baud.is_none())?;
+                    options.baud = Some(baud.parse().map_err(|_| wrong("speed of a serial port"))?);
+                }
                 _ => options.others.push(option),
             }
         }
@@ -322,8 +335,11 @@ mod tests {
         assert_eq!(refusal("gill+udp://localhost"), "`gill+udp://localhost` lacks a port");
         assert_eq!(refusal("mqtt://localhost:x"), "`mqtt://localhost:x` lacks a port: 1 … 65535");
         assert_eq!(refusal("mqtt://:1883"), "`mqtt://:1883` lacks a host");
+        assert_eq!(refusal("mqtt://localhost:0"), "`mqtt://localhost:0` lacks a port: 1 … 65535");
+        assert_eq!(refusal("influx+http:///write?db=wind"), "`influx+http:///write` lacks a host");
+        assert_eq!(refusal("influx+http://x:99999/"), "`influx+http://x:99999/` lacks a port: 1 … 65535");
         assert_eq!(refusal("nmea+serial:"), "`nmea+serial:` lacks a device");
-        for wrong in ["every=-1", "every=nan", "every=1e9", "evry=1", "baud=9600"] {
+        for wrong in ["every=-1", "every=nan", "every=1e9", "every=1&every=2", "evry=1", "baud=9600"] {
             assert!(refusal(&format!("mqtt://localhost?{wrong}")).starts_with("`mqtt://localhost`: "), "{wrong}");
         }
     }

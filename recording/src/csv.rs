@@ -7,14 +7,51 @@
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write as _};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use crate::column::{CHUNK, ChunkSource, ColumnKind, ColumnValues, Metadata, RowCell, RowSink, TableHead, length};
 use crate::error::RecordingError;
 use crate::names::{EVENT, STATE, UTC};
 use crate::utc;
 
+/// Key of the `#` lines by which a journal shows damage: the CRC-32 of all bytes before.
+const CHECKSUM: &str = "crc32";
+
+/// Bytes on their way into a file, and the checksum of those that are there.
+struct Summed {
+    file: File,
+    sum: Arc<AtomicU32>,
+}
+
+impl io::Write for Summed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.sum.store(checksum(self.sum.load(Relaxed), &bytes[..written]), Relaxed);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// The CRC-32 (of IEEE 802.3, as zip has it) of bytes that follow others, whose own is given.
+pub(crate) fn checksum(before: u32, bytes: &[u8]) -> u32 {
+    let mut sum = crc32fast::Hasher::new_with_initial(before);
+    sum.update(bytes);
+    sum.finalize()
+}
+
+/// What a line says that is a checksum.
+pub(crate) fn stated_checksum(line: &[u8]) -> Option<u32> {
+    let (key, value) = metadata_of(std::str::from_utf8(line).ok()?.trim_end())?;
+    (key == CHECKSUM).then(|| u32::from_str_radix(&value, 16).ok())?
+}
+
 pub(crate) struct CsvWriter {
-    csv: csv::Writer<BufWriter<File>>,
+    csv: csv::Writer<BufWriter<Summed>>,
+    sum: Arc<AtomicU32>,
     field: String,
     kinds: Vec<ColumnKind>,
     bytes: u64,
@@ -23,12 +60,22 @@ pub(crate) struct CsvWriter {
 
 impl CsvWriter {
     pub(crate) fn new(file: File, columns: &[(String, ColumnKind)], metadata: &Metadata) -> io::Result<Self> {
-        let mut file = BufWriter::new(file);
+        let sum = Arc::new(AtomicU32::new(0));
+        let mut file = BufWriter::new(Summed { file, sum: Arc::clone(&sum) });
         write_metadata(&mut file, metadata)?;
-        let mut csv = csv::Writer::from_writer(file);
+        // A checksum is one field where rows have several.
+        let mut csv = csv::WriterBuilder::new().flexible(true).from_writer(file);
         csv.write_record(columns.iter().map(|(name, _)| name)).map_err(plain)?;
         let kinds = columns.iter().map(|(_, kind)| *kind).collect();
-        Ok(Self { csv, field: String::new(), kinds, bytes: 0, frame_bytes: length(metadata) })
+        Ok(Self { csv, sum, field: String::new(), kinds, bytes: 0, frame_bytes: length(metadata) })
+    }
+
+    /// Hands all rows to the file, and a line by which a reader sees whether they are as they were.
+    /// It waits in memory like a row where the disk has no room for it.
+    pub(crate) fn push_checksum(&mut self) -> io::Result<()> {
+        self.csv.flush()?;
+        self.csv.write_record([format!("# {CHECKSUM}: {:08x}", self.sum.load(Relaxed))]).map_err(plain)?;
+        self.csv.flush()
     }
 }
 
@@ -139,7 +186,8 @@ impl Uncommented {
             }
             if !self.quoted && line.starts_with(b"#") {
                 let line = String::from_utf8_lossy(line);
-                self.metadata.extend(metadata_of(line.trim_end_matches(['\r', '\n'])));
+                let said = metadata_of(line.trim_end_matches(['\r', '\n']));
+                self.metadata.extend(said.filter(|(key, _)| !(self.may_be_torn && key == CHECKSUM)));
                 self.line.truncate(start);
                 continue;
             }

@@ -1,5 +1,6 @@
 //! What can be wrong with a recording, in one sentence.
 
+use std::error::Error;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -29,7 +30,11 @@ impl RecordingError {
     /// A file that the system does not let be written.
     pub(crate) fn unwritten(path: &Path, error: &std::io::Error) -> Self {
         use std::io::ErrorKind::{QuotaExceeded, StorageFull};
-        Self { lacks_room: matches!(error.kind(), StorageFull | QuotaExceeded), ..Self::io(path, "written", error) }
+        // The system's own error may stand within one of a format's.
+        let causes = std::iter::successors(Some(error as &dyn Error), |&error| error.source());
+        let kinds = causes.filter_map(|error| Some(error.downcast_ref::<std::io::Error>()?.kind()));
+        let lacks_room = kinds.into_iter().any(|kind| matches!(kind, StorageFull | QuotaExceeded));
+        Self { lacks_room, ..Self::io(path, "written", error) }
     }
 
     /// Whether there is no room on the disk.

@@ -35,18 +35,34 @@ pub(crate) fn segment_in(folder: &Path, number: u32) -> PathBuf {
     folder.join(format!("{SEGMENT}{number:06}.{extension}"))
 }
 
+/// The number of the segment that follows those of a folder.
+pub(crate) fn next_number(folder: &Path, closed: &[(u32, PathBuf)]) -> Result<u32, RecordingError> {
+    let Some((last, file)) = closed.last() else { return Ok(1) };
+    last.checked_add(1).ok_or_else(|| {
+        RecordingError::new(
+            folder,
+            format!("no number follows {}: it is none of a recording's; move it away", file.display()),
+        )
+    })
+}
+
 /// The closed segments of a folder, in their order.
 pub(crate) fn segments_in(folder: &Path) -> Result<Vec<(u32, PathBuf)>, RecordingError> {
     let unread = |error: std::io::Error| RecordingError::io(folder, "read", error);
     let mut segments = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unread)? {
         let path = entry.map_err(unread)?.path();
-        let stem = path.file_stem().and_then(|stem| stem.to_str()).and_then(|stem| stem.strip_prefix(SEGMENT));
-        let is_table = path.extension().is_some_and(|extension| extension == "parquet" || extension == "csv");
-        segments.extend(stem.and_then(|number| number.parse().ok()).filter(|_| is_table).map(|number| (number, path)));
+        segments.extend(number_of_segment(&path).map(|number| (number, path)));
     }
     segments.sort();
     Ok(segments)
+}
+
+/// The number that a segment's name says.
+pub(crate) fn number_of_segment(file: &Path) -> Option<u32> {
+    let is_table = file.extension().is_some_and(|extension| extension == "parquet" || extension == "csv");
+    let number = file.file_stem()?.to_str()?.strip_prefix(SEGMENT)?;
+    number.parse().ok().filter(|_| is_table)
 }
 
 /// The number of the segment that a journal's rows will be.

@@ -154,7 +154,7 @@ impl fmt::Display for CheckReport<'_> {
             (0, 0) => Ok(()),
             (judged, 0) => writeln!(f, "\n{} can be held according to the models for {conditions}", set_points(judged)),
             (0, unjudged) => {
-                writeln!(f, "\nno model of the experiment's judges {}", set_points(unjudged))
+                writeln!(f, "\n{} are not judged: the experiment names no `models` for them", set_points(unjudged))
             }
             (judged, unjudged) => writeln!(
                 f,

@@ -93,8 +93,12 @@ fn define(set: &mut DataSet, name: &str, column: &ConvertedColumn) -> Result<(),
     match column {
         ConvertedColumn::Words(words) => {
             set.add_var(name, &[TIME], DataType::I32)?;
-            // Meanings are words between blanks.
-            let meaning = |word: &String| if word.is_empty() { "none".to_owned() } else { word.replace(' ', "_") };
+            // Meanings are words between blanks, of the characters that the conventions allow.
+            let letter = |letter: char| if letter.is_alphanumeric() || "_-.+@".contains(letter) { letter } else { '_' };
+            let meaning = |word: &String| match word.as_str() {
+                "" => "none".to_owned(),
+                word => word.chars().map(letter).collect(),
+            };
             let meanings: Vec<_> = words.dictionary().iter().map(meaning).collect();
             set.add_var_attr_i32(name, "flag_values", numbers(0..meanings.len() as i32))?;
             set.add_var_attr_string(name, "flag_meanings", meanings.join(" "))?;

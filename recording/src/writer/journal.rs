@@ -1,16 +1,21 @@
 //! The rows since the last closed file, on the disk within half a second: what is left of them when
 //! the program is killed or the supply cut.
 //!
-//! It is a CSV file that may end in the middle of a row. As long as it is written its writer holds
-//! a lock on it, by which others tell a recording that goes on from one that was cut short.
+//! It is a CSV file that may end in the middle of a row. Behind the line with the columns' names,
+//! and whenever rows go to the disk, a checksum of all before follows. As long as it is written its
+//! writer holds a lock on it, by which others tell a recording that goes on from one that was cut
+//! short.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Seek as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use same_file::Handle;
+
 use crate::column::{ColumnKind, Metadata, RowCell, RowSink};
 use crate::csv::CsvWriter;
+use crate::regular;
 use crate::temporary::sync_name;
 
 /// Rows wait no longer than this for the disk. A killed program or a cut supply costs as much.
@@ -34,8 +39,15 @@ impl Journal {
     /// # Errors
     /// `AlreadyExists` if there is one, of a recording that goes on or was cut short.
     pub fn create(path: PathBuf, columns: Vec<(String, ColumnKind)>, metadata: &Metadata) -> io::Result<Self> {
-        let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
-        file.try_lock().map_err(io::Error::other)?;
+        let file = loop {
+            let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
+            // Who looks whether somebody records holds it for a moment, or takes the new file for
+            // one of nobody's, and removes it.
+            file.lock()?;
+            if is_still(&file, &path)? {
+                break file;
+            }
+        };
         let csv = CsvWriter::new(file.try_clone()?, &columns, metadata)?;
         let mut journal = Self { path, file, columns, csv, synced: Instant::now(), has_news: true, is_stale: false };
         journal.sync()?;
@@ -77,7 +89,7 @@ impl Journal {
     }
 
     pub fn sync(&mut self) -> io::Result<()> {
-        self.csv.flush()?;
+        self.csv.push_checksum()?;
         self.file.sync_data()?;
         (self.synced, self.has_news) = (Instant::now(), false);
         Ok(())
@@ -100,10 +112,39 @@ impl Journal {
 /// # Errors
 /// `WouldBlock` if the recording goes on, `NotFound` if there is none.
 pub(super) fn take_over(path: &Path) -> io::Result<File> {
-    let file = OpenOptions::new().write(true).open(path)?;
+    loop {
+        // A folder or a pipe of that name is no journal.
+        if !path.metadata()?.is_file() {
+            return Err(io::ErrorKind::NotFound.into());
+        }
+        let file = OpenOptions::new().write(true).open(path)?;
+        lock(&file)?;
+        // Another may have recovered it in the meantime, and a third begun a new one.
+        if is_still(&file, path)? {
+            return Ok(file);
+        }
+    }
+}
+
+/// Whether a journal is of a recording that goes on.
+pub(super) fn is_held(path: &Path) -> bool {
+    let file = regular::open(path);
+    file.and_then(|file| lock(&file)).is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
+}
+
+fn lock(file: &File) -> io::Result<()> {
     match file.try_lock() {
-        Ok(()) => Ok(file),
+        Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => Err(io::ErrorKind::WouldBlock.into()),
         Err(TryLockError::Error(error)) => Err(error),
+    }
+}
+
+/// Whether a file still has its name.
+fn is_still(file: &File, path: &Path) -> io::Result<bool> {
+    match Handle::from_path(path) {
+        Ok(named) => Ok(named == Handle::from_file(file.try_clone()?)?),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
     }
 }

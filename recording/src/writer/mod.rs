@@ -9,6 +9,7 @@ mod recorder;
 mod recover;
 mod salvage;
 mod segments;
+mod soundness;
 mod table;
 
 use std::io::ErrorKind;
@@ -25,6 +26,7 @@ use crate::row::{RecordingLayout, RecordingRow};
 use decimated::RowDecimator;
 use journal::Journal;
 use owned_row::stamped;
+use recover::incomplete;
 use segments::Segments;
 use table::{TableWriter, unwritten};
 
@@ -35,6 +37,9 @@ pub use segments::{RecordingSoFar, is_being_written, so_far};
 
 /// A full disk is asked for room as often.
 const ROOM_EVERY: Duration = Duration::from_secs(1);
+
+/// Why a segment ends where it was not meant to.
+const FULL: &str = "the disk is full";
 
 /// A recording that is being written: one file, or a folder of segments.
 ///
@@ -52,6 +57,8 @@ pub struct RecordingWriter {
     journal: Option<Journal>,
     /// Of a folder.
     segments: Option<Segments>,
+    /// The journal alone has the segment's rows: the disk had no room for its end.
+    waits_for_room: bool,
     beside: Option<Box<(RowDecimator, RecordingWriter)>>,
     rows: u64,
     /// Rows for which there was no room.
@@ -111,6 +118,10 @@ impl RecordingWriter {
             })
         });
         let journal = journal.transpose()?;
+        if let Some(refusal) = segments.as_ref().and_then(|segments| segments.check_number().err()) {
+            journal.map(Journal::remove).transpose().map_err(unwritten(path))?;
+            return Err(refusal);
+        }
         let beside = options.every_s.filter(|_| segments.is_some()).map(|every_s| {
             let options = WriterOptions { keep_s: None, every_s: None, ..*options };
             let path = path.join(decimated::folder(every_s));
@@ -126,6 +137,7 @@ impl RecordingWriter {
             asked_for_room: Instant::now(),
             journal,
             segments,
+            waits_for_room: false,
             beside: beside.transpose()?,
             rows: 0,
             left_out: 0,
@@ -225,11 +237,17 @@ impl RecordingWriter {
     fn close_segment(&mut self, is_complete: bool) -> Result<(), RecordingError> {
         let (Some(segments), Some(table)) = (&mut self.segments, self.table.take()) else { return Ok(()) };
         if table.has_rows() {
-            let mut pairs = vec![("complete".to_owned(), is_complete.to_string())];
-            pairs.extend((!is_complete).then(|| ("ended".to_owned(), "the disk is full".to_owned())));
-            table.finish(&pairs)?;
+            let complete = || vec![("complete".to_owned(), "true".to_owned())];
+            let outcome = table.finish(&if is_complete { complete() } else { incomplete(FULL.to_owned()) });
+            self.waits_for_room = outcome.as_ref().is_err_and(RecordingError::lacks_room);
+            outcome?;
             segments.close(self.last_s);
         }
+        self.restart_journal()
+    }
+
+    /// The rows until now are in closed segments.
+    fn restart_journal(&mut self) -> Result<(), RecordingError> {
         set_number(&mut self.metadata, self.segments.as_ref());
         match &mut self.journal {
             Some(journal) => journal.restart(&self.metadata).map_err(unwritten(&journal.path)),
@@ -237,8 +255,22 @@ impl RecordingWriter {
         }
     }
 
+    /// Closes the segment that the disk had no room for, from the journal.
+    fn close_waiting(&mut self) -> Result<(), RecordingError> {
+        if let (true, Some(journal), Some(segments)) = (self.waits_for_room, &mut self.journal, &mut self.segments) {
+            journal.sync().map_err(unwritten(&journal.path))?;
+            let columns = self.columns.iter().map(|(name, _)| name.clone()).collect();
+            recover::close(&journal.path, &segments.path(), columns, FULL)?;
+            segments.close(self.last_s);
+            self.waits_for_room = false;
+            self.restart_journal()?;
+        }
+        Ok(())
+    }
+
     fn begin_segment(&mut self) -> Result<(), RecordingError> {
         self.asked_for_room = Instant::now();
+        self.close_waiting()?;
         let Some(segments) = &self.segments else { return Ok(()) };
         if let Some(journal) = &mut self.journal {
             journal.refresh(&self.metadata).map_err(unwritten(&journal.path))?;
@@ -289,6 +321,7 @@ impl RecordingWriter {
                 outcome => outcome?,
             }
         }
+        self.close_waiting()?;
         let left_out = (self.left_out > 0).then(|| ("left_out_of_full_disk".to_owned(), self.left_out.to_string()));
         let metadata: Metadata = metadata.iter().cloned().chain(left_out).collect();
         // A segment without rows adds nothing to those before.

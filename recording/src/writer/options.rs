@@ -1,6 +1,7 @@
 //! How a recording is kept while it grows.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// When a segment of a folder is closed and the next one begins.
@@ -20,9 +21,14 @@ impl Default for SegmentLength {
 
 /// What is no length.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}`: a time of 1 s at least (30s, 10min, 1h, 1d) or a size (500kB, 64MB, 1GB) belongs here")]
+#[error(
+    "`{0}`: a time from 1 s to 100 years (30s, 10min, 1h, 1d) or a size from 1 kB to 1 TB (500kB, 64MB, 1GB) belongs here"
+)]
 pub struct SegmentLengthError(String);
 
+/// Beyond them, somebody forgot a unit.
+const SECONDS: RangeInclusive<f64> = 1.0..=100.0 * 365.25 * 86_400.0;
+const BYTES: RangeInclusive<f64> = 1e3..=1e12;
 /// Seconds in a unit.
 const TIMES: [(&str, f64); 4] = [("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
 /// Bytes in a unit.
@@ -39,8 +45,12 @@ impl FromStr for SegmentLength {
         let of =
             |units: &[(&str, f64)]| units.iter().find(|(known, _)| *known == unit.trim()).map(|(_, in_one)| *in_one);
         match (number, of(&TIMES), of(&SIZES)) {
-            (Some(number), Some(seconds), _) if number * seconds >= 1.0 => Ok(Self::Seconds(number * seconds)),
-            (Some(number), _, Some(bytes)) => Ok(Self::Bytes((number * bytes) as u64)),
+            (Some(number), Some(seconds), _) if SECONDS.contains(&(number * seconds)) => {
+                Ok(Self::Seconds(number * seconds))
+            }
+            (Some(number), _, Some(bytes)) if BYTES.contains(&(number * bytes)) => {
+                Ok(Self::Bytes((number * bytes) as u64))
+            }
             _ => Err(SegmentLengthError(text.to_owned())),
         }
     }
@@ -92,7 +102,9 @@ mod tests {
             assert_eq!(text.parse(), Ok(length), "{text}");
             assert_eq!(length.to_string().parse(), Ok(length));
         }
-        for text in ["", "10", "min", "-1min", "0s", "0.5s", "10 parsec", "1e3s", "NaNs"] {
+        for text in
+            ["", "10", "min", "-1min", "0s", "0.5s", "10 parsec", "1e3s", "NaNs", "99999999d", "0.0001kB", "2000GB"]
+        {
             assert!(text.parse::<SegmentLength>().unwrap_err().to_string().contains("10min"), "{text}");
         }
     }

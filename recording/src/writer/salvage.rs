@@ -1,8 +1,8 @@
 //! What can be read of a journal, whose end may be torn and whose bytes damaged.
 //!
 //! Only whole rows: as many fields as there are columns, and a number wherever one belongs. Where
-//! none begins, the search goes on with the next line. A digit that became another digit is not
-//! seen.
+//! none begins, the search goes on with the next line. Whether a digit became another digit, the
+//! journal's checksums tell.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -11,8 +11,9 @@ use std::path::Path;
 
 use super::table::TableWriter;
 use crate::column::{ColumnKind, Metadata, RowCell};
-use crate::csv::{metadata_of, number};
+use crate::csv::{metadata_of, number, stated_checksum};
 use crate::error::RecordingError;
+use crate::names::{TIME, duplicate};
 
 /// A row spans no more of them: line breaks in the words of an event.
 const MOST_LINES: usize = 16;
@@ -28,17 +29,29 @@ pub(super) struct Salvage {
 impl Salvage {
     /// Reads what stands above the rows. `before` are the columns' names in the file before this
     /// one, which a damaged line with them cannot take away.
-    pub fn open(journal: &Path, before: Option<Vec<String>>) -> io::Result<Self> {
+    pub fn open(journal: &Path, before: Option<Vec<String>>, head_is_damaged: bool) -> io::Result<Self> {
         let file = BufReader::new(File::open(journal)?);
         let mut salvage = Self { file, columns: Vec::new(), metadata: Metadata::new(), lines: VecDeque::new() };
+        let mut stated: Option<Vec<String>> = None;
         while let Some(line) = salvage.next_line()? {
             if line.starts_with(b"#") {
                 salvage.metadata.extend(metadata_of(String::from_utf8_lossy(&line).trim_end()));
                 continue;
             }
-            let stated = fields_of(&line).map(|names| names.iter().map(str::to_owned).collect());
-            salvage.columns = ColumnKind::of_each(before.or(stated).unwrap_or_default());
-            break;
+            // Whatever the lines before have become, a row begins with its time.
+            if head_is_damaged && line.split(|&byte| byte == b',').next().is_some_and(is_time) {
+                salvage.lines.push_back(line);
+                salvage.look_ahead()?;
+                let row = salvage.fields_from(0, |_| true).map(|(_, row)| row).unwrap_or_default();
+                let names = before.or(stated.filter(|names| are_names(names, row.len())));
+                salvage.columns = names.map_or_else(|| unnamed(&row), ColumnKind::of_each);
+                break;
+            }
+            stated = fields_of(&line).map(|names| names.iter().map(str::to_owned).collect());
+            if !head_is_damaged {
+                salvage.columns = ColumnKind::of_each(before.or(stated).unwrap_or_default());
+                break;
+            }
         }
         Ok(salvage)
     }
@@ -48,16 +61,13 @@ impl Salvage {
     pub fn write(mut self, journal: &Path, table: &mut TableWriter) -> Result<(u64, u64), RecordingError> {
         let (mut rows, mut unread) = (0, 0);
         loop {
-            while self.lines.len() < MOST_LINES {
-                let Some(line) = self.next_line().map_err(|error| RecordingError::io(journal, "read", error))? else {
-                    break;
-                };
-                self.lines.push_back(line);
+            self.look_ahead().map_err(|error| RecordingError::io(journal, "read", error))?;
+            let Some(next) = self.lines.front() else { return Ok((rows, unread)) };
+            if stated_checksum(next).is_some() {
+                self.lines.pop_front();
+                continue;
             }
-            if self.lines.is_empty() {
-                return Ok((rows, unread));
-            }
-            if let Some((count, record)) = self.next_record() {
+            if let Some((count, record)) = self.row_from(0) {
                 let cells = cells_of(&record, &self.columns).unwrap_or_default();
                 table.push(&mut cells.into_iter())?;
                 self.lines.drain(..count);
@@ -71,21 +81,42 @@ impl Salvage {
         }
     }
 
-    /// The row that begins with the next line, and of how many lines it is.
-    fn next_record(&self) -> Option<(usize, csv::StringRecord)> {
+    /// Has as many lines at hand as a row may have.
+    fn look_ahead(&mut self) -> io::Result<()> {
+        while self.lines.len() < MOST_LINES {
+            let Some(line) = self.next_line()? else { break };
+            self.lines.push_back(line);
+        }
+        Ok(())
+    }
+
+    /// The row that begins with one of the lines, and of how many lines it is.
+    fn row_from(&self, first: usize) -> Option<(usize, csv::StringRecord)> {
+        self.fields_from(first, |fields| cells_of(fields, &self.columns).is_some())
+    }
+
+    /// The fields of the fewest lines from `first` on that are `fit` and leave no quote open, and how
+    /// many lines these are.
+    fn fields_from(
+        &self,
+        first: usize,
+        fit: impl Fn(&csv::StringRecord) -> bool,
+    ) -> Option<(usize, csv::StringRecord)> {
         let mut row = Vec::new();
-        self.lines.iter().enumerate().find_map(|(at, line)| {
+        self.lines.range(first..).enumerate().find_map(|(at, line)| {
             row.extend(line);
             let is_ended = row.iter().filter(|&&byte| byte == b'"').count().is_multiple_of(2);
-            let record = is_ended.then(|| fields_of(&row))??;
-            cells_of(&record, &self.columns).is_some().then_some((at + 1, record))
+            let fields = is_ended.then(|| fields_of(&row))??;
+            fit(&fields).then_some((at + 1, fields))
         })
     }
 
-    /// Whether a row begins that nothing ends: quotes that the end of the file leaves open.
+    /// Whether the lines begin a row that the end of the file cuts off in a quoted text: then no
+    /// other row begins in them.
     fn is_torn(&self) -> bool {
         self.lines.len() < MOST_LINES
             && !self.lines.iter().flatten().filter(|&&byte| byte == b'"').count().is_multiple_of(2)
+            && (1..self.lines.len()).all(|line| self.row_from(line).is_none())
     }
 
     /// The next line that is whole, with its end.
@@ -99,6 +130,27 @@ impl Salvage {
 fn fields_of(line: &[u8]) -> Option<csv::StringRecord> {
     let mut csv = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(line);
     csv.records().next()?.ok()
+}
+
+fn is_time(field: &[u8]) -> bool {
+    std::str::from_utf8(field).is_ok_and(|field| field.trim().parse::<f64>().is_ok())
+}
+
+/// Whether these can be the names of so many columns.
+fn are_names(names: &[String], columns: usize) -> bool {
+    names.len() == columns
+        && duplicate(names.iter().map(String::as_str)).is_none()
+        && !names.iter().any(String::is_empty)
+}
+
+/// Columns whose names are lost: the time, and the others by their place.
+fn unnamed(row: &csv::StringRecord) -> Vec<(String, ColumnKind)> {
+    let of = |(at, field): (usize, &str)| match field.parse::<f64>() {
+        Ok(_) if at == 0 => (TIME.to_owned(), ColumnKind::Wide),
+        Ok(_) => (format!("column_{}", at + 1), ColumnKind::Number),
+        Err(_) => (format!("column_{}", at + 1), ColumnKind::Text),
+    };
+    row.iter().enumerate().map(of).collect()
 }
 
 fn cells_of<'a>(record: &'a csv::StringRecord, columns: &[(String, ColumnKind)]) -> Option<Vec<RowCell<'a>>> {

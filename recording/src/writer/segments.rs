@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::WriterOptions;
-use super::journal::take_over;
+use super::journal::is_held;
 use super::options::SegmentLength;
 use super::table::unwritten;
 use crate::column::{ColumnValues, Metadata};
 use crate::error::RecordingError;
-use crate::parts::{journal_in, segment_in, segments_in};
+use crate::parts::{journal_in, next_number, segment_in, segments_in};
 use crate::reader::RecordingReader;
 use crate::temporary::sync_name;
 
@@ -44,7 +44,7 @@ pub fn so_far(folder: &Path) -> Result<Option<RecordingSoFar>, RecordingError> {
 
 /// Whether a program is recording into a folder.
 pub fn is_being_written(folder: &Path) -> bool {
-    take_over(&journal_in(folder)).is_err_and(|error| error.kind() == ErrorKind::WouldBlock)
+    is_held(&journal_in(folder))
 }
 
 pub(super) struct Segments {
@@ -86,11 +86,20 @@ impl Segments {
             folder: folder.to_owned(),
             length: options.segment,
             keep_s: options.keep_s,
-            number: before.last().map_or(1, |(number, _)| number + 1),
+            number: next_number(folder, &before)?,
             begin_s: None,
             closed: before.into_iter().map(|(_, path)| (path.clone(), -age_s(&path))).collect(),
             has_begun: false,
         })
+    }
+
+    /// Refuses to go on where another program has closed segments since [`Segments::new`] looked.
+    /// The caller has the journal now, so that none does from here on.
+    pub fn check_number(&self) -> Result<(), RecordingError> {
+        if next_number(&self.folder, &segments_in(&self.folder)?)? == self.number {
+            return Ok(());
+        }
+        Err(RecordingError::new(&self.folder, "another program has recorded there in this moment: start once more"))
     }
 
     pub fn path(&self) -> PathBuf {

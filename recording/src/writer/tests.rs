@@ -187,17 +187,22 @@ fn a_damaged_journal_keeps_the_rows_that_can_be_read() {
     let find = |text: &str| whole.windows(text.len()).position(|bytes| bytes == text.as_bytes()).unwrap();
     let row = find("\n1.1,") + 1;
     let garbage: &[u8] = &[0xff, 0xfe, 0];
-    let hits: [(usize, &[u8], u64); 6] = [
-        (row, garbage, 29),                    // no text
-        (row, b"1,1", 29),                     // a field too many
-        (row, b"\"", 29),                      // a quote that nothing ends
-        (row, b"x", 29),                       // a word in place of a number
-        (find("# segment"), b"# sogment", 30), // which segment it is
-        (find("time_s,"), b"tame_s", 30),      // names of columns
+    let hits: [(usize, &[u8], u64); 10] = [
+        (row, garbage, 29),                          // no text
+        (row, b"1,1", 29),                           // a field too many
+        (row, b"\"", 29),                            // a quote that nothing ends
+        (row, b"x", 29),                             // a word in place of a number
+        (row + 4, b"7", 30),                         // a digit in place of another
+        (find("# segment"), b"# sogment", 30),       // which segment it is
+        (find("# segment: 2"), b"# segment: 1", 30), // one that is closed
+        (find("time_s,"), b"tame_s", 30),            // names of columns
+        (0, b"\"", 30),                              // what the journal says of itself
+        (0, &[0; 60], 30),
     ];
     for (at, damage, rows) in hits {
         let mut bytes = whole.clone();
         bytes[at..at + damage.len()].copy_from_slice(damage);
+        assert!(bytes != whole);
         std::fs::remove_dir_all(&folder).unwrap();
         std::fs::create_dir(&folder).unwrap();
         std::fs::write(folder.join("segment-000001.parquet"), &first).unwrap();
@@ -208,12 +213,110 @@ fn a_damaged_journal_keeps_the_rows_that_can_be_read() {
         let is_hit = |n: &f64| rows < 30 && *n == 110.0;
         let expected: Vec<f64> = (0..130).map(f64::from).filter(|n| !is_hit(n)).map(|n| n / 100.0).collect();
         assert_eq!(read.time_s().unwrap(), expected, "{damage:?}");
-        assert_eq!(recovered.damaged.is_some(), rows < 30, "{damage:?}");
-        if let Some(aside) = recovered.damaged {
-            assert_eq!(std::fs::read(aside).unwrap(), bytes);
-        }
+        assert!(std::fs::read(recovered.damaged.unwrap()).unwrap() == bytes);
         assert_eq!(recover(&folder).unwrap(), None);
     }
+    // Killed after the rows had their file, and before the journal was put aside.
+    let mut bytes = whole.clone();
+    bytes[row..row + 3].copy_from_slice(garbage);
+    std::fs::write(&journal, &bytes).unwrap();
+    let again = recover(&folder).unwrap().unwrap();
+    assert_eq!(again.rows, 0);
+    assert!(std::fs::read(again.damaged.unwrap()).unwrap() == bytes);
+}
+
+/// Whatever has become of the columns' names, the rows are there, under names that say so.
+#[test]
+fn rows_outlast_the_names_of_their_columns() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::default()).unwrap();
+    for n in 0..30 {
+        push(&mut writer, n);
+    }
+    let journal = kill(writer);
+    let whole = std::fs::read(&journal).unwrap();
+    let names = whole.windows(7).position(|bytes| bytes == b"time_s,").unwrap();
+    let comma = whole[names..].iter().position(|&byte| byte == b',').unwrap() + names;
+    let hits: [(usize, Vec<u8>); 4] =
+        [(names, b"time_s\0".to_vec()), (0, vec![0; names + 9]), (0, b"\"".to_vec()), (comma, b"\n".to_vec())];
+    for (at, damage) in hits {
+        let mut bytes = whole.clone();
+        bytes[at..at + damage.len()].copy_from_slice(&damage);
+        std::fs::remove_dir_all(&folder).unwrap();
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(&journal, &bytes).unwrap();
+        let recovered = recover(&folder).unwrap().unwrap();
+        assert!(recovered.rows == 30 && std::fs::read(recovered.damaged.unwrap()).unwrap() == bytes, "{damage:?}");
+        let read = Recording::read(&folder).unwrap();
+        assert_eq!(read.time_s().unwrap().len(), 30);
+        assert!(read.metadata("ended").unwrap().contains("its journal was damaged"));
+    }
+}
+
+/// Another program has closed a segment since this one counted them: theirs stays.
+#[test]
+fn segments_of_two_programs_do_not_replace_each_other() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let options = WriterOptions { appends: true, ..WriterOptions::default() };
+    let before = Segments::new(&folder, &options, &layout().columns()).unwrap();
+    assert_eq!((before.number, before.check_number()), (1, Ok(())));
+    let mut writer = start(&folder, SegmentLength::default()).unwrap();
+    push(&mut writer, 0);
+    writer.finish(&Metadata::new()).unwrap();
+    let refusal = before.check_number().unwrap_err().to_string();
+    assert!(refusal.contains("another program has recorded there"), "{refusal}");
+    let (last, next) =
+        (folder.join("segment-4294967295.parquet"), || Segments::new(&folder, &options, &layout().columns()));
+    std::fs::copy(folder.join("segment-000001.parquet"), &last).unwrap();
+    assert!(next().err().unwrap().to_string().contains("no number follows"));
+}
+
+/// A disk without room for a segment's end, and later with it.
+#[test]
+fn a_segment_that_could_not_be_closed_is_closed_when_there_is_room() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::default()).unwrap();
+    for n in 0..30 {
+        push(&mut writer, n);
+    }
+    // As its end has failed.
+    (writer.table, writer.waits_for_room) = (None, true);
+    writer.begin_segment().unwrap();
+    for n in 30..50 {
+        push(&mut writer, n);
+    }
+    writer.finish(&Metadata::new()).unwrap();
+    assert_eq!(names(&folder), ["segment-000001.parquet", "segment-000002.parquet"]);
+    assert_eq!(rows_of(&folder), 50);
+    let first = Recording::read(&folder.join("segment-000001.parquet")).unwrap();
+    assert_eq!((first.metadata("complete"), first.metadata("ended")), (Some("false"), Some(FULL)));
+}
+
+#[test]
+fn a_disk_without_room_is_known_within_the_error_of_a_format() {
+    let full = || std::io::Error::from(ErrorKind::StorageFull);
+    assert!(unwritten(Path::new("a"))(full()).lacks_room());
+    let within = parquet::errors::ParquetError::External(Box::new(full()));
+    assert!(unwritten(Path::new("a"))(std::io::Error::other(within)).lacks_room());
+    assert!(!unwritten(Path::new("a"))(std::io::Error::other("else")).lacks_room());
+}
+
+/// What bears a journal's name and is none keeps nothing else from being recovered.
+#[test]
+fn folders_named_like_journals_are_passed_over() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("run");
+    let mut writer = start(&folder, SegmentLength::default()).unwrap();
+    push(&mut writer, 0);
+    kill(writer);
+    std::fs::create_dir_all(folder.join("every-y/recording.journal")).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(".", folder.join("every-x")).unwrap();
+    assert!(!is_being_written(&folder));
+    assert_eq!(recover(&folder).unwrap().unwrap().rows, 1);
 }
 
 #[test]

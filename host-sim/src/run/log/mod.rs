@@ -42,6 +42,8 @@ pub struct LogOptions {
     pub acknowledges: bool,
     /// Set-points are so far above the gas that the reference element measures, K.
     pub overheat_k: Option<f64>,
+    /// Of a recording that is continued: for how long it has no rows, s.
+    pub continued: Option<f64>,
 }
 
 /// What a log needs of the program around it.
@@ -95,6 +97,8 @@ pub enum LogEvent {
     LinkBack,
     /// It started anew.
     BoardReset(String),
+    /// A recording goes on that has no rows for so long, s.
+    Continued(f64),
     /// Somebody wrote this.
     Mark(String),
 }
@@ -107,6 +111,7 @@ impl fmt::Display for LogEvent {
             Self::LinkLost(why) => write!(f, "gap: {why}"),
             Self::LinkBack => f.write_str("link is back"),
             Self::BoardReset(why) => write!(f, "board started anew: {why}; heaters stay low"),
+            Self::Continued(without_s) => write!(f, "log started again after {without_s:.2} s without rows"),
             Self::Mark(text) => f.write_str(text),
         }
     }

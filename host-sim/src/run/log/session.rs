@@ -21,6 +21,7 @@ use crate::run::start::{change_drives, setup_of, start};
 pub fn log(experiment: &Experiment, options: &LogOptions, host: &mut dyn LogHost) -> Result<LogSummary, RunError> {
     let mut session = Session::new(experiment, options)?;
     let mut instrument = host.connect()?;
+    options.continued.into_iter().for_each(|without_s| session.tell(host, LogEvent::Continued(without_s)));
     session.begin_life(instrument.as_ref());
     let begun = start(&session.experiment, instrument.as_mut()).map(drop);
     let (mut instrument, end) = match begun {
@@ -244,11 +245,13 @@ impl Session {
         };
         trip.into_iter().for_each(|trip| self.count_trip(trip, host));
         let event = std::mem::take(&mut self.event);
-        let tick = (time_s / self.experiment.sample_period_s) as u32;
+        // The experiment begins with the log, not with the recording that this continues.
+        let since_s = time_s - *self.first_s.get_or_insert(time_s);
+        let tick = (since_s / self.experiment.sample_period_s).round() as u32;
         let event = if event.is_empty() { self.experiment.event(tick) } else { &event };
         // Who takes a row may want it to be the last.
         self.summary.rows += 1;
-        self.summary.duration_s = time_s - *self.first_s.get_or_insert(time_s);
+        self.summary.duration_s = since_s;
         host.row(&rows.row(&observation, time_s, event, &self.state_name), &observation, self.summary.lost)?;
         if trip.is_some() && self.options.ends_at_trip {
             return Err(RunError::Interrupted);
