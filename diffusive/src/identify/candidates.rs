@@ -13,6 +13,7 @@
 use dr_core::model::mesh;
 
 use super::design::Role;
+use super::drift;
 use super::normal_equations::ModelTerm;
 use super::options::{Constraints, InitialState};
 use super::prior::Prior;
@@ -37,6 +38,31 @@ pub struct CandidateMesh {
     /// Whether it is so fine that it must leave white residuals, or, if it is slow as well, half
     /// the error of others, to be taken.
     pub fine: bool,
+    pub part: MeshPart,
+    /// Rates that its banks have besides, for poles of filters.
+    pub poles_rad_s: Vec<f64>,
+}
+
+impl CandidateMesh {
+    /// Its rates and poles, ascending.
+    pub fn all_rad_s(&self) -> Vec<f64> {
+        let mut all = [&self.rates_rad_s[..], &self.poles_rad_s].concat();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+}
+
+/// What a mesh is tried for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshPart {
+    /// The choice where the offset stands.
+    Ordinary,
+    /// The choice where it moves.
+    Drifting,
+    /// An average of many.
+    Averaged,
+    /// What an average stands on; nothing is read for it.
+    Union,
 }
 
 fn geometric(first: f64, last: f64, order: usize) -> Vec<f64> {
@@ -56,6 +82,8 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Con
         smooth: false,
         free: true,
         fine: false,
+        part: MeshPart::Ordinary,
+        poles_rad_s: Vec::new(),
     };
     match (given.order, given.edges_rad_s) {
         (Some(order), Some((first, last))) => vec![single(first, last, order)],
@@ -95,7 +123,43 @@ pub fn dense(duration_s: f64, sample_period_s: f64, factor: f64, per_decade: f64
     let (first, last) = mesh::thesis_edges_rad_s(duration_s, sample_period_s, 1);
     let first = factor * first;
     let rates_rad_s = geometric(first, last, order_for(first, last, per_decade));
-    CandidateMesh { rates_rad_s, factor, smooth: false, free: true, fine: false }
+    let (part, poles_rad_s) = (MeshPart::Ordinary, Vec::new());
+    CandidateMesh { rates_rad_s, factor, smooth: false, free: true, fine: false, part, poles_rad_s }
+}
+
+/// Factors of ξ_T and rates a decade of what is averaged.
+const AVERAGED: [(f64, f64); 2] = [(0.1, 1.5), (0.25, 2.5)];
+/// The rate of the slow walk that an average allows for, in units of one over the record's length.
+const SLOW_WALK: f64 = 12.0;
+/// The mesh on which a drift is looked for.
+const DRIFTING: (f64, f64) = (1.0, 4.0);
+
+/// The mesh for records whose offset moves.
+pub fn drifting(duration_s: f64, sample_period_s: f64, ordinary: &CandidateMesh, given: &Constraints) -> CandidateMesh {
+    let is_given = given.order.is_some() || given.edges_rad_s.is_some();
+    let (factor, per_decade) = DRIFTING;
+    let own =
+        if is_given { ordinary.clone() } else { dense(duration_s, sample_period_s, factor, per_decade) };
+    let poles_rad_s = drift::poles(&own.rates_rad_s, duration_s, sample_period_s);
+    CandidateMesh { part: MeshPart::Drifting, poles_rad_s, ..own }
+}
+
+/// The meshes of an average, and the one that has the rates of all.
+pub fn averaged(duration_s: f64, sample_period_s: f64) -> Vec<CandidateMesh> {
+    let of = |(factor, per_decade)| {
+        let own = dense(duration_s, sample_period_s, factor, per_decade);
+        let middles = own.rates_rad_s.windows(2).map(|two| (two[0] * two[1]).sqrt());
+        let apart = |rate: &f64| (rate * duration_s / SLOW_WALK).ln().abs();
+        let pole = middles.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        CandidateMesh { part: MeshPart::Averaged, poles_rad_s: pole.into_iter().collect(), ..own }
+    };
+    let mut meshes: Vec<CandidateMesh> = AVERAGED.map(of).to_vec();
+    let mut rates_rad_s: Vec<f64> = meshes.iter().flat_map(|mesh| mesh.rates_rad_s.clone()).collect();
+    rates_rad_s.sort_by(f64::total_cmp);
+    rates_rad_s.dedup();
+    let union = CandidateMesh { rates_rad_s, part: MeshPart::Union, poles_rad_s: Vec::new(), ..meshes[0].clone() };
+    meshes.push(union);
+    meshes
 }
 
 /// Priors to try on a mesh, the most cautious first: from the strongest to the weakest, or the
@@ -139,13 +203,14 @@ pub fn terms(roles: &[Role], initial_state: InitialState, feed_through: bool, fi
         match role {
             Role::Relaxation { bank, rate_rad_s, .. } => {
                 // Settled at u: x(0) = u, which adds u e^(−ξt) to what starts at zero.
-                if initial_state == InitialState::Settled && first_drives[bank] != 0.0 {
-                    of.extend(initial(rate_rad_s).map(|column| (column, first_drives[bank])));
+                let first = first_drives.get(bank).copied().unwrap_or(0.0);
+                if initial_state == InitialState::Settled && first != 0.0 {
+                    of.extend(initial(rate_rad_s).map(|column| (column, first)));
                 }
             }
             Role::FeedThrough { .. } if !feed_through => continue,
             Role::Initial { .. } if initial_state != InitialState::Free => continue,
-            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset => {}
+            Role::FeedThrough { .. } | Role::Initial { .. } | Role::Offset | Role::DriftStart { .. } => {}
         }
         terms.push(ModelTerm { of, role });
     }

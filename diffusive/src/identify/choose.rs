@@ -8,9 +8,10 @@
 
 use nalgebra::DMatrix;
 
-use super::candidates::{CandidateMesh, initial_states, priors, terms};
+use super::candidates::{CandidateMesh, MeshPart, initial_states, priors, terms};
 use super::design::Role;
 use super::fitted::{FittedOutput, steady_gain};
+use super::drift::NoiseFilter;
 use super::folds::{FoldedEquations, Score, change};
 use super::gram::Gram;
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
@@ -50,6 +51,26 @@ pub struct Choice {
     pub gain_spread: Vec<GainSpread>,
     /// Why it is not the first choice, if it is not.
     pub reason: Option<String>,
+    pub drift: Option<ChosenDrift>,
+}
+
+/// A drift that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChosenDrift {
+    /// `None` where several stand in an average.
+    pub filter: Option<NoiseFilter>,
+    /// Evidence over none, nats; 0 where it was not asked.
+    pub evidence: f64,
+    /// Its level behind the last row, K, and at what rate that decays, rad/s.
+    pub level_k: f64,
+    pub rate_rad_s: f64,
+}
+
+impl ChosenDrift {
+    /// As a decay behind the last row.
+    pub fn end(&self) -> (f64, f64) {
+        (self.rate_rad_s, self.level_k)
+    }
 }
 
 /// Absolute differences of others' steady gains from a choice's own, K/W.
@@ -77,38 +98,51 @@ impl Choice {
             theta: &self.solution.theta,
             covariance: &self.solution.covariance,
             shift: reading.passed.output_shift[output],
+            drift: self.drift.as_ref(),
         }
     }
 }
 
 impl CandidateSet<'_> {
-    fn meshes(&self) -> &[CandidateMesh] {
+    pub(super) fn meshes(&self) -> &[CandidateMesh] {
         &self.reading.plan.meshes
     }
 
-    fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
+    pub(super) fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
         let plan = &self.reading.plan;
         let all = terms(&plan.designs[mesh].roles(), initial_state, feed_through, &self.reading.first_drives);
-        let is_seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(self.output));
-        all.into_iter().filter(is_seen).collect()
+        let is_seen = |bank: usize| plan.parts.get(bank).is_some_and(|part| part.is_seen_by(self.output));
+        let poles = &plan.meshes[mesh].poles_rad_s;
+        let is_its = |term: &ModelTerm| match term.role {
+            Role::Relaxation { bank, rate_rad_s, .. } => is_seen(bank) && !poles.contains(&rate_rad_s),
+            Role::FeedThrough { bank } => is_seen(bank),
+            Role::Initial { rate_rad_s } => !poles.contains(&rate_rad_s),
+            Role::Offset | Role::DriftStart { .. } => true,
+        };
+        all.into_iter().filter(is_its).collect()
     }
 
     fn equations(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> FoldedEquations {
-        let outputs = self.reading.plan.survey.outputs.len();
+        let outputs = self.outputs();
         let terms = self.terms(mesh, initial_state, feed_through);
         FoldedEquations::of(&self.reading.passed.folds[mesh], terms, outputs, self.output)
+    }
+
+    pub(super) fn outputs(&self) -> usize {
+        self.reading.plan.survey.outputs.len()
     }
 
     /// The choice for one output.
     pub fn choose(&self) -> Choice {
         let is_free = |&index: &usize| self.meshes()[index].free;
+        let ordinary = || (0..self.meshes().len()).filter(|&index| self.meshes()[index].part == MeshPart::Ordinary);
         let mut trials: Vec<ScoredCandidate> =
-            (0..self.meshes().len()).filter(is_free).flat_map(|index| self.tried(index)).collect();
+            ordinary().filter(is_free).flat_map(|index| self.tried(index)).collect();
         let mut taken = best(&trials, self.meshes()).clone();
-        let ordinary = taken.score.clone();
-        for index in (0..self.meshes().len()).filter(|index| !is_free(index)) {
+        let best = taken.score.clone();
+        for index in ordinary().filter(|index| !is_free(index)) {
             let tried = self.tried(index);
-            self.prefer_slow(&tried, &ordinary, &mut taken);
+            self.prefer_slow(&tried, &best, &mut taken);
             trials.extend(tried);
         }
         self.settle(taken, trials)
@@ -193,7 +227,7 @@ impl CandidateSet<'_> {
     }
 
     /// Steady gains by bank, and their variances.
-    fn gains(&self, terms: &[ModelTerm], solution: &PenalisedSolution) -> Vec<(f64, f64)> {
+    pub(super) fn gains(&self, terms: &[ModelTerm], solution: &PenalisedSolution) -> Vec<(f64, f64)> {
         let of = |bank| steady_gain(terms, &solution.theta, &solution.covariance, bank);
         (0..self.reading.plan.parts.len()).map(of).collect()
     }
@@ -207,7 +241,7 @@ impl CandidateSet<'_> {
         for rival in rivals.iter().filter(plausible) {
             let terms = self.terms(rival.mesh, rival.initial_state, rival.feed_through);
             let gram = Gram::total(&self.reading.passed.folds[rival.mesh]);
-            let total = NormalEquations::of(&gram, &terms, self.reading.plan.survey.outputs.len(), self.output);
+            let total = NormalEquations::of(&gram, &terms, self.outputs(), self.output);
             let solution = total.solve(&self.reading.scales.penalty(rival.prior, &terms, &total), None);
             for ((squares, (gain, variance)), own) in squares.iter_mut().zip(self.gains(&terms, &solution)).zip(own) {
                 squares.push(((gain - own.0).powi(2) - variance).max(0.0));
@@ -227,11 +261,11 @@ impl CandidateSet<'_> {
         let begun_at_zero = self.begun_at_zero(&trial, &equations, &penalty, positive.as_deref(), &solution);
         let solution = begun_at_zero.unwrap_or(solution);
         let terms = equations.terms;
-        Choice { trial, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None }
+        Choice { trial, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None, drift: None }
     }
 
     /// Which parameters are held at or above zero, and why.
-    fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> (Option<Vec<bool>>, String) {
+    pub(super) fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> (Option<Vec<bool>>, String) {
         let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
             let is_held = |bank: usize| held(self.reading.plan.parts[bank].input);
             equations.terms.iter().map(|term| term.role.bank().is_some_and(is_held)).collect()

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! A bank is driven by an input, by an input gated to one event class (thesis 2.19), or, for wind
-//! as feedback (theory 12), by an output gated to a class, by the gate alone, or by the gas.
+//! as feedback (theory 12), by an output gated to a class, by the gate alone, or by the gas; or by
+//! an output, for what a drift makes of its past.
 
 /// What drives a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +26,8 @@ pub enum BankDrive {
     Gate { class: usize },
     /// Gas temperature minus that of the first row.
     Gas,
+    /// An output: its means over the past, from which filters are made.
+    Output(usize),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +56,9 @@ pub enum Role {
     FeedThrough { bank: usize },
     Initial { rate_rad_s: f64 },
     Offset,
+    /// What a drift begins with, and its prior's precision in units of the noise's; it has no column
+    /// of its own.
+    DriftStart { precision: f64 },
 }
 
 impl Role {
@@ -60,7 +66,7 @@ impl Role {
     pub fn bank(self) -> Option<usize> {
         match self {
             Self::Relaxation { bank, .. } | Self::FeedThrough { bank } => Some(bank),
-            Self::Initial { .. } | Self::Offset => None,
+            Self::Initial { .. } | Self::Offset | Self::DriftStart { .. } => None,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::choose::ChosenDrift;
 use super::design::{RegressionDesign, Role};
 use super::normal_equations::{ModelTerm, in_columns};
 use super::residuals::Residuals;
@@ -18,6 +19,8 @@ pub struct FittedOutput<'a> {
     pub covariance: &'a DMatrix<f64>,
     /// Subtracted from the output before it entered the sums.
     pub shift: f64,
+    /// How its offset moves.
+    pub drift: Option<&'a ChosenDrift>,
 }
 
 impl FittedOutput<'_> {

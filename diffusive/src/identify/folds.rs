@@ -35,7 +35,13 @@ pub struct FoldedEquations {
 impl FoldedEquations {
     /// `output` counts the outputs, which stand last in the sums.
     pub fn of(folds: &[Gram], terms: Vec<ModelTerm>, outputs: usize, output: usize) -> Self {
-        let of = |fold| NormalEquations::of(fold, &terms, outputs, output);
+        let y = folds[0].sums.ncols() - outputs + output;
+        Self::of_sum(folds, terms, &[(y, 1.0)])
+    }
+
+    /// The same for an output that is a sum of columns.
+    pub fn of_sum(folds: &[Gram], terms: Vec<ModelTerm>, output: &[(usize, f64)]) -> Self {
+        let of = |fold| NormalEquations::of_sum(fold, &terms, output);
         let folds: Vec<NormalEquations> = folds.iter().map(of).collect();
         let total = NormalEquations::total(&folds);
         Self { terms, folds, total }
@@ -58,7 +64,8 @@ pub struct Score {
     /// Fold by fold, without the first.
     pub single: Vec<f64>,
     pub double: f64,
-    pub ahead: f64,
+    /// Border by border.
+    pub ahead: Vec<f64>,
     pub begin: f64,
 }
 
@@ -68,7 +75,7 @@ impl Score {
     pub fn overall(&self) -> f64 {
         let count = self.single.len() as f64;
         let single = (self.mean_single() * count + self.begin) / (count + 1.0);
-        let logs = [single, self.double, self.ahead].map(|error| error.max(1e-300).ln());
+        let logs = [single, self.double, self.mean_ahead()].map(|error| error.max(1e-300).ln());
         (logs.iter().sum::<f64>() / 3.0).exp()
     }
 
@@ -89,6 +96,11 @@ impl Score {
         self.overall() <= ratio * ratio * other.overall()
             && mean <= 2.0 * sd / (self.single.len() as f64).sqrt()
             && log(self.begin, other.begin) <= mean + 3.0 * sd
+    }
+
+    /// The geometric mean: the borders' errors are those of unlike lengths ahead.
+    pub fn mean_ahead(&self) -> f64 {
+        geometric_mean(&self.ahead)
     }
 
     pub fn mean_single(&self) -> f64 {
@@ -127,14 +139,22 @@ pub fn score(
         folds.iter().skip(1).map(|fold| held_out(&total.minus(fold), std::slice::from_ref(fold))).collect::<Vec<_>>();
     let pairs: Vec<f64> =
         folds[1..].chunks_exact(2).map(|pair| held_out(&total.minus(&pair[0]).minus(&pair[1]), pair)).collect();
-    let ahead: Vec<f64> = (FOLDS / 2..FOLDS - 1)
-        .filter(|&seen| seen < folds.len())
+    let ahead: Vec<f64> = borders(folds.len())
         .map(|seen| held_out(&NormalEquations::total(&folds[..seen]), &folds[seen..]))
         .collect();
     let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    let logs: Vec<f64> = ahead.iter().map(|error| error.max(1e-300).ln()).collect();
     let begin = folds[0].squared_error(&total.estimate(penalty, positive)) / folds[0].rows.max(1.0);
-    Score { double: mean(&pairs), ahead: mean(&logs).exp(), begin, single }
+    Score { double: mean(&pairs), ahead, begin, single }
+}
+
+/// How many folds train where the rest lies ahead.
+pub fn borders(folds: usize) -> impl Iterator<Item = usize> {
+    (FOLDS / 2..FOLDS - 1).filter(move |&seen| seen < folds)
+}
+
+pub fn geometric_mean(values: &[f64]) -> f64 {
+    let logs = values.iter().map(|value| value.max(1e-300).ln());
+    (logs.sum::<f64>() / values.len().max(1) as f64).exp()
 }
 
 /// A ratio of mean squared errors as a change of the root in percent.

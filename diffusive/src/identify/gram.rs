@@ -67,6 +67,8 @@ pub struct Accumulator {
     folds: Vec<Gram>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
+    /// States behind every fold.
+    ends: Vec<Vec<f64>>,
     row: u64,
     /// Rows at the beginning that say nothing: what drove them stood before the record.
     lead: u64,
@@ -90,6 +92,7 @@ impl Accumulator {
             fold_rows: 0,
             folds: Vec::with_capacity(folds),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
+            ends: Vec::with_capacity(folds),
             row: 0,
             lead: design.longest_delay() as u64,
         }
@@ -121,15 +124,17 @@ impl Accumulator {
 
     fn end_fold(&mut self) {
         self.folds.push(Gram::of(&self.tiles, self.rows.width(), self.fold_rows));
+        self.ends.push(self.rows.states());
         self.tiles.fill(Tile::default());
         self.fold_rows = 0;
     }
 
-    pub fn finish(mut self) -> Vec<Gram> {
+    /// The folds, and the states behind each of them.
+    pub fn finish(mut self) -> (Vec<Gram>, Vec<Vec<f64>>) {
         while self.folds.len() <= self.borders.len() {
             self.end_fold();
         }
-        self.folds
+        (self.folds, self.ends)
     }
 }
 
@@ -179,7 +184,8 @@ mod tests {
         let blocks = blocks();
         let mut accumulator = Accumulator::new(&design, 1.0, 370, 3, &[20.0]);
         blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
-        let folds = accumulator.finish();
+        let (folds, ends) = accumulator.finish();
+        assert_eq!(ends.len(), 3);
 
         let join = |of: &dyn Fn(&Block) -> Vec<f64>| blocks.iter().flat_map(of).collect::<Vec<f64>>();
         let (first, second) = (join(&|block| block.inputs[0].clone()), join(&|block| block.inputs[1].clone()));
@@ -216,6 +222,6 @@ mod tests {
         let design = RegressionDesign { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: 1 };
         let mut accumulator = Accumulator::new(&design, 1.0, 377, 1, &[20.0]);
         blocks().iter().for_each(|block| accumulator.push(block, GasSource::Column));
-        assert_eq!(accumulator.finish()[0].sums[(0, 0)], 377.0);
+        assert_eq!(accumulator.finish().0[0].sums[(0, 0)], 377.0);
     }
 }

@@ -36,6 +36,8 @@
 //! | `panels`, `gram`, `pass` | one reading of the record: normal equations, fold by fold |
 //! | `candidates`, `delay` | the models that are tried |
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
+//! | [`drift`] | an offset that moves: its kind and size, and sums without it |
+//! | `drifting`, `mixture` | the choice where it moves; averages |
 //! | `folds`, `choose` | block cross-validation, and the choice |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
@@ -50,6 +52,7 @@ pub mod options;
 pub mod record;
 pub mod refine;
 pub mod report;
+pub mod rig;
 pub mod symbol;
 pub mod validate;
 
@@ -58,6 +61,8 @@ pub mod validate;
 pub mod candidates;
 #[doc(hidden)]
 pub mod design;
+#[doc(hidden)]
+pub mod drift;
 #[doc(hidden)]
 pub mod folds;
 #[doc(hidden)]
@@ -72,8 +77,10 @@ pub mod pass;
 mod choose;
 mod conductance;
 mod delay;
+mod drifting;
 mod fitted;
 mod labels;
+mod mixture;
 mod outcome;
 mod panels;
 mod prior;
@@ -86,6 +93,7 @@ mod tied;
 mod validate_options;
 mod whiteness;
 
+pub use drift::{DriftGiven, DriftKind};
 pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
 pub use residuals::FitRow;
 

@@ -67,7 +67,11 @@ pub struct PenalisedSolution {
 impl NormalEquations {
     /// `output` counts the outputs, which stand last in the sums.
     pub fn of(gram: &Gram, terms: &[ModelTerm], outputs: usize, output: usize) -> Self {
-        let y = gram.sums.ncols() - outputs + output;
+        Self::of_sum(gram, terms, &[(gram.sums.ncols() - outputs + output, 1.0)])
+    }
+
+    /// The same for an output that is a sum of columns.
+    pub fn of_sum(gram: &Gram, terms: &[ModelTerm], output: &[(usize, f64)]) -> Self {
         let mut maps = DMatrix::zeros(gram.sums.nrows(), terms.len());
         for (column, term) in terms.iter().enumerate() {
             for &(row, weight) in &term.of {
@@ -75,7 +79,12 @@ impl NormalEquations {
             }
         }
         let half = &gram.sums * &maps;
-        Self { g: maps.tr_mul(&half), b: half.row(y).transpose(), yy: gram.sums[(y, y)], rows: gram.rows as f64 }
+        let (mut b, mut yy) = (DVector::zeros(terms.len()), 0.0);
+        for &(row, weight) in output {
+            b += half.row(row).transpose() * weight;
+            yy += output.iter().map(|&(column, other)| weight * other * gram.sums[(row, column)]).sum::<f64>();
+        }
+        Self { g: maps.tr_mul(&half), b, yy, rows: gram.rows as f64 }
     }
 
     /// The sum of all folds.
@@ -117,6 +126,24 @@ impl NormalEquations {
         theta.component_mul(&scaled.scale)
     }
 
+    /// The logarithm of the marginal likelihood but for a constant of the record: θ ~ N(0, σ² P⁻¹),
+    /// parameters without a penalty are anywhere, and σ² is the one that makes most of it.
+    pub fn evidence(&self, penalty: &DMatrix<f64>) -> f64 {
+        let scaled = ScaledEquations::of(self, penalty);
+        let theta = scaled.solve_all().component_mul(&scaled.scale);
+        let free = penalty.diagonal().iter().filter(|weight| **weight <= 0.0).count();
+        let freedom = self.rows - free as f64;
+        let rest = (self.yy - theta.dot(&self.b)).max(1e-14 * self.yy).max(f64::MIN_POSITIVE);
+        let used: f64 = scaled.scale.iter().filter(|scale| **scale > 0.0).map(|scale| -2.0 * scale.ln()).sum();
+        let log_of_posterior = log_determinant(&scaled.factor) + used;
+        // A column without content tells nothing, and its prior is what it was.
+        let is_held = |&i: &usize| penalty[(i, i)] > 0.0 && scaled.scale[i] > 0.0;
+        let held: Vec<usize> = (0..penalty.nrows()).filter(is_held).collect();
+        let prior = DMatrix::from_fn(held.len(), held.len(), |i, j| penalty[(held[i], held[j])]);
+        let log_of_prior = Cholesky::new(prior).map_or(f64::INFINITY, |factor| log_determinant(&factor));
+        -0.5 * (freedom * (rest / freedom).ln() + log_of_posterior - log_of_prior)
+    }
+
     pub fn solve(&self, penalty: &DMatrix<f64>, positive: Option<&[bool]>) -> PenalisedSolution {
         let scaled = ScaledEquations::of(self, penalty);
         let theta = self.estimate(penalty, positive);
@@ -137,6 +164,10 @@ impl NormalEquations {
         let covariance = &inverse * noise_variance + &pulled;
         PenalisedSolution { covariance, inverse, pulled, theta, rss, degrees, noise_variance }
     }
+}
+
+fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
+    2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>()
 }
 
 /// (G + P) with a unit diagonal of G.

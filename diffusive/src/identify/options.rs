@@ -1,6 +1,7 @@
 //! Options of identification: structure, mesh, initial state, signs, gas. The default chooses
 //! everything by cross-validation.
 
+use super::drift::DriftGiven;
 use super::residuals::FitRow;
 use crate::model::Structure;
 
@@ -23,6 +24,8 @@ pub struct IdentifyOptions {
     pub free_poles: Option<usize>,
     /// Pairs i → j and j → i have the same resistances.
     pub tie: bool,
+    /// Whether the offset moves.
+    pub drift: DriftGiven,
 }
 
 /// Where the temperature of the gas comes from.

@@ -22,6 +22,8 @@ pub struct Facts {
     pub classes: Vec<Vec<ValueSpread>>,
     /// Σ(u_i − u_i0)(u_j − u_j0)
     products: Vec<Vec<f64>>,
+    /// By input: rows in which it moves by more than a tenth of its range, and its last value.
+    moves: Vec<(u64, f64)>,
 }
 
 impl Facts {
@@ -45,6 +47,7 @@ impl Facts {
             self.outputs = block.outputs.iter().map(|values| ValueSpread::from(values[0])).collect();
             self.gas = block.gas.first().map(|&gas_c| ValueSpread::from(gas_c));
             self.products = vec![vec![0.0; inputs]; inputs];
+            self.moves = self.first_inputs.iter().map(|&first| (0, first)).collect();
         }
         self.rows += block.len() as u64;
         for (spread, values) in self.outputs.iter_mut().zip(&block.outputs) {
@@ -64,6 +67,14 @@ impl Facts {
             }
             from = to;
         }
+        for (input, values) in block.inputs.iter().enumerate() {
+            let [least, most] = self.input_range(input);
+            let far = 0.1 * (most - least);
+            let (moves, last) = &mut self.moves[input];
+            let jumps = values.windows(2).filter(|two| (two[1] - two[0]).abs() > far).count() as u64;
+            *moves += jumps + u64::from((values[0] - *last).abs() > far);
+            *last = values[values.len() - 1];
+        }
         for i in 0..inputs {
             for j in 0..i {
                 let pairs = block.inputs[i].iter().zip(&block.inputs[j]);
@@ -79,6 +90,11 @@ impl Facts {
         own.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], of| [least.min(of.least), most.max(of.greatest)])
     }
 
+    /// In how many rows any input moved by more than a tenth of its range.
+    pub fn moves(&self) -> u64 {
+        self.moves.iter().map(|(moves, _)| *moves).max().unwrap_or(0)
+    }
+
     /// Standard deviation of an input over the whole record.
     pub fn input_sd(&self, input: usize) -> f64 {
         let (sum, squares) = self.input_sums(input);
@@ -91,7 +107,7 @@ impl Facts {
         match drive {
             BankDrive::Input(input) | BankDrive::Gated { input, .. } => self.input_scale(input),
             BankDrive::Gas => self.gas_sd(),
-            BankDrive::Loss { .. } | BankDrive::Gate { .. } => 1.0,
+            BankDrive::Loss { .. } | BankDrive::Gate { .. } | BankDrive::Output(_) => 1.0,
         }
     }
 
@@ -142,6 +158,8 @@ impl Facts {
 pub struct Passed {
     /// By design: the folds.
     pub folds: Vec<Vec<Gram>>,
+    /// By design: the states behind each fold, as the next row has them.
+    pub ends: Vec<Vec<Vec<f64>>>,
     pub facts: Facts,
     /// Subtracted from the outputs before they entered the sums.
     pub output_shift: Vec<f64>,
@@ -178,7 +196,8 @@ pub fn pass(
             break;
         }
     }
-    Ok(Passed { folds: accumulators.into_iter().map(Accumulator::finish).collect(), facts, output_shift })
+    let (folds, ends) = accumulators.into_iter().map(Accumulator::finish).unzip();
+    Ok(Passed { folds, ends, facts, output_shift })
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -69,6 +69,7 @@ impl Scales {
             let power = |bank: usize| problem.rows * self.drive[bank].powi(2);
             penalty[(i, i)] = match (prior, term.role) {
                 (_, Role::Offset) => 0.0,
+                (_, Role::DriftStart { precision }) => precision,
                 (Prior::Columns(weight), _) => weight * problem.g[(i, i)],
                 (Prior::Tapered(weight), Role::Relaxation { bank, rate_rad_s, .. }) => {
                     weight * power(bank) / taper(rate_rad_s).powi(2)

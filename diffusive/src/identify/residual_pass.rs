@@ -4,6 +4,8 @@
 
 use std::collections::VecDeque;
 
+use super::choose::ChosenDrift;
+use super::drift::RunningFilter;
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
 use super::options::{FitObserver, Progress};
@@ -58,6 +60,8 @@ impl ResidualPass {
         let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
         let (mut input_row, mut output_row, mut predicted) =
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
+        let mut drift = vec![0.0; outputs];
+        let mut levels: Vec<Level> = fitted.iter().map(|fitted| Level::of(fitted, period_s)).collect();
         let mut count = 0;
         let longest = design.longest_delay();
         // The last inputs and their classes, oldest first.
@@ -79,11 +83,12 @@ impl ResidualPass {
                         }
                     }
                     predicted[output] = explained.iter().sum::<f64>() + fitted[output].shift;
+                    drift[output] = levels[output].at(output_row[output] - predicted[output]);
                     // What drove the first rows of a model with dead time stood before the record.
                     if count < longest as u64 {
                         predicted[output] = f64::NAN;
                     } else {
-                        self.residuals[output].push(output_row[output], predicted[output]);
+                        self.residuals[output].push(output_row[output], predicted[output], drift[output]);
                     }
                 }
                 if longest > 0 {
@@ -92,7 +97,7 @@ impl ResidualPass {
                         pending.pop_front();
                     }
                 }
-                seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted });
+                seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted, drift: &drift });
                 count += 1;
             }
             self.end.next_time_s = block.time_s.1 + period_s;
@@ -101,6 +106,7 @@ impl ResidualPass {
         let states = rows.states();
         for &output in alike {
             self.end.decays[output] = fitted[output].decays(&states);
+            self.end.decays[output].extend(fitted[output].drift.map(ChosenDrift::end));
         }
         if pending.len() >= self.end.pending_class.len() {
             let of = |input: usize| pending.iter().map(|(inputs, _)| inputs[input]).collect();
@@ -108,6 +114,21 @@ impl ResidualPass {
             self.end.pending_class = pending.iter().map(|(_, class)| *class).collect();
         }
         Ok(())
+    }
+}
+
+/// The drift of an output, row by row.
+struct Level(Option<RunningFilter>);
+
+impl Level {
+    fn of(fitted: &FittedOutput<'_>, period_s: f64) -> Self {
+        let filter = fitted.drift.and_then(|drift| drift.filter.as_ref());
+        Self(filter.map(|filter| RunningFilter::new(filter, period_s)))
+    }
+
+    /// What was expected of a residual, K.
+    fn at(&mut self, residual: f64) -> f64 {
+        self.0.as_mut().map_or(0.0, |filter| residual - filter.innovation(residual))
     }
 }
 

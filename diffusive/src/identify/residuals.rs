@@ -31,6 +31,8 @@ pub struct FitRow<'a> {
     /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time
     /// leaves without a known input.
     pub predicted: &'a [f64],
+    /// By output: how far the offset has moved; empty where nothing tells.
+    pub drift: &'a [f64],
 }
 
 /// Sums over the residuals of one output.
@@ -38,6 +40,8 @@ pub struct FitRow<'a> {
 pub struct Residuals {
     count: u64,
     squares: f64,
+    /// Σ of squares of what the inputs leave, drift included.
+    unexplained: f64,
     products: Vec<f64>,
     /// The last residuals, newest first, from `newest` on: the place before it is free until there
     /// is none.
@@ -51,8 +55,10 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    pub fn push(&mut self, measured: f64, predicted: f64) {
-        let residual = measured - predicted;
+    /// `predicted` by the inputs from an offset that stands.
+    pub fn push(&mut self, measured: f64, predicted: f64, drift: f64) {
+        let residual = measured - predicted - drift;
+        self.unexplained += (measured - predicted).powi(2);
         if self.count == 0 {
             self.products = vec![0.0; LAGS];
             self.last = vec![0.0; ROOM + LAGS];
@@ -99,7 +105,7 @@ impl Residuals {
     pub fn fit_percent(&self) -> f64 {
         let n = (self.count as f64).max(1.0);
         let spread = self.y_squares - self.y_sum * self.y_sum / n;
-        if spread > 0.0 { 100.0 * (1.0 - (self.squares / spread).sqrt()) } else { 0.0 }
+        if spread > 0.0 { 100.0 * (1.0 - (self.unexplained / spread).sqrt()) } else { 0.0 }
     }
 
     /// `None` for fewer rows than lags would need, or residuals that are all zero.
@@ -134,8 +140,8 @@ mod tests {
         for _ in 0..20_000 {
             let new = noise();
             slow = 0.8 * slow + new;
-            white.push(new, 0.0);
-            coloured.push(slow, 0.0);
+            white.push(new, 0.0, 0.0);
+            coloured.push(slow, 0.0, 0.0);
         }
         let (white, coloured) = (white.whiteness().unwrap(), coloured.whiteness().unwrap());
         assert!(white.p_value > 0.001 && (white.inflation - 1.0).abs() < 0.1, "{white:?}");

@@ -54,6 +54,8 @@ struct BankSignal {
     /// Drives that have not arrived yet, oldest at `next`.
     late: Vec<f64>,
     next: usize,
+    /// Subtracted from an output, as it is from its column.
+    shift: f64,
 }
 
 impl RegressionRows {
@@ -93,6 +95,10 @@ impl RegressionRows {
             first_gas_c: None,
             late: vec![0.0; bank.delay],
             next: 0,
+            shift: match bank.drive {
+                BankDrive::Output(output) => output_shift[output],
+                _ => 0.0,
+            },
         };
         Self {
             lanes,
@@ -164,6 +170,10 @@ impl BankSignal {
             BankDrive::Gas => {
                 let first_c = *self.first_gas_c.get_or_insert(block.gas[from]);
                 values.iter_mut().zip(&block.gas[rows]).for_each(|(value, gas_c)| *value = gas_c - first_c);
+            }
+            BankDrive::Output(output) => {
+                values.copy_from_slice(&block.outputs[output][rows]);
+                values.iter_mut().for_each(|value| *value -= self.shift);
             }
             BankDrive::Gate { class } => {
                 values.fill(1.0);

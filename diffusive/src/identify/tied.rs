@@ -131,6 +131,7 @@ pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
             sign_reason: choice.sign_reason.clone(),
             gain_spread: Vec::new(),
             reason: None,
+            drift: None,
         });
     }
     Tied { choices: tied, reason: Some(reason), warning }
@@ -153,7 +154,7 @@ fn parts_for(reading: &SymbolReading, trial: &ScoredCandidate, choices: &[Choice
         let key = |(at, term): (usize, &ModelTerm)| match term.role {
             Role::Relaxation { bank, k, .. } => shared(bank, Some(k)),
             Role::FeedThrough { bank } => shared(bank, None),
-            Role::Initial { .. } | Role::Offset => TiedParameter::Own(output, at),
+            Role::Initial { .. } | Role::Offset | Role::DriftStart { .. } => TiedParameter::Own(output, at),
         };
         let mut index = Vec::with_capacity(terms.len());
         for key in terms.iter().enumerate().map(key) {

@@ -33,7 +33,7 @@ pub(super) fn model(
     let step = solver.step(&Gram::total(&passed.folds[best.mesh]), &best.winds);
     let terms = solver.places.terms(best.initial_state, &best.winds);
 
-    let fitted = |((theta, covariance), &shift)| FittedOutput { design, terms: &terms, theta, covariance, shift };
+    let fitted = |((theta, covariance), &shift)| FittedOutput { design, terms: &terms, theta, covariance, shift, drift: None };
     let fitted: Vec<FittedOutput> = step.thetas.iter().zip(&step.own).zip(&passed.output_shift).map(fitted).collect();
     let mut row = observed(progress, "residuals", survey.rows, observer);
     let residuals = ResidualPass::of(source, found.gas, &fitted, &mut row)?;

@@ -86,7 +86,10 @@ impl ConductanceColumns<'_> {
                     terms.push(ModelTerm { of: vec![(column, 1.0)], role })
                 }
                 Role::Offset => terms.push(ModelTerm { of: vec![(column, 1.0)], role }),
-                Role::Relaxation { .. } | Role::FeedThrough { .. } | Role::Initial { .. } => {}
+                Role::Relaxation { .. }
+                | Role::FeedThrough { .. }
+                | Role::Initial { .. }
+                | Role::DriftStart { .. } => {}
             }
         }
         terms

@@ -101,7 +101,7 @@ fn place(term: &ModelTerm, rates_rad_s: &[f64]) -> Option<(usize, usize)> {
             let k = tripled(rates_rad_s).iter().position(|rate| *rate == rate_rad_s)?;
             Some((k / 3, k % 3))
         }
-        Role::FeedThrough { .. } | Role::Offset => None,
+        Role::FeedThrough { .. } | Role::Offset | Role::DriftStart { .. } => None,
     }
 }
 

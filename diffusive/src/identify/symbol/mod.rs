@@ -8,6 +8,7 @@
 pub(super) mod plan;
 mod report;
 
+use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
@@ -36,7 +37,18 @@ pub fn identify(
     let classes = labels(source, progress)?;
     let reading = SymbolPlan::of(source, survey, classes, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);
-    let choices = choose(source, &reading, options, progress)?;
+    let mut choices = choose(source, &reading, options, progress)?;
+    if reading.plan.meshes.iter().any(|mesh| mesh.part != MeshPart::Ordinary) {
+        let fitted: Vec<FittedOutput> =
+            choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
+        let left = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {})?.residuals;
+        for (output, left) in left.iter().enumerate() {
+            let candidates = CandidateSet { reading: &reading, options, output };
+            if let Some(other) = candidates.otherwise(&choices[output], left) {
+                choices[output] = other;
+            }
+        }
+    }
     let tied = if options.tie { tie(&reading, &choices) } else { Tied { choices, reason: None, warning: None } };
     let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
     let fitted: Vec<FittedOutput> =

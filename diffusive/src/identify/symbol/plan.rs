@@ -3,8 +3,9 @@
 
 use dr_core::model::mesh::thesis_edges_rad_s;
 
-use super::super::candidates::{self, CandidateMesh};
+use super::super::candidates::{self, CandidateMesh, MeshPart};
 use super::super::delay::{self, PathDecision};
+use super::super::drift::DriftGiven;
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::super::folds::FOLDS;
 use super::super::gas_source::GasSource;
@@ -44,6 +45,29 @@ impl BankPart {
             PairKind::Cross => self.input != output,
         }
     }
+}
+
+/// Meshes that allow for an offset that moves, behind the others; none where they are more than the
+/// machine should be asked for, or no choice is left.
+fn meshes_besides(
+    survey: &Survey,
+    classes: usize,
+    options: &IdentifyOptions,
+    ordinary: &[CandidateMesh],
+) -> Vec<CandidateMesh> {
+    let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
+    let is_plain = options.tie || options.free_poles.is_some() || options.cross.is_some();
+    let mut meshes = Vec::new();
+    if !is_plain && options.drift != DriftGiven::None {
+        meshes.push(candidates::drifting(duration_s, period_s, &ordinary[0], given));
+    }
+    let is_given = given.order.is_some() || given.edges_rad_s.is_some() || given.ridge.is_some();
+    if !is_plain && !is_given && options.structure.is_none() {
+        meshes.extend(candidates::averaged(duration_s, period_s));
+    }
+    let width = |mesh: &CandidateMesh| (mesh.rates_rad_s.len() + mesh.poles_rad_s.len()) * (survey.inputs.len() * classes + 1);
+    let most = (survey.rows / 3).min(MOST_UNKNOWNS as u64) as usize;
+    if meshes.iter().any(|mesh| width(mesh) > most) { Vec::new() } else { meshes }
 }
 
 /// Every input, in every class if there are several.
@@ -101,7 +125,8 @@ impl SymbolPlan {
     ) -> Result<Self, RecordError> {
         let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
         let path = delay::decide(source, &options.constraints)?;
-        let meshes = meshes(&survey, classes.len(), &options.constraints)?;
+        let mut meshes = meshes(&survey, classes.len(), &options.constraints)?;
+        meshes.extend(meshes_besides(&survey, classes.len(), options, &meshes));
         let parts_of = |kind| parts(inputs, classes.len(), kind);
         let (parts, cross_rad_s) = match &options.cross {
             None => (parts_of(PairKind::Any), None),
@@ -117,15 +142,26 @@ impl SymbolPlan {
             },
             rates_rad_s: match (&cross_rad_s, part.kind) {
                 (Some(cross), PairKind::Cross) => cross.clone(),
-                _ => mesh.rates_rad_s.clone(),
+                _ => mesh.all_rad_s(),
             },
             delay: path.delay,
             feed_through: path.feed_through && part.kind != PairKind::Cross,
         };
         let may_begin = options.constraints.initial_state != Some(InitialState::Rest);
+        let means = |mesh: &CandidateMesh| {
+            let of = |output| RelaxationBank {
+                drive: BankDrive::Output(output),
+                rates_rad_s: mesh.poles_rad_s.clone(),
+                delay: 0,
+                feed_through: false,
+            };
+            let count = if mesh.poles_rad_s.is_empty() { 0 } else { outputs };
+            (0..count).map(of).collect::<Vec<_>>()
+        };
         let design = |mesh: &CandidateMesh| RegressionDesign {
-            banks: parts.iter().map(|part| bank(part, mesh)).collect(),
-            initial_rad_s: if may_begin { mesh.rates_rad_s.clone() } else { Vec::new() },
+            banks: parts.iter().map(|part| bank(part, mesh)).chain(means(mesh)).collect(),
+            // A filter needs the decays at its poles, whatever the record began with.
+            initial_rad_s: if may_begin { mesh.all_rad_s() } else { mesh.poles_rad_s.clone() },
             outputs,
         };
         let designs = meshes.iter().map(design).collect();
@@ -140,7 +176,9 @@ impl SymbolPlan {
         progress: &mut Progress<'_>,
     ) -> Result<SymbolReading, RecordError> {
         let mut tell = |done| progress("reading", done, self.survey.rows);
-        let passed = pass(source, &self.designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
+        let is_read = |mesh: &&CandidateMesh| mesh.part != MeshPart::Union;
+        let read = self.meshes.iter().filter(is_read).count();
+        let passed = pass(source, &self.designs[..read], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
         let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
         support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)?;
         let duration_s = self.survey.duration_s();
@@ -159,6 +197,13 @@ impl SymbolPlan {
             (true, None) => &[false, true],
             (true, Some(_)) => &[true],
         }
+    }
+
+    /// Rates of a bank that a model has: filters' poles are none of it.
+    pub fn rates_of(&self, mesh: usize, bank: usize) -> Vec<f64> {
+        let poles = &self.meshes[mesh].poles_rad_s;
+        let rates = self.designs[mesh].banks[bank].rates_rad_s.iter().copied();
+        rates.filter(|rate| !poles.contains(rate)).collect()
     }
 
     /// Whether inputs drive only in their class.

@@ -64,7 +64,7 @@ impl SymbolResult<'_> {
     }
 
     fn pairs(&self) -> Vec<Pair> {
-        let SymbolPlan { survey, classes: labels, path, parts, designs, .. } = &self.reading.plan;
+        let SymbolPlan { survey, classes: labels, path, parts, .. } = &self.reading.plan;
         let mut pairs = Vec::new();
         for (output, choice) in self.choices.iter().enumerate() {
             for (input, name) in survey.inputs.iter().enumerate() {
@@ -72,7 +72,7 @@ impl SymbolResult<'_> {
                 let mut mesh_rad_s = Vec::new();
                 let is_its = |part: &BankPart| part.input == input && part.is_seen_by(output);
                 for (bank, part) in parts.iter().enumerate().filter(|(_, part)| is_its(part)) {
-                    mesh_rad_s.clone_from(&designs[choice.trial.mesh].banks[bank].rates_rad_s);
+                    mesh_rad_s = self.reading.plan.rates_of(choice.trial.mesh, bank);
                     let mut class = self.fitted[output].class(bank, 0..0);
                     let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
                     class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(spread);

@@ -35,7 +35,7 @@ pub fn validate(
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
     run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
-            residuals.push(*measured, *predicted);
+            residuals.push(*measured, *predicted, 0.0);
         }
         observer(seen);
     })?;

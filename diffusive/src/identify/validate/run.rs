@@ -51,7 +51,7 @@ pub(super) fn run(
                 Losses::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
                 Losses::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
             }
-            seen(&FitRow { row, class, measured: &measured, predicted: &predicted });
+            seen(&FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[] });
             row += 1;
         }
     }

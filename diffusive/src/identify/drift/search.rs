@@ -1,0 +1,125 @@
+//! Kind and size of a drift, by the marginal likelihood of a record.
+//!
+//! ```text
+//! −2 ln p(y) = (n − m) ln s² + ln|G + P| − ln|P|,     s² = (yᵀy − bᵀθ)/(n − m)
+//! ```
+//!
+//! on filtered columns, for m parameters without a prior (the offset). The filter's own determinant
+//! is one.
+
+use super::columns::PoleColumns;
+use super::filter::{NoiseFilter, Section};
+use super::{DriftGiven, DriftKind};
+use crate::identify::gram::Gram;
+use crate::identify::normal_equations::ModelTerm;
+use crate::identify::prior::{Prior, Scales};
+
+/// Evidence, in nats, that a drift of chosen kind and size must have over none. Twice the excess of
+/// one that is not there follows χ² with one or two degrees of freedom.
+pub const WORTH: f64 = 4.0;
+
+/// The model with which drifts are compared.
+pub struct DriftCase<'a> {
+    pub gram: &'a Gram,
+    pub columns: &'a PoleColumns,
+    pub terms: &'a [ModelTerm],
+    pub output: usize,
+    pub scales: &'a Scales,
+    pub priors: &'a [Prior],
+    /// Poles that filters may have, ascending.
+    pub poles_rad_s: &'a [f64],
+}
+
+impl DriftCase<'_> {
+    /// Filters that were tried, each with its evidence over none and what its kind was worth before:
+    /// all kinds the same, and within a kind all zeros the same. The best first; those within
+    /// `counts` nats of it.
+    pub fn search(&self, given: DriftGiven, counts: f64) -> Vec<(NoiseFilter, f64)> {
+        let kinds = match given {
+            DriftGiven::None => return Vec::new(),
+            DriftGiven::Auto => DriftKind::ALL.to_vec(),
+            DriftGiven::Kind(kind) => vec![kind],
+        };
+        let plain = self.evidence(None);
+        let mut all: Vec<(NoiseFilter, f64)> = kinds.into_iter().flat_map(|kind| self.tried(kind)).collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let most = all.first().map_or(f64::NEG_INFINITY, |best| best.1);
+        all.retain(|(_, evidence)| *evidence > most - counts);
+        all.iter_mut().for_each(|(_, evidence)| *evidence -= plain);
+        all
+    }
+
+    /// Evidence of a filter, at its best prior.
+    pub fn evidence(&self, filter: Option<&NoiseFilter>) -> f64 {
+        let (terms, problem) = self.columns.problem(self.gram, self.terms, self.output, filter);
+        let of = |prior: &Prior| problem.evidence(&self.scales.penalty(*prior, &terms, &problem));
+        self.priors.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn weighed(&self, filters: impl Iterator<Item = NoiseFilter>) -> Vec<(NoiseFilter, f64)> {
+        let of = |filter: NoiseFilter| {
+            let evidence = self.evidence(Some(&filter));
+            (filter, evidence)
+        };
+        filters.map(of).collect()
+    }
+
+    fn tried(&self, kind: DriftKind) -> Vec<(NoiseFilter, f64)> {
+        let poles = self.poles_rad_s;
+        let of = |sections: Vec<Section>| NoiseFilter { kind, sections };
+        match kind {
+            DriftKind::RandomWalk => {
+                let coarse = self.weighed(poles.iter().map(|&pole| NoiseFilter::walk(pole)));
+                let between = self.between(&coarse);
+                [coarse, between].concat()
+            }
+            DriftKind::IntegratedWalk => {
+                let pairs = (0..poles.len()).flat_map(|at| [at + 1, at + 2].map(|next| (at, next)));
+                let section = |at: usize| Section { pole_rad_s: poles[at], zero_rad_s: 0.0 };
+                let pairs = pairs.filter(|(_, next)| *next < poles.len());
+                self.weighed(pairs.map(|(at, next)| of(vec![section(at), section(next)])))
+            }
+            DriftKind::Correlated => {
+                // From one over the record on, as far as a pole allows.
+                let slowest = 0.25 * poles.first().copied().unwrap_or(1.0);
+                let zeros: Vec<f64> = (0..40).map(|step| slowest * 10_f64.powf(0.2 * f64::from(step))).collect();
+                let zeros_of = |pole: f64| zeros.iter().copied().take_while(move |zero| *zero < 0.7 * pole);
+                let pairs = poles.iter().flat_map(|&pole| zeros_of(pole).map(move |zero| (pole, zero)));
+                let section = |(pole_rad_s, zero_rad_s)| of(vec![Section { pole_rad_s, zero_rad_s }]);
+                let coarse = self.weighed(pairs.map(section));
+                let between = self.between(&coarse);
+                let mut all = [coarse, between].concat();
+                let worth = (zeros.len() as f64).min(12.0).ln();
+                all.iter_mut().for_each(|(_, evidence)| *evidence -= worth);
+                all
+            }
+        }
+    }
+
+    /// Filters whose pole stands between that of the best and a neighbour.
+    fn between(&self, coarse: &[(NoiseFilter, f64)]) -> Vec<(NoiseFilter, f64)> {
+        let Some((best, most)) = coarse.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Vec::new() };
+        let own = best.sections[0];
+        let at = self.poles_rad_s.iter().position(|pole| *pole == own.pole_rad_s).unwrap_or_default();
+        let neighbours = [at.wrapping_sub(1), at + 1];
+        let neighbours = neighbours.into_iter().filter_map(|at| self.poles_rad_s.get(at).copied());
+        let zeros: Vec<f64> = coarse
+            .iter()
+            .filter(|(filter, evidence)| {
+                *evidence > most - 8.0 && filter.sections[0].pole_rad_s == own.pole_rad_s
+            })
+            .map(|(filter, _)| filter.sections[0].zero_rad_s)
+            .collect();
+        let between = neighbours.flat_map(|neighbour| {
+            let zeros = &zeros;
+            [0.25_f64, 0.5, 0.75].into_iter().flat_map(move |part| {
+                // The effective pole is both poles over the zero between them.
+                let middle = neighbour.powf(1.0 - part) * own.pole_rad_s.powf(part);
+                let second = Section { pole_rad_s: neighbour, zero_rad_s: middle };
+                let first = move |&zero_rad_s: &f64| Section { zero_rad_s, ..own };
+                zeros.iter().map(move |zero| NoiseFilter { kind: best.kind, sections: vec![first(zero), second] })
+            })
+        });
+        self.weighed(between)
+    }
+}

@@ -1,0 +1,207 @@
+//! Choices beside that of cross-validation: where the offset moves, and where a record is poorly
+//! excited.
+//!
+//! | record | choice |
+//! |---|---|
+//! | its input moves often, and a drift has evidence | the drift of most evidence, and candidates weighed by theirs |
+//! | its input moves seldom, and what the ordinary choice leaves is coloured | an average of candidates, weighed by one over their error ahead |
+//! | any other | the ordinary one |
+//!
+//! A body's inputs that move a thousand times distinguish a drift from the body; a few steps do
+//! not, and what a model of the wrong structure leaves of them looks like a drift. There no
+//! candidate is to be trusted more than others that carry on about as well, and their average errs
+//! least (docs/explanation/identification.md).
+
+use super::candidates::{MeshPart, initial_states};
+use super::choose::{CandidateSet, Choice, ChosenDrift, ScoredCandidate};
+use super::drift::search::{DriftCase, WORTH};
+use super::drift::{DriftGiven, NoiseFilter, PoleColumns};
+use super::folds::geometric_mean;
+use super::gram::Gram;
+use super::mixture::{Member, MixtureCandidate};
+use super::options::InitialState;
+use super::prior::Prior;
+use super::residuals::Residuals;
+use super::whiteness::is_white;
+
+/// Moves of an input from which on evidence is trusted.
+const MOVES: u64 = 100;
+/// Evidence, in nats, within which another candidate counts.
+const COUNTS: f64 = 6.0;
+/// Candidates of a drift that are averaged at the most.
+const MOST_MEMBERS: usize = 60;
+/// Weights of the prior that are averaged.
+const AVERAGED: [f64; 3] = [1e-3, 1e-4, 1e-5];
+
+impl CandidateSet<'_> {
+    /// Another choice, if the record calls for one; `left` is what the ordinary one leaves.
+    pub fn otherwise(&self, ordinary: &Choice, left: &Residuals) -> Option<Choice> {
+        let moves = self.reading.passed.facts.moves();
+        let given = self.options.drift;
+        if moves >= MOVES || matches!(given, DriftGiven::Kind(_)) {
+            return self.drifting(ordinary);
+        }
+        if is_white(left) { None } else { self.averaged(ordinary, moves) }
+    }
+
+    fn meshes_for(&self, part: MeshPart) -> Vec<usize> {
+        (0..self.meshes().len()).filter(|&mesh| self.meshes()[mesh].part == part).collect()
+    }
+
+    fn initial_states(&self) -> Vec<InitialState> {
+        initial_states(self.options.constraints.initial_state, &self.reading.first_drives)
+    }
+
+    fn drifting(&self, ordinary: &Choice) -> Option<Choice> {
+        let mesh = *self.meshes_for(MeshPart::Drifting).first()?;
+        let total = Gram::total(&self.reading.passed.folds[mesh]);
+        let priors = match self.options.constraints.ridge {
+            Some(ridge) => vec![Prior::Columns(ridge.max(1e-14))],
+            None => (1..=8).map(|step| Prior::Tapered(10_f64.powi(-2 * step))).collect(),
+        };
+        let columns = PoleColumns::of(&self.reading.plan.designs[mesh], self.reading.plan.survey.sample_period_s);
+        let feed_through = ordinary.trial.feed_through;
+        let search = |initial_state| {
+            let terms = self.terms(mesh, initial_state, feed_through);
+            let case = DriftCase {
+                gram: &total,
+                columns: &columns,
+                terms: &terms,
+                output: self.output,
+                scales: &self.reading.scales,
+                priors: &priors,
+                poles_rad_s: &self.meshes()[mesh].poles_rad_s,
+            };
+            case.search(self.options.drift, COUNTS)
+        };
+        let states = self.initial_states();
+        let first = *states.last()?;
+        let mut filters = search(first);
+        let evident = |mesh: usize, initial_state: InitialState, prior: Prior, filter: Option<&NoiseFilter>, gram: &Gram| {
+            let candidate = MixtureCandidate { mesh, initial_state, feed_through, prior, filter: filter.cloned() };
+            let (terms, problem) = self.problem(&candidate, gram);
+            let evidence = problem.evidence(&self.reading.scales.penalty(prior, &terms, &problem));
+            (candidate, evidence)
+        };
+        let state_of = |filter: &NoiseFilter| {
+            let of = |&state: &InitialState| {
+                let each = priors.iter().map(|&prior| evident(mesh, state, prior, Some(filter), &total).1);
+                (state, each.fold(f64::NEG_INFINITY, f64::max))
+            };
+            states.iter().map(of).max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let (best_state, _) = state_of(&filters.first()?.0)?;
+        if best_state != first {
+            filters = search(best_state);
+        }
+        // Kinds differ in what they were worth before, which their evidence holds.
+        let mut candidates: Vec<(MixtureCandidate, f64)> = Vec::new();
+        let evidence = filters.first()?.1;
+        for (filter, own) in &filters {
+            let of_filter: Vec<(MixtureCandidate, f64)> = states
+                .iter()
+                .flat_map(|&state| priors.iter().map(move |&prior| (state, prior)))
+                .map(|(state, prior)| evident(mesh, state, prior, Some(filter), &total))
+                .collect();
+            let most = of_filter.iter().map(|(_, own)| *own).fold(f64::NEG_INFINITY, f64::max);
+            candidates.extend(of_filter.into_iter().map(|(candidate, at)| (candidate, at - most + own)));
+        }
+        candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let most = candidates.first()?.1;
+        candidates.retain(|(_, own)| *own > most - COUNTS);
+        candidates.truncate(MOST_MEMBERS);
+        let weights: Vec<f64> = candidates.iter().map(|(_, own)| (own - most).exp()).collect();
+        let best = candidates.first()?.0.clone();
+        // Another mesh may explain as well what looks like a drift on this one.
+        let trial = &ordinary.trial;
+        let other = Gram::total(&self.reading.passed.folds[trial.mesh]);
+        let of_ordinary = priors.iter().map(|&prior| evident(trial.mesh, trial.initial_state, prior, None, &other).1);
+        let of_ordinary = of_ordinary.fold(f64::NEG_INFINITY, f64::max);
+        let of_best = evident(mesh, best.initial_state, best.prior, best.filter.as_ref(), &total).1;
+        let is_worth = evidence > WORTH && of_best - of_ordinary > WORTH;
+        if self.options.drift == DriftGiven::Auto && !is_worth {
+            return None;
+        }
+        let members: Vec<Member> =
+            candidates.into_iter().map(|(candidate, _)| self.member(candidate, &total)).collect();
+        if std::env::var("DBG").is_ok() {
+            for (m, w) in members.iter().zip(&weights) {
+                let g = self.gains(&m.terms, &m.solution);
+                eprintln!("  {:?} {:?} w {w:.3} gain {:.2} ± {:.2} {:?}", m.candidate.initial_state, m.candidate.prior, g[0].0, g[0].1.sqrt(), m.candidate.filter);
+            }
+        }
+        let filter = best.filter?;
+        let rate_rad_s = filter.rate_rad_s();
+        let drift = ChosenDrift { filter: Some(filter), evidence, level_k: 0.0, rate_rad_s };
+        Some(self.mixed_choice(&members, &weights, mesh, ordinary, drift, None))
+    }
+
+    fn averaged(&self, ordinary: &Choice, moves: u64) -> Option<Choice> {
+        let meshes = self.meshes_for(MeshPart::Averaged);
+        let union = *self.meshes_for(MeshPart::Union).first()?;
+        let feed_through = ordinary.trial.feed_through;
+        let mut members = Vec::new();
+        for mesh in meshes {
+            let total = Gram::total(&self.reading.passed.folds[mesh]);
+            let pole = self.meshes()[mesh].poles_rad_s.first().copied();
+            let walk = pole.filter(|_| self.options.drift != DriftGiven::None).map(NoiseFilter::walk);
+            for initial_state in self.initial_states() {
+                for filter in std::iter::once(None).chain(walk.clone().map(Some)) {
+                    for prior in AVERAGED.map(Prior::Tapered) {
+                        let filter = filter.clone();
+                        let candidate = MixtureCandidate { mesh, initial_state, feed_through, prior, filter };
+                        members.push(self.member(candidate, &total));
+                    }
+                }
+            }
+        }
+        let ahead = |member: &Member| geometric_mean(&member.ahead).sqrt();
+        let least = members.iter().map(ahead).fold(f64::INFINITY, f64::min);
+        let weights: Vec<f64> = members.iter().map(|member| least / ahead(member).max(f64::MIN_POSITIVE)).collect();
+        let drift = ChosenDrift { filter: None, evidence: 0.0, level_k: 0.0, rate_rad_s: 0.0 };
+        let reason = format!(
+            "an average of {} candidates, each weighed by one over its error ahead: the inputs move {moves} times only, and what single candidates leave is no white noise",
+            members.len()
+        );
+        Some(self.mixed_choice(&members, &weights, union, ordinary, drift, Some(reason)))
+    }
+
+    fn mixed_choice(
+        &self,
+        members: &[Member],
+        weights: &[f64],
+        mesh: usize,
+        ordinary: &Choice,
+        drift: ChosenDrift,
+        reason: Option<String>,
+    ) -> Choice {
+        let most = (0..members.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default();
+        let top = &members[most];
+        let mixture = self.mixed(members, weights, mesh, top.candidate.feed_through);
+        let positive = top.held.as_ref().map(|_| {
+            mixture.terms.iter().map(|term| term.role.bank().is_some()).collect::<Vec<bool>>()
+        });
+        let sign_reason = match &positive {
+            Some(_) => "signs: none negative; the record does not contradict".to_owned(),
+            None => "signs: any".to_owned(),
+        };
+        let score = super::folds::Score { ahead: mixture.ahead, ..ordinary.trial.score.clone() };
+        Choice {
+            trial: ScoredCandidate {
+                mesh,
+                initial_state: top.candidate.initial_state,
+                feed_through: top.candidate.feed_through,
+                prior: top.candidate.prior,
+                score,
+            },
+            terms: mixture.terms,
+            positive,
+            solution: mixture.solution,
+            rivals: Vec::new(),
+            sign_reason,
+            gain_spread: Vec::new(),
+            reason,
+            drift: Some(ChosenDrift { level_k: mixture.level_k, ..drift }),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Coverage and errors of a campaign, kind by kind.
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::Serialize;
+
+use super::campaign::DriftOutcome;
+use super::room::RoomDrift;
+
+/// Figures of one kind of drift.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DriftFigures {
+    /// How the room moved.
+    pub room: String,
+    /// Records.
+    pub records: usize,
+    /// Share of records whose gain lies within two stated standard errors, %.
+    pub within_2_se_percent: f64,
+    /// Median error of the gain, K/W.
+    pub median_error_k_per_w: f64,
+    /// Median stated standard error, K/W.
+    pub median_se_k_per_w: f64,
+    /// Median error of a fit that knows what drift there is, K/W.
+    pub median_known_error_k_per_w: Option<f64>,
+    /// Share of records in which a drift was found, %.
+    pub found_percent: f64,
+    /// Share of models that their records support, %.
+    pub supported_percent: f64,
+}
+
+/// What a campaign found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DriftReport {
+    /// Kind by kind.
+    pub kinds: Vec<DriftFigures>,
+}
+
+impl DriftFigures {
+    /// Of the records of one kind.
+    pub fn of(room: RoomDrift, outcomes: &[DriftOutcome]) -> Self {
+        let share = |is: &dyn Fn(&DriftOutcome) -> bool| {
+            100.0 * outcomes.iter().filter(|outcome| is(outcome)).count() as f64 / outcomes.len().max(1) as f64
+        };
+        let median = |of: &dyn Fn(&DriftOutcome) -> f64| {
+            let mut values: Vec<f64> = outcomes.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        let known = median(&|outcome| outcome.known_error_k_per_w.abs());
+        Self {
+            room: room.name(),
+            records: outcomes.len(),
+            within_2_se_percent: share(&|outcome| outcome.error_k_per_w.abs() <= 2.0 * outcome.se_k_per_w),
+            median_error_k_per_w: median(&|outcome| outcome.error_k_per_w.abs()),
+            median_se_k_per_w: median(&|outcome| outcome.se_k_per_w),
+            median_known_error_k_per_w: known.is_finite().then_some(known),
+            found_percent: share(&|outcome| outcome.has_drift),
+            supported_percent: share(&|outcome| outcome.is_supported),
+        }
+    }
+}
+
+impl Display for DriftReport {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "| room | records | within 2 se, % | median error, K/W | known drift | stated se | drift found, % | supported, % |")?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|")?;
+        for of in &self.kinds {
+            let known = of.median_known_error_k_per_w.map_or("–".to_owned(), |known| format!("{known:.3}"));
+            writeln!(
+                f,
+                "| {} | {} | {:.0} | {:.3} | {known} | {:.3} | {:.0} | {:.0} |",
+                of.room,
+                of.records,
+                of.within_2_se_percent,
+                of.median_error_k_per_w,
+                of.median_se_k_per_w,
+                of.found_percent,
+                of.supported_percent
+            )?;
+        }
+        Ok(())
+    }
+}
