@@ -124,12 +124,6 @@ impl CandidateSet<'_> {
         }
         let members: Vec<Member> =
             candidates.into_iter().map(|(candidate, _)| self.member(candidate, &total)).collect();
-        if std::env::var("DBG").is_ok() {
-            for (m, w) in members.iter().zip(&weights) {
-                let g = self.gains(&m.terms, &m.solution);
-                eprintln!("  {:?} {:?} w {w:.3} gain {:.2} ± {:.2} {:?}", m.candidate.initial_state, m.candidate.prior, g[0].0, g[0].1.sqrt(), m.candidate.filter);
-            }
-        }
         let filter = best.filter?;
         let rate_rad_s = filter.rate_rad_s();
         let drift = ChosenDrift { filter: Some(filter), evidence, level_k: 0.0, rate_rad_s };

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::choose::CandidateSet;
 use super::design::{RegressionDesign, Role};
-use super::drift::{NoiseFilter, PoleColumns};
+use super::drift::{DriftKind, NoiseFilter, PoleColumns};
 use super::folds::borders;
 use super::gram::Gram;
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution, in_columns};
@@ -115,6 +115,18 @@ impl CandidateSet<'_> {
         if most > WIDER {
             solution.covariance *= most;
         }
+        // A smooth drift and a relaxation that is hardly slower than the record look alike: either
+        // may be the other.
+        if of.filter.as_ref().is_some_and(|filter| filter.kind == DriftKind::IntegratedWalk) {
+            let slow_rad_s = SLOW * self.reading.scales.thesis_rad_s;
+            for bank in 0..parts {
+                let is_slow = |term: &ModelTerm| {
+                    matches!(term.role, Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank && rate_rad_s <= slow_rad_s)
+                };
+                let slow = DVector::from_fn(terms.len(), |at, _| if is_slow(&terms[at]) { solution.theta[at] } else { 0.0 });
+                solution.covariance.ger(1.0, &slow, &slow, 1.0);
+            }
+        }
     }
 
     fn level(&self, of: &MixtureCandidate, terms: &[ModelTerm], theta: &DVector<f64>, next: &[f64]) -> f64 {
@@ -145,7 +157,7 @@ impl CandidateSet<'_> {
             Signs::Any => None,
             Signs::AllPositive => Some(mask(&|_| true)),
             Signs::Positive(pairs) => Some(mask(&|input| pairs.contains(&(input, self.output)))),
-            Signs::Choose if of.filter.is_none() || std::env::var("POS").is_err() => None,
+            Signs::Choose if of.filter.is_none() => None,
             Signs::Choose => {
                 let all = mask(&|_| true);
                 let held = problem.estimate(penalty, Some(&all));
@@ -197,6 +209,9 @@ impl CandidateSet<'_> {
         }
     }
 }
+
+/// Rates up to so many times 2π/T are hardly told from a smooth drift.
+const SLOW: f64 = 2.0;
 
 /// Ratio of variances from which on folds are believed: ten folds show theirs to a factor of two.
 const WIDER: f64 = 2.0;
