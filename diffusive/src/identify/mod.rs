@@ -38,6 +38,7 @@
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
 //! | `folds`, `choose` | block cross-validation, and the choice |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
+//! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
 //! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | [`report`] | the result for people |
@@ -74,6 +75,7 @@ mod conductance;
 mod delay;
 mod fitted;
 mod labels;
+mod losses;
 mod outcome;
 mod panels;
 mod prior;
@@ -86,14 +88,15 @@ mod tied;
 mod validate_options;
 mod whiteness;
 
-pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
+pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Losses, Progress, Signs};
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
 use record::{RecordError, RecordSource};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
-/// row with the model's prediction.
+/// row with the model's prediction; again for all rows if losses that grow with temperature are
+/// found, of which the last count.
 ///
 /// # Errors
 /// A sentence that names the column or the row, and the remedy.
@@ -104,14 +107,8 @@ pub fn identify(
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
     validate_options::refuse(source.survey(), options)?;
-    let mut model = match (options.free_poles, options.structure) {
-        (Some(poles), _) => {
-            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
-            refine::refine(source, &mesh, poles, options, progress, observer)
-        }
-        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
-        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
-    }?;
+    losses::refuse(source.survey(), options)?;
+    let mut model = losses::identify(source, options, &linear, progress, observer)?;
     model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
     let mut against = validate_options::warnings(source.survey(), options);
     against.extend(support::silent(&model));
@@ -119,4 +116,21 @@ pub fn identify(
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     Ok(model)
+}
+
+/// A model whose losses do not grow with temperature, of the structure that was asked for.
+fn linear(
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+    observer: &mut FitObserver<'_>,
+) -> Result<Model, RecordError> {
+    match (options.free_poles, options.structure) {
+        (Some(poles), _) => {
+            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+            refine::refine(source, &mesh, poles, options, progress, observer)
+        }
+        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
+        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
+    }
 }

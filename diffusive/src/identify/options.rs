@@ -23,6 +23,20 @@ pub struct IdentifyOptions {
     pub free_poles: Option<usize>,
     /// Pairs i → j and j → i have the same resistances.
     pub tie: bool,
+    /// Losses that grow with temperature.
+    pub losses: Losses,
+}
+
+/// Whether losses may grow with temperature: w = u − g (T − T_0)².
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Losses {
+    /// The model is linear.
+    #[default]
+    None,
+    /// Every element has a g ≥ 0, which is estimated.
+    Growing,
+    /// As `Growing` where the record leaves no doubt, else as `None`.
+    Auto,
 }
 
 /// Where the temperature of the gas comes from.

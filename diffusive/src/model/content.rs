@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::Conditions;
+use super::losses::ModelLosses;
 
 /// Key `format` of every model.
 pub const FORMAT: &str = "anemo-model";
@@ -44,6 +45,9 @@ pub struct Model {
     /// The wind of structure `conductance`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<ModelWind>,
+    /// Losses that grow with temperature; absent where the model is linear.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub losses: Option<ModelLosses>,
     /// Of the first (mostly the only) output, as in `outputs`.
     pub offset_c: f64,
     /// Of the first output, K.
