@@ -19,7 +19,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::content::{Estimate, Model};
+use super::content::{Estimate, Model, Structure};
 use super::error::ModelError;
 use super::pair_class::PairClass;
 use recording::text::one_line;
@@ -99,6 +99,10 @@ impl Model {
 
     pub(super) fn check_losses(&self) -> Result<(), ModelError> {
         let Some(losses) = &self.losses else { return Ok(()) };
+        refuse_if!(
+            self.structure == Structure::Conductance,
+            model_error!("`losses` belong to structure `symbol`, and the model's is `conductance`")
+        );
         refuse_if!(losses.elements.is_empty(), model_error!("`losses.elements` is empty: leave `losses` out"));
         for (at, loss) in losses.elements.iter().enumerate() {
             let (input, output) = (one_line(loss.input.clone()), one_line(loss.output.clone()));

@@ -125,6 +125,9 @@ fn alike(first_name: &str, first: &Model, name: &str, model: &Model) -> Result<(
             "{name}: structure `conductance` cannot be merged, because its wind couples all elements: identify all of them from one record"
         ));
     }
+    model
+        .refuse_losses("cannot be merged, because what an element loses is in all that it heats: identify all of them from one record")
+        .map_err(|error| error.about(name))?;
     let sorted = |model: &Model| BTreeSet::from_iter(model.classes.clone());
     if sorted(first) != sorted(model) {
         return Err(model_error!(

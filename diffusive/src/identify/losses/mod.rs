@@ -42,8 +42,10 @@ use source::{LossColumns, LossSource, SearchedLoss};
 const ROUNDS: usize = 4;
 
 /// What auto asks for: at most this part of the cross-validated error, g so many standard errors
-/// above zero, and b ΔT at least.
+/// above zero, and b ΔT at least. Before it identifies with losses, it is content with less: the
+/// candidate was chosen to make the best of none.
 const LESS: f64 = 0.7;
+const WORTH_A_TRIAL: f64 = 0.85;
 const SURE: f64 = 5.0;
 const FELT: f64 = 0.05;
 
@@ -79,37 +81,36 @@ pub fn identify(
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
-    let mut options = options.clone();
+    let mut given = options.clone();
     if options.losses == Losses::Growing {
-        options.constraints.feed_through = Some(false);
+        given.constraints.feed_through = Some(false);
     }
-    let plain = linear(source, &options, progress, observer)?;
+    let plain = linear(source, &given, progress, observer)?;
     let start = elements(&plain);
-    if options.losses == Losses::None || start.is_empty() || feeds_through(&plain) {
+    let is_symbol = plain.structure == Structure::Symbol;
+    if options.losses == Losses::None || start.is_empty() || feeds_through(&plain) || !is_symbol {
         return Ok(plain);
     }
-    options.constraints.feed_through = Some(false);
-    let mut found = search(source, &plain, &start, progress)?;
-    if options.losses == Losses::Auto && !is_evident(&found, 1.0) {
+    let first = search(source, &plain, &start, progress)?;
+    let is_auto = options.losses == Losses::Auto;
+    if is_auto && !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
         return Ok(plain);
     }
-    let scores = found.iter().map(|found| found.scores.clone()).collect::<Vec<_>>();
-    let mut rounds = 0;
+    given.constraints.feed_through = Some(false);
+    let (mut found, mut rounds) = (first.clone(), 0);
     let (mut model, losses) = loop {
         rounds += 1;
         let losses: Vec<SearchedLoss> = found.iter().map(|found| found.loss).collect();
-        let model = linear(&mut LossSource::new(source, &losses, LossColumns::Taken), &options, progress, observer)?;
+        let model = linear(&mut LossSource::new(source, &losses, LossColumns::Taken), &given, progress, observer)?;
         found = search(source, &model, &losses, progress)?;
         if rounds == ROUNDS || agrees(&model, &losses, &found) {
             break (model, losses);
         }
     };
-    report::complete(&mut model, &plain, &losses, &found, &scores);
-    let inflation = report::inflation(&model);
-    if options.losses == Losses::Auto && !is_evident(&found, inflation) {
+    report::complete(&mut model, &plain, &losses, &first, &found);
+    if is_auto && !is_evident(&first, &found, LESS, report::inflation(&model)) {
         // What was seen last must be what is taken.
-        options.constraints.feed_through = None;
-        return linear(source, &options, progress, observer);
+        return linear(source, options, progress, observer);
     }
     Ok(model)
 }
@@ -147,17 +148,22 @@ fn feeds_through(model: &Model) -> bool {
     model.pairs.iter().flat_map(|pair| pair.classes.values()).any(|class| class.feed_through_k_per_w != 0.0)
 }
 
-/// Whether one of the losses cannot be chance, and none makes a worse prediction.
-fn is_evident(found: &[FoundLoss], inflation: f64) -> bool {
-    let better = |found: &FoundLoss, part: f64| {
-        let [without, with] = &found.scores;
-        with.overall() <= part * part * without.overall() && with.ahead <= part * part * without.ahead
+/// Whether one of the losses cannot be chance, and none predicts worse than the model without, of
+/// which `first` says how well it does: all questions together, and how it carries on.
+fn is_evident(first: &[FoundLoss], found: &[FoundLoss], part: f64, inflation: f64) -> bool {
+    let better = |(first, found): (&FoundLoss, &FoundLoss), part: f64| {
+        let (without, with) = (&first.scores[0], &found.scores[1]);
+        [(with.overall(), without.overall()), (with.ahead, without.ahead)]
+            .iter()
+            .all(|(with, without)| *with <= part * part * without)
     };
-    let is_sure = |found: &&FoundLoss| {
+    let is_sure = |found: &FoundLoss| {
         let g = found.g(inflation);
-        better(found, LESS) && g.value > SURE * g.se && found.b_per_k * found.greatest_rise_k >= FELT
+        g.value > SURE * g.se && found.b_per_k * found.greatest_rise_k >= FELT
     };
-    found.iter().any(|of| is_sure(&of)) && found.iter().all(|of| of.loss.placed.g_w_per_k2 == 0.0 || better(of, 1.0))
+    let mut both = first.iter().zip(found);
+    both.clone().any(|(first, found)| is_sure(found) && better((first, found), part))
+        && both.all(|(first, found)| found.loss.placed.g_w_per_k2 == 0.0 || better((first, found), 1.0))
 }
 
 /// Whether the losses with which a model was identified are those that it asks for: what is left

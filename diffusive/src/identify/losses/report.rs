@@ -1,6 +1,6 @@
 //! What a model says of its losses: g and b with standard errors, reasons, warnings.
 
-use super::super::folds::{Score, change};
+use super::super::folds::change;
 use super::search::FoundLoss;
 use super::source::SearchedLoss;
 use crate::model::{ElementLoss, Estimate, LossOrigin, Model, ModelLosses};
@@ -13,8 +13,8 @@ pub fn inflation(model: &Model) -> f64 {
 }
 
 /// Adds its losses to a model that was identified with them, and what they add to its standard
-/// errors. `plain` is the one without, `scores` what cross-validation said of both.
-pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], found: &[FoundLoss], scores: &[[Score; 2]]) {
+/// errors. `plain` is the one without, of which `first` has the cross-validated error.
+pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], first: &[FoundLoss], found: &[FoundLoss]) {
     // Inputs are those of the record, not what is left of them.
     model.provenance = plain.provenance.clone();
     let mut elements = Vec::new();
@@ -39,12 +39,15 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], found
         }
         elements.push(ElementLoss { output, input, g_w_per_k2: g, b_per_k: b });
     }
-    for ((loss, found), [without, with]) in elements.iter().zip(found).zip(scores) {
+    for ((loss, first), found) in elements.iter().zip(first).zip(found) {
+        let (without, with) = (first.scores[0].overall(), found.scores[1].overall());
         model.chosen.reasons.push(format!(
-            "losses that grow with the temperature of `{}`: b = {} 1/K, cross-validated error without them {}",
+            "losses of `{}` that grow with `{}`: g = {} per K², b = {} 1/K; cross-validated error without them {}",
+            loss.input,
             loss.output,
+            estimate(loss.g_w_per_k2.value, loss.g_w_per_k2.se),
             estimate(loss.b_per_k.value, loss.b_per_k.se),
-            change(without.overall() / with.overall().max(1e-300))
+            change(without / with.max(1e-300))
         ));
         model.warnings.extend(warning(loss, found));
     }
@@ -55,6 +58,12 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], found
 /// Why a loss that was asked for is not known.
 fn warning(loss: &ElementLoss, found: &FoundLoss) -> Option<String> {
     let Estimate { value, se } = loss.b_per_k;
+    if value < 0.0 {
+        return Some(format!(
+            "`{}`: heat seems to cool it in the end, so that its losses mean nothing: identify without them, or from a longer record",
+            loss.output
+        ));
+    }
     let felt = found.greatest_rise_k * value.max(2.0 * se);
     (value < 2.0 * se && felt > 0.02).then(|| {
         format!(

@@ -118,7 +118,9 @@ fn reading(
             let mut tried = g.clone();
             g[at] = least_from_zero(STEP * scales[at], MOST * scales[at], |value| {
                 tried[at] = value;
-                profiles[at].at(&tried).cost
+                let point = profiles[at].at(&tried);
+                // What heat cools has no losses to speak of, and would run away by them.
+                if point.gain_k_per_w(bank(at)) > 0.0 { point.cost } else { f64::INFINITY }
             });
         }
     }
