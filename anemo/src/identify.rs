@@ -105,7 +105,7 @@ pub struct Arguments {
     tie: bool,
     /// Losses that grow with temperature: power less g (T − T₀)², T₀ being the temperature without
     /// heating.
-    #[arg(long, default_value = "none", value_parser = choice([
+    #[arg(long, default_value = "auto", value_parser = choice([
         ("none", "Heat is lost in proportion to temperature", Losses::None),
         ("growing", "g ≥ 0 of every element is estimated", Losses::Growing),
         ("auto", "As `growing` where the record leaves no doubt, else as `none`", Losses::Auto),

@@ -91,7 +91,8 @@ pub fn identify(
     if options.losses == Losses::None || start.is_empty() || feeds_through(&plain) || !is_symbol {
         return Ok(plain);
     }
-    let first = search(source, &plain, &start, progress)?;
+    let mut first = search(source, &plain, &start, progress)?;
+    first.retain(FoundLoss::is_told);
     let is_auto = options.losses == Losses::Auto;
     if is_auto && !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
         return Ok(plain);
@@ -102,11 +103,28 @@ pub fn identify(
         rounds += 1;
         let losses: Vec<SearchedLoss> = found.iter().map(|found| found.loss).collect();
         let model = linear(&mut LossSource::new(source, &losses, LossColumns::Taken), &given, progress, observer)?;
-        found = search(source, &model, &losses, progress)?;
-        if rounds == ROUNDS || agrees(&model, &losses, &found) {
+        if losses.is_empty() {
             break (model, losses);
         }
+        found = search(source, &model, &losses, progress)?;
+        if found.iter().all(FoundLoss::is_told) {
+            if rounds >= ROUNDS || agrees(&model, &losses, &found) {
+                break (model, losses);
+            }
+        } else {
+            // Without those of which the record says nothing.
+            let told: Vec<bool> = found.iter().map(FoundLoss::is_told).collect();
+            for list in [&mut first, &mut found] {
+                let mut told = told.iter();
+                list.retain(|_| told.next() == Some(&true));
+            }
+        }
     };
+    if losses.is_empty() && !is_auto {
+        model.warnings.push(report::UNTOLD.to_owned());
+        model.supported = false;
+        return Ok(model);
+    }
     report::complete(&mut model, &plain, &losses, &first, &found);
     if is_auto && !is_evident(&first, &found, LESS, report::inflation(&model)) {
         // What was seen last must be what is taken.
@@ -159,7 +177,7 @@ fn is_evident(first: &[FoundLoss], found: &[FoundLoss], part: f64, inflation: f6
     };
     let is_sure = |found: &FoundLoss| {
         let g = found.g(inflation);
-        g.value > SURE * g.se && found.b_per_k * found.greatest_rise_k >= FELT
+        g.value > SURE * g.se && found.b_per_k() * found.greatest_rise_k >= FELT
     };
     let mut both = first.iter().zip(found);
     both.clone().any(|(first, found)| is_sure(found) && better((first, found), part))
@@ -173,8 +191,8 @@ fn agrees(model: &Model, used: &[SearchedLoss], found: &[FoundLoss]) -> bool {
         let output = &model.outputs[used.placed.output];
         let (rise_k, g) = (found.greatest_rise_k, found.loss.placed.g_w_per_k2);
         let of_g = (g - used.placed.g_w_per_k2).abs() / g.max(f64::MIN_POSITIVE);
-        let of_offset_k = 2.0 * found.b_per_k * rise_k * (output.offset_c - used.origin_c).abs();
-        (of_g <= 1e-3 || of_g * found.b_per_k * rise_k * rise_k <= 0.2 * output.residual_rms)
+        let of_offset_k = 2.0 * found.b_per_k() * rise_k * (output.offset_c - used.origin_c).abs();
+        (of_g <= 1e-3 || of_g * found.b_per_k() * rise_k * rise_k <= 0.2 * output.residual_rms)
             && of_offset_k <= 0.2 * output.residual_rms
     })
 }

@@ -6,6 +6,9 @@ use super::source::SearchedLoss;
 use crate::model::{ElementLoss, Estimate, LossOrigin, Model, ModelLosses};
 use recording::text::estimate;
 
+/// Warning of a model that has none of the losses that were asked for.
+pub const UNTOLD: &str = "losses that grow with temperature are not told from others, so the model has none: record for longer, over a wider range of temperatures, and until they stand";
+
 /// By how much standard errors that take residuals for white are too small.
 pub fn inflation(model: &Model) -> f64 {
     let of = model.outputs.iter().filter_map(|output| output.whiteness.as_ref());
@@ -24,14 +27,15 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], first
         let inflation = of_output.whiteness.as_ref().map_or(1.0, |white| white.inflation);
         let g = Estimate { value: used.placed.g_w_per_k2, ..found.g(inflation) };
         of_output.se_offset_c = of_output.se_offset_c.hypot(found.offset_slope * found.se_w_per_k2);
+        let b_slope = found.gain_k_per_w + g.value * found.gain_slope;
         let first = model.classes.first();
         let mut pair = model.pairs.iter_mut().find(|pair| pair.input == input && pair.output == output);
-        let mut b = Estimate { value: found.b_per_k, se: 0.0 };
+        let mut b = Estimate { value: found.b_per_k(), se: 0.0 };
         for (label, class) in pair.iter_mut().flat_map(|pair| &mut pair.classes) {
             if Some(label) == first {
                 // Σ R moves with g, and is not known for a given g either.
                 let given_g = g.value * class.se_steady_gain_k_per_w;
-                let se = (found.b_slope * found.se_w_per_k2).hypot(given_g);
+                let se = (b_slope * found.se_w_per_k2).hypot(given_g);
                 b = Estimate { value: g.value * class.steady_gain_k_per_w, se: inflation * se };
             }
             let own = found.gain_slope * found.se_w_per_k2;
@@ -58,12 +62,6 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], first
 /// Why a loss that was asked for is not known.
 fn warning(loss: &ElementLoss, found: &FoundLoss) -> Option<String> {
     let Estimate { value, se } = loss.b_per_k;
-    if value < 0.0 {
-        return Some(format!(
-            "`{}`: heat seems to cool it in the end, so that its losses mean nothing: identify without them, or from a longer record",
-            loss.output
-        ));
-    }
     let felt = found.greatest_rise_k * value.max(2.0 * se);
     (value < 2.0 * se && felt > 0.02).then(|| {
         format!(

@@ -32,10 +32,8 @@ pub struct FoundLoss {
     pub loss: SearchedLoss,
     /// Standard error of g for white residuals, W/K².
     pub se_w_per_k2: f64,
-    /// b = g Σ R in the first class, and how it moves with g: (1/K, 1/K a W/K²).
-    pub b_per_k: f64,
-    pub b_slope: f64,
-    /// Σ R of the pair, and how it moves with g: (K/W, K/W a W/K²).
+    /// Σ R of the pair in the first class, K/W, and how it moves with g, K/W a W/K².
+    pub gain_k_per_w: f64,
     pub gain_slope: f64,
     /// How the offset moves with g, K a W/K².
     pub offset_slope: f64,
@@ -46,6 +44,17 @@ pub struct FoundLoss {
 }
 
 impl FoundLoss {
+    /// b = g Σ R, 1/K.
+    pub fn b_per_k(&self) -> f64 {
+        self.loss.placed.g_w_per_k2 * self.gain_k_per_w
+    }
+
+    /// Whether the record tells it from others: the sum of squares has its least value there, and
+    /// heat warms.
+    pub fn is_told(&self) -> bool {
+        self.se_w_per_k2.is_finite() && self.gain_k_per_w > 0.0
+    }
+
     /// g with its standard error where residuals remember, W/K².
     pub fn g(&self, inflation: f64) -> Estimate {
         Estimate { value: self.loss.placed.g_w_per_k2, se: inflation * self.se_w_per_k2 }
@@ -76,7 +85,7 @@ pub fn search(
 /// Whether a loss found with another T_0 than it now counts from would be another: b as well as
 /// 1 + 2 b ΔT is known to a thousandth then.
 fn matters(found: &FoundLoss, used_c: f64) -> bool {
-    found.b_per_k * (found.loss.origin_c - used_c).abs() > 1e-4
+    found.b_per_k() * (found.loss.origin_c - used_c).abs() > 1e-4
 }
 
 /// One reading, for the T_0 of `losses`. What is found has the offsets that were found with it.
@@ -141,13 +150,12 @@ fn reading(
         let mut loss = losses[at];
         loss.placed.g_w_per_k2 = g[at];
         loss.origin_c = point.offset_k() + passed.output_shift[outputs[at]];
-        let gain_slope = slope(&gain);
+        let variance = 2.0 * profile.noise_variance(&point) / curvature;
         found.push(FoundLoss {
             loss,
-            se_w_per_k2: (2.0 * profile.noise_variance(&point) / curvature.max(f64::MIN_POSITIVE)).sqrt(),
-            b_per_k: g[at] * gain(&point),
-            b_slope: gain(&point) + g[at] * gain_slope,
-            gain_slope,
+            se_w_per_k2: if curvature > 0.0 { variance.sqrt() } else { f64::INFINITY },
+            gain_k_per_w: gain(&point),
+            gain_slope: slope(&gain),
             offset_slope: slope(&ProfilePoint::offset_k),
             greatest_rise_k: greatest[at],
             scores: [profile.score(&none), profile.score(&g)],
