@@ -9,8 +9,8 @@
 
 use dr_core::model::mesh;
 
-use super::content::{Following, Model, RecordEnd, Structure};
-use super::losses::{LossOrigin, PlacedLoss};
+use super::content::{Following, LossOrigin, Model, RecordEnd, Structure};
+use super::losses::PlacedLoss;
 
 /// What one output's memory is made of: relaxations of one pair and class, or decays that no input
 /// drives.
@@ -303,6 +303,23 @@ mod tests {
             let truth = model.offset_c + 3.0 + 2.0 * (1.0 - (-0.1 * 0.1 * f64::from(n)).exp());
             assert!((row(23.0) - truth).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn growing_losses_settle_where_their_square_says_from_offset_and_from_a_measured_ambient() {
+        // 10 K/W and g = 2e-4 W/K²: ΔT + b ΔT² = 30 K with b = 2e-3 1/K, at 3 W.
+        let truth_k = ((1.0 + 4.0 * 2e-3 * 30.0_f64).sqrt() - 1.0) / (2.0 * 2e-3);
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_loss(&mut model, 2e-4);
+        let settled_c = |model: &Model, gas_c: f64| {
+            let (mut forward, mut outputs) = (Forward::at_rest(model, 0.1), [0.0]);
+            (0..2000).for_each(|_| forward.row(&[3.0], 0, gas_c, &mut outputs));
+            outputs[0]
+        };
+        assert!((settled_c(&model, 0.0) - model.offset_c - truth_k).abs() < 1e-9);
+        model.losses.as_mut().unwrap().origin = LossOrigin::Column("ambient".to_owned());
+        assert!((settled_c(&model, model.offset_c) - model.offset_c - truth_k).abs() < 1e-9);
+        assert!(settled_c(&model, model.offset_c - 5.0) < model.offset_c + truth_k - 0.5);
     }
 
     #[test]

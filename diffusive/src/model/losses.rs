@@ -17,46 +17,10 @@
 //! Limits: the loss is that of the heated body itself, taken at the start of each sample and held;
 //! below T_0 it goes on as the square, as the conductance falls there.
 
-use serde::{Deserialize, Serialize};
-
-use super::content::{Estimate, Model, Structure};
+use super::content::{Model, Structure};
 use super::error::ModelError;
 use super::pair_class::PairClass;
 use recording::text::one_line;
-
-/// The losses of a model that grow with temperature.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ModelLosses {
-    /// From where ΔT counts.
-    pub origin: LossOrigin,
-    /// One an element that has such a loss.
-    pub elements: Vec<ElementLoss>,
-}
-
-/// From where the ΔT of a loss counts.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum LossOrigin {
-    /// The output's temperature without heating: its offset.
-    Offset,
-    /// A measured ambient: the gas column of a record.
-    Column(String),
-}
-
-/// The loss of one element.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ElementLoss {
-    /// The output with whose temperature it grows.
-    pub output: String,
-    /// The input that it takes heat from.
-    pub input: String,
-    /// g, W/K².
-    pub g_w_per_k2: Estimate,
-    /// b = g Σ R of the pair (in the first class), 1/K.
-    pub b_per_k: Estimate,
-}
 
 /// One loss, by the places of its columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,6 +107,7 @@ impl PairClass<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::content::LossOrigin;
     use super::super::testing;
     use super::*;
 

@@ -253,6 +253,10 @@ mod tests {
         );
         refused(|models| models[1].1.structure = Structure::Conductance, "b.json: structure `conductance`");
         refused(
+            |models| testing::add_loss(&mut models[1].1, 1e-4),
+            "b.json: has `losses` that grow with temperature, and cannot be merged",
+        );
+        refused(
             |models| models[1].1.classes = vec!["calm".to_owned(), "gust".to_owned()],
             "a.json was identified for the classes all, b.json for calm, gust",
         );

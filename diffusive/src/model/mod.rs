@@ -38,5 +38,5 @@ pub use content::*;
 pub use error::ModelError;
 pub use forward::Forward;
 pub use gain_unit::gain_unit;
-pub use losses::{ElementLoss, LossOrigin, ModelLosses, PlacedLoss};
+pub use losses::PlacedLoss;
 pub use pair_class::PairClass;

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::content::{
-    Chosen, Class, Estimate, Followed, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, Provenance, Structure,
-    VERSION,
+    Chosen, Class, ElementLoss, Estimate, Followed, Following, LossOrigin, Model, ModelGas, ModelLosses, ModelOutput,
+    ModelWind, Pair, Provenance, Structure, VERSION,
 };
-use super::losses::{ElementLoss, LossOrigin, ModelLosses};
 
 /// One input `power_w_a`, one output `temperature_c_a`, class `all`, sampled every 0.1 s, offset 20
 /// °C.

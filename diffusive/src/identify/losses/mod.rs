@@ -50,7 +50,7 @@ const SURE: f64 = 5.0;
 const FELT: f64 = 0.05;
 
 /// Identification of a linear model.
-pub type Linear = dyn Fn(
+pub type LinearIdentification = dyn Fn(
     &mut dyn RecordSource,
     &IdentifyOptions,
     &mut Progress<'_>,
@@ -77,7 +77,7 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
 pub fn identify(
     source: &mut dyn RecordSource,
     options: &IdentifyOptions,
-    linear: &Linear,
+    linear: &LinearIdentification,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
