@@ -59,13 +59,13 @@ pub fn damped_step(h: &DMatrix<f64>, b: &DVector<f64>, damping: f64) -> Option<D
 
 /// The place of the least value of a function of one number from 0 on, `step` being its scale:
 /// steps that double until the function rises, then golden sections to a thousandth of a step.
-/// 0 where it never falls. `most` ends the search.
+/// 0 where it never falls, and for a step of 0. `most` ends the search.
 pub fn least_from_zero(step: f64, most: f64, mut cost: impl FnMut(f64) -> f64) -> f64 {
     let (mut before, mut at, mut next) = (0.0, 0.0, step);
     let mut least = cost(0.0);
-    while next <= most {
+    while step > 0.0 && next <= most {
         let value = cost(next);
-        if value >= least {
+        if value.is_nan() || value >= least {
             break;
         }
         (before, at, next, least) = (at, next, 2.0 * next, value);
@@ -74,7 +74,7 @@ pub fn least_from_zero(step: f64, most: f64, mut cost: impl FnMut(f64) -> f64) -
     let golden = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut left, mut right) = (to - golden * (to - from), from + golden * (to - from));
     let (mut of_left, mut of_right) = (cost(left), cost(right));
-    while to - from > 1e-3 * step {
+    while to - from > 1e-3 * step && step > 0.0 {
         if of_left < of_right {
             (to, right, of_right) = (right, left, of_left);
             left = to - golden * (to - from);

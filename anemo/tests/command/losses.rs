@@ -63,8 +63,9 @@ fn growing_losses_are_found_by_themselves_and_known_to_every_command() {
     let rmse = |start: &str| {
         json(folder, &["validate", "m.json", "rest.csv", "--start", start, "--json"])["rmse"].as_f64().unwrap()
     };
-    // Nothing but the noise is left.
-    assert!(rmse("continue") < 0.02 && rmse("estimate") < 0.02, "{} {}", rmse("continue"), rmse("estimate"));
+    // Little but the noise of 10 mK is left, and of what goes on without a look at the output what
+    // the offset and the state at the end are uncertain by.
+    assert!(rmse("continue") < 0.04 && rmse("estimate") < 0.02, "{} {}", rmse("continue"), rmse("estimate"));
     let printed = String::from_utf8(anemo(folder, &["identify", "first.csv"]).stdout).unwrap();
     assert!(printed.contains("losses of `power_w_a` that grow with `temperature_c_a`: g = "), "{printed}");
 

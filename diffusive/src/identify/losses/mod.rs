@@ -49,6 +49,9 @@ const WORTH_A_TRIAL: f64 = 0.85;
 const SURE: f64 = 5.0;
 const FELT: f64 = 0.05;
 
+/// Inputs times classes beyond which auto does not try, as it would take longer than all else.
+const MOST_BANKS: usize = 3;
+
 /// Identification of a linear model.
 pub type LinearIdentification = dyn Fn(
     &mut dyn RecordSource,
@@ -87,13 +90,14 @@ pub fn identify(
     }
     let plain = linear(source, &given, progress, observer)?;
     let start = elements(&plain);
-    let is_symbol = plain.structure == Structure::Symbol;
-    if options.losses == Losses::None || start.is_empty() || feeds_through(&plain) || !is_symbol {
+    let is_auto = options.losses == Losses::Auto;
+    let is_too_much = is_auto && plain.inputs.len() * plain.classes.len() > MOST_BANKS;
+    let is_made_for_it = plain.structure == Structure::Symbol && !start.is_empty() && !feeds_through(&plain);
+    if options.losses == Losses::None || !is_made_for_it || is_too_much {
         return Ok(plain);
     }
     let mut first = search(source, &plain, &start, progress)?;
     first.retain(FoundLoss::is_told);
-    let is_auto = options.losses == Losses::Auto;
     if is_auto && !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
         return Ok(plain);
     }

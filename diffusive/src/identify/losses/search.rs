@@ -117,10 +117,12 @@ fn reading(
 
     let none = vec![0.0; losses.len()];
     let bank = |at: usize| designs[at].bank_of(losses[at].placed.input);
-    // By element: the g with which b ΔT is 1 at most.
-    let scales: Vec<f64> = (0..losses.len())
-        .map(|at| 1.0 / (greatest[at] * profiles[at].at(&none).gain_k_per_w(bank(at)).abs()).max(f64::MIN_POSITIVE))
-        .collect();
+    // By element: the g with which b ΔT is 1 at most; 0 where there is nothing to search.
+    let scale = |at: usize| {
+        let felt = greatest[at] * profiles[at].at(&none).gain_k_per_w(bank(at)).abs();
+        if felt > 1e-100 && felt.is_finite() { 1.0 / felt } else { 0.0 }
+    };
+    let scales: Vec<f64> = (0..losses.len()).map(scale).collect();
     let mut g: Vec<f64> = losses.iter().map(|loss| loss.placed.g_w_per_k2).collect();
     for _ in 0..if g.len() > 1 { SWEEPS } else { 1 } {
         for at in 0..g.len() {
