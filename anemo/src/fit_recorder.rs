@@ -13,6 +13,10 @@ use plot::{Canvas, Figure};
 pub struct FitRecorder {
     canvas: Option<Canvas>,
     series: Vec<FitSeries>,
+    /// As they were before the first row.
+    empty: Vec<FitSeries>,
+    /// By output: the row that comes next.
+    next: Vec<u64>,
     first_time_s: f64,
     sample_period_s: f64,
 }
@@ -21,9 +25,12 @@ impl FitRecorder {
     /// The file is tried at once.
     pub fn new(picture: &PictureArguments, survey: &Survey) -> Result<Self, Failure> {
         let unit = |name: &String| recording::stated_unit(name).unwrap_or_default().to_owned();
+        let empty: Vec<_> = survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect();
         Ok(Self {
             canvas: picture.canvas()?,
-            series: survey.outputs.iter().map(|name| FitSeries::new(name.clone(), unit(name))).collect(),
+            series: empty.clone(),
+            empty,
+            next: vec![0; survey.outputs.len()],
             first_time_s: survey.first_time_s,
             sample_period_s: survey.sample_period_s,
         })
@@ -37,6 +44,10 @@ impl FitRecorder {
         for (output, series) in self.series.iter_mut().enumerate() {
             // Outputs on other meshes have a reading of their own.
             if seen.predicted[output].is_finite() {
+                // Of rows that come again, by a better model, the last ones count.
+                if seen.row < std::mem::replace(&mut self.next[output], seen.row + 1) {
+                    *series = self.empty[output].clone();
+                }
                 series.push(time_s, seen.measured[output], seen.predicted[output], seen.class);
             }
         }

@@ -11,7 +11,7 @@ use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
 use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection};
 use diffusive::identify::report::IdentifyReport;
-use diffusive::identify::{Constraints, InitialState};
+use diffusive::identify::{Constraints, InitialState, Losses};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
 use plot::model::figure;
@@ -103,6 +103,14 @@ pub struct Arguments {
     /// Reciprocal pairs: resistances from input i to output j are those from input j to output i.
     #[arg(long)]
     tie: bool,
+    /// Losses that grow with temperature: power less g (T − T₀)², T₀ being the temperature without
+    /// heating.
+    #[arg(long, default_value = "auto", value_parser = choice([
+        ("none", "Heat is lost in proportion to temperature", Losses::None),
+        ("growing", "g ≥ 0 of every element is estimated", Losses::Growing),
+        ("auto", "As `growing` where the record leaves no doubt, else as `none`", Losses::Auto),
+    ]))]
+    losses: Losses,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -223,6 +231,7 @@ impl Arguments {
             reference: self.reference.clone(),
             free_poles: self.free_poles,
             tie: self.tie,
+            losses: self.losses,
         })
     }
 

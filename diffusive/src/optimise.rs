@@ -57,6 +57,38 @@ pub fn damped_step(h: &DMatrix<f64>, b: &DVector<f64>, damping: f64) -> Option<D
     damped.cholesky().map(|cholesky| cholesky.solve(b))
 }
 
+/// The place of the least value of a function of one number from 0 on, `step` being its scale:
+/// steps that double until the function rises, then golden sections to a thousandth of a step.
+/// 0 where it never falls, and for a step of 0. `most` ends the search.
+pub fn least_from_zero(step: f64, most: f64, mut cost: impl FnMut(f64) -> f64) -> f64 {
+    let (mut before, mut at, mut next) = (0.0, 0.0, step);
+    let mut least = cost(0.0);
+    while step > 0.0 && next <= most {
+        let value = cost(next);
+        if value.is_nan() || value >= least {
+            break;
+        }
+        (before, at, next, least) = (at, next, 2.0 * next, value);
+    }
+    let (mut from, mut to) = (before, next.min(most.max(at)));
+    let golden = 0.5 * (5_f64.sqrt() - 1.0);
+    let (mut left, mut right) = (to - golden * (to - from), from + golden * (to - from));
+    let (mut of_left, mut of_right) = (cost(left), cost(right));
+    while to - from > 1e-3 * step && step > 0.0 {
+        if of_left < of_right {
+            (to, right, of_right) = (right, left, of_left);
+            left = to - golden * (to - from);
+            of_left = cost(left);
+        } else {
+            (from, left, of_left) = (left, right, of_right);
+            right = from + golden * (to - from);
+            of_right = cost(right);
+        }
+    }
+    let middle = 0.5 * (from + to);
+    if cost(middle) < cost(0.0) { middle } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,6 +115,16 @@ mod tests {
         }
         // The minimum is 0 at (1, 1), so only rounding of the residuals is left.
         assert!((at[0] - 1.0).abs() < 1e-12 && (at[1] - 1.0).abs() < 1e-12, "{at}");
+    }
+
+    #[test]
+    fn the_least_value_is_found_far_from_zero_near_it_and_at_it() {
+        for truth in [0.0, 1e-3, 0.3, 1.0, 700.0] {
+            let found = least_from_zero(1.0, 1e4, |x| (x - truth) * (x - truth) + 5.0);
+            assert!((found - truth).abs() < 1e-3, "{found} for {truth}");
+        }
+        assert_eq!(least_from_zero(1.0, 1e4, |x| 1.0 + x), 0.0);
+        assert!((least_from_zero(1.0, 10.0, |x| -x) - 10.0).abs() < 1e-2);
     }
 
     #[test]

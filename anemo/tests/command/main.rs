@@ -4,3 +4,4 @@ mod cli;
 mod examples;
 mod export;
 mod long_record;
+mod losses;

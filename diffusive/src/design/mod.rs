@@ -103,6 +103,10 @@ fn check(winds: &[LoopModel], wanted: &Requirements) -> Result<(), ModelError> {
     if let (Some(low_w), Some(high_w)) = (wanted.power_low_w, wanted.power_high_w) {
         refuse_if!(low_w >= high_w, levels_descend(low_w, high_w));
     }
+    let lossy = winds.iter().find(|wind| wind.loss_w_per_k2 != 0.0).map(|wind| {
+        model_error!("class `{}` has losses that grow with temperature, for which no design here allows: `anemo analyse` knows them; or identify the model with --losses none", wind.label)
+    });
+    lossy.map_or(Ok(()), Err)?;
     let runs_away = |loop_model: &&LoopModel| analyse(loop_model, None).runs_away();
     let away = winds.iter().find(runs_away).map(|loop_model| {
         model_error!("class `{}` has a zero in the right half plane: no loop can hold it for long", loop_model.label)

@@ -40,6 +40,7 @@
 //! | `drifting`, `mixture` | the choice where it moves; averages |
 //! | `folds`, `choose` | block cross-validation, and the choice |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
+//! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
 //! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | [`report`] | the result for people |
@@ -80,6 +81,7 @@ mod delay;
 mod drifting;
 mod fitted;
 mod labels;
+mod losses;
 mod mixture;
 mod outcome;
 mod panels;
@@ -94,14 +96,15 @@ mod validate_options;
 mod whiteness;
 
 pub use drift::{DriftGiven, DriftKind};
-pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Progress, Signs};
+pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Losses, Progress, Signs};
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
 use record::{RecordError, RecordSource};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
-/// row with the model's prediction.
+/// row with the model's prediction; again for all rows if losses that grow with temperature are
+/// found, of which the last count.
 ///
 /// # Errors
 /// A sentence that names the column or the row, and the remedy.
@@ -112,14 +115,8 @@ pub fn identify(
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
     validate_options::refuse(source.survey(), options)?;
-    let mut model = match (options.free_poles, options.structure) {
-        (Some(poles), _) => {
-            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
-            refine::refine(source, &mesh, poles, options, progress, observer)
-        }
-        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
-        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
-    }?;
+    losses::refuse(source.survey(), options)?;
+    let mut model = losses::identify(source, options, &linear, progress, observer)?;
     model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
     let mut against = validate_options::warnings(source.survey(), options);
     against.extend(support::silent(&model));
@@ -127,4 +124,21 @@ pub fn identify(
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     Ok(model)
+}
+
+/// A model whose losses do not grow with temperature, of the structure that was asked for.
+fn linear(
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+    observer: &mut FitObserver<'_>,
+) -> Result<Model, RecordError> {
+    match (options.free_poles, options.structure) {
+        (Some(poles), _) => {
+            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+            refine::refine(source, &mesh, poles, options, progress, observer)
+        }
+        (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
+        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
+    }
 }

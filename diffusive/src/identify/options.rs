@@ -26,6 +26,20 @@ pub struct IdentifyOptions {
     pub tie: bool,
     /// Whether the offset moves.
     pub drift: DriftGiven,
+    /// Losses that grow with temperature.
+    pub losses: Losses,
+}
+
+/// Whether losses may grow with temperature: w = u − g (T − T_0)².
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Losses {
+    /// The model is linear.
+    #[default]
+    None,
+    /// Every element has a g ≥ 0, which is estimated.
+    Growing,
+    /// As `Growing` where the record leaves no doubt, else as `None`.
+    Auto,
 }
 
 /// Where the temperature of the gas comes from.

@@ -43,6 +43,7 @@ pub fn model(
         classes: classes.to_vec(),
         conductance_w_per_k: BTreeMap::new(),
         wind: None,
+        losses: None,
         supported: true,
         warnings: Vec::new(),
         chosen: Chosen::default(),

@@ -36,6 +36,7 @@ impl Model {
             self.check_pair(&name, pair)?;
         }
         self.check_wind()?;
+        self.check_losses()?;
         self.end.as_ref().map_or(Ok(()), |end| self.check_end(end))
     }
 

@@ -44,6 +44,9 @@ pub struct Model {
     /// The wind of structure `conductance`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<ModelWind>,
+    /// Losses that grow with temperature; absent where the model is linear.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub losses: Option<ModelLosses>,
     /// Of the first (mostly the only) output, as in `outputs`.
     pub offset_c: f64,
     /// Of the first output, K.
@@ -216,6 +219,40 @@ pub enum ModelGas {
     Column(String),
     /// It was estimated with the model, °C.
     EstimatedC(Estimate),
+}
+
+/// Losses that grow with temperature: w_i = u_i − Σ g (T_o − T_0)² in place of u_i.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelLosses {
+    /// From where ΔT counts.
+    pub origin: LossOrigin,
+    /// One an element that has such a loss.
+    pub elements: Vec<ElementLoss>,
+}
+
+/// From where the ΔT of a loss counts.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LossOrigin {
+    /// The output's temperature without heating: its offset.
+    Offset,
+    /// A measured ambient: the gas column of a record.
+    Column(String),
+}
+
+/// The loss of one element.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementLoss {
+    /// The output with whose temperature it grows.
+    pub output: String,
+    /// The input that it takes heat from.
+    pub input: String,
+    /// g, W/K².
+    pub g_w_per_k2: Estimate,
+    /// b = g Σ R of the pair (in the first class), 1/K.
+    pub b_per_k: Estimate,
 }
 
 /// What was decided for the model, by whom and why.

@@ -9,7 +9,8 @@
 
 use dr_core::model::mesh;
 
-use super::content::{Following, Model, RecordEnd, Structure};
+use super::content::{Following, LossOrigin, Model, RecordEnd, Structure};
+use super::losses::PlacedLoss;
 
 /// What one output's memory is made of: relaxations of one pair and class, or decays that no input
 /// drives.
@@ -76,6 +77,9 @@ pub struct Forward {
     /// ΔG by element and class; empty for structure `symbol`.
     conductance: Vec<Vec<f64>>,
     gas: Option<GasFollower>,
+    /// Losses that grow with temperature, and whether they count from the gas rather than the offset.
+    losses: Vec<PlacedLoss>,
+    from_gas: bool,
     /// The inputs' last values (newest last) and their class, as far back as the longest dead time.
     past: Vec<(Vec<f64>, usize)>,
 }
@@ -120,6 +124,8 @@ impl Forward {
             offset_c: model.outputs.iter().map(|output| output.offset_c).collect(),
             conductance,
             gas: following.map(|following| GasFollower::of(following, sample_period_s)),
+            losses: model.placed_losses(),
+            from_gas: model.losses.as_ref().is_some_and(|losses| matches!(losses.origin, LossOrigin::Column(_))),
             past: vec![(vec![0.0; model.inputs.len()], 0); longest],
         }
     }
@@ -214,14 +220,18 @@ impl Forward {
         }
     }
 
-    /// Holds the inputs over [t_n, t_{n+1}), less what the wind takes from elements of these
-    /// temperatures.
+    /// Holds the inputs over [t_n, t_{n+1}), less what the wind and growing losses take from
+    /// elements of these temperatures.
     fn hold(&mut self, class: usize, gas_c: f64, temperatures_c: &[f64]) {
         let last = self.past.len() - 1;
         for (element, conductance) in self.conductance.iter().enumerate() {
             let rise_k = temperatures_c.get(element).copied().unwrap_or(gas_c) - gas_c;
             let taken = conductance.get(class).copied().unwrap_or(0.0) * rise_k;
             self.past[last].0[element] -= taken;
+        }
+        for loss in &self.losses {
+            let origin_c = if self.from_gas { gas_c } else { self.offset_c[loss.output] };
+            self.past[last].0[loss.input] -= loss.taken_w(temperatures_c[loss.output] - origin_c);
         }
         if let Some(gas) = &mut self.gas {
             gas.hold(gas_c);
@@ -293,6 +303,23 @@ mod tests {
             let truth = model.offset_c + 3.0 + 2.0 * (1.0 - (-0.1 * 0.1 * f64::from(n)).exp());
             assert!((row(23.0) - truth).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn growing_losses_settle_where_their_square_says_from_offset_and_from_a_measured_ambient() {
+        // 10 K/W and g = 2e-4 W/K²: ΔT + b ΔT² = 30 K with b = 2e-3 1/K, at 3 W.
+        let truth_k = ((1.0 + 4.0 * 2e-3 * 30.0_f64).sqrt() - 1.0) / (2.0 * 2e-3);
+        let mut model = testing::model(&[0.5], &[10.0]);
+        testing::add_loss(&mut model, 2e-4);
+        let settled_c = |model: &Model, gas_c: f64| {
+            let (mut forward, mut outputs) = (Forward::at_rest(model, 0.1), [0.0]);
+            (0..2000).for_each(|_| forward.row(&[3.0], 0, gas_c, &mut outputs));
+            outputs[0]
+        };
+        assert!((settled_c(&model, 0.0) - model.offset_c - truth_k).abs() < 1e-9);
+        model.losses.as_mut().unwrap().origin = LossOrigin::Column("ambient".to_owned());
+        assert!((settled_c(&model, model.offset_c) - model.offset_c - truth_k).abs() < 1e-9);
+        assert!(settled_c(&model, model.offset_c - 5.0) < model.offset_c + truth_k - 0.5);
     }
 
     #[test]

@@ -125,6 +125,9 @@ fn alike(first_name: &str, first: &Model, name: &str, model: &Model) -> Result<(
             "{name}: structure `conductance` cannot be merged, because its wind couples all elements: identify all of them from one record"
         ));
     }
+    model
+        .refuse_losses("cannot be merged, because what an element loses is in all that it heats: identify all of them from one record")
+        .map_err(|error| error.about(name))?;
     let sorted = |model: &Model| BTreeSet::from_iter(model.classes.clone());
     if sorted(first) != sorted(model) {
         return Err(model_error!(
@@ -249,6 +252,10 @@ mod tests {
             "a.json and b.json both have the pair power_w_a → temperature_c_a",
         );
         refused(|models| models[1].1.structure = Structure::Conductance, "b.json: structure `conductance`");
+        refused(
+            |models| testing::add_loss(&mut models[1].1, 1e-4),
+            "b.json: has `losses` that grow with temperature, and cannot be merged",
+        );
         refused(
             |models| models[1].1.classes = vec!["calm".to_owned(), "gust".to_owned()],
             "a.json was identified for the classes all, b.json for calm, gust",

@@ -93,6 +93,15 @@ impl<'a> PairClass<'a> {
     /// What a reader of an export must know: that the record could not support the model, or what
     /// the export leaves out.
     pub fn warning(&self) -> Option<String> {
+        let linear = self.model.losses.is_some().then(|| {
+            "the model's losses grow with temperature, w = u - g (T - T_0)^2, and this is its linear part: the answer to little power".to_owned()
+        });
+        let both: Vec<String> = self.warning_beside_losses().into_iter().chain(linear).collect();
+        (!both.is_empty()).then(|| both.join("; "))
+    }
+
+    /// The same of an export that knows growing losses.
+    pub fn warning_beside_losses(&self) -> Option<String> {
         let warnings = self.model.warnings.join("; ");
         let unsupported = self.model.reservation().map(|verdict| format!("{verdict}: {warnings}"));
         let following = self.model.wind.as_ref().and_then(|wind| wind.following.as_ref());

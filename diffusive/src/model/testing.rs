@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::content::{
-    Chosen, Class, Estimate, Followed, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, Provenance, Structure,
-    VERSION,
+    Chosen, Class, ElementLoss, Estimate, Followed, Following, LossOrigin, Model, ModelGas, ModelLosses, ModelOutput,
+    ModelWind, Pair, Provenance, Structure, VERSION,
 };
 
 /// One input `power_w_a`, one output `temperature_c_a`, class `all`, sampled every 0.1 s, offset 20
@@ -39,6 +39,7 @@ pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
         classes: vec!["all".to_owned()],
         conductance_w_per_k: BTreeMap::new(),
         wind: None,
+        losses: None,
         offset_c: 20.0,
         residual_rms: 0.005,
         fit_percent: 99.0,
@@ -78,6 +79,21 @@ pub fn add_wind(model: &mut Model, label: &str, conductance_w_per_k: f64) {
         gas: ModelGas::ConstantC(20.0),
         elements: vec![elements],
         following: None,
+    });
+}
+
+/// Gives the first pair a loss that grows with temperature.
+pub fn add_loss(model: &mut Model, g_w_per_k2: f64) {
+    let pair = &model.pairs[0];
+    let gain = pair.classes.values().next().map_or(0.0, |class| class.steady_gain_k_per_w);
+    model.losses = Some(ModelLosses {
+        origin: LossOrigin::Offset,
+        elements: vec![ElementLoss {
+            output: pair.output.clone(),
+            input: pair.input.clone(),
+            g_w_per_k2: Estimate { value: g_w_per_k2, se: 1e-6 },
+            b_per_k: Estimate { value: g_w_per_k2 * gain, se: 1e-5 },
+        }],
     });
 }
 

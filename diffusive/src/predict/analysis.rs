@@ -8,7 +8,7 @@ use super::decays::Decays;
 use super::disturbance::{WindChange, change, change_of_conductance};
 use super::limited::{self, Limited};
 use super::loop_model::LoopModel;
-use super::reaching::reaching_time_s;
+use super::reaching::{reaching_time_s, with_losses};
 use super::zeros::decays_of_a_lift;
 
 /// What counts as settled: within this share of a step.
@@ -35,6 +35,11 @@ impl LoopConditions {
     /// Low and high level, W.
     pub fn levels_w(&self) -> (f64, f64) {
         (self.power_low_w, self.power_high_w)
+    }
+
+    /// What is left of the levels once losses have taken theirs, W.
+    pub fn left_w(&self, lost_w: f64) -> (f64, f64) {
+        (self.power_low_w - lost_w, self.power_high_w - lost_w)
     }
 }
 
@@ -72,6 +77,9 @@ pub struct LoopAtSetPoint {
     pub conditions: LoopConditions,
     /// ΔT over the temperature without heating in this class, K.
     pub rise_k: f64,
+    /// Power that losses which grow with temperature take there, W: a constant beside the linear
+    /// loop. Powers here are with it.
+    pub lost_w: f64,
     /// Whether the set-point can be held.
     pub verdict: Reachability<f64>,
     /// From u_Q to the low level, and to the high level, W. Below zero where the set-point is out
@@ -113,29 +121,49 @@ pub fn analyse(loop_model: &LoopModel, conditions: Option<LoopConditions>) -> An
 }
 
 fn held(loop_model: &LoopModel, conditions: LoopConditions) -> LoopAtSetPoint {
-    let LoopConditions { target_c, power_low_w: low_w, power_high_w: high_w, sample_period_s } = conditions;
+    let LoopConditions { target_c, sample_period_s, .. } = conditions;
     let surface = &loop_model.surface;
     let rise_k = target_c - loop_model.unheated_c;
-    let verdict = surface.reachability(rise_k, low_w, high_w);
+    // At the set-point, growing losses are a constant: levels and powers are less by it.
+    let lost_w = loop_model.lost_w(rise_k);
+    let (low_w, high_w) = conditions.left_w(lost_w);
+    let verdict = match surface.reachability(rise_k, low_w, high_w) {
+        Reachability::Reachable { steady_power_w } => {
+            Reachability::Reachable { steady_power_w: steady_power_w + lost_w }
+        }
+        Reachability::LowLevelTooWarm { .. } if lost_w != 0.0 => {
+            Reachability::LowLevelTooWarm { least_rise_k: loop_model.steady_rise_k(conditions.power_low_w) }
+        }
+        Reachability::HighLevelTooCold { .. } if lost_w != 0.0 => {
+            Reachability::HighLevelTooCold { most_rise_k: loop_model.steady_rise_k(conditions.power_high_w) }
+        }
+        verdict => verdict,
+    };
     let steady_w = rise_k / surface.steady_gain_k_per_w;
     let reachable = matches!(verdict, Reachability::Reachable { .. });
-    let met_s = if reachable { reaching_time_s(surface, rise_k, high_w) } else { None };
+    let power_w = conditions.power_high_w;
+    let met_s = if reachable { reaching_time_s(surface, rise_k, power_w) } else { None };
     let arrival = met_s.map(|time_s| -> Vec<f64> {
         let poles = surface.rates_rad_s.iter().zip(&surface.r_k_per_w);
-        poles.map(|(&rate, r)| r * high_w * mesh::gain(rate, time_s)).collect()
+        poles.map(|(&rate, r)| r * power_w * mesh::gain(rate, time_s)).collect()
     });
-    let after_s = arrival
-        .as_ref()
-        .and_then(|z| limited::settle(surface, z, steady_w, SETTLED * steady_w, (low_w, high_w)).settled_s);
+    let (met_s, arrival) = match met_s.filter(|_| lost_w != 0.0) {
+        None => (met_s, arrival),
+        Some(at_least_s) => with_losses(surface, rise_k, power_w, loop_model.loss_w_per_k2, at_least_s).unzip(),
+    };
+    let settled_w = SETTLED * (steady_w + lost_w);
+    let after_s =
+        arrival.as_ref().and_then(|z| limited::settle(surface, z, steady_w, settled_w, (low_w, high_w)).settled_s);
     // What is read is late by the dead time.
     let reaching_time_s = met_s.map(|met_s| met_s + loop_model.dead_time_s);
     LoopAtSetPoint {
         conditions,
         rise_k,
+        lost_w,
         verdict,
         margins_w: sliding_margins_w(steady_w, low_w, high_w),
         reaching_time_s,
-        arrival_w: arrival.map(|z| surface.equivalent_control_w(&z)),
+        arrival_w: arrival.map(|z| surface.equivalent_control_w(&z) + lost_w),
         settled_s: reaching_time_s.zip(after_s).map(|(met_s, after_s)| met_s + after_s),
         chatter: reachable.then(|| chatter(surface, sample_period_s, steady_w, low_w, high_w)),
     }
@@ -164,6 +192,12 @@ fn reference_c(loop_model: &LoopModel) -> f64 {
 }
 
 impl Analysis {
+    /// What growing losses take at the set-point, W. Changes of the wind leave it as it is, and do
+    /// without it.
+    pub fn lost_w(&self) -> f64 {
+        self.held.as_ref().map_or(0.0, |held| held.lost_w)
+    }
+
     /// Whether a zero has no positive real part: on the surface the states would run away.
     pub fn runs_away(&self) -> bool {
         self.zeros.iter().any(|(rate, _)| rate.re <= 0.0)
@@ -187,7 +221,7 @@ impl Analysis {
     /// What a change comes to between the loop's levels, or without any where none are known.
     pub fn limited(&self, change: &WindChange) -> Limited {
         match &self.held {
-            Some(held) => change.between(SETTLED, held.conditions.levels_w()),
+            Some(held) => change.between(SETTLED, held.conditions.left_w(held.lost_w)),
             None => Limited { off_s: Some(0.0), settled_s: change.settled_s(SETTLED) },
         }
     }
@@ -213,7 +247,7 @@ impl Analysis {
 
     fn can_hold(&self, change: &WindChange) -> bool {
         self.held.as_ref().is_none_or(|held| {
-            let (low_w, high_w) = held.conditions.levels_w();
+            let (low_w, high_w) = held.conditions.left_w(held.lost_w);
             low_w < change.finally_w && change.finally_w < high_w
         })
     }

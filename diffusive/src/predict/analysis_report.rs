@@ -148,7 +148,7 @@ fn conditions(
     refuse_if!(power_low_w < 0.0, model_error!("--low is {power_low_w} W: a heater cannot cool"));
     let half_way_k = || {
         notes.push("the set-point is half-way between what the levels can hold; --target gives another".to_owned());
-        loop_model.surface.steady_gain_k_per_w * f64::midpoint(power_low_w, power_high_w)
+        loop_model.steady_rise_k(f64::midpoint(power_low_w, power_high_w))
     };
     let rise_k = request.target_k.unwrap_or_else(half_way_k);
     let target_c = loop_model.unheated_c + rise_k;
@@ -159,6 +159,7 @@ impl Serialize for AnalysisReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let analysis = &self.analysis;
         let held = analysis.held.as_ref();
+        let lost_w = analysis.lost_w();
         let chatter = held.and_then(|held| held.chatter);
         let complex = analysis.zeros.iter().any(|(rate, _)| rate.im != 0.0);
         let zeros =
@@ -168,9 +169,9 @@ impl Serialize for AnalysisReport {
             let decays = change.decays.terms().iter();
             keys! {
                 to: to.clone(),
-                before_w: change.before_w,
-                at_once_w: change.at_once_w,
-                finally_w: change.finally_w,
+                before_w: change.before_w + lost_w,
+                at_once_w: change.at_once_w + lost_w,
+                finally_w: change.finally_w + lost_w,
                 mismatched_share: change.mismatched_share(),
                 matched_k_per_s: change.matched_k_per_s.clone(),
                 mismatched_k_per_s: change.mismatched_k_per_s.clone(),
@@ -209,6 +210,7 @@ impl Serialize for AnalysisReport {
             unheated_c: analysis.unheated_c,
             target_c: held.map(|held| held.conditions.target_c),
             rise_k: held.map(|held| held.rise_k),
+            lost_w: held.map(|held| held.lost_w),
             power_low_w: held.map(|held| held.conditions.power_low_w),
             power_high_w: held.map(|held| held.conditions.power_high_w),
             sample_period_s: held.map(|held| held.conditions.sample_period_s),

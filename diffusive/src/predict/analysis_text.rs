@@ -45,9 +45,9 @@ fn summary(found: &AnalysisReport) -> String {
             text,
             "\n{} → {to}: {} W before, {} W at once, {} W in the end; within 2 % of the change {}\n  {:.1} % of the disturbance is mismatched",
             analysis.label,
-            brief(change.before_w),
-            brief(change.at_once_w),
-            brief(change.finally_w),
+            brief(change.before_w + analysis.lost_w()),
+            brief(change.at_once_w + analysis.lost_w()),
+            brief(change.finally_w + analysis.lost_w()),
             within(limited.settled_s),
             100.0 * change.mismatched_share()
         );
@@ -89,6 +89,9 @@ fn set_point(text: &mut String, held: &LoopAtSetPoint) {
         brief(conditions.sample_period_s),
         verdict(held)
     );
+    if held.lost_w > 0.0 {
+        let _ = writeln!(text, "  {} W of it by losses that grow with temperature", brief(held.lost_w));
+    }
     if let (Some(time_s), Some(arrival_w)) = (held.reaching_time_s, held.arrival_w) {
         let _ = writeln!(
             text,

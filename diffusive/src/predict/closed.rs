@@ -138,9 +138,11 @@ pub fn predict(model: &Model, scenario: &Scenario, start: LoopStart) -> Result<P
 fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, ModelError> {
     let first = scenario.winds.first().map_or(0, |(_, class)| *class);
     let mut z = DVector::zeros(system.order());
-    // A resistor's power depends on its temperature, a little.
+    let mut taken = vec![0.0; system.elements()];
+    // A resistor's power depends on its temperature, a little, and so do losses.
     for _ in 0..20 {
-        let low = |(i, heated): (usize, &Heated)| heated.heater.levels_w(system.temperature_c(&z, i)).0;
+        system.taken_w(&z, &mut taken);
+        let low = |(i, heated): (usize, &Heated)| heated.heater.levels_w(system.temperature_c(&z, i)).0 - taken[i];
         let power: Vec<f64> = scenario.elements.iter().enumerate().map(low).collect();
         z = system.steady_state(first, &power)?;
     }
@@ -169,14 +171,16 @@ fn sampled(
 ) -> Result<(), ModelError> {
     let mut drives = drive_states(scenario)?;
     let mut scratch = z.clone();
-    let mut power = vec![0.0; elements.len()];
+    let (mut power, mut taken) = (vec![0.0; elements.len()], vec![0.0; elements.len()]);
     for &class in class {
+        motions.system.taken_w(&z, &mut taken);
         for (i, of) in elements.iter_mut().enumerate() {
             let temperature_c = motions.system.temperature_c(&z, i);
             let heated = &scenario.elements[i];
             let levels = heated.heater.levels_w(temperature_c);
-            power[i] = of_level(decide(&heated.drive, &mut drives[i], temperature_c, levels), levels);
-            of.sampled_w.push(power[i]);
+            let given_w = of_level(decide(&heated.drive, &mut drives[i], temperature_c, levels), levels);
+            power[i] = given_w - taken[i];
+            of.sampled_w.push(given_w);
             of.sampled_c.push(temperature_c);
         }
         let at = motions.of(class, 0)?;
@@ -215,15 +219,18 @@ fn limit(
     let mut drives = drive_states(scenario)?;
     let mut modes = vec![ElementMode::Given; count];
     let mut targets = vec![f64::NAN; count];
-    let (mut power, mut levels) = (vec![0.0; count], vec![(0.0, 0.0); count]);
+    // Powers and levels are what is left of them once growing losses have taken theirs.
+    let (mut power, mut levels, mut taken) = (vec![0.0; count], vec![(0.0, 0.0); count], vec![0.0; count]);
     let (mut scratch, mut before) = (z.clone(), z.clone());
     let mut off = vec![false; count];
     for (tick, &class) in classes.iter().enumerate() {
+        system.taken_w(&z, &mut taken);
         for i in 0..count {
             let temperature_c = system.temperature_c(&z, i);
             let heated = &scenario.elements[i];
-            levels[i] = heated.heater.levels_w(temperature_c);
-            let level = decide(&heated.drive, &mut drives[i], temperature_c, levels[i]);
+            let (low_w, high_w) = heated.heater.levels_w(temperature_c);
+            let level = decide(&heated.drive, &mut drives[i], temperature_c, (low_w, high_w));
+            levels[i] = (low_w - taken[i], high_w - taken[i]);
             match heated.drive {
                 Drive::Temperature { .. } | Drive::Setpoints { .. } => {
                     let target_c = f64::from(drives[i].target_c);
@@ -233,7 +240,7 @@ fn limit(
                     }
                     elements[i].target_c.push(target_c);
                 }
-                Drive::Power { power_w } => power[i] = f64::from(power_w),
+                Drive::Power { power_w } => power[i] = f64::from(power_w) - taken[i],
                 Drive::Passive | Drive::Level(_) | Drive::Prbs { .. } => power[i] = of_level(level, levels[i]),
             }
         }
@@ -246,7 +253,7 @@ fn limit(
             for i in 0..count {
                 off[i] |= modes[i] != ElementMode::Held;
                 if pass == 0 {
-                    elements[i].limit_w.push(power[i]);
+                    elements[i].limit_w.push(power[i] + taken[i]);
                 }
             }
             let own;

@@ -24,6 +24,8 @@ pub struct LoopModel {
     pub structure: SlidingSurface,
     /// ΔG, W/K; 0 where the class has a symbol of its own.
     pub conductance_w_per_k: f64,
+    /// g of losses that grow with temperature, W/K²; 0 without.
+    pub loss_w_per_k2: f64,
     /// Temperature without heating, °C.
     pub unheated_c: f64,
     /// Temperature of the gas, °C, where the wind is a conductance.
@@ -52,6 +54,7 @@ impl LoopModel {
             surface: structure.clone(),
             structure,
             conductance_w_per_k: 0.0,
+            loss_w_per_k2: part.loss_w_per_k2(),
             unheated_c: part.offset_c(),
             gas_c: None,
             dead_time_s: part.dead_time_s(),
@@ -72,6 +75,18 @@ impl LoopModel {
                 found.surface.steady_gain_k_per_w * found.conductance_w_per_k * (found.unheated_c - gas_c);
         }
         Ok(found)
+    }
+
+    /// Power in W that growing losses take at a rise in K over the temperature without heating.
+    pub fn lost_w(&self, rise_k: f64) -> f64 {
+        self.loss_w_per_k2 * (rise_k * rise_k)
+    }
+
+    /// Where a constant power in W ends, in K: ΔT + b ΔT² = ΣR · P.
+    pub fn steady_rise_k(&self, power_w: f64) -> f64 {
+        let linear_k = self.surface.steady_gain_k_per_w * power_w;
+        let root = (1.0 + 4.0 * self.loss_w_per_k2 * self.surface.steady_gain_k_per_w * linear_k).max(0.0).sqrt();
+        2.0 * linear_k / (1.0 + root)
     }
 
     /// Power in W that the wind takes, beyond the reference's, from an element at a temperature in

@@ -26,6 +26,40 @@ pub fn reaching_time_s(surface: &SlidingSurface, rise_k: f64, power_high_w: f64)
     meeting_s(surface, &vec![0.0; surface.order()], -rise_k, (Level::High, power_high_w))
 }
 
+/// The same where losses grow with temperature, and the states in K that it is met with, from rest:
+/// by steps of a fraction of `at_least_s`, the time without them, with the loss of the middle of
+/// each step. `None` if it is not met in a thousand times that.
+pub fn with_losses(
+    surface: &SlidingSurface,
+    rise_k: f64,
+    power_w: f64,
+    loss_w_per_k2: f64,
+    at_least_s: f64,
+) -> Option<(f64, Vec<f64>)> {
+    const STEPS: f64 = 500.0;
+    let step_s = at_least_s / STEPS;
+    let gains = [0.5 * step_s, step_s]
+        .map(|time_s| surface.rates_rad_s.iter().map(|&rate| mesh::gain(rate, time_s)).collect::<Vec<_>>());
+    let mut z = vec![0.0; surface.order()];
+    let moved = |z: &[f64], gain: &[f64], y: f64| -> Vec<f64> {
+        let left_w = power_w - loss_w_per_k2 * y * y;
+        z.iter().zip(gain).zip(&surface.r_k_per_w).map(|((z, gain), r)| z + gain * (r * left_w - z)).collect()
+    };
+    for n in 0..(1e3 * STEPS) as u32 {
+        let now: f64 = z.iter().sum();
+        let middle: f64 = moved(&z, &gains[0], now).iter().sum();
+        let next = moved(&z, &gains[1], middle);
+        let then: f64 = next.iter().sum();
+        if then >= rise_k {
+            let part = (rise_k - now) / (then - now);
+            let met = z.iter().zip(&next).map(|(z, next)| z + part * (next - z)).collect();
+            return Some(((f64::from(n) + part) * step_s, met));
+        }
+        z = next;
+    }
+    None
+}
+
 /// When states z_k in K that are `above_k` over the set-point meet it under a level of a power in
 /// W, in s and to rounding; `None` if never.
 ///

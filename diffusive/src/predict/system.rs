@@ -18,7 +18,8 @@
 //!
 //! with R the others: for one element that is the equivalent control of dr-core. For every wind and
 //! set H all is linear with constant coefficients, and one step of any length is one matrix
-//! exponential, which is made once.
+//! exponential, which is made once. Losses that grow with temperature, w_i −= g (T_o − base_o)²,
+//! are not linear; whoever moves the system takes them out of the powers step by step.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,7 +28,7 @@ use dr_core::model::mesh;
 use super::loop_model::{followed_k, gas_temperature_c};
 use super::sliding_surface::{feed_through, no_surface};
 use crate::model::pair_class::{element, name, unseen};
-use crate::model::{Model, ModelError, ModelOutput, Structure};
+use crate::model::{Model, ModelError, ModelOutput, PlacedLoss, Structure};
 
 /// Masks of held elements have so many bits.
 const MOST_ELEMENTS: usize = 16;
@@ -45,6 +46,8 @@ pub struct System {
     conductance: Vec<Vec<f64>>,
     base_c: Vec<f64>,
     gas_c: f64,
+    /// Losses that grow with temperature, by elements.
+    losses: Vec<PlacedLoss>,
     /// By element: which of the model's outputs it is regulated by.
     regulated_by: Vec<usize>,
 }
@@ -109,6 +112,7 @@ impl System {
             conductance: vec![vec![0.0; elements]; model.classes.len()],
             base_c: Vec::new(),
             gas_c: 0.0,
+            losses: Vec::new(),
             regulated_by: Vec::with_capacity(elements),
         };
         let gas = match &model.wind {
@@ -131,6 +135,12 @@ impl System {
                 let estimate = model.wind.as_ref().and_then(|wind| wind.elements.get(at)?.get(label));
                 system.conductance[class][at] = estimate.map_or(0.0, |estimate| estimate.value);
             }
+        }
+        for loss in model.placed_losses() {
+            let output = system.regulated_by.iter().position(|at| *at == loss.output);
+            let name = &model.outputs[loss.output].name;
+            let none = || model_error!("the model's losses grow with `{name}`, which no element is regulated by");
+            system.losses.push(PlacedLoss { output: output.ok_or_else(none)?, ..loss });
         }
         for pair in &model.pairs {
             let input = model.inputs.iter().position(|input| *input == pair.input);
@@ -206,6 +216,16 @@ impl System {
     pub fn temperature_c(&self, z: &DVector<f64>, element: usize) -> f64 {
         let own = |(z, output): (&f64, &usize)| if *output == element { *z } else { 0.0 };
         self.base_c[element] + z.as_slice().iter().zip(&self.output).map(own).sum::<f64>()
+    }
+
+    /// Writes the power in W that growing losses take from every element. At a held temperature it
+    /// does not change; else it is taken at the start of a step and held, as in identification.
+    pub fn taken_w(&self, z: &DVector<f64>, taken_w: &mut [f64]) {
+        taken_w.fill(0.0);
+        for loss in &self.losses {
+            let rise_k = self.temperature_c(z, loss.output) - self.base_c[loss.output];
+            taken_w[loss.input] += loss.taken_w(rise_k);
+        }
     }
 
     /// # Errors

@@ -15,9 +15,13 @@ use super::options::FitObserver;
 use super::record::{RecordError, RecordSource, Survey};
 use super::residuals::Residuals;
 use super::validate_options::LEAST_ROWS;
-use crate::model::{Forward, Model, ModelGas, RecordEnd};
-use run::{Losses, run};
+use crate::model::{Forward, LossOrigin, Model, ModelGas, RecordEnd};
+use run::{LossesBy, run};
 use start::{estimate, prior_widths};
+
+/// How often the offset is estimated where losses count from it: what is wrong with it shrinks by
+/// 2 b ΔT each time.
+const OFFSETS: usize = 6;
 
 /// Predicts the record. Its inputs and outputs are the model's, in order.
 ///
@@ -33,7 +37,7 @@ pub fn validate(
     check_columns(model, source.survey())?;
     let (mut forward, offsets) = started(model, source, start)?;
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
-    run(model, source, &mut forward, Losses::Predicted, &mut |seen| {
+    run(model, source, &mut forward, LossesBy::Predicted, &mut |seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
             residuals.push(*measured, *predicted, 0.0);
         }
@@ -66,8 +70,16 @@ fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
         (inputs, outputs) != (model_inputs, model_outputs),
         format_args!("has {inputs} inputs and {outputs} outputs where the model has {model_inputs} and {model_outputs}: name them with --input and --output, in the model's order"),
     )?;
-    match model.wind.as_ref().map(|wind| &wind.gas) {
-        Some(ModelGas::Column(column)) if survey.gas_column.is_none() => Err(survey.refuse(format!(
+    let of_wind = match model.wind.as_ref().map(|wind| &wind.gas) {
+        Some(ModelGas::Column(column)) => Some(column),
+        _ => None,
+    };
+    let of_losses = match model.losses.as_ref().map(|losses| &losses.origin) {
+        Some(LossOrigin::Column(column)) => Some(column),
+        _ => None,
+    };
+    match of_wind.or(of_losses) {
+        Some(column) if survey.gas_column.is_none() => Err(survey.refuse(format!(
             "has no gas column: the model needs the temperature of the gas, which was column `{column}`"
         ))),
         _ => Ok(()),
@@ -96,11 +108,18 @@ fn started(
                 rows <= unknowns as u64,
                 format_args!("has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"),
             )?;
-            let estimated = estimate(model, source, &mut forward)?;
-            forward = Forward::at_rest(model, period_s);
-            for (output, estimated) in estimated.iter().enumerate() {
-                offsets[output] += estimated.offset_k;
-                forward.set_offset(output, offsets[output]);
+            // Growing losses count from the offset, which is the day's: once more with what was
+            // found, as it moves them a little.
+            let mut found = Vec::new();
+            for _ in 0..if model.losses.is_some() { OFFSETS } else { 1 } {
+                found = estimate(model, source, &mut forward)?;
+                forward = Forward::at_rest(model, period_s);
+                for (output, estimated) in found.iter().enumerate() {
+                    offsets[output] += estimated.offset_k;
+                    forward.set_offset(output, offsets[output]);
+                }
+            }
+            for (output, estimated) in found.iter().enumerate() {
                 forward.add_decays(output, &estimated.decays, period_s);
             }
         }

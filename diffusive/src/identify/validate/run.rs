@@ -4,9 +4,9 @@ use super::super::record::{RecordError, RecordSource, copy_row};
 use super::super::residuals::FitRow;
 use crate::model::{Forward, Model, ModelGas};
 
-/// By whose temperatures the wind takes heat.
+/// By whose temperatures heat is lost to the wind, and by losses that grow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Losses {
+pub(super) enum LossesBy {
     Predicted,
     Measured,
 }
@@ -16,7 +16,7 @@ pub(super) fn run(
     model: &Model,
     source: &mut dyn RecordSource,
     forward: &mut Forward,
-    losses: Losses,
+    losses: LossesBy,
     seen: &mut dyn FnMut(&FitRow<'_>),
 ) -> Result<(), RecordError> {
     source.restart()?;
@@ -48,8 +48,8 @@ pub(super) fn run(
             let class = classes[block.class[at] as usize];
             let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
             match losses {
-                Losses::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
-                Losses::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
+                LossesBy::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
+                LossesBy::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
             }
             seen(&FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[] });
             row += 1;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::normal_equations::NormalEquations;
 use super::super::record::{RecordError, RecordSource};
-use super::run::{Losses, run};
+use super::run::{LossesBy, run};
 use crate::model::{Forward, Model};
 
 /// What an output's record began with.
@@ -40,7 +40,7 @@ pub(super) fn estimate(
         rows: 0.0,
     };
     let mut problems: Vec<NormalEquations> = columns.iter().map(|columns| empty(columns.len())).collect();
-    run(model, source, forward, Losses::Measured, &mut |seen| {
+    run(model, source, forward, LossesBy::Measured, &mut |seen| {
         for (output, problem) in problems.iter_mut().enumerate() {
             let rest = seen.measured[output] - seen.predicted[output];
             let column = &mut columns[output];

@@ -6,6 +6,9 @@
 //! | cross-heating, or with dead time | the power is measured where it enters and drives a network elsewhere | `heater temperature ambient` |
 //! | in a wind of structure `conductance` | the one-port with 1/ΔG from its junction to the gas | `junction ambient gas` |
 //!
+//! Losses that grow with temperature are a current source of g V² W from junction to ambient, in a
+//! one-port; other netlists are linear and say so.
+//!
 //! `ambient` is to be held at the model's offset, so that voltages are temperatures in °C. Dead
 //! time is a lossless line of 1 Ω, matched at both ends.
 
@@ -54,7 +57,10 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelE
         if part.wind_w_per_k.is_some() { " without the conductance to the gas" } else { "" },
         spice(part.offset_c()),
     );
-    if let Some(warning) = part.warning() {
+    // What is lost from a heater elsewhere depends on a temperature that a pair of its own lacks.
+    let loss_w_per_k2 = if one_port { part.loss_w_per_k2() } else { 0.0 };
+    let warning = if loss_w_per_k2 > 0.0 { part.warning_beside_losses() } else { part.warning() };
+    if let Some(warning) = warning {
         let _ = writeln!(text, "* Warning: {}", ascii(&warning));
     }
     let _ = writeln!(text, "* Try it:  Vambient amb 0 {}", spice(part.offset_c()));
@@ -79,6 +85,10 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelE
     }
     if let Some(conductance) = part.wind_w_per_k.filter(|conductance| *conductance != 0.0) {
         let _ = writeln!(text, "Rwind junction gas {}", spice(1.0 / conductance));
+    }
+    if loss_w_per_k2 > 0.0 {
+        let g = spice(loss_w_per_k2);
+        let _ = writeln!(text, "Bloss junction ambient I={g}*V(junction,ambient)*V(junction,ambient)");
     }
     let mut from = heated.to_owned();
     if part.class.feed_through_k_per_w != 0.0 {

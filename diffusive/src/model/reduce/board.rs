@@ -63,6 +63,13 @@ pub fn toml(model: &Model, label: &str) -> Result<String, ModelError> {
                 part.class.feed_through_k_per_w
             );
         }
+        if part.loss_w_per_k2() > 0.0 {
+            let _ = writeln!(
+                text,
+                "# left out, for the board's model is linear: losses that grow with temperature, {:?} W/K^2",
+                part.loss_w_per_k2()
+            );
+        }
         let _ = writeln!(text, "reference_c = {:?}", part.offset_c() as f32);
         let _ = writeln!(text, "mesh_rad_s = {rates:?}\nr_k_per_w = {r:?}");
         if pair.mesh_rad_s.len() < ORDER {

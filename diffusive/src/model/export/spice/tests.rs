@@ -109,6 +109,21 @@ fn cross_heating_leaves_the_heater_as_it_is() {
 }
 
 #[test]
+fn growing_losses_settle_where_their_square_says() {
+    let mut model = testing::model(&MESH, &[30.0, 8.0, 2.5, 0.4]);
+    testing::add_loss(&mut model, 2e-4);
+    for network in [SpiceNetwork::Foster, SpiceNetwork::Cauer] {
+        let text = one(&model, network);
+        assert!(text.contains("I=2e-4*V(junction,ambient)*V(junction,ambient)"), "{text}");
+        let Some(values) = simulate(&text, BENCH, 400.0, &[399.0]) else { return };
+        // ΔT + b ΔT² = 40.9 K with b = 40.9 · 2e-4 1/K
+        let b = 40.9 * 2e-4;
+        let exact = ((1.0 + 4.0 * b * 40.9_f64).sqrt() - 1.0) / (2.0 * b);
+        assert!((values[0] - 20.0 - exact).abs() < 1e-4 * exact, "{values:?} for {exact}");
+    }
+}
+
+#[test]
 fn wind_is_a_resistor_to_the_gas() {
     let mut model = testing::model(&MESH, &[30.0, 8.0, 2.5, 0.4]);
     testing::add_wind(&mut model, "gust", 0.2);
