@@ -54,6 +54,7 @@ impl RecordTable {
                 class: vec![0; to - from],
                 gas: Vec::new(),
                 time_s: (time_s(from), time_s(to - 1)),
+                ..Block::default()
             }
         });
         let survey = Survey {
@@ -63,12 +64,15 @@ impl RecordTable {
             event_column: None,
             gas_column: None,
             rows: rows as u64,
+            segments: 1,
+            start_utc: None,
             first_time_s: 0.0,
             last_time_s: time_s(rows - 1),
             sample_period_s,
             conditions: None,
             notes: Vec::new(),
             path: path.clone(),
+            paths: vec![path.clone()],
         };
         Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
     }
@@ -103,6 +107,7 @@ impl RecordTable {
     #[must_use]
     pub fn named(mut self, path: &Path) -> Self {
         self.survey.path = path.to_owned();
+        self.survey.paths = vec![path.to_owned()];
         self
     }
 
