@@ -85,7 +85,8 @@ impl RecordTable {
             let mut words = ColumnWords::default();
             labels.iter().for_each(|label| words.push(label.as_ref()));
             let first_row = (at * BLOCK) as u64;
-            classes.fill(&self.survey.path, "event", first_row, &ColumnValues::Words(words), &mut block.class)?;
+            let (rows, words) = (0..labels.len(), ColumnValues::Words(words));
+            classes.fill(&self.survey.path, "event", first_row, &words, rows, &mut block.class)?;
         }
         self.survey.event_column = Some(recording::EVENT.to_owned());
         self.classes = classes.names().to_vec();

@@ -8,7 +8,7 @@ fn what_is_wrong_with_the_columns_is_said_with_the_remedy() {
         inputs: names(inputs),
         outputs: names(outputs),
         event: event.map(str::to_owned),
-        gas: None,
+        ..Selection::default()
     };
     let table = "t,power,temperature,mode,word\n0,1,2,0,a\n1,2,3,0,a\n";
     let sentence = |selection: Selection| read(table, &selection).unwrap_err();
