@@ -41,7 +41,10 @@ fn a_table_is_the_same_in_every_dialect() {
             format!("\u{feff}# by: a logger\n% {}", table(",", &["", "time,power,temperature"], same, "\n")),
         ),
         ("separators at the end", table(";", &["time;power;temperature"], same, ";\n")),
-        ("separators at the end of rows", table(",", &["time,power,temperature"], same, ",\n").replacen(",\n", "\n", 1)),
+        (
+            "separators at the end of rows",
+            table(",", &["time,power,temperature"], same, ",\n").replacen(",\n", "\n", 1),
+        ),
         ("units", table(";", &["time;power;temperature", "s;W;°C"], with_comma, "\n")),
         ("units in brackets", table(",", &["time,power,temperature", "[s],,(degC)"], same, "\n")),
     ] {

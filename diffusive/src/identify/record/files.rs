@@ -52,7 +52,8 @@ pub(super) struct RecordFiles {
 impl RecordFiles {
     pub(super) fn new(paths: &[PathBuf], roles: &Roles, selection: &Selection) -> Result<Self, RecordError> {
         let mut columns: Vec<usize> = roles.time.column.into_iter().collect();
-        let others = roles.inputs.iter().chain(&roles.outputs).chain(&roles.event).chain(&roles.gas).chain(&roles.state);
+        let others =
+            roles.inputs.iter().chain(&roles.outputs).chain(&roles.event).chain(&roles.gas).chain(&roles.state);
         for &column in others {
             if !columns.contains(&column) {
                 columns.push(column);
@@ -77,7 +78,8 @@ impl RecordFiles {
             is_whole: false,
         };
         let first = files.open(0)?;
-        files.is_kept = first.rows().is_none_or(|rows| rows.saturating_mul(files.columns.len() as u64) < MOST_CELLS as u64);
+        files.is_kept =
+            first.rows().is_none_or(|rows| rows.saturating_mul(files.columns.len() as u64) < MOST_CELLS as u64);
         files.names = first.names().to_vec();
         files.time_column = roles.time.column.map(|time| files.names[time].clone()).unwrap_or_default();
         for at in 1..paths.len() {
@@ -114,12 +116,14 @@ impl RecordFiles {
         let mut reader = RecordingReader::open_named(path, &self.given)?;
         if let Some((name, first)) = reader.names().iter().zip(&self.names).find(|(name, first)| name != first) {
             let first_path = self.paths[0].display();
-            let sentence = format!("has `{name}` where {first_path} has `{first}`: files of one record have the same columns");
+            let sentence =
+                format!("has `{name}` where {first_path} has `{first}`: files of one record have the same columns");
             return Err(RecordError::content(path, sentence));
         }
         let wanted = self.names.len();
         if file > 0 && reader.names().len() != wanted {
-            let sentence = format!("has {} columns, and {} has {wanted}", reader.names().len(), self.paths[0].display());
+            let sentence =
+                format!("has {} columns, and {} has {wanted}", reader.names().len(), self.paths[0].display());
             return Err(RecordError::content(path, sentence));
         }
         reader.select(&self.columns);

@@ -103,7 +103,8 @@ impl Roles {
         let taken = |roles: &Self, column: usize| {
             Some(column) == roles.time.column
                 || roles.time.left_out.contains(&column)
-                || Some(column) == roles.event || Some(column) == roles.gas
+                || Some(column) == roles.event
+                || Some(column) == roles.gas
         };
         let by_default = |&column: &usize| !columns.text[column] && !taken(self, column);
         let mut free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
@@ -150,8 +151,9 @@ impl Roles {
     /// Takes a column of text for the event class, if its name says that; mentions others, which
     /// nothing is made of.
     fn choose_worded_classes(&mut self, columns: &FileColumns) {
-        let texts: Vec<usize> =
-            (0..columns.names.len()).filter(|&column| columns.text[column] && Some(column) != self.time.column).collect();
+        let texts: Vec<usize> = (0..columns.names.len())
+            .filter(|&column| columns.text[column] && Some(column) != self.time.column)
+            .collect();
         let is_called = |column: &usize| columns.is_called_a_class(*column);
         match (&texts[..], texts.iter().copied().find(is_called)) {
             ([], _) => {}

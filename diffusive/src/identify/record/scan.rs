@@ -99,11 +99,15 @@ fn refuse(files: &RecordFiles, roles: &Roles, tally: &Tally) -> Result<(), Recor
     for (output, &missing) in roles.outputs.iter().zip(&tally.missing) {
         let name = &files.names()[*output];
         if 2 * missing > all {
-            return refuse(format!("column `{name}` is missing in {missing} of {all} rows: half of them belong there at least"));
+            return refuse(format!(
+                "column `{name}` is missing in {missing} of {all} rows: half of them belong there at least"
+            ));
         }
     }
     if let (true, Some((file, row, name))) = (2 * tally.dropped > all, &tally.first_dropped) {
-        let which = if tally.dropped == all { format!("column `{name}` has no number") } else {
+        let which = if tally.dropped == all {
+            format!("column `{name}` has no number")
+        } else {
             format!("{} of {all} rows lack a value, first `{name}` in row {row}", tally.dropped)
         };
         return Err(RecordError::content(&files.paths[*file], format!("{which}: name another column, or fill it")));
@@ -123,7 +127,10 @@ fn remarks(files: &RecordFiles, roles: &Roles, tally: &Tally, period_s: f64) -> 
     let several = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     if tally.gaps > 0 {
         let (gaps, rows) = (several(tally.gaps, "gap"), several(tally.lost, "row"));
-        notes.push(format!("{gaps} in time, of {rows} of {} s: nothing is taken from one side to the other", tidy(period_s)));
+        notes.push(format!(
+            "{gaps} in time, of {rows} of {} s: nothing is taken from one side to the other",
+            tidy(period_s)
+        ));
     }
     if let Some((file, row, name)) = &tally.first_dropped {
         let rows = several(tally.dropped, "row");
@@ -131,7 +138,11 @@ fn remarks(files: &RecordFiles, roles: &Roles, tally: &Tally, period_s: f64) -> 
         notes.push(format!("{rows} left out, in which a value is missing, first `{name}` in row {row}{file}"));
     }
     for (output, &missing) in roles.outputs.iter().zip(&tally.missing).filter(|(_, missing)| **missing > 0) {
-        notes.push(format!("`{}` is missing in {}, which count by their inputs only", files.names()[*output], several(missing, "row")));
+        notes.push(format!(
+            "`{}` is missing in {}, which count by their inputs only",
+            files.names()[*output],
+            several(missing, "row")
+        ));
     }
     notes
 }

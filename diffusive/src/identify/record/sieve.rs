@@ -100,7 +100,9 @@ impl Sieve {
             let (Some(place), None) = (place, lacks) else {
                 self.tally.dropped += 1;
                 let number = raw.first_row + row as u64 + 1;
-                self.tally.first_dropped.get_or_insert_with(|| (raw.file, number, lacks.unwrap_or_default().to_owned()));
+                self.tally
+                    .first_dropped
+                    .get_or_insert_with(|| (raw.file, number, lacks.unwrap_or_default().to_owned()));
                 self.is_broken = true;
                 continue;
             };
@@ -141,10 +143,13 @@ impl Sieve {
         let step_s = usual_step_s(&raw.time_s).ok_or_else(|| {
             let name = &files.time_column;
             match raw.time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-                Some(at) => RecordError::content(path, does_not_ascend(name, at as u64 + 2, raw.time_s[at], raw.time_s[at + 1])),
-                None if raw.time_s.iter().all(|time_s| time_s.is_nan()) => {
-                    RecordError::content(path, format!("column `{name}` has no number: name the column of times `time_s`"))
+                Some(at) => {
+                    RecordError::content(path, does_not_ascend(name, at as u64 + 2, raw.time_s[at], raw.time_s[at + 1]))
                 }
+                None if raw.time_s.iter().all(|time_s| time_s.is_nan()) => RecordError::content(
+                    path,
+                    format!("column `{name}` has no number: name the column of times `time_s`"),
+                ),
                 None => RecordError::content(path, "has one row: a sample period takes at least two"),
             }
         })?;
@@ -171,7 +176,8 @@ impl Sieve {
         let now_s = raw.time_s[row];
         let before_s = self.clock.last_s();
         self.clock.place(now_s).map_err(|fault| {
-            let (name, number, before_s) = (&files.time_column, raw.first_row + row as u64 + 1, before_s.unwrap_or(now_s));
+            let (name, number, before_s) =
+                (&files.time_column, raw.first_row + row as u64 + 1, before_s.unwrap_or(now_s));
             let sentence = match fault {
                 ClockFault::DoesNotAscend => does_not_ascend(name, number, before_s, now_s),
                 ClockFault::TooEarly => format!(

@@ -27,7 +27,9 @@ const LONGEST: usize = 30;
 pub(super) fn notes(files: &RecordFiles, roles: &Roles, raw: &RawRows, rows: Range<usize>) -> Vec<String> {
     let rows = rows.start..rows.end.min(rows.start + ROWS);
     let column = |column: usize| match &raw.columns[files.slot(column)] {
-        ColumnValues::Numbers(values) => values.get(rows.clone()).filter(|values| values.iter().all(|value| value.is_finite())),
+        ColumnValues::Numbers(values) => {
+            values.get(rows.clone()).filter(|values| values.iter().all(|value| value.is_finite()))
+        }
         ColumnValues::Words(_) => None,
     };
     let follows = |&(input, output): &(usize, usize)| {
@@ -51,7 +53,10 @@ fn is_warmed_by(body: &[f64], power: &[f64]) -> bool {
     let share = |values: &[f64], most: f64| {
         values.windows(2).filter(|pair| (pair[1] - pair[0]).abs() <= most).count() as f64 / (values.len() - 1) as f64
     };
-    if share(body, JUMP * body_range) < 1.0 || share(power, STILL * power_range) < HELD || share(body, STILL * body_range) >= HELD {
+    if share(body, JUMP * body_range) < 1.0
+        || share(power, STILL * power_range) < HELD
+        || share(body, STILL * body_range) >= HELD
+    {
         return false;
     }
     let is_jump = |&row: &usize| (power[row] - power[row - 1]).abs() > JUMP * power_range;
@@ -76,7 +81,8 @@ fn is_warmed_by(body: &[f64], power: &[f64]) -> bool {
 
 /// The range of values, if they change.
 fn range(values: &[f64]) -> Option<f64> {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
     (high > low).then_some(high - low)
 }
 
@@ -109,7 +115,8 @@ mod tests {
     fn a_thermometer_of_few_digits_is_no_power() {
         let (power, body) = heated();
         // A measured power, whose last digit moves, and a temperature in whole halves of a kelvin.
-        let noisy: Vec<f64> = power.iter().enumerate().map(|(n, power)| power + 1e-2 * ((n * 37) % 11) as f64).collect();
+        let noisy: Vec<f64> =
+            power.iter().enumerate().map(|(n, power)| power + 1e-2 * ((n * 37) % 11) as f64).collect();
         let coarse: Vec<f64> = body.iter().map(|body| (2.0 * body).round() / 2.0).collect();
         assert!(!is_warmed_by(&noisy, &coarse));
     }
@@ -133,8 +140,13 @@ mod tests {
                 let Some((notes, inputs, outputs)) = of(&Selection::default()) else { continue };
                 assert!(!notes, "{}", file.display());
                 // A sensor's own heater has its number.
-                let input = inputs.iter().rfind(|input| outputs[0].starts_with('T') && input.get(1..2) == outputs[0].get(1..2));
-                let swapped = Selection { inputs: outputs, outputs: vec![input.unwrap_or(&inputs[0]).clone()], ..Selection::default() };
+                let input =
+                    inputs.iter().rfind(|input| outputs[0].starts_with('T') && input.get(1..2) == outputs[0].get(1..2));
+                let swapped = Selection {
+                    inputs: outputs,
+                    outputs: vec![input.unwrap_or(&inputs[0]).clone()],
+                    ..Selection::default()
+                };
                 all += 1;
                 found += usize::from(of(&swapped).unwrap().0);
             }

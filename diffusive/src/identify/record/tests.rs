@@ -1,7 +1,9 @@
 //! What is read, and what is refused, held against small files.
 
+mod loggers;
 mod long;
 mod refused;
+mod segments;
 
 use std::path::PathBuf;
 

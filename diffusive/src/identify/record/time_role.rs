@@ -89,7 +89,8 @@ impl TimeRole {
         if self.is_text {
             let Some(states_zone) = moment(columns, column)? else {
                 let text = columns.first_rows(column)?;
-                let text = if let ColumnValues::Words(words) = &text { words.iter().next().unwrap_or_default() } else { "" };
+                let text =
+                    if let ColumnValues::Words(words) = &text { words.iter().next().unwrap_or_default() } else { "" };
                 return Err(columns.refuse(format!(
                     "row 1, column `{name}`: `{}` stands where the time belongs, as a number or as 2026-12-24 18:00:00.5",
                     shown(text)

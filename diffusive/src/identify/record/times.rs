@@ -122,7 +122,9 @@ mod tests {
             assert_eq!(TimeUnit::of_column(name), unit, "{name}");
         }
         let of_size = [(9e7, None), (1.7e9, Some(TimeUnit::Second)), (1.7e12, Some(TimeUnit::Millisecond))];
-        for (time, unit) in of_size.into_iter().chain([(1.7e15, Some(TimeUnit::Microsecond)), (1.7e18, Some(TimeUnit::Nanosecond))]) {
+        for (time, unit) in
+            of_size.into_iter().chain([(1.7e15, Some(TimeUnit::Microsecond)), (1.7e18, Some(TimeUnit::Nanosecond))])
+        {
             assert_eq!(TimeUnit::of_size(time), unit, "{time}");
         }
         assert_eq!(TimeUnit::Millisecond.seconds(800.0), 0.8);
