@@ -14,7 +14,7 @@ const SETTLED: u64 = 8;
 /// Rows by which the place of the first is found, at most.
 const PHASE_ROWS: usize = 1024;
 /// A row is another's, or late by a whole period, beyond half of it and what the mean may be off.
-const LATE: f64 = 0.6;
+pub(super) const LATE: f64 = 0.6;
 /// Missing periods through which a grid is counted on.
 const LONGEST_COUNTED: f64 = 100.0;
 

@@ -88,7 +88,7 @@ impl RecordFiles {
         Ok(files)
     }
 
-    /// What the first file says of itself, and the names of its columns.
+    /// What the first file says of itself.
     pub(super) fn metadata(&self) -> Result<Metadata, RecordError> {
         Ok(RecordingReader::open_named(&self.paths[0], &self.given)?.metadata())
     }

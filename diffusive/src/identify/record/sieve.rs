@@ -81,11 +81,11 @@ impl Sieve {
             self.begin_file(files, raw)?;
         }
         let (needed, outputs) = (Arc::clone(&self.needed), Arc::clone(&self.outputs));
-        let mut needed: Vec<_> = lacking(path, raw, &needed)?.into_iter().map(|(_, column)| column).collect();
+        let mut needed = lacking(path, raw, &needed)?;
         let outputs = lacking(path, raw, &outputs)?;
         if !raw.time_s.iter().fold(true, |all, value| all & value.is_finite()) {
             refuse_infinite(path, &files.time_column, &raw.time_s, raw.first_row)?;
-            needed.insert(0, (&files.time_column, &raw.time_s));
+            needed.insert(0, LackingColumn { at: 0, name: &files.time_column, values: &raw.time_s });
         }
         let mut pieces: Vec<Piece> = Vec::new();
         for (row, &now_s) in raw.time_s.iter().enumerate() {
@@ -95,7 +95,7 @@ impl Sieve {
                 self.tally.lost += place.lost;
                 self.is_broken = true;
             }
-            let lacks = needed.iter().find(|(_, values)| values[row].is_nan()).map(|(name, _)| *name);
+            let lacks = needed.iter().find(|column| column.values[row].is_nan()).map(|column| column.name);
             let lacks = lacks.or_else(|| self.lacks_output(&outputs, row));
             let (Some(place), None) = (place, lacks) else {
                 self.tally.dropped += 1;
@@ -106,8 +106,8 @@ impl Sieve {
                 self.is_broken = true;
                 continue;
             };
-            for (output, (_, values)) in &outputs {
-                self.tally.missing[*output] += u64::from(values[row].is_nan());
+            for column in &outputs {
+                self.tally.missing[column.at] += u64::from(column.values[row].is_nan());
             }
             self.tally.rows += 1;
             match pieces.last_mut() {
@@ -125,15 +125,15 @@ impl Sieve {
     }
 
     /// An output that has not had a value up to this row.
-    fn lacks_output<'a>(&mut self, outputs: &[(usize, (&'a str, &[f64]))], row: usize) -> Option<&'a str> {
+    fn lacks_output<'a>(&mut self, outputs: &[LackingColumn<'a>], row: usize) -> Option<&'a str> {
         if self.seen.iter().all(|&seen| seen) {
             return None;
         }
         let mut lacks = None;
         for at in 0..self.seen.len() {
-            let values = outputs.iter().find(|(output, _)| *output == at).map(|(_, column)| column);
-            self.seen[at] |= values.is_none_or(|(_, values)| !values[row].is_nan());
-            lacks = lacks.or(values.filter(|_| !self.seen[at]).map(|(name, _)| *name));
+            let column = outputs.iter().find(|column| column.at == at);
+            self.seen[at] |= column.is_none_or(|column| !column.values[row].is_nan());
+            lacks = lacks.or(column.filter(|_| !self.seen[at]).map(|column| column.name));
         }
         lacks
     }
@@ -197,19 +197,27 @@ fn does_not_ascend(name: &str, row: u64, before_s: f64, now_s: f64) -> String {
     )
 }
 
-/// The columns of numbers in which a value is missing, with their place in the list.
+/// A column of numbers in which a value is missing.
+struct LackingColumn<'a> {
+    /// In its list.
+    at: usize,
+    name: &'a str,
+    values: &'a [f64],
+}
+
+/// The columns in which a value is missing.
 fn lacking<'a>(
     path: &Path,
     raw: &'a RawRows,
     columns: &'a [(usize, String)],
-) -> Result<Vec<(usize, (&'a str, &'a [f64]))>, RecordError> {
+) -> Result<Vec<LackingColumn<'a>>, RecordError> {
     let mut lacking = Vec::new();
     for (at, (slot, name)) in columns.iter().enumerate() {
         let ColumnValues::Numbers(values) = &raw.columns[*slot] else { continue };
         // Without a branch in the loop: this runs over every value of every record.
         if !values.iter().fold(true, |all, value| all & value.is_finite()) {
             refuse_infinite(path, name, values, raw.first_row)?;
-            lacking.push((at, (name.as_str(), values.as_slice())));
+            lacking.push(LackingColumn { at, name, values });
         }
     }
     Ok(lacking)

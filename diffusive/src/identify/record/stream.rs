@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use super::classes::Classes;
-use super::clock::NEGLIGIBLE;
+use super::clock::{LATE, NEGLIGIBLE};
 use super::error::RecordError;
 use super::files::{RawRows, RecordFiles, numbers};
 use super::roles::Roles;
@@ -19,6 +19,9 @@ use recording::{ColumnValues, GAS_TEMPERATURE, utc};
 /// Note on a recording of our instrument whose gas column is not used.
 const OSCILLATING: &str = "the gas temperature oscillated while this was recorded, and its column `gas_temperature_c` is left out: \
     structure `conductance` takes it with --gas-temperature gas_temperature_c";
+
+/// Under this key our recordings say when they began.
+const START_UTC: &str = "start_utc";
 
 /// Parquet or CSV files as a record.
 pub struct RecordStream {
@@ -67,6 +70,8 @@ impl RecordStream {
         notes.extend(scan.notes);
         let name = |&column: &usize| names[column].clone();
         let is_dated = roles.time.is_text || scan.first_s >= SINCE_1970_S;
+        let metadata = files.metadata()?;
+        let stated_utc = metadata.iter().find(|(key, _)| key == START_UTC).map(|(_, utc)| utc.clone());
         let survey = Survey {
             path: path.clone(),
             paths: paths.to_vec(),
@@ -77,11 +82,11 @@ impl RecordStream {
             gas_column: roles.gas.as_ref().map(name),
             rows: scan.rows,
             segments: scan.segments,
-            start_utc: is_dated.then(|| utc::rfc3339(scan.first_s)),
+            start_utc: if is_dated { Some(utc::rfc3339(scan.first_s)) } else { stated_utc },
             first_time_s: scan.first_s,
             last_time_s: scan.last_s,
             sample_period_s: scan.period_s,
-            conditions: Conditions::of_metadata(&files.metadata()?),
+            conditions: Conditions::of_metadata(&metadata),
             notes,
         };
         files.restart();
@@ -159,10 +164,9 @@ impl RecordStream {
     fn refuse_drift(&self, raw: &RawRows, piece: &Piece) -> Result<(), RecordError> {
         let RunGrid { begin_s, period_s } = self.grids[piece.run];
         let times = piece.rows.clone().map(|row| raw.time_s[row]).zip(piece.n..);
-        let is_off = |(now_s, n): &(f64, u64)| {
-            // Written so that a NaN fails; what jitters by half a period may lie on either side.
-            !((now_s - (begin_s + *n as f64 * period_s)).abs() <= period_s * if self.has_jitter { 0.6 } else { 0.5 })
-        };
+        // What jitters by half a period may lie on either side.
+        let most_s = period_s * if self.has_jitter { LATE } else { 0.5 };
+        let is_off = |(now_s, n): &(f64, u64)| (now_s - (begin_s + *n as f64 * period_s)).abs() > most_s;
         let Some((at, (now_s, n))) = times.enumerate().find(|(_, time)| is_off(time)) else { return Ok(()) };
         let row = raw.first_row + (piece.rows.start + at) as u64 + 1;
         let sentence = format!(
