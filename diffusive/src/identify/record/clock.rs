@@ -144,7 +144,7 @@ impl RunTimes {
             true => (run.sum_ns - run.sum_n * run.sum_s / run.rows, run.sum_nn - run.sum_n * run.sum_n / run.rows),
         });
         let (above, below) = parts.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-        (below > 0.0).then_some(above / below)
+        Some(above / below).filter(|period_s| period_s.is_finite() && *period_s > 0.0)
     }
 
     /// Time of the run's place 0.
@@ -178,7 +178,7 @@ pub(super) fn usual_step_s(head: &[f64]) -> Option<f64> {
         runs.resize(run + 1, RunTimes::default());
         runs[run].add(n, now_s);
     }
-    RunTimes::period_s(&runs, true).filter(|period_s| *period_s > 0.0 && period_s.is_finite())
+    RunTimes::period_s(&runs, true)
 }
 
 #[cfg(test)]

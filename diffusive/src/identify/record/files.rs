@@ -23,7 +23,7 @@ pub(super) struct RawRows {
     pub first_row: u64,
     /// NaN where it is missing.
     pub time_s: Vec<f64>,
-    /// As [`RecordFiles::slot`] numbers them.
+    /// As [`RecordFiles::slot`] numbers them; that of the times is empty.
     pub columns: Vec<ColumnValues>,
 }
 
@@ -161,7 +161,7 @@ impl RecordFiles {
             let columns = chunk.into_iter().map(|column| column.values).collect();
             let rows = self.raw(columns)?;
             self.row += rows.time_s.len() as u64;
-            self.cells += rows.time_s.len() * (self.columns.len() + 1);
+            self.cells += rows.time_s.len() * self.columns.len();
             self.is_kept &= self.cells <= MOST_CELLS;
             if self.is_kept {
                 self.kept.push(rows.clone());
@@ -180,7 +180,7 @@ impl RecordFiles {
             return Ok(RawRows { file, first_row, time_s, columns });
         }
         let (path, name, unit) = (&self.paths[file], &self.time_column, self.unit);
-        let mut time_s = numbers(path, name, &mut columns[0], first_row)?.clone();
+        let mut time_s = std::mem::take(numbers(path, name, &mut columns[0], first_row)?);
         if unit != TimeUnit::Second {
             time_s.iter_mut().for_each(|time| *time = unit.seconds(*time));
         }

@@ -206,6 +206,10 @@ impl Roles {
                 return Err(columns.refuse(sentence));
             }
         }
+        if let Some(gas) = self.gas.filter(|gas| self.time.column == Some(*gas)) {
+            return Err(columns
+                .refuse(format!("column `{}` cannot be the time and the gas at once: name another one", name(gas))));
+        }
         let numbers = self.inputs.iter().chain(&self.outputs).chain(&self.gas);
         match numbers.copied().find(|&column| columns.text[column]) {
             Some(column) => {

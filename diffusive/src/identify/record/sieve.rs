@@ -92,7 +92,7 @@ impl Sieve {
             let place = if now_s.is_nan() { None } else { Some(self.place(files, raw, row)?) };
             if let Some(place) = place.filter(|place| place.lost > 0) {
                 self.tally.gaps += 1;
-                self.tally.lost += place.lost;
+                self.tally.lost = self.tally.lost.saturating_add(place.lost);
                 self.is_broken = true;
             }
             let lacks = needed.iter().find(|column| column.values[row].is_nan()).map(|column| column.name);

@@ -82,7 +82,8 @@ impl RecordStream {
             gas_column: roles.gas.as_ref().map(name),
             rows: scan.rows,
             segments: scan.segments,
-            start_utc: if is_dated { Some(utc::rfc3339(scan.first_s)) } else { stated_utc },
+            start_utc: if is_dated { Some(utc::rfc3339(scan.first_s)) } else { stated_utc }
+                .filter(|utc| !utc.is_empty()),
             first_time_s: scan.first_s,
             last_time_s: scan.last_s,
             sample_period_s: scan.period_s,
@@ -214,7 +215,9 @@ impl RecordStream {
                     false => Some(at(n + 1)),
                 };
                 if let Some((other_s, other)) = neighbour.filter(|(_, other)| other.is_finite()) {
-                    *value += (other - *value) * off_s / (time_s[n] - other_s);
+                    let at_place = *value + (other - *value) * off_s / (time_s[n] - other_s);
+                    // Numbers at the end of their range overflow.
+                    *value = if at_place.is_finite() { at_place } else { *value };
                 }
             }
         }
