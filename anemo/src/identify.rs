@@ -35,7 +35,7 @@ Examples:
   anemo identify heater.csv --input power --output temperature -o heater.json
   anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
       --ridge 1e-6
-  anemo identify day1.csv day2.csv --time-unit min -o days.json
+  anemo identify heater.csv heater-second-half.csv -o both.json
   anemo identify three-winds.csv --event wind --non-negative all \\
       -o winds.json --plot winds.svg
   anemo identify three-winds.csv --event wind --structure conductance \\
@@ -127,7 +127,7 @@ pub struct Columns {
     pub event: Option<String>,
     /// Names of all columns, in their order: for a table without a line of names, or in place of
     /// them.
-    #[arg(long, value_name = "NAMES", num_args = 1.., value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Unit of the times; by default what their column's name says (`time_ms`, `t [min]`), or s.
     #[arg(long, value_name = "UNIT", value_parser = choice([
