@@ -1,6 +1,6 @@
 //! `anemo identify`: from a record to a diffusive model.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -9,7 +9,7 @@ use crate::fit_recorder::FitRecorder;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
-use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection};
+use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection, TimeUnit};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, InitialState, Losses};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
@@ -19,8 +19,8 @@ use plot::model::figure;
 /// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
 /// (diffusive mesh), with standard errors.
 ///
-/// The record is a recording of `anemo run`, or any uniformly sampled table with the time in its
-/// first column. Options not given are chosen by block cross-validation, and the reasons printed.
+/// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
+/// first column. Gaps and missing values end a segment, across which nothing is taken. Options not given are chosen by block cross-validation, and the reasons printed.
 /// The picture shows time-constant spectrum (diffusive symbol), fit, residuals, frequency response
 /// and structure function.
 #[derive(clap::Args)]
@@ -35,6 +35,7 @@ Examples:
   anemo identify heater.csv --input power --output temperature -o heater.json
   anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
       --ridge 1e-6
+  anemo identify heater.csv heater-second-half.csv -o both.json
   anemo identify three-winds.csv --event wind --non-negative all \\
       -o winds.json --plot winds.svg
   anemo identify three-winds.csv --event wind --structure conductance \\
@@ -42,8 +43,9 @@ Examples:
 
 A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {
-    /// The record: a .parquet or .csv file.
-    record: PathBuf,
+    /// The record: .parquet or .csv files; several are segments of one record.
+    #[arg(required = true, value_name = "RECORD")]
+    records: Vec<PathBuf>,
     /// Write the model to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output_file: Option<PathBuf>,
@@ -131,6 +133,38 @@ pub struct Columns {
     /// another table than a recording also `class`, `wind`, `condition`, `phase` or `label`.
     #[arg(long, value_name = "COLUMN")]
     pub event: Option<String>,
+    /// Names of all columns, in their order: for a table without a line of names, or in place of
+    /// them.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub columns: Vec<String>,
+    /// Unit of the times; by default what their column's name says (`time_ms`, `t [min]`), or s.
+    #[arg(long, value_name = "UNIT", value_parser = choice([
+        ("s", "", TimeUnit::Second),
+        ("ms", "", TimeUnit::Millisecond),
+        ("us", "", TimeUnit::Microsecond),
+        ("min", "", TimeUnit::Minute),
+        ("h", "", TimeUnit::Hour),
+        ("d", "", TimeUnit::Day),
+    ]))]
+    pub time_unit: Option<TimeUnit>,
+    /// Distance of the rows in time, s, for a table without times.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub sample_period: Option<f64>,
+}
+
+impl Columns {
+    /// What is asked of a record, but for its gas.
+    pub fn selection(&self) -> Selection {
+        Selection {
+            inputs: self.input.clone(),
+            outputs: self.output.clone(),
+            event: self.event.clone(),
+            gas: None,
+            columns: self.columns.clone(),
+            time_unit: self.time_unit,
+            sample_period_s: self.sample_period,
+        }
+    }
 }
 
 fn edges(text: &str) -> Result<(f64, f64), Failure> {
@@ -186,8 +220,7 @@ impl Arguments {
                 _ => (Some(text.clone()), GasGiven::Column),
             },
         };
-        let Columns { input, output, event } = &self.columns;
-        (Selection { inputs: input.clone(), outputs: output.clone(), event: event.clone(), gas }, given)
+        (Selection { gas, ..self.columns.selection() }, given)
     }
 
     fn options(&self, source: &dyn RecordSource, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
@@ -282,12 +315,13 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::keep(&[&arguments.record], &[arguments.output_file.as_deref(), arguments.picture.path()])?;
+    let records: Vec<&Path> = arguments.records.iter().map(PathBuf::as_path).collect();
+    crate::output::keep(&records, &[arguments.output_file.as_deref(), arguments.picture.path()])?;
     if let Some(path) = &arguments.output_file {
         crate::output::writable(path, "a model", "json")?;
     }
     let (selection, gas) = arguments.selection();
-    let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
+    let mut stream = RecordStream::open_all(&arguments.records, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;
     let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
     let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;

@@ -38,7 +38,7 @@ impl ComparedRecording {
             inputs: model.inputs.clone(),
             outputs: model.outputs.iter().map(|output| output.name.clone()).collect(),
             event: labelled.then(|| model.event_column.clone().unwrap_or_else(|| recording::EVENT.to_owned())),
-            gas: None,
+            ..Selection::default()
         };
         let (survey, block, labels) = read_all(path, &selection).map_err(Failure::usage)?;
         let (own_s, its_s) = (experiment.sample_period_s, survey.sample_period_s);

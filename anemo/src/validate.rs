@@ -68,13 +68,14 @@ fn gas_column(model: &Model) -> Option<String> {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let model = Model::read(&arguments.model)?;
-    let Columns { input, output, event } = &arguments.columns;
+    let asked = arguments.columns.selection();
     let or = |given: &[String], own: Vec<String>| if given.is_empty() { own } else { given.to_vec() };
     let selection = Selection {
-        inputs: or(input, model.inputs.clone()),
-        outputs: or(output, model.outputs.iter().map(|output| output.name.clone()).collect()),
-        event: event.clone().or_else(|| model.event_column.clone()),
+        inputs: or(&asked.inputs, model.inputs.clone()),
+        outputs: or(&asked.outputs, model.outputs.iter().map(|output| output.name.clone()).collect()),
+        event: asked.event.clone().or_else(|| model.event_column.clone()),
         gas: gas_column(&model),
+        ..asked
     };
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
     let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::error::RecordingError;
 use crate::names::{EVENT, HEATER, STATE, TIME, UTC};
+use crate::utc;
 use crate::wind::QUALITY_FLAGS;
 
 /// Ordered pairs of key and value; a key stands once.
@@ -88,6 +89,14 @@ impl ColumnWords {
     /// For every row, which word of the dictionary it has.
     pub fn codes(&self) -> &[u32] {
         &self.rows
+    }
+
+    /// Seconds since 1970 of moments, NaN of none; or the first row that is no moment.
+    pub(crate) fn seconds(&self) -> Result<Vec<f64>, usize> {
+        let moment = |word: &String| if word.is_empty() { Some(f64::NAN) } else { Some(utc::from_text(word)?.0) };
+        let known: Vec<Option<f64>> = self.dictionary.iter().map(moment).collect();
+        let codes = self.rows.iter().enumerate();
+        codes.map(|(row, &code)| known[code as usize].ok_or(row)).collect()
     }
 
     /// The word of a row.
@@ -262,8 +271,12 @@ impl TableHead {
 pub(crate) trait ChunkSource {
     fn metadata(&self) -> Metadata;
     fn rows(&self) -> Option<u64>;
+    fn units(&self) -> &[String] {
+        &[]
+    }
     fn holds_text(&mut self, head: &TableHead) -> Result<Vec<bool>, RecordingError>;
     fn read_as_text(&mut self, column: usize);
+    fn read_as_time(&mut self, column: usize);
     fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError>;
     fn next_chunk(&mut self, head: &TableHead) -> Result<Option<Vec<ColumnValues>>, RecordingError>;
 }

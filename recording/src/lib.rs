@@ -60,8 +60,11 @@ mod clock_fit;
 mod collector;
 mod column;
 mod csv;
+mod csv_lines;
+mod csv_read;
 #[cfg(feature = "parquet")]
 mod describe;
+mod dialect;
 mod error;
 mod file_format;
 mod format1;

@@ -8,6 +8,7 @@
 
 mod arrow_schema;
 mod read;
+mod zstandard;
 
 use std::fs::File;
 use std::io;

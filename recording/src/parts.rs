@@ -7,7 +7,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::csv::CsvReader;
+use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::JOURNAL;
 use crate::regular;
@@ -68,7 +68,7 @@ pub(crate) fn number_of_segment(file: &Path) -> Option<u32> {
 /// The number of the segment that a journal's rows will be.
 pub(crate) fn number_of(journal: &Path) -> Option<u32> {
     let file = regular::open(journal).ok()?;
-    let (source, _) = CsvReader::open(file, journal, true).ok()?;
+    let (source, _) = CsvReader::open(file, journal, true, &[]).ok()?;
     let metadata = source.metadata();
     metadata.iter().find(|(key, _)| key == SEGMENT_NUMBER)?.1.parse().ok()
 }

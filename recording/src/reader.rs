@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead, overlay};
-use crate::csv::CsvReader;
+use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::FileFormat;
 use crate::format1::rename_columns;
@@ -21,6 +21,10 @@ pub struct RecordingReader {
     passed: Metadata,
     /// Columns to be taken for text.
     as_text: Vec<usize>,
+    /// Columns to be taken for moments.
+    as_time: Vec<usize>,
+    /// Names in place of the files' own.
+    given: Vec<String>,
 }
 
 impl RecordingReader {
@@ -30,13 +34,30 @@ impl RecordingReader {
     /// # Errors
     /// If there is no such file, its extension is not known, or it is no table with named columns.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        Self::open_named(path, &[])
+    }
+
+    /// As [`RecordingReader::open`], with these names for the columns in place of the file's own,
+    /// if it has such at all; with none as they are.
+    ///
+    /// # Errors
+    /// As there, or if there are more or fewer columns.
+    pub fn open_named(path: &Path, given: &[String]) -> Result<Self, RecordingError> {
         let mut following = files_of(path)?;
         following.reverse();
         let first = following.pop().unwrap_or_else(|| path.to_owned());
-        let (source, names) = open_file(&first)?;
+        let (source, names) = open_file(&first, given)?;
         let selected = (0..names.len()).collect();
         let head = TableHead { path: first, names, selected };
-        Ok(Self { head, source, following, passed: Metadata::new(), as_text: Vec::new() })
+        Ok(Self {
+            head,
+            source,
+            following,
+            passed: Metadata::new(),
+            as_text: Vec::new(),
+            as_time: Vec::new(),
+            given: given.to_vec(),
+        })
     }
 
     /// Names of the columns, in the file's order.
@@ -75,6 +96,18 @@ impl RecordingReader {
         self.source.read_as_text(column);
     }
 
+    /// Takes a column of text for moments in ISO 8601: it is handed out as seconds since 1970.
+    pub fn read_as_time(&mut self, column: usize) {
+        self.as_time.push(column);
+        self.source.read_as_time(column);
+    }
+
+    /// What a line below the names says of each column, as loggers state units there; none without
+    /// such a line.
+    pub fn units(&self) -> &[String] {
+        self.source.units()
+    }
+
     /// Passes over rows before the first chunk; returns how many there were.
     pub fn skip(&mut self, rows: u64) -> Result<u64, RecordingError> {
         let mut skipped = 0;
@@ -103,7 +136,7 @@ impl RecordingReader {
     /// Goes on with the next file, if there is one. It has the columns of the first.
     fn open_next(&mut self) -> Result<bool, RecordingError> {
         let Some(path) = self.following.pop() else { return Ok(false) };
-        let (source, names) = open_file(&path)?;
+        let (source, names) = open_file(&path, &self.given)?;
         if names != self.head.names {
             let other = names.iter().zip(&self.head.names).find(|(name, first)| name != first);
             let what = other.map_or_else(
@@ -116,13 +149,14 @@ impl RecordingReader {
         overlay(&mut self.passed, self.source.metadata());
         self.source = source;
         self.as_text.iter().for_each(|&column| self.source.read_as_text(column));
+        self.as_time.iter().for_each(|&column| self.source.read_as_time(column));
         self.head.path = path;
         Ok(true)
     }
 }
 
 /// Opens one file, and tells the names of its columns.
-fn open_file(path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+fn open_file(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
     let format = FileFormat::of(path)?;
     let file = regular::open(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
@@ -131,9 +165,17 @@ fn open_file(path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), Recordi
     let (source, mut names) = match format {
         #[cfg(feature = "parquet")]
         FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
-        FileFormat::Csv => CsvReader::open(file, path, false)?,
-        FileFormat::Journal => CsvReader::open(file, path, true)?,
+        FileFormat::Csv => CsvReader::open(file, path, false, given)?,
+        FileFormat::Journal => CsvReader::open(file, path, true, given)?,
     };
+    if !given.is_empty() {
+        let (has, wanted) = (names.len(), given.len());
+        if has != wanted {
+            let sentence = format!("has {has} columns, and {wanted} names are given for them: name each");
+            return Err(RecordingError::new(path, sentence));
+        }
+        names = given.to_vec();
+    }
     rename_columns(&mut names, &source.metadata());
     if let Some(name) = duplicate(names.iter().map(String::as_str)) {
         return Err(RecordingError::new(path, format!("two columns are named `{name}`: rename one of them")));

@@ -1,3 +1,5 @@
+mod dialects;
+
 use std::path::{Path, PathBuf};
 
 use super::*;
@@ -203,11 +205,10 @@ fn what_is_wrong_with_a_table_is_said_by_row_and_column() {
     );
     assert_eq!(csv("t,y,y\n0,1,1\n").unwrap_err(), "r.csv: two columns are named `y`: rename one of them");
     assert_eq!(csv("t,y\n").unwrap_err(), "r.csv: has columns but no rows");
-    assert_eq!(csv("t;y\n0;1\n").unwrap_err(), "r.csv: separates its columns by \";\": commas belong there");
     assert_eq!(csv("").unwrap_err(), "r.csv: is empty: a line with the columns' names belongs first");
     assert_eq!(
         csv("0,1\n1,2\n").unwrap_err(),
-        "r.csv: begins with numbers: a line with the columns' names belongs first"
+        "r.csv: begins with numbers: a line with the columns' names belongs first, or say their 2 names, such as --columns time,temperature"
     );
     assert!(csv("t,y\n0,1\n1\n").unwrap_err().contains("a row has 1 fields where the header names 2 columns"));
 
@@ -242,13 +243,11 @@ fn compressions_of_others_are_read_or_named() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../tests/fixtures/{codec}.parquet"));
         Recording::read(&path).map_err(|error| error.to_string())
     };
-    for codec in ["gzip", "lz4"] {
+    for codec in ["gzip", "lz4", "zstd"] {
         assert_eq!(read(codec).unwrap().numbers("power_w").unwrap(), [1.0, 2.0, 1.5], "{codec}");
     }
-    for (codec, name) in [("zstd", "Zstandard"), ("brotli", "Brotli")] {
-        let sentence = read(codec).unwrap_err();
-        assert!(sentence.contains(&format!("is compressed by {name}, which is not read here")), "{sentence}");
-    }
+    let sentence = read("brotli").unwrap_err();
+    assert!(sentence.contains("is compressed by Brotli, which is not read here"), "{sentence}");
 }
 
 #[test]

@@ -152,6 +152,7 @@ mod tests {
             class: (from..to).map(|n| u32::from(n % 90 > 40)).collect(),
             gas: (from..to).map(|n| 18.0 + value(n, 17)).collect(),
             time_s: (from as f64, to as f64 - 1.0),
+            ..Block::default()
         };
         vec![block(0, 300), block(300, 377)]
     }

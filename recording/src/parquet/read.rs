@@ -5,6 +5,7 @@
 
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -14,14 +15,19 @@ use parquet::file::metadata::ParquetStatisticsPolicy;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::file::serialized_reader::{ReadOptions, ReadOptionsBuilder};
 
+use super::zstandard;
 use crate::column::{CHUNK, ChunkSource, ColumnValues, ColumnWords, Metadata, TableHead};
 use crate::error::RecordingError;
 
 pub(crate) struct ParquetReader {
     file: SerializedFileReader<File>,
+    /// The same for columns of Zstandard.
+    disk: Arc<File>,
     /// The next row group to open.
     group: usize,
     open: RowGroup,
+    /// Columns of text that hold moments.
+    times: Vec<usize>,
 }
 
 /// A row group that is being read.
@@ -36,6 +42,7 @@ impl ParquetReader {
     pub(crate) fn open(file: File, path: &Path) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
         let damaged = |reason: &dyn std::fmt::Display| RecordingError::damaged(path, reason);
         let length = file.metadata().map_err(|error| RecordingError::io(path, "read", error))?.len() as i64;
+        let disk = Arc::new(file.try_clone().map_err(|error| RecordingError::io(path, "read", error))?);
         let file = without_panic(move || SerializedFileReader::new_with_options(file, frugal()))
             .map_err(|error| damaged(&error))?;
         let schema = file.metadata().file_metadata().schema_descr();
@@ -53,7 +60,7 @@ impl ParquetReader {
             groups.iter().flat_map(|group| group.columns()).find_map(|column| unread(column.compression()))
         {
             let sentence = format!(
-                "is compressed by {codec}, which is not read here: write it with Snappy, gzip, LZ4 or none (compression=\"snappy\" in pandas and Polars)"
+                "is compressed by {codec}, which is not read here: write it with Zstandard, Snappy, gzip, LZ4 or none (compression=\"snappy\" in pandas and Polars)"
             );
             return Err(RecordingError::new(path, sentence));
         }
@@ -68,28 +75,35 @@ impl ParquetReader {
         if groups.iter().any(|group| group.num_rows() < 0) {
             return Err(damaged(&"its table of contents tells of fewer than no rows"));
         }
-        Ok((Box::new(Self { file, group: 0, open: RowGroup::default() }), names))
+        Ok((Box::new(Self { file, disk, group: 0, open: RowGroup::default(), times: Vec::new() }), names))
     }
 
     fn open_group(&mut self, selected: &[usize]) -> Result<(), ParquetError> {
         let group = self.file.get_row_group(self.group)?;
         self.group += 1;
         self.open.rows_left = group.metadata().num_rows().unsigned_abs();
-        let column = |&index: &usize| without_panic(|| group.get_column_reader(index));
+        let column = |&index: &usize| {
+            without_panic(|| {
+                let (metadata, rows) = (group.metadata(), self.open.rows_left as usize);
+                let packed = zstandard::column_reader(&self.disk, metadata.column(index), rows)?;
+                packed.map_or_else(|| group.get_column_reader(index), Ok)
+            })
+        };
         self.open.columns = selected.iter().map(column).collect::<Result<_, _>>()?;
         Ok(())
     }
 }
 
-/// The name of a compression whose library is C code or has its own tables of some 100 KB.
+/// The name of a compression that hardly anybody uses, or whose library has its own tables of
+/// some 100 KB.
 const fn unread(compression: Compression) -> Option<&'static str> {
     match compression {
         Compression::UNCOMPRESSED
         | Compression::SNAPPY
         | Compression::GZIP(_)
         | Compression::LZ4
-        | Compression::LZ4_RAW => None,
-        Compression::ZSTD(_) => Some("Zstandard"),
+        | Compression::LZ4_RAW
+        | Compression::ZSTD(_) => None,
         Compression::BROTLI(_) => Some("Brotli"),
         Compression::LZO => Some("LZO"),
     }
@@ -114,6 +128,10 @@ impl ChunkSource for ParquetReader {
 
     /// Columns have their types.
     fn read_as_text(&mut self, _column: usize) {}
+
+    fn read_as_time(&mut self, column: usize) {
+        self.times.push(column);
+    }
 
     /// Passes over rows before the first chunk, whole row groups and pages at a time.
     fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError> {
@@ -162,11 +180,18 @@ impl ChunkSource for ParquetReader {
                     _ => return Ok(None),
                 }))
             });
-            columns.push(values.map_err(|error| head.damaged(error))?.ok_or_else(|| {
-                let name = &head.names[index];
-                let sentence = format!("column `{name}` is of a type that is neither number nor text");
-                RecordingError::new(&head.path, sentence)
-            })?);
+            let name = &head.names[index];
+            let refuse = |sentence: String| RecordingError::new(&head.path, sentence);
+            let values = values
+                .map_err(|error| head.damaged(error))?
+                .ok_or_else(|| refuse(format!("column `{name}` is of a type that is neither number nor text")))?;
+            columns.push(match values {
+                ColumnValues::Words(words) if self.times.contains(&index) => {
+                    let no_moment = |row| refuse(format!("column `{name}`: `{}` is no moment", words.word(row)));
+                    ColumnValues::Numbers(words.seconds().map_err(no_moment)?)
+                }
+                values => values,
+            });
         }
         Ok(Some(columns))
     }

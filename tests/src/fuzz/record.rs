@@ -43,6 +43,7 @@ fn named() -> Selection {
         outputs: vec!["y".to_owned()],
         event: Some("phase".to_owned()),
         gas: Some("gas".to_owned()),
+        ..Selection::default()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Event classes: the labels of an event column, numbered in the order of their first appearance.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::Path;
 
 use recording::ColumnValues;
@@ -33,36 +34,40 @@ impl Classes {
         &self.names
     }
 
-    /// The classes of the next rows, in place of what `rows` held.
+    /// The classes of some of the next rows, in place of what `into` held.
     pub(super) fn fill(
         &mut self,
         record: &Path,
         column: &str,
         first_row: u64,
         labels: &ColumnValues,
-        rows: &mut Vec<u32>,
+        rows: Range<usize>,
+        into: &mut Vec<u32>,
     ) -> Result<(), RecordError> {
         let refuse = |row: usize, what: &str| RecordError::value(record, column, first_row + row as u64, what);
-        rows.clear();
+        into.clear();
         match labels {
             ColumnValues::Words(words) => {
-                let mut classes = Vec::with_capacity(words.dictionary().len());
-                for (code, label) in words.dictionary().iter().enumerate() {
-                    let row = || words.codes().iter().position(|&at| at as usize == code).unwrap_or_default();
-                    classes.push(self.class(label, |what| refuse(row(), what))?);
+                let mut classes = vec![None; words.dictionary().len()];
+                for (row, &code) in rows.clone().zip(&words.codes()[rows]) {
+                    let class = match classes[code as usize] {
+                        Some(class) => class,
+                        None => self.class(&words.dictionary()[code as usize], |what| refuse(row, what))?,
+                    };
+                    classes[code as usize] = Some(class);
+                    into.push(class);
                 }
-                rows.extend(words.codes().iter().map(|&code| classes[code as usize]));
             }
             ColumnValues::Numbers(numbers) => {
                 let mut last = None;
-                for (row, &number) in numbers.iter().enumerate() {
+                for (row, &number) in rows.clone().zip(&numbers[rows]) {
                     let class = match last {
                         Some((same, class)) if same == number => class,
                         _ if number.is_finite() => self.class(&number.to_string(), |what| refuse(row, what))?,
                         _ => return Err(refuse(row, "a label is missing; fill the gap or cut the record there")),
                     };
                     last = Some((number, class));
-                    rows.push(class);
+                    into.push(class);
                 }
             }
         }

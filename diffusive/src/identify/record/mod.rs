@@ -2,29 +2,40 @@
 //! not grow with its length.
 //!
 //! A [`RecordSource`] hands out the rows in order, as often as they are asked for: a
-//! [`RecordStream`] from a Parquet or CSV file, a [`RecordTable`] from arrays. What is not uniform,
-//! missing or infinite is refused with the row and the column; rows are counted from 1 below the
-//! header.
+//! [`RecordStream`] from Parquet or CSV files, a [`RecordTable`] from arrays. Where rows are
+//! missing, or an input in them, a segment ends: nothing is known of the time between it and the
+//! next. What is uneven or infinite is refused with the row and the column; rows are counted from 1
+//! below the header.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `source` | the trait, a block of rows, what is known before rows are read |
-//! | `roles` | which column is time, input, output, event or gas |
-//! | `extent`, `clock` | first and last time, number of rows; whether the time is uniform |
+//! | `columns`, `roles` | which column is input, output, event or gas |
+//! | `times`, `time_role` | which column is time, and in what unit |
+//! | `files` | the rows as they stand in one or more files |
+//! | `clock` | the place of each row on a uniform grid of times |
+//! | `sieve`, `scan` | which rows are taken, and where a segment begins; what is known of all |
+//! | `swapped` | whether an input looks like an output |
 //! | `classes` | labels of the event column |
 //! | `stream`, `table` | the two sources |
 //!
-//! Limits: the time written in a row may be off its place t_n by half a period, and a step off the
-//! usual one by 10 %; an event column has 64 labels at most.
+//! Limits: the time written in a row may be off its place t_n by half a period; an output whose
+//! time is off by more than 10 % of it is interpolated; an event column has 64 labels at most.
 
 mod classes;
 mod clock;
+mod columns;
 mod error;
-mod extent;
+mod files;
 mod roles;
+mod scan;
+mod sieve;
 mod source;
 mod stream;
+mod swapped;
 mod table;
+mod time_role;
+mod times;
 
 use std::path::Path;
 
@@ -33,6 +44,7 @@ pub(super) use source::copy_row;
 pub use source::{BLOCK, Block, RecordSource, Selection, Survey};
 pub use stream::RecordStream;
 pub use table::RecordTable;
+pub use times::TimeUnit;
 
 /// A whole record as one block, with the labels of its classes: for records that fit in memory.
 pub fn read_all(path: &Path, selection: &Selection) -> Result<(Survey, Block, Vec<String>), RecordError> {

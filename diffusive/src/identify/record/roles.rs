@@ -6,31 +6,28 @@
 //! | ours (`power_w_<element>` beside `temperature_c_<element>`) | powers that vary | temperatures of the same elements |
 //! | any other | the numeric columns before the last, as far as they vary | the last numeric column |
 //!
-//! Time is the column `time_s`, or the first. The event class is in the column `event` if that
+//! `time_role` says which column is the time. The event class is in the column `event` if that
 //! holds text; in a record that is not ours, also in a column that is called as classes are and
 //! holds a few whole numbers. A power varies if its range is above 1 % of the largest one's: the
 //! current that only measures heats a little, and by the element's resistance.
 
 use std::path::Path;
 
+use super::columns::FileColumns;
 use super::error::RecordError;
 use super::source::Selection;
-use recording::text::suggest;
-use recording::{ColumnValues, EVENT, POWER, RecordingReader, STATE, TEMPERATURE, TIME};
+use super::time_role::TimeRole;
+use recording::{EVENT, POWER, STATE, TEMPERATURE};
 
 /// The part of the largest power's range below which an element is only measured.
 const MEASURED_ONLY: f64 = 0.01;
 
-/// What people call the columns in which they number conditions.
-const CLASS_NAMES: [&str; 6] = ["event", "class", "wind", "condition", "phase", "label"];
-/// Different numbers that such a column holds at most.
-const MOST_CLASSES: usize = 16;
 /// Inputs that are guessed at most: the work grows by the cube of their number.
 const MOST_GUESSED: usize = 16;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Roles {
-    pub time: usize,
+    pub time: TimeRole,
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub event: Option<usize>,
@@ -41,18 +38,21 @@ pub(super) struct Roles {
     pub notes: Vec<String>,
 }
 
-/// The columns of a file, while they are given their parts.
-struct FileColumns<'a> {
-    path: &'a Path,
-    names: Vec<String>,
-    text: Vec<bool>,
-}
-
 impl Roles {
     pub(super) fn choose(path: &Path, selection: &Selection) -> Result<Self, RecordError> {
-        let columns = FileColumns::of(path)?;
+        let columns = FileColumns::of(path, &selection.columns)?;
         let elements = columns.elements();
-        let mut roles = Self { time: columns.position(TIME).unwrap_or(0), ..Self::default() };
+        if selection.inputs.is_empty() {
+            let numbers = columns.text.iter().filter(|is_text| !**is_text).count();
+            // Time, output, gas and what numbers rows or conditions are no inputs.
+            let [candidates, count] = match elements.len() {
+                0 => [4, 2].map(|others| numbers.saturating_sub(others)),
+                powers => [powers; 2],
+            };
+            refuse_if!(candidates > MOST_GUESSED, too_many(&columns, count));
+        }
+        let time = TimeRole::choose(&columns, selection)?;
+        let mut roles = Self { notes: time.notes.clone(), time, ..Self::default() };
         roles.event = match &selection.event {
             Some(name) => Some(columns.named(name, &[])?),
             None => columns.position(EVENT).filter(|&event| columns.text[event]),
@@ -101,7 +101,10 @@ impl Roles {
 
     fn choose_foreign(&mut self, columns: &FileColumns) -> Result<(), RecordError> {
         let taken = |roles: &Self, column: usize| {
-            column == roles.time || Some(column) == roles.event || Some(column) == roles.gas
+            Some(column) == roles.time.column
+                || roles.time.left_out.contains(&column)
+                || Some(column) == roles.event
+                || Some(column) == roles.gas
         };
         let by_default = |&column: &usize| !columns.text[column] && !taken(self, column);
         let mut free: Vec<usize> = (0..columns.names.len()).filter(by_default).collect();
@@ -118,12 +121,7 @@ impl Roles {
         }
         if no_inputs {
             self.inputs = free.iter().copied().filter(|column| !self.outputs.contains(column)).collect();
-            if self.inputs.len() > MOST_GUESSED {
-                let count = self.inputs.len();
-                return Err(columns.refuse(format!(
-                    "{count} columns of numbers could be inputs, and no more than {MOST_GUESSED} are taken unasked: name those that heat by --input, and what they warm by --output"
-                )));
-            }
+            refuse_if!(self.inputs.len() > MOST_GUESSED, too_many(columns, self.inputs.len()));
         }
         if self.inputs.is_empty() || self.outputs.is_empty() {
             return Err(columns.refuse(format!(
@@ -153,8 +151,9 @@ impl Roles {
     /// Takes a column of text for the event class, if its name says that; mentions others, which
     /// nothing is made of.
     fn choose_worded_classes(&mut self, columns: &FileColumns) {
-        let texts: Vec<usize> =
-            (0..columns.names.len()).filter(|&column| columns.text[column] && column != self.time).collect();
+        let texts: Vec<usize> = (0..columns.names.len())
+            .filter(|&column| columns.text[column] && Some(column) != self.time.column)
+            .collect();
         let is_called = |column: &usize| columns.is_called_a_class(*column);
         match (&texts[..], texts.iter().copied().find(is_called)) {
             ([], _) => {}
@@ -193,15 +192,7 @@ impl Roles {
     /// No column plays two parts that exclude each other, and numbers are where they belong.
     fn check(&self, columns: &FileColumns) -> Result<(), RecordError> {
         let name = |column: usize| &columns.names[column];
-        // By mistake, every rate would be wrong by a thousand, in silence.
-        const NOT_SECONDS: [&str; 9] = ["ms", "us", "µs", "ns", "min", "minutes", "h", "hours", "days"];
-        if let Some(unit) = NOT_SECONDS.iter().find(|unit| name(self.time).ends_with(&format!("_{unit}"))) {
-            return Err(columns.refuse(format!(
-                "column `{}` says that it is in {unit}, and times are read in seconds: convert it, and call it `time_s`",
-                name(self.time)
-            )));
-        }
-        let mut parts = vec![(self.time, "the time")];
+        let mut parts: Vec<_> = self.time.column.map(|time| (time, "the time")).into_iter().collect();
         parts.extend(self.event.map(|event| (event, "the event class")));
         parts.extend(self.inputs.iter().map(|&input| (input, "an input")));
         parts.extend(self.outputs.iter().map(|&output| (output, "an output")));
@@ -215,6 +206,10 @@ impl Roles {
                 return Err(columns.refuse(sentence));
             }
         }
+        if let Some(gas) = self.gas.filter(|gas| self.time.column == Some(*gas)) {
+            return Err(columns
+                .refuse(format!("column `{}` cannot be the time and the gas at once: name another one", name(gas))));
+        }
         let numbers = self.inputs.iter().chain(&self.outputs).chain(&self.gas);
         match numbers.copied().find(|&column| columns.text[column]) {
             Some(column) => {
@@ -226,114 +221,12 @@ impl Roles {
     }
 }
 
-impl<'a> FileColumns<'a> {
-    fn is_called_a_class(&self, column: usize) -> bool {
-        CLASS_NAMES.iter().any(|name| self.names[column].eq_ignore_ascii_case(name))
-    }
-
-    fn of(path: &'a Path) -> Result<Self, RecordError> {
-        // Closed again before others are opened: a long file's table of contents takes megabytes.
-        let mut reader = RecordingReader::open(path)?;
-        Ok(Self { path, names: reader.names().to_vec(), text: reader.holds_text()? })
-    }
-
-    fn refuse(&self, sentence: impl Into<String>) -> RecordError {
-        RecordError::content(self.path, sentence)
-    }
-
-    fn position(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|known| known == name)
-    }
-
-    /// Power and temperature of every element that has both, in the order of the powers.
-    fn elements(&self) -> Vec<(usize, usize)> {
-        let temperature = |name: &String| self.position(&format!("{TEMPERATURE}{}", name.strip_prefix(POWER)?));
-        let pair = |(power, name)| Some((power, temperature(name)?));
-        self.names.iter().enumerate().filter_map(pair).collect()
-    }
-
-    /// The column of that name, or of the element of that name.
-    fn named(&self, name: &str, prefixes: &[&str]) -> Result<usize, RecordError> {
-        let of_element = || prefixes.iter().find_map(|prefix| self.position(&recording::column_name(prefix, name)));
-        let of_format_1 = || self.position(&recording::current_name(name));
-        self.position(name).or_else(of_element).or_else(of_format_1).ok_or_else(|| {
-            let columns = self.names.iter().map(String::as_str);
-            let elements =
-                columns.clone().filter_map(|column| prefixes.iter().find_map(|part| column.strip_prefix(part)));
-            let known: Vec<&str> = elements.chain(columns).collect();
-            if name.ends_with(".json") {
-                return self
-                    .refuse(format!("there is no column `{name}`; to write a model to that file, say -o {name}"));
-            }
-            self.refuse(format!("there is no column `{name}`; {}", suggest(name, known)))
-        })
-    }
-
-    /// Whether a column numbers conditions, as far as its first rows tell.
-    fn holds_few_whole_numbers(&self, column: usize) -> Result<bool, RecordError> {
-        let mut reader = RecordingReader::open(self.path)?;
-        reader.select(&[column]);
-        let Some(chunk) = reader.next_chunk()? else { return Ok(false) };
-        let Some(ColumnValues::Numbers(numbers)) = chunk.first().map(|column| &column.values) else { return Ok(false) };
-        let mut met: Vec<f64> = Vec::new();
-        for &number in numbers {
-            if number.fract() != 0.0 || met.len() > MOST_CLASSES {
-                return Ok(false);
-            }
-            if !met.contains(&number) {
-                met.push(number);
-            }
-        }
-        Ok(met.len() > 1 && met.len() <= MOST_CLASSES)
-    }
-
-    fn all_named(&self, names: &[String], prefix: &str) -> Result<Vec<usize>, RecordError> {
-        names.iter().map(|name| self.named(name, &[prefix])).collect()
-    }
-
-    fn list(&self, columns: &[usize]) -> String {
-        let names: Vec<String> = columns.iter().map(|&column| format!("`{}`", self.names[column])).collect();
-        names.join(", ")
-    }
-
-    /// The candidates whose range is above `part` of the largest range; reads on until all are, or
-    /// to the end.
-    fn varying(&self, candidates: &[usize], part: f64) -> Result<Vec<usize>, RecordError> {
-        let mut reader = RecordingReader::open(self.path)?;
-        reader.select(candidates);
-        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); candidates.len()];
-        let mut varies = vec![false; candidates.len()];
-        while let (false, Some(chunk)) = (varies.iter().all(|&varies| varies), reader.next_chunk()?) {
-            for ((low, high), column) in ranges.iter_mut().zip(&chunk) {
-                if let ColumnValues::Numbers(numbers) = &column.values {
-                    *low = numbers.iter().copied().fold(*low, f64::min);
-                    *high = numbers.iter().copied().fold(*high, f64::max);
-                }
-            }
-            let largest = ranges.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
-            for (varies, (low, high)) in varies.iter_mut().zip(&ranges) {
-                *varies = high - low > part * largest;
-            }
-        }
-        let varying: Vec<usize> =
-            candidates.iter().zip(varies).filter(|(_, varies)| *varies).map(|(&column, _)| column).collect();
-        if varying.is_empty() {
-            let sentence = format!(
-                "{} never change{}: a model is found from the answer to changes, so record with an input that changes",
-                self.list(candidates),
-                if candidates.len() == 1 { "s" } else { "" }
-            );
-            return Err(self.refuse(sentence));
-        }
-        Ok(varying)
-    }
+fn too_many(columns: &FileColumns, count: usize) -> RecordError {
+    columns.refuse(format!(
+        "{count} columns of numbers could be inputs, and no more than {MOST_GUESSED} are taken unasked: name those that heat by --input, and what they warm by --output"
+    ))
 }
 
 fn plural(columns: &[usize]) -> &'static str {
     if columns.len() == 1 { "" } else { "s" }
-}
-
-/// The beginning of a text from a file.
-pub(super) fn shown(text: &str) -> String {
-    text.chars().take(40).collect()
 }

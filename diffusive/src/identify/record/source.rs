@@ -7,6 +7,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use super::error::RecordError;
+use super::times::TimeUnit;
 use crate::model::Conditions;
 
 /// Rows of a block, at most.
@@ -14,7 +15,7 @@ pub const BLOCK: usize = recording::CHUNK;
 
 /// Which columns play which part. Empty is the default; an element's name stands for its power as
 /// an input and for its temperature as an output or as the gas.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Selection {
     /// Heating powers, in the order wanted.
     pub inputs: Vec<String>,
@@ -24,14 +25,22 @@ pub struct Selection {
     pub event: Option<String>,
     /// The column with the temperature of the gas.
     pub gas: Option<String>,
+    /// Names of all columns, for a table that has none, or in place of its own.
+    pub columns: Vec<String>,
+    /// The unit of the times; by default what their column's name says, or seconds.
+    pub time_unit: Option<TimeUnit>,
+    /// Distance of the rows in time, s, for a table without times.
+    pub sample_period_s: Option<f64>,
 }
 
-/// What is known of a record before its rows are read: from its head and its end.
+/// What is known of a record before its rows are handed out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The file, or what a table in memory is called.
     pub path: PathBuf,
-    /// Name of the column of times.
+    /// All files, in the order of their rows.
+    pub paths: Vec<PathBuf>,
+    /// Name of the column of times; none if the rows are counted.
     pub time_column: String,
     /// Names of the columns, in the order of a block's.
     pub inputs: Vec<String>,
@@ -41,12 +50,15 @@ pub struct Survey {
     pub event_column: Option<String>,
     /// The column with the temperature of the gas.
     pub gas_column: Option<String>,
-    /// Follows from the first and the last time in a CSV file until it has been read once; known
-    /// otherwise.
+    /// Over all segments.
     pub rows: u64,
+    /// Stretches of rows that follow each other in time: one more than there are gaps.
+    pub segments: u64,
+    /// When the first row was taken, in RFC 3339, if the record tells.
+    pub start_utc: Option<String>,
     /// Time of the first row.
     pub first_time_s: f64,
-    /// Time of the last row.
+    /// Time of the last row, in its file.
     pub last_time_s: f64,
     /// Mean distance of rows in time.
     pub sample_period_s: f64,
@@ -58,7 +70,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// How long the record is.
+    /// How long the record is, without its gaps.
     pub fn duration_s(&self) -> f64 {
         self.rows as f64 * self.sample_period_s
     }
@@ -87,6 +99,11 @@ pub struct Block {
     pub gas: Vec<f64>,
     /// As written in the first and the last row.
     pub time_s: (f64, f64),
+    /// Whether nothing is known of the time between the row before and the first of these; false in
+    /// a record's first block. A block never goes beyond its segment.
+    pub begins_segment: bool,
+    /// Rows, ascending, in which an output is missing: it has its last value there.
+    pub missing: Vec<u32>,
 }
 
 impl Block {
@@ -106,6 +123,8 @@ impl Block {
             *self = more.clone();
             return;
         }
+        let rows = self.len() as u32;
+        self.missing.extend(more.missing.iter().map(|row| rows + row));
         let columns = self.inputs.iter_mut().chain(&mut self.outputs);
         for (all, more) in columns.zip(more.inputs.iter().chain(&more.outputs)) {
             all.extend(more);

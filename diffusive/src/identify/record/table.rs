@@ -54,6 +54,7 @@ impl RecordTable {
                 class: vec![0; to - from],
                 gas: Vec::new(),
                 time_s: (time_s(from), time_s(to - 1)),
+                ..Block::default()
             }
         });
         let survey = Survey {
@@ -63,12 +64,15 @@ impl RecordTable {
             event_column: None,
             gas_column: None,
             rows: rows as u64,
+            segments: 1,
+            start_utc: None,
             first_time_s: 0.0,
             last_time_s: time_s(rows - 1),
             sample_period_s,
             conditions: None,
             notes: Vec::new(),
             path: path.clone(),
+            paths: vec![path.clone()],
         };
         Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
     }
@@ -81,7 +85,8 @@ impl RecordTable {
             let mut words = ColumnWords::default();
             labels.iter().for_each(|label| words.push(label.as_ref()));
             let first_row = (at * BLOCK) as u64;
-            classes.fill(&self.survey.path, "event", first_row, &ColumnValues::Words(words), &mut block.class)?;
+            let (rows, words) = (0..labels.len(), ColumnValues::Words(words));
+            classes.fill(&self.survey.path, "event", first_row, &words, rows, &mut block.class)?;
         }
         self.survey.event_column = Some(recording::EVENT.to_owned());
         self.classes = classes.names().to_vec();
@@ -103,6 +108,7 @@ impl RecordTable {
     #[must_use]
     pub fn named(mut self, path: &Path) -> Self {
         self.survey.path = path.to_owned();
+        self.survey.paths = vec![path.to_owned()];
         self
     }
 

@@ -1,7 +1,9 @@
 //! What is read, and what is refused, held against small files.
 
+mod loggers;
 mod long;
 mod refused;
+mod segments;
 
 use std::path::PathBuf;
 
@@ -78,6 +80,7 @@ fn columns_that_are_named_are_taken_and_the_others_may_hold_anything() {
         outputs: names(&["a"]),
         event: Some("phase".into()),
         gas: Some("air".into()),
+        ..Selection::default()
     };
     let table = "x,a,b,phase,air,time_s\n,1,2,calm,20.5,3\nx,2,3,gust,20.6,4\n7,3,4,calm,20.7,5\n";
     let (survey, block, classes) = read(table, &selection).unwrap();
@@ -188,7 +191,7 @@ fn of_our_recordings_the_powers_that_vary_are_taken_with_their_temperatures() {
 fn an_elements_name_stands_for_its_power_and_its_temperature() {
     let temp = ours("a.parquet", 50, 20);
     let selection =
-        Selection { inputs: names(&["s1"]), outputs: names(&["core"]), gas: Some("s2".into()), event: None };
+        Selection { inputs: names(&["s1"]), outputs: names(&["core"]), gas: Some("s2".into()), ..Selection::default() };
     let survey = RecordStream::open(&temp.path, &selection).unwrap().survey().clone();
     assert_eq!((survey.inputs, survey.outputs), (names(&["power_w_s1"]), names(&["temperature_c_core"])));
     assert_eq!(survey.gas_column.as_deref(), Some("temperature_c_s2"));

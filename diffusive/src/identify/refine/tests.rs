@@ -191,7 +191,7 @@ fn inputs_and_classes_of_an_output_share_its_rates() {
         inputs: vec!["u".into(), "v".into()],
         outputs: vec!["y".into()],
         event: Some("event".into()),
-        gas: None,
+        ..Default::default()
     };
     let mut stream = super::super::record::RecordStream::open(&path, &selection).unwrap();
     let options = IdentifyOptions { free_poles: Some(2), ..IdentifyOptions::default() };

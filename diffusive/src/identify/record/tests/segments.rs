@@ -1,0 +1,166 @@
+//! Records with gaps, missing values, jitter, and of several files.
+
+use super::*;
+
+/// Times of 100 rows a second apart, in three columns; `row` may change each.
+fn table(row: impl Fn(usize) -> Option<[String; 3]>) -> String {
+    let rows = (0..100).filter_map(row).map(|cells| cells.join(",") + "\n");
+    rows.fold("t,u,y\n".to_owned(), |table, row| table + &row)
+}
+
+fn plain(n: usize) -> [String; 3] {
+    [n.to_string(), (n % 7).to_string(), (2 * n).to_string()]
+}
+
+/// The first row of each segment by its output, and the whole.
+fn segments(paths: &[PathBuf]) -> Result<(Survey, Vec<f64>, Block), String> {
+    let mut stream = RecordStream::open_all(paths, &Selection::default()).map_err(|error| error.to_string())?;
+    let mut passes = Vec::new();
+    for _ in 0..2 {
+        let (mut begins, mut all) = (Vec::new(), Block::default());
+        while let Some(block) = stream.next_block().map_err(|error| error.to_string())? {
+            if all.is_empty() || block.begins_segment {
+                begins.push(block.outputs[0][0]);
+            }
+            assert!(!(all.is_empty() && block.begins_segment), "nothing stands before the first block");
+            all.append(block);
+        }
+        passes.push((begins, all));
+        stream.restart().unwrap();
+    }
+    assert_eq!(passes[0], passes[1], "a second pass gives the same");
+    let (begins, all) = passes.remove(0);
+    assert_eq!((stream.survey().rows as usize, stream.survey().segments as usize), (all.len(), begins.len()));
+    Ok((stream.survey().clone(), begins, all))
+}
+
+fn of(content: &str) -> (Survey, Vec<f64>, Block) {
+    let file = file("r.csv", content);
+    segments(std::slice::from_ref(&file.path)).unwrap()
+}
+
+#[test]
+fn a_gap_in_time_begins_a_segment_and_keeps_the_period() {
+    let (survey, begins, _) = of(&table(|n| Some(plain(n)).filter(|_| !(40..70).contains(&n))));
+    assert_eq!((begins, survey.sample_period_s, survey.rows), (vec![0.0, 140.0], 1.0, 70));
+    assert_eq!(survey.notes[1], "1 gap in time, of 30 rows of 1 s: nothing is taken from one side to the other");
+    // A logger that was started again, at another part of the second.
+    let later =
+        |n: usize| [format!("{:.1}", n as f64 + if n < 40 { 0.0 } else { 1000.4 }), "1".to_owned(), n.to_string()];
+    let (survey, begins, _) = of(&table(|n| {
+        Some(later(n)).map(|mut row| {
+            row[1] = (n % 3).to_string();
+            row
+        })
+    }));
+    assert_eq!(begins, [0.0, 40.0]);
+    assert!((survey.sample_period_s - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_missing_input_begins_a_segment_and_a_missing_output_is_marked() {
+    let lacking = |n: usize| {
+        let mut row = plain(n);
+        if n == 20 {
+            row[1] = "NaN".to_owned();
+        }
+        if [0, 50, 51].contains(&n) {
+            row[2] = String::new();
+        }
+        Some(row)
+    };
+    let (survey, begins, all) = of(&table(lacking));
+    // Before the first output there is none that could be kept: the row is left out.
+    assert_eq!((begins, survey.rows, all.missing), (vec![2.0, 42.0], 98, vec![48, 49]));
+    assert_eq!(all.outputs[0][47..51], [98.0, 98.0, 98.0, 104.0]);
+    assert_eq!(
+        survey.notes[1..],
+        [
+            "2 rows left out, in which a value is missing, first `y` in row 1",
+            "`y` is missing in 2 rows, which count by their inputs only"
+        ]
+    );
+}
+
+#[test]
+fn a_missing_time_is_a_missing_row() {
+    let (_, begins, all) =
+        of(&table(|n| Some(plain(n)).map(|[t, u, y]| [if n == 30 { String::new() } else { t }, u, y])));
+    assert_eq!((begins, all.len()), (vec![0.0, 62.0], 99));
+}
+
+#[test]
+fn jitter_is_resampled_with_a_remark() {
+    // A straight line is met exactly by linear interpolation, but for the outermost rows.
+    let jitter = |n: usize| ((n * 37) % 91) as f64 / 110.0 - 0.4;
+    let mut text = "t,u,y\n".to_owned();
+    for n in 0..40_000 {
+        let time_s = 0.1 * (n as f64 + jitter(n));
+        text += &format!("{time_s:.5},{},{:.5}\n", n % 7, 20.0 + 3.0 * time_s);
+    }
+    let (survey, begins, all) = of(&text);
+    assert_eq!((begins.len(), all.len()), (1, 40_000));
+    assert!((survey.sample_period_s / 0.1 - 1.0).abs() < 1e-6, "{}", survey.sample_period_s);
+    let first = all.outputs[0][100] - 0.3 * 100.0;
+    for (n, y) in all.outputs[0].iter().enumerate().take(39_999).skip(1) {
+        // Rows of less than a tenth are left as they are: 0.1 · 0.1 s · 3 K/s.
+        assert!((y - (first + 0.3 * n as f64)).abs() < 0.061, "{n}: {y}");
+    }
+    assert_eq!(all.inputs[0][8], 1.0);
+    let note = survey.notes.last().unwrap();
+    assert!(note.contains("rows are off their place in time by more than 10 % of 0.1 s"), "{note}");
+    assert!(note.ends_with("outputs are interpolated to uniform times, inputs held"), "{note}");
+}
+
+#[test]
+fn several_files_are_segments_of_one_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &str| {
+        std::fs::write(folder.path().join(name), content).unwrap();
+        folder.path().join(name)
+    };
+    let day = write("day1.csv", &table(|n| Some(plain(n))));
+    let (survey, begins, all) =
+        segments(&[day.clone(), write("day2.csv", &table(|n| Some(plain(n))).replace(',', ";"))]).unwrap();
+    assert_eq!((begins, survey.rows, survey.sample_period_s), (vec![0.0, 0.0], 200, 1.0));
+    assert_eq!((all.outputs[0][100], survey.paths.len()), (0.0, 2));
+
+    let refused = |content: &str| {
+        let sentence = segments(&[day.clone(), write("other.csv", content)]).unwrap_err();
+        sentence.replace(&format!("{}/", folder.path().display()), "")
+    };
+    assert_eq!(
+        refused("t,u,T\n0,1,2\n"),
+        "other.csv: has `T` where day1.csv has `y`: files of one record have the same columns"
+    );
+    let slow = table(|n| Some(plain(n)).map(|[t, u, y]| [format!("{t}0"), u, y])).replace("\n00,", "\n0,");
+    assert_eq!(
+        refused(&slow),
+        "other.csv: has rows 10 s apart, and day1.csv has 1 s: identify records of one sample period together"
+    );
+    // An event label has one number in all files.
+    let labelled = |first: &str, second: &str| {
+        let text = |label: &str| format!("t,u,event,y\n0,1,{label},2\n1,2,{label},3\n2,3,both,4\n");
+        let paths = [write("a.csv", &text(first)), write("b.csv", &text(second))];
+        let mut stream = RecordStream::open_all(&paths, &Selection::default()).unwrap();
+        let mut class = Vec::new();
+        while let Some(block) = stream.next_block().unwrap() {
+            class.extend_from_slice(&block.class);
+        }
+        (class, stream.classes().to_vec())
+    };
+    assert_eq!(labelled("calm", "gust"), (vec![0, 0, 1, 2, 2, 1], names(&["calm", "both", "gust"])));
+}
+
+#[test]
+fn a_record_that_is_too_long_to_be_kept_reads_as_one_that_is() {
+    // 1.6 million rows of three columns: more than are kept.
+    let mut text = "t,u,y\n".to_owned();
+    for n in 0..1_600_000_u32 {
+        if n != 800_000 {
+            text += &format!("{n},{},{}\n", n % 7, n / 2);
+        }
+    }
+    let (survey, begins, _) = of(&text);
+    assert_eq!((survey.rows, begins), (1_599_999, vec![0.0, 400_000.0]));
+}
