@@ -11,7 +11,7 @@ use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
 use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection, TimeUnit};
 use diffusive::identify::report::IdentifyReport;
-use diffusive::identify::{Constraints, InitialState, Losses};
+use diffusive::identify::{Constraints, DriftGiven, DriftKind, InitialState, Losses};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
 use diffusive::model::Structure;
 use plot::model::figure;
@@ -113,6 +113,15 @@ pub struct Arguments {
         ("auto", "As `growing` where the record leaves no doubt, else as `none`", Losses::Auto),
     ]))]
     losses: Losses,
+    /// Whether the offset moves, as a room's temperature does.
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = choice([
+        ("auto", "If the record shows it: kind and size of most evidence", DriftGiven::Auto),
+        ("none", "It stands", DriftGiven::None),
+        ("random-walk", "A level with increments that have no memory", DriftGiven::Kind(DriftKind::RandomWalk)),
+        ("integrated-walk", "A slope with such increments", DriftGiven::Kind(DriftKind::IntegratedWalk)),
+        ("correlated", "A level that returns within a correlation time", DriftGiven::Kind(DriftKind::Correlated)),
+    ]))]
+    drift: DriftGiven,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
@@ -265,6 +274,7 @@ impl Arguments {
             free_poles: self.free_poles,
             tie: self.tie,
             losses: self.losses,
+            drift: self.drift,
         })
     }
 

@@ -18,6 +18,7 @@ use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
 use super::options::{IdentifyOptions, InitialState, Signs};
 use super::prior::Prior;
 use super::symbol::plan::SymbolReading;
+use crate::model::OutputDrift;
 
 /// Candidates whose cross-validated error is at most that many times the choice's may be the truth
 /// as well.
@@ -67,6 +68,19 @@ pub struct ChosenDrift {
 }
 
 impl ChosenDrift {
+    /// As a model says it. `innovations` is their variance, K².
+    pub fn described(&self, innovations: f64, sample_period_s: f64) -> OutputDrift {
+        let rate = self.rate_rad_s;
+        let kind = self.filter.as_ref().map_or("average", |filter| filter.kind.name());
+        OutputDrift {
+            kind: kind.to_owned(),
+            size: self.filter.as_ref().map_or(0.0, |filter| filter.size(innovations, sample_period_s)),
+            correlation_s: (rate > 0.0).then(|| 1.0 / rate),
+            last_level_k: self.level_k,
+            evidence_nats: self.evidence,
+        }
+    }
+
     /// As a decay behind the last row.
     pub fn end(&self) -> (f64, f64) {
         (self.rate_rad_s, self.level_k)
@@ -99,6 +113,7 @@ impl Choice {
             covariance: &self.solution.covariance,
             shift: reading.passed.output_shift[output],
             drift: self.drift.as_ref(),
+            sample_period_s: reading.plan.survey.sample_period_s,
         }
     }
 }

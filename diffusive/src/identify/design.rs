@@ -91,6 +91,12 @@ impl RegressionDesign {
         banks + self.initial_rad_s.len() + 1 + self.outputs
     }
 
+    /// The columns of initial decays.
+    pub fn decays(&self) -> std::ops::Range<usize> {
+        let end = self.width() - self.outputs - 1;
+        end - self.initial_rad_s.len()..end
+    }
+
     pub fn longest_delay(&self) -> usize {
         self.banks.iter().map(|bank| bank.delay).max().unwrap_or(0)
     }

@@ -21,6 +21,7 @@ pub struct FittedOutput<'a> {
     pub shift: f64,
     /// How its offset moves.
     pub drift: Option<&'a ChosenDrift>,
+    pub sample_period_s: f64,
 }
 
 impl FittedOutput<'_> {
@@ -39,6 +40,8 @@ impl FittedOutput<'_> {
             residual_rms: residuals.rms(),
             fit_percent: residuals.fit_percent(),
             whiteness: residuals.whiteness(),
+            drift: self.drift.map(|drift| drift.described(residuals.rms().powi(2), self.sample_period_s)),
+            forecast_rms: None,
         }
     }
 
@@ -65,10 +68,11 @@ impl FittedOutput<'_> {
         }
     }
 
-    /// What states of the columns amount to, one decay a rate: rate in rad/s and K.
-    pub fn decays(&self, states: &[f64]) -> Vec<(f64, f64)> {
+    /// What states of the columns amount to with these weights, one decay a rate: rate in rad/s and
+    /// K.
+    pub fn decays(&self, states: &[f64], weights: &[f64]) -> Vec<(f64, f64)> {
         let mut decays: Vec<(f64, f64)> = Vec::new();
-        for ((role, state), weight) in self.design.roles().iter().zip(states).zip(self.weights()) {
+        for ((role, state), weight) in self.design.roles().iter().zip(states).zip(weights) {
             let (Role::Relaxation { rate_rad_s, .. } | Role::Initial { rate_rad_s }) = *role else { continue };
             match decays.iter_mut().find(|(rate, _)| *rate == rate_rad_s) {
                 Some((_, sum)) => *sum += state * weight,

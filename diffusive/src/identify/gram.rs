@@ -5,7 +5,9 @@
 //! the sums resolve directions down to 1e-14 of the strongest, far below what any prior here lets
 //! through.
 
-use nalgebra::DMatrix;
+use std::ops::Range;
+
+use nalgebra::{Cholesky, DMatrix};
 
 use super::design::RegressionDesign;
 use super::gas_source::GasSource;
@@ -49,6 +51,19 @@ impl Gram {
         self.rows += other.rows;
     }
 
+    /// The sums that are left when some columns may explain what they like: G − G_D (G_DD)⁻¹ G_Dᵀ.
+    pub fn without(mut self, columns: Range<usize>) -> Self {
+        let (first, count) = (columns.start, columns.len());
+        let own = self.sums.view((first, first), (count, count)).into_owned();
+        let Some(factor) = Cholesky::new(&own + DMatrix::from_diagonal(&own.diagonal().map(held))) else { return self };
+        let beside = self.sums.columns(first, count).into_owned();
+        self.sums -= &beside * factor.solve(&beside.transpose());
+        self.sums.columns_mut(first, count).fill(0.0);
+        self.sums.rows_mut(first, count).fill(0.0);
+        self.rows = self.rows.saturating_sub(count as u64).max(1);
+        self
+    }
+
     pub fn total<'a>(folds: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut folds = folds.into_iter();
         let mut total = folds.next().expect("at least one fold").clone();
@@ -57,13 +72,25 @@ impl Gram {
     }
 }
 
+/// What is added to the sum of squares of a decay that is free: enough that all can be told apart.
+pub fn held(squares: f64) -> f64 {
+    1e-9 * squares + 1e-12
+}
+
 /// One pass over a record for one design.
 pub struct Accumulator {
     rows: RegressionRows,
     panels: Vec<Panel>,
-    /// Sums of the fold that is being read, and its rows.
+    /// Sums of what is being read of a segment, and its rows.
     tiles: Vec<Tile>,
-    fold_rows: u64,
+    part_rows: u64,
+    /// The fold that is being read.
+    fold: Gram,
+    segment_row: u64,
+    /// Whether this is the first segment, whose initial state has columns of its own.
+    is_first: bool,
+    /// Columns of initial decays.
+    decays: Range<usize>,
     folds: Vec<Gram>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
@@ -89,7 +116,11 @@ impl Accumulator {
             rows,
             panels: vec![[[0.0; LANES]; BATCH]; count],
             tiles: vec![Tile::default(); panels::tiles(count)],
-            fold_rows: 0,
+            part_rows: 0,
+            fold: Gram::empty(design.width()),
+            segment_row: 0,
+            is_first: true,
+            decays: design.decays(),
             folds: Vec::with_capacity(folds),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             ends: Vec::with_capacity(folds),
@@ -99,6 +130,12 @@ impl Accumulator {
     }
 
     pub fn push(&mut self, block: &Block, gas: GasSource) {
+        if block.begins_segment && self.row > 0 {
+            self.end_part();
+            self.rows.restart();
+            (self.segment_row, self.is_first) = (0, false);
+        }
+        let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
         let mut from = 0;
         while from < block.len() {
             while self.borders.get(self.folds.len()).is_some_and(|&border| border <= self.row) {
@@ -108,25 +145,40 @@ impl Accumulator {
             if let Some(&border) = self.borders.get(self.folds.len()) {
                 rows = rows.min((border - self.row) as usize);
             }
-            let is_lead = self.row < self.lead;
+            let is_lead = self.segment_row < self.lead;
             if is_lead {
-                rows = rows.min((self.lead - self.row) as usize);
+                rows = rows.min((self.lead - self.segment_row) as usize);
             }
+            let is_missing = missing.next_if_eq(&from).is_some();
+            let until = missing.peek().map_or(rows, |&next| next - from);
+            rows = if is_missing { 1 } else { rows.min(until) };
             self.rows.fill(block, gas, from, rows, &mut self.panels);
-            if !is_lead {
+            if !is_lead && !is_missing {
                 panels::add_products(&self.panels, self.rows.width(), rows, &mut self.tiles);
-                self.fold_rows += rows as u64;
+                self.part_rows += rows as u64;
             }
             from += rows;
             self.row += rows as u64;
+            self.segment_row += rows as u64;
         }
     }
 
-    fn end_fold(&mut self) {
-        self.folds.push(Gram::of(&self.tiles, self.rows.width(), self.fold_rows));
-        self.ends.push(self.rows.states());
+    /// Adds what was read of a segment to the fold. What a later segment began with is free in
+    /// every fold: it is taken out of the sums.
+    fn end_part(&mut self) {
+        if self.part_rows > 0 {
+            let part = Gram::of(&self.tiles, self.rows.width(), self.part_rows);
+            self.fold.add(&if self.is_first { part } else { part.without(self.decays.clone()) });
+        }
         self.tiles.fill(Tile::default());
-        self.fold_rows = 0;
+        self.part_rows = 0;
+    }
+
+    fn end_fold(&mut self) {
+        self.end_part();
+        let empty = Gram::empty(self.rows.width());
+        self.folds.push(std::mem::replace(&mut self.fold, empty));
+        self.ends.push(self.rows.states());
     }
 
     /// The folds, and the states behind each of them.

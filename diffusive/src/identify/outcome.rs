@@ -37,6 +37,7 @@ pub fn model(
         offset_c: outputs[0].offset_c,
         residual_rms: outputs[0].residual_rms,
         fit_percent: outputs[0].fit_percent,
+        forecast_rms: outputs[0].forecast_rms,
         outputs,
         pairs: Vec::new(),
         event_column: survey.event_column.clone(),

@@ -31,7 +31,7 @@ impl Facts {
     pub fn provenance(&self, survey: &Survey) -> Provenance {
         Provenance {
             tool: format!("anemo {}", env!("CARGO_PKG_VERSION")),
-            records: vec![survey.path.display().to_string()],
+            records: survey.paths.iter().map(|path| path.display().to_string()).collect(),
             rows: self.rows,
             duration_s: self.rows as f64 * survey.sample_period_s,
             input_range: (0..self.first_inputs.len()).map(|input| self.input_range(input)).collect(),

@@ -4,10 +4,13 @@
 
 use std::collections::VecDeque;
 
+use nalgebra::{Cholesky, DMatrix, DVector};
+
 use super::choose::ChosenDrift;
 use super::drift::RunningFilter;
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
+use super::gram;
 use super::options::{FitObserver, Progress};
 use super::panels::{BATCH, LANES, Lanes, panels};
 use super::record::{RecordError, RecordSource, copy_row};
@@ -62,11 +65,25 @@ impl ResidualPass {
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
         let mut drift = vec![0.0; outputs];
         let mut levels: Vec<Level> = fitted.iter().map(|fitted| Level::of(fitted, period_s)).collect();
-        let mut count = 0;
+        let (mut count, mut segment_row, mut segment) = (0, 0, 0);
         let longest = design.longest_delay();
+        // What later segments began with, output by output.
+        let starts = if survey.segments > 1 { segment_starts(source, gas, fitted, alike)? } else { Vec::new() };
+        source.restart()?;
+        let mut weights = weights;
         // The last inputs and their classes, oldest first.
         let mut pending = VecDeque::with_capacity(longest + 1);
         while let Some(block) = source.next_block()? {
+            if block.begins_segment && count > 0 {
+                rows.restart();
+                pending.clear();
+                for (weights, starts) in weights.iter_mut().zip(&starts) {
+                    let decays = design.decays();
+                    weights.as_flattened_mut()[decays].copy_from_slice(&starts[segment]);
+                }
+                (segment, segment_row) = (segment + 1, 0);
+            }
+            let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
             for at in 0..block.len() {
                 let n = at % BATCH;
                 if n == 0 {
@@ -75,6 +92,7 @@ impl ResidualPass {
                 copy_row(&block.inputs, at, &mut input_row);
                 copy_row(&block.outputs, at, &mut output_row);
                 let class = block.class[at] as usize;
+                let is_missing = missing.next_if_eq(&at).is_some();
                 for (&output, weights) in alike.iter().zip(&weights) {
                     let mut explained = [0.0; LANES];
                     for (panel, weights) in batch.iter().zip(weights) {
@@ -85,9 +103,9 @@ impl ResidualPass {
                     predicted[output] = explained.iter().sum::<f64>() + fitted[output].shift;
                     drift[output] = levels[output].at(output_row[output] - predicted[output]);
                     // What drove the first rows of a model with dead time stood before the record.
-                    if count < longest as u64 {
+                    if segment_row < longest as u64 {
                         predicted[output] = f64::NAN;
-                    } else {
+                    } else if !is_missing {
                         self.residuals[output].push(output_row[output], predicted[output], drift[output]);
                     }
                 }
@@ -97,15 +115,19 @@ impl ResidualPass {
                         pending.pop_front();
                     }
                 }
+                if is_missing {
+                    output_row.fill(f64::NAN);
+                }
                 seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted, drift: &drift });
                 count += 1;
+                segment_row += 1;
             }
             self.end.next_time_s = block.time_s.1 + period_s;
         }
         source.restart()?;
         let states = rows.states();
-        for &output in alike {
-            self.end.decays[output] = fitted[output].decays(&states);
+        for (&output, weights) in alike.iter().zip(&weights) {
+            self.end.decays[output] = fitted[output].decays(&states, weights.as_flattened());
             self.end.decays[output].extend(fitted[output].drift.map(ChosenDrift::end));
         }
         if pending.len() >= self.end.pending_class.len() {
@@ -115,6 +137,71 @@ impl ResidualPass {
         }
         Ok(())
     }
+}
+
+/// For every output in `alike`, what each segment but the first began with: the decays that explain
+/// best what its model leaves there.
+fn segment_starts(
+    source: &mut dyn RecordSource,
+    gas: GasSource,
+    fitted: &[FittedOutput<'_>],
+    alike: &[usize],
+) -> Result<Vec<Vec<Vec<f64>>>, RecordError> {
+    let (outputs, period_s) = (source.survey().outputs.len(), source.survey().sample_period_s);
+    let design = fitted[alike[0]].design;
+    let decays = design.decays();
+    let columns = |output: usize| {
+        let mut weights = fitted[output].weights();
+        weights[decays.clone()].fill(0.0);
+        weights
+    };
+    let weights: Vec<Vec<f64>> = alike.iter().map(|&output| columns(output)).collect();
+    let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
+    let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
+    let mut starts = vec![Vec::new(); alike.len()];
+    let (count, mut is_first) = (decays.len(), true);
+    let mut squares = DMatrix::<f64>::zeros(count, count);
+    let mut products = vec![DVector::<f64>::zeros(count); alike.len()];
+    let mut end = |squares: &mut DMatrix<f64>, products: &mut [DVector<f64>], is_first: bool| {
+        let held = DMatrix::from_diagonal(&squares.diagonal().map(gram::held));
+        let factor = Cholesky::new(&*squares + held);
+        for (starts, products) in starts.iter_mut().zip(products.iter_mut()) {
+            if !is_first {
+                let start = factor.as_ref().map_or(DVector::zeros(count), |factor| factor.solve(products));
+                starts.push(start.as_slice().to_vec());
+            }
+            products.fill(0.0);
+        }
+        squares.fill(0.0);
+    };
+    source.restart()?;
+    while let Some(block) = source.next_block()? {
+        if block.begins_segment {
+            end(&mut squares, &mut products, is_first);
+            rows.restart();
+            is_first = false;
+        }
+        let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
+        for at in 0..block.len() {
+            let n = at % BATCH;
+            if n == 0 {
+                rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
+            }
+            if missing.next_if_eq(&at).is_some() || is_first {
+                continue;
+            }
+            let value = |column: usize| batch[column / LANES][n][column % LANES];
+            let decay = DVector::from_fn(count, |k, _| value(decays.start + k));
+            squares.ger(1.0, &decay, &decay, 1.0);
+            for ((&output, weights), products) in alike.iter().zip(&weights).zip(&mut products) {
+                let explained: f64 = weights.iter().enumerate().map(|(column, weight)| weight * value(column)).sum();
+                let rest = block.outputs[output][at] - explained - fitted[output].shift;
+                products.axpy(rest, &decay, 1.0);
+            }
+        }
+    }
+    end(&mut squares, &mut products, is_first);
+    Ok(starts)
 }
 
 /// The drift of an output, row by row.

@@ -35,6 +35,8 @@ pub struct RegressionRows {
     remembers: Vec<bool>,
     /// Subtracted from every output, so that a large offset does not eat the digits of what moves.
     output_shift: Vec<f64>,
+    /// The states with which a segment begins.
+    first: Vec<Lanes>,
 }
 
 /// The states of a panel of columns.
@@ -100,7 +102,9 @@ impl RegressionRows {
                 _ => 0.0,
             },
         };
+        let first = lanes.iter().map(|states| states.x).collect();
         Self {
+            first,
             lanes,
             banks: design.banks.iter().map(source).collect(),
             drives: vec![[0.0; BATCH]; design.banks.len().max(1)],
@@ -108,6 +112,12 @@ impl RegressionRows {
             remembers,
             output_shift: output_shift.to_vec(),
         }
+    }
+
+    /// Begins anew, as nothing is known of what was before.
+    pub fn restart(&mut self) {
+        self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
+        self.banks.iter_mut().for_each(|bank| bank.late.fill(0.0));
     }
 
     pub fn width(&self) -> usize {

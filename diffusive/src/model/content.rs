@@ -53,6 +53,9 @@ pub struct Model {
     pub residual_rms: f64,
     /// Of the first output.
     pub fit_percent: f64,
+    /// Of the first output, K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forecast_rms: Option<f64>,
     /// False if predictions by the model may be far off; `warnings` say what the record lacks.
     pub supported: bool,
     /// A sentence for everything that the record does not show. A supported model with warnings
@@ -105,6 +108,30 @@ pub struct ModelOutput {
     /// `None` until the residuals were looked at one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness: Option<Whiteness>,
+    /// How the offset moved, if it did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<OutputDrift>,
+    /// Root mean square error, K, of predictions of what lies ahead, whose outputs were not used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forecast_rms: Option<f64>,
+}
+
+/// An offset that moves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputDrift {
+    /// `random-walk`, `integrated-walk` or `correlated`; `average` where several stand for it.
+    pub kind: String,
+    /// Of a random walk its increments, K/√s; of an integrated one those of its slope, K/s/√s; of a
+    /// level that returns its standard deviation, K.
+    pub size: f64,
+    /// Time in which a level returns, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation_s: Option<f64>,
+    /// Its level behind the last row, K.
+    pub last_level_k: f64,
+    /// How much more likely the record is with it than without, nats.
+    pub evidence_nats: f64,
 }
 
 /// How much the residuals know of each other.

@@ -175,7 +175,7 @@ fn feeds_through(model: &Model) -> bool {
 fn is_evident(first: &[FoundLoss], found: &[FoundLoss], part: f64, inflation: f64) -> bool {
     let better = |(first, found): (&FoundLoss, &FoundLoss), part: f64| {
         let (without, with) = (&first.scores[0], &found.scores[1]);
-        [(with.overall(), without.overall()), (with.ahead, without.ahead)]
+        [(with.overall(), without.overall()), (with.mean_ahead(), without.mean_ahead())]
             .iter()
             .all(|(with, without)| *with <= part * part * without)
     };

@@ -27,7 +27,10 @@ impl SymbolResult<'_> {
     pub fn model(self, given: &Constraints, tie_reason: Option<String>, tie_warning: Option<String>) -> Model {
         let SymbolReading { plan, passed, .. } = self.reading;
         let SymbolPlan { survey, classes, path, .. } = plan;
-        let outputs = outcome::outputs(&survey.outputs, self.fitted, &self.residuals);
+        let mut outputs = outcome::outputs(&survey.outputs, self.fitted, &self.residuals);
+        for (output, choice) in outputs.iter_mut().zip(self.choices) {
+            output.forecast_rms = Some(choice.trial.score.forecast_rms());
+        }
         let pairs = self.pairs();
         let warnings = self.warnings(tie_warning, &pairs);
         let reasons = path.reason.clone().into_iter().chain(tie_reason).collect();
