@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 
 use super::candidates::{CandidateMesh, MeshPart, initial_states, priors, terms};
 use super::design::Role;
-use super::fitted::{FittedOutput, steady_gain};
 use super::drift::NoiseFilter;
+use super::fitted::{FittedOutput, steady_gain};
 use super::folds::{FoldedEquations, Score, change};
 use super::gram::Gram;
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
@@ -151,8 +151,7 @@ impl CandidateSet<'_> {
     pub fn choose(&self) -> Choice {
         let is_free = |&index: &usize| self.meshes()[index].free;
         let ordinary = || (0..self.meshes().len()).filter(|&index| self.meshes()[index].part == MeshPart::Ordinary);
-        let mut trials: Vec<ScoredCandidate> =
-            ordinary().filter(is_free).flat_map(|index| self.tried(index)).collect();
+        let mut trials: Vec<ScoredCandidate> = ordinary().filter(is_free).flat_map(|index| self.tried(index)).collect();
         let mut taken = best(&trials, self.meshes()).clone();
         let best = taken.score.clone();
         for index in ordinary().filter(|index| !is_free(index)) {
@@ -280,7 +279,11 @@ impl CandidateSet<'_> {
     }
 
     /// Which parameters are held at or above zero, and why.
-    pub(super) fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> (Option<Vec<bool>>, String) {
+    pub(super) fn held_signs(
+        &self,
+        equations: &FoldedEquations,
+        penalty: &DMatrix<f64>,
+    ) -> (Option<Vec<bool>>, String) {
         let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
             let is_held = |bank: usize| held(self.reading.plan.parts[bank].input);
             equations.terms.iter().map(|term| term.role.bank().is_some_and(is_held)).collect()

@@ -52,13 +52,23 @@ pub struct RegressionDesign {
 /// What a column means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Role {
-    Relaxation { bank: usize, k: usize, rate_rad_s: f64 },
-    FeedThrough { bank: usize },
-    Initial { rate_rad_s: f64 },
+    Relaxation {
+        bank: usize,
+        k: usize,
+        rate_rad_s: f64,
+    },
+    FeedThrough {
+        bank: usize,
+    },
+    Initial {
+        rate_rad_s: f64,
+    },
     Offset,
     /// What a drift begins with, and its prior's precision in units of the noise's; it has no column
     /// of its own.
-    DriftStart { precision: f64 },
+    DriftStart {
+        precision: f64,
+    },
 }
 
 impl Role {

@@ -30,6 +30,8 @@ const MOVES: u64 = 100;
 const COUNTS: f64 = 6.0;
 /// Candidates of a drift that are averaged at the most.
 const MOST_MEMBERS: usize = 60;
+/// Ratio of mean squared errors ahead.
+const WORSE: f64 = 0.5;
 /// Weights of the prior that are averaged.
 const AVERAGED: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
@@ -41,7 +43,10 @@ impl CandidateSet<'_> {
         if moves >= MOVES || matches!(given, DriftGiven::Kind(_)) {
             return self.drifting(ordinary);
         }
-        if is_white(left) { None } else { self.averaged(ordinary, moves) }
+        let average = self.averaged(ordinary, moves)?;
+        // What leaves white noise is left alone, unless it is clearly worse at carrying on.
+        let worse = average.trial.score.mean_ahead() > WORSE * ordinary.trial.score.mean_ahead();
+        (!is_white(left) || !worse).then_some(average)
     }
 
     fn meshes_for(&self, part: MeshPart) -> Vec<usize> {
@@ -77,12 +82,13 @@ impl CandidateSet<'_> {
         let states = self.initial_states();
         let first = *states.last()?;
         let mut filters = search(first);
-        let evident = |mesh: usize, initial_state: InitialState, prior: Prior, filter: Option<&NoiseFilter>, gram: &Gram| {
-            let candidate = MixtureCandidate { mesh, initial_state, feed_through, prior, filter: filter.cloned() };
-            let (terms, problem) = self.problem(&candidate, gram);
-            let evidence = problem.evidence(&self.reading.scales.penalty(prior, &terms, &problem));
-            (candidate, evidence)
-        };
+        let evident =
+            |mesh: usize, initial_state: InitialState, prior: Prior, filter: Option<&NoiseFilter>, gram: &Gram| {
+                let candidate = MixtureCandidate { mesh, initial_state, feed_through, prior, filter: filter.cloned() };
+                let (terms, problem) = self.problem(&candidate, gram);
+                let evidence = problem.evidence(&self.reading.scales.penalty(prior, &terms, &problem));
+                (candidate, evidence)
+            };
         let state_of = |filter: &NoiseFilter| {
             let of = |&state: &InitialState| {
                 let each = priors.iter().map(|&prior| evident(mesh, state, prior, Some(filter), &total).1);
@@ -172,9 +178,10 @@ impl CandidateSet<'_> {
         let most = (0..members.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default();
         let top = &members[most];
         let mixture = self.mixed(members, weights, mesh, top.candidate.feed_through);
-        let positive = top.held.as_ref().map(|_| {
-            mixture.terms.iter().map(|term| term.role.bank().is_some()).collect::<Vec<bool>>()
-        });
+        let positive = top
+            .held
+            .as_ref()
+            .map(|_| mixture.terms.iter().map(|term| term.role.bank().is_some()).collect::<Vec<bool>>());
         let sign_reason = match &positive {
             Some(_) => "signs: none negative; the record does not contradict".to_owned(),
             None => "signs: any".to_owned(),

@@ -144,9 +144,8 @@ pub fn score(
         folds.iter().skip(1).map(|fold| held_out(&total.minus(fold), std::slice::from_ref(fold))).collect::<Vec<_>>();
     let pairs: Vec<f64> =
         folds[1..].chunks_exact(2).map(|pair| held_out(&total.minus(&pair[0]).minus(&pair[1]), pair)).collect();
-    let ahead: Vec<f64> = borders(folds.len())
-        .map(|seen| held_out(&NormalEquations::total(&folds[..seen]), &folds[seen..]))
-        .collect();
+    let ahead: Vec<f64> =
+        borders(folds.len()).map(|seen| held_out(&NormalEquations::total(&folds[..seen]), &folds[seen..])).collect();
     let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len().max(1) as f64;
     let begin = folds[0].squared_error(&total.estimate(penalty, positive)) / folds[0].rows.max(1.0);
     Score { double: mean(&pairs), ahead, begin, single }

@@ -107,9 +107,7 @@ impl CandidateSet<'_> {
             seen += &moved * moved.transpose();
         }
         let parts = self.reading.plan.parts.len();
-        let gain = |bank: usize, of: &DMatrix<f64>| {
-            super::fitted::steady_gain(terms, &solution.theta, of, bank).1
-        };
+        let gain = |bank: usize, of: &DMatrix<f64>| super::fitted::steady_gain(terms, &solution.theta, of, bank).1;
         let ratio = |bank: usize| gain(bank, &seen) / gain(bank, &solution.covariance).max(f64::MIN_POSITIVE);
         let most = (0..parts).map(ratio).fold(0.0, f64::max);
         if most > WIDER {
@@ -120,10 +118,9 @@ impl CandidateSet<'_> {
         if of.filter.as_ref().is_some_and(|filter| filter.kind == DriftKind::IntegratedWalk) {
             let slow_rad_s = SLOW * self.reading.scales.thesis_rad_s;
             for bank in 0..parts {
-                let is_slow = |term: &ModelTerm| {
-                    matches!(term.role, Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank && rate_rad_s <= slow_rad_s)
-                };
-                let slow = DVector::from_fn(terms.len(), |at, _| if is_slow(&terms[at]) { solution.theta[at] } else { 0.0 });
+                let is_slow = |term: &ModelTerm| matches!(term.role, Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank && rate_rad_s <= slow_rad_s);
+                let slow =
+                    DVector::from_fn(terms.len(), |at, _| if is_slow(&terms[at]) { solution.theta[at] } else { 0.0 });
                 solution.covariance.ger(1.0, &slow, &slow, 1.0);
             }
         }
@@ -185,7 +182,8 @@ impl CandidateSet<'_> {
         let mut covariance = DMatrix::zeros(count, count);
         for (at, member) in members.iter().enumerate() {
             let apart = &thetas[at] - &theta;
-            covariance += (&maps[at] * &member.solution.covariance * maps[at].transpose() + &apart * apart.transpose()) * share(at);
+            covariance += (&maps[at] * &member.solution.covariance * maps[at].transpose() + &apart * apart.transpose())
+                * share(at);
         }
         let mean = |of: &dyn Fn(&Member) -> f64| {
             members.iter().enumerate().map(|(at, member)| share(at) * of(member)).sum::<f64>()
@@ -205,7 +203,8 @@ impl CandidateSet<'_> {
             terms,
             solution,
             level_k: mean(&|member| member.level_k),
-            ahead: (0..borders).map(|border| mean(&|member| member.ahead[border])).collect(),
+            // An average errs less than its members do: those of opposite signs cancel.
+            ahead: (0..borders).map(|border| mean(&|member| member.ahead[border].max(1e-300).ln()).exp()).collect(),
         }
     }
 }

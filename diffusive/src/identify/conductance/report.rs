@@ -34,7 +34,15 @@ pub(super) fn model(
     let terms = solver.places.terms(best.initial_state, &best.winds);
 
     let sample_period_s = found.survey.sample_period_s;
-    let fitted = |((theta, covariance), &shift)| FittedOutput { design, terms: &terms, theta, covariance, shift, drift: None, sample_period_s };
+    let fitted = |((theta, covariance), &shift)| FittedOutput {
+        design,
+        terms: &terms,
+        theta,
+        covariance,
+        shift,
+        drift: None,
+        sample_period_s,
+    };
     let fitted: Vec<FittedOutput> = step.thetas.iter().zip(&step.own).zip(&passed.output_shift).map(fitted).collect();
     let mut row = observed(progress, "residuals", survey.rows, observer);
     let residuals = ResidualPass::of(source, found.gas, &fitted, &mut row)?;

@@ -86,10 +86,8 @@ impl ConductanceColumns<'_> {
                     terms.push(ModelTerm { of: vec![(column, 1.0)], role })
                 }
                 Role::Offset => terms.push(ModelTerm { of: vec![(column, 1.0)], role }),
-                Role::Relaxation { .. }
-                | Role::FeedThrough { .. }
-                | Role::Initial { .. }
-                | Role::DriftStart { .. } => {}
+                Role::Relaxation { .. } | Role::FeedThrough { .. } | Role::Initial { .. } | Role::DriftStart { .. } => {
+                }
             }
         }
         terms

@@ -26,11 +26,7 @@ pub struct PoleColumns {
 impl PoleColumns {
     pub fn of(design: &RegressionDesign, sample_period_s: f64) -> Self {
         let bank = |output: usize| design.banks.iter().position(|bank| bank.drive == BankDrive::Output(output));
-        Self {
-            roles: design.roles(),
-            output_banks: (0..design.outputs).filter_map(bank).collect(),
-            sample_period_s,
-        }
+        Self { roles: design.roles(), output_banks: (0..design.outputs).filter_map(bank).collect(), sample_period_s }
     }
 
     /// The place of an output's column.
@@ -133,9 +129,7 @@ impl PoleColumns {
     }
 
     fn relaxation(&self, bank: usize, rate: f64) -> usize {
-        let is_it = |role: &Role| {
-            matches!(role, Role::Relaxation { bank: own, rate_rad_s, .. } if *own == bank && *rate_rad_s == rate)
-        };
+        let is_it = |role: &Role| matches!(role, Role::Relaxation { bank: own, rate_rad_s, .. } if *own == bank && *rate_rad_s == rate);
         self.roles.iter().position(is_it).unwrap_or_default()
     }
 

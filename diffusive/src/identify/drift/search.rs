@@ -105,9 +105,7 @@ impl DriftCase<'_> {
         let neighbours = neighbours.into_iter().filter_map(|at| self.poles_rad_s.get(at).copied());
         let zeros: Vec<f64> = coarse
             .iter()
-            .filter(|(filter, evidence)| {
-                *evidence > most - 8.0 && filter.sections[0].pole_rad_s == own.pole_rad_s
-            })
+            .filter(|(filter, evidence)| *evidence > most - 8.0 && filter.sections[0].pole_rad_s == own.pole_rad_s)
             .map(|(filter, _)| filter.sections[0].zero_rad_s)
             .collect();
         let between = neighbours.flat_map(|neighbour| {

@@ -29,7 +29,15 @@ impl FreePoles {
     /// The model of the output; `shift` was subtracted from it.
     pub fn fitted(&self, shift: f64, sample_period_s: f64) -> FittedOutput<'_> {
         let PenalisedSolution { theta, covariance, .. } = &self.solution;
-        FittedOutput { design: &self.design, terms: &self.terms, theta, covariance, shift, drift: None, sample_period_s }
+        FittedOutput {
+            design: &self.design,
+            terms: &self.terms,
+            theta,
+            covariance,
+            shift,
+            drift: None,
+            sample_period_s,
+        }
     }
 }
 

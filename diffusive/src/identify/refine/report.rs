@@ -30,7 +30,8 @@ pub fn model(
     sight: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
     let &RefineContext { mesh, survey, facts, output_shift, thesis_rad_s } = known;
-    let fitted: Vec<FittedOutput> = found.iter().zip(output_shift).map(|(found, &shift)| found.fitted(shift, survey.sample_period_s)).collect();
+    let fitted: Vec<FittedOutput> =
+        found.iter().zip(output_shift).map(|(found, &shift)| found.fitted(shift, survey.sample_period_s)).collect();
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, sight)?;
     let names: Vec<String> = mesh.outputs.iter().map(|output| output.name.clone()).collect();
     let outputs = outcome::outputs(&names, &fitted, &residuals);

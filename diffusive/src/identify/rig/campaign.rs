@@ -25,7 +25,11 @@ pub struct DriftOutcome {
 ///
 /// # Errors
 /// If one of them cannot be identified.
-pub fn campaign(room: RoomDrift, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Vec<DriftOutcome>, RecordError> {
+pub fn campaign(
+    room: RoomDrift,
+    count: u64,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<DriftOutcome>, RecordError> {
     let next = AtomicU64::new(1);
     let found = Mutex::new(Vec::new());
     let work = || -> Result<(), RecordError> {

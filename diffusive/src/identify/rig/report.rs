@@ -62,7 +62,10 @@ impl DriftFigures {
 
 impl Display for DriftReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "| room | records | within 2 se, % | median error, K/W | known drift | stated se | drift found, % | supported, % |")?;
+        writeln!(
+            f,
+            "| room | records | within 2 se, % | median error, K/W | known drift | stated se | drift found, % | supported, % |"
+        )?;
         writeln!(f, "|---|---|---|---|---|---|---|---|")?;
         for of in &self.kinds {
             let known = of.median_known_error_k_per_w.map_or("–".to_owned(), |known| format!("{known:.3}"));

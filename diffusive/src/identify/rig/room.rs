@@ -9,8 +9,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::identify::{DriftGiven, DriftKind};
 use crate::identify::record::{RecordError, RecordTable};
+use crate::identify::{DriftGiven, DriftKind};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -103,7 +103,9 @@ impl RoomDrift {
             }
             Self::Sine => {
                 let phase = TAU * uniform(normal());
-                (0..ROWS).map(|row| MOVES_K * (TAU * time_s(row) / 5200.0 + phase).sin() + 0.1 * time_s(row) / 3600.0).collect()
+                (0..ROWS)
+                    .map(|row| MOVES_K * (TAU * time_s(row) / 5200.0 + phase).sin() + 0.1 * time_s(row) / 3600.0)
+                    .collect()
             }
             Self::Door => {
                 let span_s = time_s(ROWS);
@@ -155,5 +157,9 @@ pub fn record(room: RoomDrift, seed: u64) -> Result<RecordTable, RecordError> {
             *state += -(-SAMPLE_PERIOD_S / time_s).exp_m1() * (power - *state);
         }
     }
-    RecordTable::new(SAMPLE_PERIOD_S, vec![("power_w".to_owned(), power_w)], vec![("temperature_c".to_owned(), temperature_c)])
+    RecordTable::new(
+        SAMPLE_PERIOD_S,
+        vec![("power_w".to_owned(), power_w)],
+        vec![("temperature_c".to_owned(), temperature_c)],
+    )
 }

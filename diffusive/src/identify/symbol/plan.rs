@@ -5,8 +5,8 @@ use dr_core::model::mesh::thesis_edges_rad_s;
 
 use super::super::candidates::{self, CandidateMesh, MeshPart};
 use super::super::delay::{self, PathDecision};
-use super::super::drift::DriftGiven;
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
+use super::super::drift::DriftGiven;
 use super::super::folds::FOLDS;
 use super::super::gas_source::GasSource;
 use super::super::options::{Constraints, IdentifyOptions, InitialState, Progress};
@@ -65,7 +65,8 @@ fn meshes_besides(
     if !is_plain && !is_given && options.structure.is_none() {
         meshes.extend(candidates::averaged(duration_s, period_s));
     }
-    let width = |mesh: &CandidateMesh| (mesh.rates_rad_s.len() + mesh.poles_rad_s.len()) * (survey.inputs.len() * classes + 1);
+    let width =
+        |mesh: &CandidateMesh| (mesh.rates_rad_s.len() + mesh.poles_rad_s.len()) * (survey.inputs.len() * classes + 1);
     let most = (survey.rows / 3).min(MOST_UNKNOWNS as u64) as usize;
     if meshes.iter().any(|mesh| width(mesh) > most) { Vec::new() } else { meshes }
 }
