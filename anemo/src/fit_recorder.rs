@@ -43,7 +43,7 @@ impl FitRecorder {
         let time_s = self.first_time_s + seen.row as f64 * self.sample_period_s;
         for (output, series) in self.series.iter_mut().enumerate() {
             // Outputs on other meshes have a reading of their own.
-            if seen.predicted[output].is_finite() {
+            if (seen.predicted[output] + seen.measured[output]).is_finite() {
                 // Of rows that come again, by a better model, the last ones count.
                 if seen.row < std::mem::replace(&mut self.next[output], seen.row + 1) {
                     *series = self.empty[output].clone();

@@ -27,6 +27,8 @@ pub fn symbol_model() -> Model {
         residual_rms: 0.0,
         fit_percent: 100.0,
         whiteness: None,
+        drift: None,
+        forecast_rms: None,
     };
     let class = |r: [f64; 8]| Class {
         r_k_per_w: r.to_vec(),
@@ -62,6 +64,7 @@ pub fn symbol_model() -> Model {
         offset_c: OFFSET_C,
         residual_rms: 0.0,
         fit_percent: 100.0,
+        forecast_rms: None,
         supported: true,
         warnings: Vec::new(),
         chosen: Chosen::default(),

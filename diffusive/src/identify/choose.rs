@@ -55,6 +55,9 @@ pub struct Choice {
     pub drift: Option<ChosenDrift>,
 }
 
+/// Kind of drift of an average, in which several may stand.
+pub const AVERAGE: &str = "average";
+
 /// A drift that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChosenDrift {
@@ -71,7 +74,7 @@ impl ChosenDrift {
     /// As a model says it. `innovations` is their variance, K².
     pub fn described(&self, innovations: f64, sample_period_s: f64) -> OutputDrift {
         let rate = self.rate_rad_s;
-        let kind = self.filter.as_ref().map_or("average", |filter| filter.kind.name());
+        let kind = self.filter.as_ref().map_or(AVERAGE, |filter| filter.kind.name());
         OutputDrift {
             kind: kind.to_owned(),
             size: self.filter.as_ref().map_or(0.0, |filter| filter.size(innovations, sample_period_s)),
@@ -104,6 +107,11 @@ pub struct CandidateSet<'a> {
 }
 
 impl Choice {
+    /// Whether it is the mean of candidates, whose standard errors hold how far they differ.
+    pub fn is_average(&self) -> bool {
+        self.drift.as_ref().is_some_and(|drift| drift.filter.is_none())
+    }
+
     /// The model of an output.
     pub fn fitted<'a>(&'a self, reading: &'a SymbolReading, output: usize) -> FittedOutput<'a> {
         FittedOutput {

@@ -132,8 +132,13 @@ impl CandidateSet<'_> {
             candidates.into_iter().map(|(candidate, _)| self.member(candidate, &total)).collect();
         let filter = best.filter?;
         let rate_rad_s = filter.rate_rad_s();
+        let reason = format!(
+            "the offset moves ({}): {} candidates of drift, initial state and prior, each weighed by its evidence",
+            filter.kind.name(),
+            members.len()
+        );
         let drift = ChosenDrift { filter: Some(filter), evidence, level_k: 0.0, rate_rad_s };
-        Some(self.mixed_choice(&members, &weights, mesh, ordinary, drift, None))
+        Some(self.mixed_choice(&members, &weights, mesh, ordinary, drift, Some(reason)))
     }
 
     fn averaged(&self, ordinary: &Choice, moves: u64) -> Option<Choice> {

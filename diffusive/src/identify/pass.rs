@@ -22,8 +22,9 @@ pub struct Facts {
     pub classes: Vec<Vec<ValueSpread>>,
     /// Σ(u_i − u_i0)(u_j − u_j0)
     products: Vec<Vec<f64>>,
-    /// By input: rows in which it moves by more than a tenth of its range, and its last value.
-    moves: Vec<(u64, f64)>,
+    /// By input: rows in which it moves by more than a tenth of its range, rows in which it moves at
+    /// all, and its last value.
+    moves: Vec<(u64, u64, f64)>,
 }
 
 impl Facts {
@@ -47,7 +48,7 @@ impl Facts {
             self.outputs = block.outputs.iter().map(|values| ValueSpread::from(values[0])).collect();
             self.gas = block.gas.first().map(|&gas_c| ValueSpread::from(gas_c));
             self.products = vec![vec![0.0; inputs]; inputs];
-            self.moves = self.first_inputs.iter().map(|&first| (0, first)).collect();
+            self.moves = self.first_inputs.iter().map(|&first| (0, 0, first)).collect();
         }
         self.rows += block.len() as u64;
         for (spread, values) in self.outputs.iter_mut().zip(&block.outputs) {
@@ -70,9 +71,13 @@ impl Facts {
         for (input, values) in block.inputs.iter().enumerate() {
             let [least, most] = self.input_range(input);
             let far = 0.1 * (most - least);
-            let (moves, last) = &mut self.moves[input];
-            let jumps = values.windows(2).filter(|two| (two[1] - two[0]).abs() > far).count() as u64;
-            *moves += jumps + u64::from((values[0] - *last).abs() > far);
+            let (moves, changes, last) = &mut self.moves[input];
+            let by = |two: &[f64]| (two[1] - two[0]).abs();
+            *moves += values.windows(2).filter(|two| by(two) > far).count() as u64;
+            *changes += values.windows(2).filter(|two| by(two) > 0.0).count() as u64;
+            let joint = by(&[*last, values[0]]);
+            *moves += u64::from(joint > far);
+            *changes += u64::from(joint > 0.0);
             *last = values[values.len() - 1];
         }
         for i in 0..inputs {
@@ -92,7 +97,12 @@ impl Facts {
 
     /// In how many rows any input moved by more than a tenth of its range.
     pub fn moves(&self) -> u64 {
-        self.moves.iter().map(|(moves, _)| *moves).max().unwrap_or(0)
+        self.moves.iter().map(|(moves, ..)| *moves).max().unwrap_or(0)
+    }
+
+    /// In how many rows any input changed.
+    pub fn changes(&self) -> u64 {
+        self.moves.iter().map(|(_, changes, _)| *changes).max().unwrap_or(0)
     }
 
     /// Standard deviation of an input over the whole record.

@@ -3,10 +3,12 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 
-use recording::text::{brief, estimate};
+use recording::text::{brief, estimate, short};
 use serde::Serialize;
 
-use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, Pair, gain_unit};
+use super::choose::AVERAGE;
+use super::drift::DriftKind;
+use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, OutputDrift, Pair, gain_unit};
 
 /// Tables of resistances that are read; more than that are a file's matter.
 const MOST_TABLES: usize = 6;
@@ -147,6 +149,8 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
     if let Some(white) = &output.whiteness {
         let verdict = if white.p_value >= 0.01 {
             format!("residuals white (p = {:.2})", white.p_value)
+        } else if output.drift.as_ref().is_some_and(|drift| drift.kind == AVERAGE) {
+            "residuals coloured: standard errors hold how far candidates differ".to_owned()
         } else if white.inflation < 1.2 {
             "residuals all but white".to_owned()
         } else {
@@ -154,5 +158,26 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
         };
         write!(f, "; {verdict}")?;
     }
-    writeln!(f)
+    writeln!(f)?;
+    if let Some(drift) = output.drift.as_ref().filter(|drift| drift.kind != AVERAGE) {
+        moving_offset(f, drift)?;
+    }
+    let Some(ahead) = output.forecast_rms else { return Ok(()) };
+    writeln!(f, "  error ahead: {} rms, of the second half predicted from the first", short(ahead, 2))
+}
+
+fn moving_offset(f: &mut Formatter<'_>, drift: &OutputDrift) -> fmt::Result {
+    let size = match drift.correlation_s {
+        Some(time_s) => format!("by {} rms, and returns within {} s", short(drift.size, 2), short(time_s, 2)),
+        None if drift.kind == DriftKind::RandomWalk.name() => {
+            format!("as a random walk, by {} rms in an hour", short(60.0 * drift.size, 2))
+        }
+        None => format!("smoothly, its slope by {} an hour rms in an hour", short(3600.0 * 60.0 * drift.size, 2)),
+    };
+    writeln!(
+        f,
+        "  the offset moves {size}; {} at the end, {} nats more evidence than for one that stands",
+        short(drift.last_level_k, 2),
+        short(drift.evidence_nats, 3)
+    )
 }

@@ -100,6 +100,7 @@ pub fn merge(models: &[(String, Model)]) -> Result<Model, ModelError> {
         offset_c: outputs[0].offset_c,
         residual_rms: outputs[0].residual_rms,
         fit_percent: outputs[0].fit_percent,
+        forecast_rms: outputs[0].forecast_rms,
         supported: models.iter().all(|(_, model)| model.supported),
         warnings,
         chosen: Chosen {

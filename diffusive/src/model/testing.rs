@@ -17,6 +17,8 @@ pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
         residual_rms: 0.005,
         fit_percent: 99.0,
         whiteness: None,
+        drift: None,
+        forecast_rms: None,
     };
     let pair = Pair {
         input: "power_w_a".to_owned(),
@@ -43,6 +45,7 @@ pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
         offset_c: 20.0,
         residual_rms: 0.005,
         fit_percent: 99.0,
+        forecast_rms: None,
         supported: true,
         warnings: Vec::new(),
         chosen: Chosen::default(),

@@ -52,7 +52,10 @@ impl SymbolResult<'_> {
         warnings.extend(tie_warning);
         for (output, choice) in self.choices.iter().enumerate() {
             let (score, gains) = (&choice.trial.score, &choice.gain_spread);
-            warnings.extend(outcome::warnings(output, score, gains, pairs, survey, facts));
+            warnings.extend(match choice.is_average() {
+                true => outcome::average_warnings(output, score, survey, facts),
+                false => outcome::warnings(output, score, gains, pairs, survey, facts),
+            });
         }
         for (name, residuals) in survey.outputs.iter().zip(&self.residuals.residuals) {
             if let Some((row, part)) = residuals.lonely_row() {

@@ -23,6 +23,9 @@ use start::{estimate, prior_widths};
 /// 2 b ΔT each time.
 const OFFSETS: usize = 6;
 
+/// Fit below which a model is said not to hold, %.
+const POOR_PERCENT: f64 = 50.0;
+
 /// Predicts the record. Its inputs and outputs are the model's, in order.
 ///
 /// # Errors
@@ -33,7 +36,13 @@ pub fn validate(
     start: ValidationStart,
     observer: &mut FitObserver<'_>,
 ) -> Result<ValidationReport, RecordError> {
-    let rows = source.survey().rows;
+    let (rows, segments) = (source.survey().rows, source.survey().segments);
+    source.survey().refuse_if(
+        segments > 1,
+        format_args!(
+            "has {segments} segments with gaps between them, and a model runs over one: validate each part by itself"
+        ),
+    )?;
     check_columns(model, source.survey())?;
     let (mut forward, offsets) = started(model, source, start)?;
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
@@ -150,6 +159,15 @@ fn warnings(outputs: &[ValidatedOutput], rows: u64) -> Vec<String> {
             "`{}` is {value} in all rows, so there is no fit to tell: is it the right column, and is the sensor connected?",
             scored.name
         ));
+    }
+    for (scored, fit) in outputs.iter().filter_map(|scored| Some((scored, scored.fit_percent?))) {
+        if fit < POOR_PERCENT {
+            let verdict = if fit <= 0.0 { "no better than its mean" } else { "poorly" };
+            warnings.push(format!(
+                "`{}` is predicted {verdict}: the model does not hold for this record. Are these the same columns, units and conditions, and does the identified record support its model (its warnings)? Another offset is found by --start estimate",
+                scored.name
+            ));
+        }
     }
     if rows < LEAST_ROWS {
         warnings.push(format!("{rows} rows say next to nothing of a model: give a record of {LEAST_ROWS} at least"));

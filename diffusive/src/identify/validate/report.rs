@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use recording::text::brief;
 use serde::{Serialize, Serializer};
 
 use crate::model::Whiteness;
@@ -77,7 +78,7 @@ impl Display for ValidationReport {
         writeln!(f, "{} rows, {from}", self.rows)?;
         for output in &self.outputs {
             let fit = output.fit_percent.map_or("no fit".to_owned(), |percent| format!("fit {percent:.2} %"));
-            writeln!(f, "{}: {fit}, rmse {:.4}, offset {:.4}", output.name, output.rmse, output.offset_c)?;
+            writeln!(f, "{}: {fit}, rmse {}, offset {}", output.name, brief(output.rmse), brief(output.offset_c))?;
         }
         self.warnings.iter().try_for_each(|warning| writeln!(f, "\nwarning: {warning}"))
     }
