@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::output::Failure;
 use crate::progress::announce;
+use recording::utc;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
@@ -66,7 +67,7 @@ fn drift_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         kinds.push(DriftFigures::of(room, &outcomes));
     }
     let report = DriftReport { kinds };
-    let date = recording::utc::rfc3339(std::time::SystemTime::now());
+    let date = utc::rfc3339(utc::seconds_of(std::time::SystemTime::now()));
     let day = date.split('T').next().unwrap_or_default();
     std::fs::create_dir_all(&arguments.output)
         .map_err(|error| Failure::in_file(&arguments.output, format!("cannot be made: {error}")))?;

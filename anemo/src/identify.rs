@@ -116,7 +116,7 @@ pub struct Arguments {
     /// Whether the offset moves, as a room's temperature does.
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = choice([
         ("auto", "If the record shows it: kind and size of most evidence", DriftGiven::Auto),
-        ("none", "It stands", DriftGiven::None),
+        ("none", "It stands; nothing is averaged either", DriftGiven::None),
         ("random-walk", "A level with increments that have no memory", DriftGiven::Kind(DriftKind::RandomWalk)),
         ("integrated-walk", "A slope with such increments", DriftGiven::Kind(DriftKind::IntegratedWalk)),
         ("correlated", "A level that returns within a correlation time", DriftGiven::Kind(DriftKind::Correlated)),

@@ -149,7 +149,7 @@ impl CandidateSet<'_> {
         for mesh in meshes {
             let total = Gram::total(&self.reading.passed.folds[mesh]);
             let pole = self.meshes()[mesh].poles_rad_s.first().copied();
-            let walk = pole.filter(|_| self.options.drift != DriftGiven::None).map(NoiseFilter::walk);
+            let walk = pole.map(NoiseFilter::walk);
             for initial_state in self.initial_states() {
                 for filter in std::iter::once(None).chain(walk.clone().map(Some)) {
                     for prior in AVERAGED.map(Prior::Tapered) {

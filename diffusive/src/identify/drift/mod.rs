@@ -52,7 +52,7 @@ pub enum DriftGiven {
     /// If the record shows it: kind and size of most evidence.
     #[default]
     Auto,
-    /// The offset stands.
+    /// The offset stands, and one candidate is taken.
     None,
     /// It moves, as this kind of process; its size has most evidence.
     Kind(DriftKind),

@@ -32,6 +32,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
+use super::drift::DriftGiven;
 use super::options::{FitObserver, IdentifyOptions, Losses, Progress};
 use super::record::{RecordError, RecordSource, Survey};
 use crate::model::{Model, PlacedLoss, Structure};
@@ -88,9 +89,22 @@ pub fn identify(
     if options.losses == Losses::Growing {
         given.constraints.feed_through = Some(false);
     }
-    let plain = linear(source, &given, progress, observer)?;
-    let start = elements(&plain);
     let is_auto = options.losses == Losses::Auto;
+    if !is_auto && options.losses != Losses::None {
+        given.drift = DriftGiven::None;
+    }
+    let mut plain = linear(source, &given, progress, observer)?;
+    if is_auto && plain.outputs.iter().any(|output| output.drift.is_some()) {
+        // What a growing loss leaves looks like a drift.
+        given.drift = DriftGiven::None;
+        let standing = linear(source, &given, progress, observer)?;
+        let first = search(source, &standing, &elements(&standing), progress)?;
+        if !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
+            return linear(source, options, progress, observer);
+        }
+        plain = standing;
+    }
+    let start = elements(&plain);
     let is_too_much = is_auto && plain.inputs.len() * plain.classes.len() > MOST_BANKS;
     let is_made_for_it = plain.structure == Structure::Symbol && !start.is_empty() && !feeds_through(&plain);
     if options.losses == Losses::None || !is_made_for_it || is_too_much {
