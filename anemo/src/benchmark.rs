@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use crate::output::Failure;
 use crate::progress::announce;
-use recording::utc;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
+use recording::utc;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
 /// Measure what instrument and identification have to reach, on simulated sensors.

@@ -277,4 +277,45 @@ mod tests {
         blocks().iter().for_each(|block| accumulator.push(block, GasSource::Column));
         assert_eq!(accumulator.finish().0[0].sums[(0, 0)], 377.0);
     }
+
+    /// A later segment's initial decays and its rows that lack an output: least squares of all rows
+    /// with decays of its own.
+    #[test]
+    fn a_later_segment_begins_with_anything_and_rows_without_output_count_for_nothing() {
+        let rates = [0.05, 0.5];
+        let design = RegressionDesign {
+            banks: vec![bank(BankDrive::Input(0), &rates, 0, false)],
+            initial_rad_s: rates.to_vec(),
+            outputs: 1,
+        };
+        let mut blocks = blocks();
+        blocks[1].begins_segment = true;
+        blocks[1].missing = vec![0, 30, 31];
+        let mut accumulator = Accumulator::new(&design, 1.0, 377, 1, &[20.0]);
+        blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
+        let (folds, _) = accumulator.finish();
+
+        // Columns: x, decays of the first segment, offset, y; and decays of the second one.
+        let mut all = DMatrix::<f64>::zeros(8, 8);
+        for (segment, block) in blocks.iter().enumerate() {
+            for n in 0..block.len() {
+                if segment == 1 && [0, 30, 31].contains(&n) {
+                    continue;
+                }
+                let mut row = nalgebra::DVector::zeros(8);
+                for (k, &rate) in rates.iter().enumerate() {
+                    row[k] = state(rate, &block.inputs[0], n);
+                    row[if segment == 0 { 2 + k } else { 6 + k }] = (-rate * n as f64).exp();
+                }
+                (row[4], row[5]) = (1.0, block.outputs[0][n] - 20.0);
+                all += &row * row.transpose();
+            }
+        }
+        let own = all.view((6, 6), (2, 2)).into_owned();
+        let beside = all.view((0, 6), (6, 2)).into_owned();
+        let expected = all.view((0, 0), (6, 6)) - &beside * own.try_inverse().unwrap() * beside.transpose();
+        // What holds the decays is a billionth of their squares.
+        assert!((&folds[0].sums - &expected).amax() < 1e-6, "{}", (&folds[0].sums - &expected).amax());
+        assert_eq!(folds[0].rows, 300 + 77 - 3 - 2);
+    }
 }

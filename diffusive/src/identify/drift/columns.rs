@@ -163,3 +163,126 @@ fn gathered(mut sum: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     });
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::design::RelaxationBank;
+    use crate::identify::drift::Section;
+    use crate::identify::gas_source::GasSource;
+    use crate::identify::gram::Accumulator;
+    use crate::identify::record::Block;
+
+    const PERIOD_S: f64 = 0.5;
+    const POLES_RAD_S: [f64; 2] = [0.05, 0.4];
+
+    fn value(n: usize, factor: usize) -> f64 {
+        ((n * factor) % 101) as f64 / 50.0 - 1.0
+    }
+
+    /// Two relaxations and a feed-through of one input, an initial decay, an output; and the poles.
+    fn design() -> RegressionDesign {
+        let bank = |drive, rates_rad_s: &[f64], feed_through| RelaxationBank {
+            drive,
+            rates_rad_s: rates_rad_s.to_vec(),
+            delay: 0,
+            feed_through,
+        };
+        RegressionDesign {
+            banks: vec![
+                bank(BankDrive::Input(0), &[0.02, 0.05, 0.1, 0.4], true),
+                bank(BankDrive::Output(0), &POLES_RAD_S, false),
+            ],
+            initial_rad_s: vec![0.02, 0.05, 0.4],
+            outputs: 1,
+        }
+    }
+
+    /// The columns row by row, from the sums of one row each.
+    fn rows(count: usize) -> (Vec<Vec<f64>>, Gram, Vec<f64>) {
+        let (design, shift) = (design(), 3.0);
+        let block = |from: usize, to: usize| Block {
+            inputs: vec![(from..to).map(|n| value(n, 37)).collect()],
+            outputs: vec![(from..to).map(|n| shift + value(n, 53)).collect()],
+            class: vec![0; to - from],
+            ..Block::default()
+        };
+        let mut whole = Accumulator::new(&design, PERIOD_S, count as u64, 1, &[shift]);
+        whole.push(&block(0, count), GasSource::Constant(0.0));
+        let (folds, ends) = whole.finish();
+        // The offset's column is one: products with it are the columns themselves.
+        let offset = design.roles().len() - 1;
+        let mut single = Accumulator::new(&design, PERIOD_S, count as u64, count, &[shift]);
+        single.push(&block(0, count), GasSource::Constant(0.0));
+        let columns = single.finish().0.iter().map(|gram| gram.sums.column(offset).as_slice().to_vec()).collect();
+        (columns, folds[0].clone(), ends[0].clone())
+    }
+
+    fn filters() -> Vec<NoiseFilter> {
+        let [slow, fast] = POLES_RAD_S;
+        let section = |pole_rad_s, zero_rad_s| Section { pole_rad_s, zero_rad_s };
+        vec![
+            NoiseFilter::walk(slow),
+            NoiseFilter { kind: DriftKind::Correlated, sections: vec![section(fast, 0.03)] },
+            NoiseFilter { kind: DriftKind::Correlated, sections: vec![section(fast, 0.01), section(slow, 0.2)] },
+            NoiseFilter { kind: DriftKind::IntegratedWalk, sections: vec![section(slow, 0.0), section(fast, 0.0)] },
+        ]
+    }
+
+    /// (1 − φL)/(1 − ϑL) as it is defined, one section after the other.
+    fn filtered(values: &[f64], filter: &NoiseFilter) -> Vec<f64> {
+        filter.sections.iter().fold(values.to_vec(), |values, section| {
+            let [pole, zero] = [section.pole_rad_s, section.zero_rad_s].map(|rate| (-rate * PERIOD_S).exp());
+            let mut last = (0.0, 0.0);
+            values
+                .iter()
+                .map(|&now| {
+                    last = (now, now - zero * last.0 + pole * last.1);
+                    last.1
+                })
+                .collect()
+        })
+    }
+
+    #[test]
+    fn sums_of_columns_are_what_a_filter_makes_of_each() {
+        let (rows, _, _) = rows(150);
+        let (columns, design) = (PoleColumns::of(&design(), PERIOD_S), design());
+        let outputs = columns.output(0);
+        for filter in filters() {
+            let is_its = |column: &usize| {
+                *column == outputs
+                    || design.roles().get(*column).is_some_and(|role| match role {
+                        Role::Relaxation { bank: 0, rate_rad_s, .. } | Role::Initial { rate_rad_s } => {
+                            !POLES_RAD_S.contains(rate_rad_s)
+                        }
+                        Role::Relaxation { .. } => false,
+                        _ => true,
+                    })
+            };
+            for column in (0..=outputs).filter(is_its) {
+                let plain: Vec<f64> = rows.iter().map(|row| row[column]).collect();
+                let sum = columns.innovations(&[(column, 1.0)], &filter);
+                for (row, expected) in rows.iter().zip(filtered(&plain, &filter)) {
+                    let found: f64 = sum.iter().map(|&(at, weight)| weight * row[at]).sum();
+                    assert!((found - expected).abs() < 1e-11, "{filter:?}, column {column}: {found} for {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_level_is_what_the_next_innovation_would_lack() {
+        let (rows, _, ends) = rows(150);
+        let columns = PoleColumns::of(&design(), PERIOD_S);
+        let residual = [(0, -0.7), (2, 0.3), (columns.output(0), 1.0), (columns.output(0) - 1, 0.2)];
+        let of = |row: &Vec<f64>| residual.iter().map(|&(at, weight)| weight * row[at]).sum::<f64>();
+        let values: Vec<f64> = rows.iter().map(of).collect();
+        for filter in filters() {
+            // v = r − level, whatever the next r is.
+            let next = filtered(&[&values[..], &[5.0]].concat(), &filter);
+            let level = columns.level(&residual, &filter, &ends);
+            assert!((5.0 - next[values.len()] - level).abs() < 1e-10, "{filter:?}");
+        }
+    }
+}

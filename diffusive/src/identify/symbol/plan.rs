@@ -56,7 +56,11 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
-    let is_plain = options.drift == DriftGiven::None || survey.segments > 1 || options.tie || options.free_poles.is_some() || options.cross.is_some();
+    let is_plain = options.drift == DriftGiven::None
+        || survey.segments > 1
+        || options.tie
+        || options.free_poles.is_some()
+        || options.cross.is_some();
     let mut meshes = Vec::new();
     if !is_plain {
         meshes.push(candidates::drifting(duration_s, period_s, &ordinary[0], given));
