@@ -18,6 +18,9 @@ use crate::identify::prior::{Prior, Scales};
 /// one that is not there follows χ² with one or two degrees of freedom.
 pub const WORTH: f64 = 4.0;
 
+/// Evidence that a walk must have before others are tried, nats.
+const SCREEN: f64 = 1.0;
+
 /// The model with which drifts are compared.
 pub struct DriftCase<'a> {
     pub gram: &'a Gram,
@@ -41,6 +44,13 @@ impl DriftCase<'_> {
             DriftGiven::Kind(kind) => vec![kind],
         };
         let plain = self.evidence(None);
+        if given == DriftGiven::Auto {
+            // Whatever moves, a walk of some size explains better than an offset that stands.
+            let walks = self.weighed(self.poles_rad_s.iter().map(|&pole| NoiseFilter::walk(pole)));
+            if walks.iter().all(|(_, evidence)| *evidence < plain + SCREEN) {
+                return Vec::new();
+            }
+        }
         let mut all: Vec<(NoiseFilter, f64)> = kinds.into_iter().flat_map(|kind| self.tried(kind)).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
         let most = all.first().map_or(f64::NEG_INFINITY, |best| best.1);

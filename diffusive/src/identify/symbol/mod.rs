@@ -22,6 +22,10 @@ use crate::model::Model;
 use plan::{SymbolPlan, SymbolReading};
 use report::SymbolResult;
 
+/// An average that leaves more than so many times the residual of the ordinary choice explains too
+/// little to be better: measured records are predicted best with 2 to 4.
+const COARSER: f64 = 3.0;
+
 /// Identifies a record with a symbol a pair and class: what is tried, one reading, choices on its
 /// sums, residuals in another.
 ///
@@ -39,15 +43,7 @@ pub fn identify(
     progress("choosing", 0, 1);
     let mut choices = choose(source, &reading, options, progress)?;
     if reading.plan.meshes.iter().any(|mesh| mesh.part != MeshPart::Ordinary) {
-        let fitted: Vec<FittedOutput> =
-            choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
-        let left = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {})?.residuals;
-        for (output, left) in left.iter().enumerate() {
-            let candidates = CandidateSet { reading: &reading, options, output };
-            if let Some(other) = candidates.otherwise(&choices[output], left) {
-                choices[output] = other;
-            }
-        }
+        reconsider(source, &reading, options, &mut choices)?;
     }
     let tied = if options.tie { tie(&reading, &choices) } else { Tied { choices, reason: None, warning: None } };
     let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
@@ -72,4 +68,36 @@ fn choose(
     let choices = (0..reading.plan.survey.outputs.len()).map(|output| candidates(output).choose()).collect();
     let rival = |output, choice: &Choice| candidates(output).best_rival(choice);
     prefer_white(source, reading, choices, &rival, &mut observed(progress, "looking at residuals", rows, &mut |_| {}))
+}
+
+/// Other choices where the record calls for them: of a drift, or an average.
+fn reconsider(
+    source: &mut dyn RecordSource,
+    reading: &SymbolReading,
+    options: &IdentifyOptions,
+    choices: &mut [Choice],
+) -> Result<(), RecordError> {
+    let mut left_by = |choices: &[Choice]| {
+        let fitted: Vec<FittedOutput> =
+            choices.iter().enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
+        ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {}).map(|pass| pass.residuals)
+    };
+    let left = left_by(choices)?;
+    let mut others = choices.to_vec();
+    for (output, left) in left.iter().enumerate() {
+        let candidates = CandidateSet { reading, options, output };
+        if let Some(other) = candidates.otherwise(&choices[output], left) {
+            others[output] = other;
+        }
+    }
+    if others.iter().any(Choice::is_average) {
+        let after = left_by(&others)?;
+        for ((other, choice), (after, before)) in others.iter_mut().zip(&*choices).zip(after.iter().zip(&left)) {
+            if other.is_average() && after.rms() > COARSER * before.rms() {
+                *other = choice.clone();
+            }
+        }
+    }
+    choices.clone_from_slice(&others);
+    Ok(())
 }
