@@ -63,7 +63,7 @@ impl PublishArguments {
         let context = PublishContext {
             listening,
             commands: Some(commands.clone()),
-            report: Arc::new(|sentence| complain(&sentence)),
+            report: Arc::new(complain),
         };
         let outputs = publish::start(targets, feed, &context).map_err(Failure::work)?;
         Ok(Published { outputs, page })

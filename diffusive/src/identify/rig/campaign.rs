@@ -11,13 +11,17 @@ use super::room::{RoomDrift, record, true_gain_k_per_w};
 /// What was found of one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftOutcome {
-    /// Error of the steady gain, K/W, and its stated standard error.
+    /// Error of the steady gain.
     pub error_k_per_w: f64,
+    /// Its stated standard error.
     pub se_k_per_w: f64,
     /// Error of a fit that knows what drift there is; NaN where that is no process.
     pub known_error_k_per_w: f64,
+    /// The offset that was found, for 22 °C.
     pub offset_c: f64,
+    /// Whether the record supports the model.
     pub is_supported: bool,
+    /// Whether the model has a drift whose level is held.
     pub has_drift: bool,
 }
 
