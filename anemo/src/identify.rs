@@ -20,7 +20,8 @@ use plot::model::figure;
 /// (diffusive mesh), with standard errors.
 ///
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
-/// first column. Gaps and missing values end a segment, across which nothing is taken. Options not given are chosen by block cross-validation, and the reasons printed.
+/// first column. Gaps and missing values end a segment, across which nothing is taken. Options not
+/// given are chosen by block cross-validation, and the reasons printed.
 /// The picture shows time-constant spectrum (diffusive symbol), fit, residuals, frequency response
 /// and structure function.
 #[derive(clap::Args)]

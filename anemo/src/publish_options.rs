@@ -60,11 +60,7 @@ impl PublishArguments {
         if let Some(page) = &page {
             complain(&format!("live at {}", page.address()));
         }
-        let context = PublishContext {
-            listening,
-            commands: Some(commands.clone()),
-            report: Arc::new(complain),
-        };
+        let context = PublishContext { listening, commands: Some(commands.clone()), report: Arc::new(complain) };
         let outputs = publish::start(targets, feed, &context).map_err(Failure::work)?;
         Ok(Published { outputs, page })
     }

@@ -35,7 +35,8 @@ pub fn from_rfc3339(text: &str) -> Option<f64> {
 ///
 /// Between date and time stands `T` or a blank, between the parts of a date `-` or `/`; seconds,
 /// their decimals behind a point or a comma, and the time of the day may lack. Dates as
-/// `24.12.2026` are read as well, but none of the kind `12/24/2026`, which is another day elsewhere.
+/// `24.12.2026` are read as well, but none of the kind `12/24/2026`, which is another day
+/// elsewhere.
 pub fn from_text(text: &str) -> Option<(f64, bool)> {
     let (date, rest) = text.split_at_checked(10)?;
     let (year, month, day) = match date.as_bytes() {

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 
 use super::candidates::{CandidateMesh, MeshPart, initial_states, priors, terms};
 use super::design::Role;
-use super::drift::NoiseFilter;
+use super::drift::ChosenDrift;
 use super::fitted::{FittedOutput, steady_gain};
 use super::folds::{FoldedEquations, Score, change};
 use super::gram::Gram;
@@ -18,7 +18,6 @@ use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
 use super::options::{IdentifyOptions, InitialState, Signs};
 use super::prior::Prior;
 use super::symbol::plan::SymbolReading;
-use crate::model::OutputDrift;
 
 /// Candidates whose cross-validated error is at most that many times the choice's may be the truth
 /// as well.
@@ -53,41 +52,6 @@ pub struct Choice {
     /// Why it is not the first choice, if it is not.
     pub reason: Option<String>,
     pub drift: Option<ChosenDrift>,
-}
-
-/// Kind of drift of an average, in which several may stand.
-pub const AVERAGE: &str = "average";
-
-/// A drift that was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChosenDrift {
-    /// `None` where several stand in an average.
-    pub filter: Option<NoiseFilter>,
-    /// Evidence over none, nats; 0 where it was not asked.
-    pub evidence: f64,
-    /// Its level behind the last row, K, and at what rate that decays, rad/s.
-    pub level_k: f64,
-    pub rate_rad_s: f64,
-}
-
-impl ChosenDrift {
-    /// As a model says it. `innovations` is their variance, K².
-    pub fn described(&self, innovations: f64, sample_period_s: f64) -> OutputDrift {
-        let rate = self.rate_rad_s;
-        let kind = self.filter.as_ref().map_or(AVERAGE, |filter| filter.kind.name());
-        OutputDrift {
-            kind: kind.to_owned(),
-            size: self.filter.as_ref().map_or(0.0, |filter| filter.size(innovations, sample_period_s)),
-            correlation_s: (rate > 0.0).then(|| 1.0 / rate),
-            last_level_k: self.level_k,
-            evidence_nats: self.evidence,
-        }
-    }
-
-    /// As a decay behind the last row.
-    pub fn end(&self) -> (f64, f64) {
-        (self.rate_rad_s, self.level_k)
-    }
 }
 
 /// Absolute differences of others' steady gains from a choice's own, K/W.

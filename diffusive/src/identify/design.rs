@@ -64,8 +64,8 @@ pub enum Role {
         rate_rad_s: f64,
     },
     Offset,
-    /// What a drift begins with, and its prior's precision in units of the noise's; it has no column
-    /// of its own.
+    /// What a drift begins with, and its prior's precision in units of the noise's; it has no
+    /// column of its own.
     DriftStart {
         precision: f64,
     },

@@ -13,12 +13,12 @@
 //! least (docs/explanation/identification.md).
 
 use super::candidates::{MeshPart, initial_states};
-use super::choose::{CandidateSet, Choice, ChosenDrift, ScoredCandidate};
+use super::choose::{CandidateSet, Choice, ScoredCandidate};
 use super::drift::search::{DriftCase, WORTH};
-use super::drift::{DriftGiven, NoiseFilter, PoleColumns};
+use super::drift::{ChosenDrift, DriftGiven, NoiseFilter, PoleColumns};
 use super::folds::geometric_mean;
 use super::gram::Gram;
-use super::mixture::{Member, MixtureCandidate};
+use super::mixture::{MixtureCandidate, MixtureMember};
 use super::options::InitialState;
 use super::prior::Prior;
 use super::residuals::Residuals;
@@ -128,7 +128,7 @@ impl CandidateSet<'_> {
         if self.options.drift == DriftGiven::Auto && !is_worth {
             return None;
         }
-        let members: Vec<Member> =
+        let members: Vec<MixtureMember> =
             candidates.into_iter().map(|(candidate, _)| self.member(candidate, &total)).collect();
         let filter = best.filter?;
         let rate_rad_s = filter.rate_rad_s();
@@ -160,7 +160,7 @@ impl CandidateSet<'_> {
                 }
             }
         }
-        let ahead = |member: &Member| geometric_mean(&member.ahead).sqrt();
+        let ahead = |member: &MixtureMember| geometric_mean(&member.ahead).sqrt();
         let least = members.iter().map(ahead).fold(f64::INFINITY, f64::min);
         let weights: Vec<f64> = members.iter().map(|member| least / ahead(member).max(f64::MIN_POSITIVE)).collect();
         let drift = ChosenDrift { filter: None, evidence: 0.0, level_k: 0.0, rate_rad_s: 0.0 };
@@ -173,7 +173,7 @@ impl CandidateSet<'_> {
 
     fn mixed_choice(
         &self,
-        members: &[Member],
+        members: &[MixtureMember],
         weights: &[f64],
         mesh: usize,
         ordinary: &Choice,

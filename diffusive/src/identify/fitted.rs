@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::choose::ChosenDrift;
 use super::design::{RegressionDesign, Role};
+use super::drift::ChosenDrift;
 use super::normal_equations::{ModelTerm, in_columns};
 use super::residuals::Residuals;
 use crate::model::{Class, ModelOutput};

@@ -32,7 +32,7 @@ pub struct MixtureCandidate {
 }
 
 /// What it says of the record.
-pub struct Member {
+pub struct MixtureMember {
     pub candidate: MixtureCandidate,
     pub solution: PenalisedSolution,
     pub terms: Vec<ModelTerm>,
@@ -65,7 +65,7 @@ impl CandidateSet<'_> {
     }
 
     /// Solves a candidate, and lets it predict what lies ahead.
-    pub fn member(&self, candidate: MixtureCandidate, total: &Gram) -> Member {
+    pub fn member(&self, candidate: MixtureCandidate, total: &Gram) -> MixtureMember {
         let folds = &self.reading.passed.folds[candidate.mesh];
         let ends = &self.reading.passed.ends[candidate.mesh];
         let (terms, problem) = self.problem(&candidate, total);
@@ -90,7 +90,7 @@ impl CandidateSet<'_> {
             test.squared_error(&theta) / test.rows.max(1.0)
         };
         let ahead = borders(folds.len()).map(ahead).collect();
-        Member { candidate, solution, terms, level_k, ahead, held }
+        MixtureMember { candidate, solution, terms, level_k, ahead, held }
     }
 
     /// Adds what the folds' scores show beyond what white innovations would: a drift that is none
@@ -167,12 +167,12 @@ impl CandidateSet<'_> {
     }
 
     /// The members' mean, each with its weight, in the terms of design `mesh`.
-    pub fn mixed(&self, members: &[Member], weights: &[f64], mesh: usize, feed_through: bool) -> Mixture {
+    pub fn mixed(&self, members: &[MixtureMember], weights: &[f64], mesh: usize, feed_through: bool) -> Mixture {
         let plan = &self.reading.plan;
         let terms = self.terms(mesh, InitialState::Free, feed_through);
         let count = terms.len();
         let whole: f64 = weights.iter().sum();
-        let mapped = |member: &Member| mapping(&plan.designs[member.candidate.mesh], &member.terms, &terms);
+        let mapped = |member: &MixtureMember| mapping(&plan.designs[member.candidate.mesh], &member.terms, &terms);
         let maps: Vec<DMatrix<f64>> = members.iter().map(mapped).collect();
         let thetas: Vec<DVector<f64>> =
             members.iter().zip(&maps).map(|(member, map)| map * &member.solution.theta).collect();
@@ -185,7 +185,7 @@ impl CandidateSet<'_> {
             covariance += (&maps[at] * &member.solution.covariance * maps[at].transpose() + &apart * apart.transpose())
                 * share(at);
         }
-        let mean = |of: &dyn Fn(&Member) -> f64| {
+        let mean = |of: &dyn Fn(&MixtureMember) -> f64| {
             members.iter().enumerate().map(|(at, member)| share(at) * of(member)).sum::<f64>()
         };
         let noise_variance = mean(&|member| member.solution.noise_variance);

@@ -22,8 +22,8 @@ pub struct Facts {
     pub classes: Vec<Vec<ValueSpread>>,
     /// Σ(u_i − u_i0)(u_j − u_j0)
     products: Vec<Vec<f64>>,
-    /// By input: rows in which it moves by more than a tenth of its range, rows in which it moves at
-    /// all, and its last value.
+    /// By input: rows in which it moves by more than a tenth of its range, rows in which it moves
+    /// at all, and its last value.
     moves: Vec<(u64, u64, f64)>,
 }
 

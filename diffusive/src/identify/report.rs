@@ -6,8 +6,7 @@ use std::path::Path;
 use recording::text::{brief, estimate, short};
 use serde::Serialize;
 
-use super::choose::AVERAGE;
-use super::drift::DriftKind;
+use super::drift::{AVERAGE, DriftKind};
 use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, OutputDrift, Pair, gain_unit};
 
 /// Tables of resistances that are read; more than that are a file's matter.

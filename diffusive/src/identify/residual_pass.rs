@@ -6,8 +6,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::choose::ChosenDrift;
-use super::drift::RunningFilter;
+use super::drift::{ChosenDrift, RunningFilter};
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
 use super::gram;
@@ -64,7 +63,7 @@ impl ResidualPass {
         let (mut input_row, mut output_row, mut predicted) =
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
         let mut drift = vec![0.0; outputs];
-        let mut levels: Vec<Level> = fitted.iter().map(|fitted| Level::of(fitted, period_s)).collect();
+        let mut levels: Vec<DriftTracker> = fitted.iter().map(|fitted| DriftTracker::of(fitted, period_s)).collect();
         let (mut count, mut segment_row, mut segment) = (0, 0, 0);
         let longest = design.longest_delay();
         // What later segments began with, output by output.
@@ -205,9 +204,9 @@ fn segment_starts(
 }
 
 /// The drift of an output, row by row.
-struct Level(Option<RunningFilter>);
+struct DriftTracker(Option<RunningFilter>);
 
-impl Level {
+impl DriftTracker {
     fn of(fitted: &FittedOutput<'_>, period_s: f64) -> Self {
         let filter = fitted.drift.and_then(|drift| drift.filter.as_ref());
         Self(filter.map(|filter| RunningFilter::new(filter, period_s)))

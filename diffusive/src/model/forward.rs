@@ -77,7 +77,8 @@ pub struct Forward {
     /// ΔG by element and class; empty for structure `symbol`.
     conductance: Vec<Vec<f64>>,
     gas: Option<GasFollower>,
-    /// Losses that grow with temperature, and whether they count from the gas rather than the offset.
+    /// Losses that grow with temperature, and whether they count from the gas rather than the
+    /// offset.
     losses: Vec<PlacedLoss>,
     from_gas: bool,
     /// The inputs' last values (newest last) and their class, as far back as the longest dead time.

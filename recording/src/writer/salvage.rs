@@ -95,8 +95,8 @@ impl Salvage {
         self.fields_from(first, |fields| cells_of(fields, &self.columns).is_some())
     }
 
-    /// The fields of the fewest lines from `first` on that are `fit` and leave no quote open, and how
-    /// many lines these are.
+    /// The fields of the fewest lines from `first` on that are `fit` and leave no quote open, and
+    /// how many lines these are.
     fn fields_from(
         &self,
         first: usize,

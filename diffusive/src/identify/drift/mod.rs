@@ -33,10 +33,12 @@
 //! Limits: the filter is the steady state's. At the first row, where nothing is known of the level,
 //! the offset stands for it.
 
+mod chosen;
 pub mod columns;
 pub mod filter;
 pub mod search;
 
+pub use chosen::{AVERAGE, ChosenDrift};
 pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
 

@@ -34,9 +34,9 @@ pub struct DriftCase<'a> {
 }
 
 impl DriftCase<'_> {
-    /// Filters that were tried, each with its evidence over none and what its kind was worth before:
-    /// all kinds the same, and within a kind all zeros the same. The best first; those within
-    /// `counts` nats of it.
+    /// Filters that were tried, each with its evidence over none and what its kind was worth
+    /// before: all kinds the same, and within a kind all zeros the same. The best first; those
+    /// within `counts` nats of it.
     pub fn search(&self, given: DriftGiven, counts: f64) -> Vec<(NoiseFilter, f64)> {
         let kinds = match given {
             DriftGiven::None => return Vec::new(),

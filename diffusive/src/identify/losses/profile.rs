@@ -1,5 +1,5 @@
-//! One output's regression as a function of the losses: everything but g is linear, so that the sums
-//! of one reading have the answer for any g.
+//! One output's regression as a function of the losses: everything but g is linear, so that the
+//! sums of one reading have the answer for any g.
 //!
 //! ```text
 //! x(w_i) = x(u_i) − Σ g x((T_o − T_0)²)
