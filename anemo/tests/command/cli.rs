@@ -214,7 +214,7 @@ fn wrong_usage_is_code_2_and_one_sentence() {
             vec!["log", &gusts, "--on", "sim", "-o", "r", "--publish", "nmea+udp://127.0.0.1:9"],
             "nmea+udp://127.0.0.1:9: head `sphere-b` has no calibration, so that there is no wind to send",
         ),
-        (vec!["log", &gusts, "--on", "sim", "-o", "r", "--keep", "0d"], "`0d`: a time of 1 s at least (30s"),
+        (vec!["log", &gusts, "--on", "sim", "-o", "r", "--keep", "0d"], "`0d`: a time from 1 s to 100 years (30s"),
         (vec!["run", &gusts, "--on", "sim", "--plto", "a.svg"], "a similar argument exists: '--plot'"),
         (vec!["run", "no.toml", "--on", "sim"], "no.toml: there is no such file"),
         (vec!["check", "."], ".: is a folder: an experiment, a .toml file, belongs here"),
