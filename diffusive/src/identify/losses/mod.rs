@@ -93,24 +93,21 @@ pub fn identify(
     if !is_auto && options.losses != Losses::None {
         given.drift = DriftGiven::None;
     }
-    let mut plain = linear(source, &given, progress, observer)?;
-    if is_auto && plain.outputs.iter().any(|output| output.drift.is_some()) {
-        // What a growing loss leaves looks like a drift.
-        given.drift = DriftGiven::None;
-        let standing = linear(source, &given, progress, observer)?;
-        let first = search(source, &standing, &elements(&standing), progress)?;
-        if !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
-            return linear(source, options, progress, observer);
-        }
-        plain = standing;
-    }
-    let start = elements(&plain);
+    let plain = linear(source, &given, progress, observer)?;
     let is_too_much = is_auto && plain.inputs.len() * plain.classes.len() > MOST_BANKS;
-    let is_made_for_it = plain.structure == Structure::Symbol && !start.is_empty() && !feeds_through(&plain);
+    let is_made_for_it = plain.structure == Structure::Symbol && !elements(&plain).is_empty() && !feeds_through(&plain);
     if options.losses == Losses::None || !is_made_for_it || is_too_much {
         return Ok(plain);
     }
-    let mut first = search(source, &plain, &start, progress)?;
+    // What a growing loss leaves looks like a drift: losses are sought beside an offset that
+    // stands. Nobody hears of that model's rows, so that the plain one's stay the last.
+    let standing = if is_auto && plain.outputs.iter().any(|output| output.drift.is_some()) {
+        given.drift = DriftGiven::None;
+        linear(source, &given, progress, &mut |_| {})?
+    } else {
+        plain.clone()
+    };
+    let mut first = search(source, &standing, &elements(&standing), progress)?;
     first.retain(FoundLoss::is_told);
     if is_auto && !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
         return Ok(plain);
@@ -143,7 +140,7 @@ pub fn identify(
         model.supported = false;
         return Ok(model);
     }
-    report::complete(&mut model, &plain, &losses, &first, &found);
+    report::complete(&mut model, &standing, &losses, &first, &found);
     if is_auto && !is_evident(&first, &found, LESS, report::inflation(&model)) {
         // What was seen last must be what is taken.
         return linear(source, options, progress, observer);
