@@ -1,12 +1,13 @@
 //! `anemo benchmark`: the numbers that instrument and identification have to reach, measured on
 //! simulated sensors.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 use crate::progress::announce;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use recording::utc;
+use studies::benchmark::measured;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
 /// Measure what instrument and identification have to reach, on simulated sensors.
@@ -18,15 +19,19 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// `drift`: a heater of known gain in a room that moves in seven ways, identified without options:
 /// how often two standard errors hold the gain, and how far off it is. A thousand records of each
 /// take a quarter of an hour to an hour.
+///
+/// `measured`: the beginning of every record in a folder is identified without options and the rest
+/// predicted, and what was said of the error held against what came.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo benchmark wind
   anemo benchmark wind -o out --heads out/heads --json
-  anemo benchmark drift --records 50")]
+  anemo benchmark drift --records 50
+  anemo benchmark measured --tables records")]
 pub struct Arguments {
     /// What is measured.
-    #[arg(value_name = "wind|drift")]
+    #[arg(value_name = "wind|drift|measured")]
     name: BenchmarkName,
     /// Records of each kind of drift.
     #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -37,6 +42,9 @@ pub struct Arguments {
     /// The folder with the experiments of the spheres.
     #[arg(long, value_name = "FOLDER", default_value = "experiments/wind")]
     experiments: PathBuf,
+    /// The folder with measured records as CSV tables, the time first and the output last.
+    #[arg(long, value_name = "FOLDER", required_if_eq("name", "measured"))]
+    tables: Option<PathBuf>,
     /// Also write the calibrated heads into this folder.
     #[arg(long, value_name = "FOLDER")]
     heads: Option<PathBuf>,
@@ -49,12 +57,14 @@ pub struct Arguments {
 enum BenchmarkName {
     Wind,
     Drift,
+    Measured,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match arguments.name {
         BenchmarkName::Wind => wind_benchmark(arguments),
         BenchmarkName::Drift => drift_benchmark(arguments),
+        BenchmarkName::Measured => measured_benchmark(arguments),
     }
 }
 
@@ -67,12 +77,28 @@ fn drift_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         kinds.push(DriftFigures::of(room, &outcomes));
     }
     let report = DriftReport { kinds };
+    dated(&arguments.output, "drift.md", &|day| report.page(day, arguments.records))?;
+    crate::output::print_report(&report, arguments.json)
+}
+
+fn measured_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    let Some(folder) = &arguments.tables else { return Err(Failure::usage("measured needs --tables FOLDER")) };
+    let unread = |error: std::io::Error| Failure::in_file(folder, format!("cannot be read: {error}"));
+    let tables = measured::tables(folder).map_err(unread)?;
+    if tables.is_empty() {
+        return Err(Failure::in_file(folder, "holds no .csv table"));
+    }
+    let report = measured::measured(&tables, &|path| announce(&path.display().to_string())).map_err(unread)?;
+    dated(&arguments.output, "measured.md", &|day| report.page(day))?;
+    crate::output::print_report(&report, arguments.json)
+}
+
+/// Writes a page of results that says the day.
+fn dated(folder: &Path, name: &str, page: &dyn Fn(&str) -> String) -> Result<(), Failure> {
     let date = utc::rfc3339(utc::seconds_of(std::time::SystemTime::now()));
     let day = date.split('T').next().unwrap_or_default();
-    std::fs::create_dir_all(&arguments.output)
-        .map_err(|error| Failure::in_file(&arguments.output, format!("cannot be made: {error}")))?;
-    crate::output::write_text(&arguments.output.join("drift.md"), &report.page(day, arguments.records))?;
-    crate::output::print_report(&report, arguments.json)
+    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
+    crate::output::write_text(&folder.join(name), &page(day))
 }
 
 fn wind_benchmark(arguments: &Arguments) -> Result<(), Failure> {

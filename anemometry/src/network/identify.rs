@@ -28,7 +28,7 @@ use dr_core::model::mesh;
 use super::error::{NetworkError, NetworkIdentifyError};
 use super::record::QuiescentRecord;
 use diffusive::identify::record::RecordTable;
-use diffusive::identify::{Constraints, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
+use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
 use diffusive::model::merge::merge;
 use diffusive::model::{Model, Pair};
 use recording::{POWER, RecordingError, TEMPERATURE};
@@ -121,7 +121,8 @@ fn options() -> IdentifyOptions {
         delay: Some(0),
         ..Constraints::default()
     };
-    IdentifyOptions { constraints: given, signs: Signs::Any, ..IdentifyOptions::default() }
+    // Free rates hold no drift; a mesh with one would only be another start.
+    IdentifyOptions { constraints: given, signs: Signs::Any, drift: DriftGiven::None, ..IdentifyOptions::default() }
 }
 
 /// A mesh for all temperatures at once, and free rates from it.

@@ -1,8 +1,10 @@
-//! The benchmark of the whole instrument on the simulated sensors: what it has to reach, and what
-//! it reaches. `anemo benchmark`.
+//! The benchmarks of instrument and identification: what they have to reach, and what they reach.
+//! `anemo benchmark`.
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`measured`] | measured records: the beginning identified, the rest predicted |
 //! | [`wind`] | from records of still gas to the wind: the two spheres, by the numbers that the estimates have to reach |
 
+pub mod measured;
 pub mod wind;

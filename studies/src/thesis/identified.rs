@@ -5,11 +5,9 @@ use std::f64::consts::TAU;
 
 use super::error::StudyError;
 use super::record::StudyRecord;
-use diffusive::identify::Signs;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::validate::{ValidatedOutput, ValidationStart, validate};
-use diffusive::identify::{Constraints, InitialState};
-use diffusive::identify::{IdentifyOptions, identify};
+use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Signs, identify};
 use diffusive::model::{Class, Forward, Model, Pair};
 use plot::{Chart, Scale, Trace};
 
@@ -40,7 +38,9 @@ fn signed(table: RecordTable, mesh: ThesisMesh, signs: Signs) -> Result<Model, S
         initial_state: Some(InitialState::Settled),
         ..Constraints::default()
     };
-    quietly(table, &IdentifyOptions { constraints: given, signs, ..IdentifyOptions::default() })
+    // As in the thesis, whose offset stands.
+    let drift = DriftGiven::None;
+    quietly(table, &IdentifyOptions { constraints: given, signs, drift, ..IdentifyOptions::default() })
 }
 
 /// Identifies such a record with so many free rates an output.

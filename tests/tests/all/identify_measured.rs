@@ -9,13 +9,12 @@
 use std::path::{Path, PathBuf};
 
 use anemo_tests::file;
-use diffusive::identify::Signs;
 use diffusive::identify::record::{RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
-use diffusive::identify::{Constraints, InitialState};
-use diffusive::identify::{IdentifyOptions, identify};
+use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Signs, identify};
 use diffusive::model::Model;
 use dr_core::model::mesh;
+use studies::benchmark::measured::{cut, measured, tables};
 
 /// Records and the fit of the second half, in percent, that is expected at least of the default
 /// options.
@@ -30,18 +29,11 @@ const RECORDS: [(&str, f64); 5] = [
 /// Both halves of a record as files in `folder`; `None` without the record.
 fn halves(name: &str, folder: &Path) -> Option<[PathBuf; 2]> {
     let path = file("../shared/data").join(format!("{name}.csv"));
-    let Ok(text) = std::fs::read_to_string(&path) else {
+    if !path.exists() {
         println!("{} is not there: nothing tested", path.display());
         return None;
-    };
-    let (header, rows) = text.trim_end().split_once('\n').unwrap();
-    let rows: Vec<&str> = rows.lines().collect();
-    let (first, second) = rows.split_at(rows.len() / 2);
-    Some([("first", first), ("second", second)].map(|(half, rows)| {
-        let path = folder.join(format!("{name}-{half}.csv"));
-        std::fs::write(&path, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
-        path
-    }))
+    }
+    Some(cut(&path, 0.5, folder).unwrap())
 }
 
 fn open(path: &Path) -> RecordStream {
@@ -77,7 +69,26 @@ fn plain(path: &Path) -> Model {
         feed_through: Some(false),
         delay: Some(0),
     };
-    identified(path, &IdentifyOptions { constraints: given, signs: Signs::Any, ..IdentifyOptions::default() })
+    let (signs, drift) = (Signs::Any, DriftGiven::None);
+    identified(path, &IdentifyOptions { constraints: given, signs, drift, ..IdentifyOptions::default() })
+}
+
+/// What was reached on the records for development: 76.6 % in the mean, of 60 parts that can be
+/// identified.
+#[test]
+fn beginnings_of_measured_records_predict_the_rest() {
+    let Ok(mut tables) = tables(&file("../shared/data/more")) else {
+        println!("no more records are there: nothing tested");
+        return;
+    };
+    // Set apart, as it is in what is known of the others.
+    tables.retain(|path| !path.ends_with("sbhs_1622.csv"));
+    let report = measured(&tables, &|_| {}).unwrap();
+    println!("{report}");
+    assert!(report.mean_fit_percent() >= 75.0, "{:.1}", report.mean_fit_percent());
+    assert!((0.7..=1.4).contains(&report.median_ratio()), "{:.2}", report.median_ratio());
+    let poor = report.warned_of_poor();
+    assert!(10 * poor.own >= 9 * poor.all, "{poor}");
 }
 
 #[test]
