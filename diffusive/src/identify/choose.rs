@@ -41,6 +41,9 @@ pub struct ScoredCandidate {
 #[derive(Debug, Clone)]
 pub struct Choice {
     pub trial: ScoredCandidate,
+    /// The trial's once more, with the signs that are held: what is stated of it. Trials are
+    /// compared without.
+    pub score: Score,
     pub terms: Vec<ModelTerm>,
     /// For every term, whether it is held at or above zero.
     pub positive: Option<Vec<bool>>,
@@ -52,6 +55,13 @@ pub struct Choice {
     /// Why it is not the first choice, if it is not.
     pub reason: Option<String>,
     pub drift: Option<ChosenDrift>,
+}
+
+/// For every term whether it is held at or above zero, why, and what that costs.
+struct SignChoice {
+    positive: Option<Vec<bool>>,
+    reason: String,
+    score: Score,
 }
 
 /// Absolute differences of others' steady gains from a choice's own, K/W.
@@ -241,52 +251,56 @@ impl CandidateSet<'_> {
     fn settle(&self, trial: ScoredCandidate, rivals: Vec<ScoredCandidate>) -> Choice {
         let equations = self.equations(trial.mesh, trial.initial_state, trial.feed_through);
         let penalty = equations.penalty(&self.reading.scales, trial.prior);
-        let (positive, sign_reason) = self.held_signs(&equations, &penalty);
+        let SignChoice { positive, reason: sign_reason, score } = self.held_signs(&equations, &penalty);
         let solution = equations.total.solve(&penalty, positive.as_deref());
         let gain_spread = self.gain_spread(&trial, &self.gains(&equations.terms, &solution), &rivals);
         let begun_at_zero = self.begun_at_zero(&trial, &equations, &penalty, positive.as_deref(), &solution);
         let solution = begun_at_zero.unwrap_or(solution);
         let terms = equations.terms;
-        Choice { trial, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None, drift: None }
+        Choice { trial, score, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None, drift: None }
     }
 
     /// Which parameters are held at or above zero, and why.
-    pub(super) fn held_signs(
-        &self,
-        equations: &FoldedEquations,
-        penalty: &DMatrix<f64>,
-    ) -> (Option<Vec<bool>>, String) {
+    fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> SignChoice {
         let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
             let is_held = |bank: usize| held(self.reading.plan.parts[bank].input);
             equations.terms.iter().map(|term| term.role.bank().is_some_and(is_held)).collect()
         };
+        let of = |positive: Option<Vec<bool>>, reason: String| {
+            let score = equations.score(penalty, positive.as_deref());
+            SignChoice { positive, reason, score }
+        };
         match &self.options.signs {
-            Signs::Any => return (None, "signs: any, as asked for".to_owned()),
-            Signs::AllPositive => return (Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
+            Signs::Any => return of(None, "signs: any, as asked for".to_owned()),
+            Signs::AllPositive => return of(Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
             Signs::Positive(pairs) => {
                 let held = |input| pairs.contains(&(input, self.output));
-                return (Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned());
+                return of(Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned());
             }
             Signs::Choose => {}
         }
-        let free = equations.score(penalty, None);
+        let free = of(None, String::new());
         // The dearer of all questions together and of interpolation, which knows best what noise
         // there is.
-        let price = |held: &Vec<bool>| {
-            let own = equations.score(penalty, Some(held));
-            let all = own.overall() / free.overall().max(1e-300);
-            all.max(own.mean_single() / free.mean_single().max(1e-300))
+        let price = |held: &SignChoice| {
+            let all = held.score.overall() / free.score.overall().max(1e-300);
+            all.max(held.score.mean_single() / free.score.mean_single().max(1e-300))
         };
-        let all = mask(&|_| true);
-        let own = mask(&|input| input == self.output);
+        let all = of(Some(mask(&|_| true)), String::new());
         let price_of_all = price(&all);
         if price_of_all <= DEAR {
-            (Some(all), format!("signs: none negative (cross-validated error {})", change(price_of_all)))
-        } else if own.contains(&true) && own != all && price(&own) <= DEAR {
-            (Some(own), "signs: own heat none negative, cross-heating any".to_owned())
-        } else {
-            (None, format!("signs: any (none negative: cross-validated error {})", change(price_of_all)))
+            let reason = format!("signs: none negative (cross-validated error {})", change(price_of_all));
+            return SignChoice { reason, ..all };
         }
+        let own = mask(&|input| input == self.output);
+        if own.contains(&true) && all.positive.as_ref() != Some(&own) {
+            let own = of(Some(own), "signs: own heat none negative, cross-heating any".to_owned());
+            if price(&own) <= DEAR {
+                return own;
+            }
+        }
+        let reason = format!("signs: any (none negative: cross-validated error {})", change(price_of_all));
+        SignChoice { reason, ..free }
     }
 
     /// From rest, an output that may as well have begun at zero did: one parameter less, and the

@@ -16,7 +16,7 @@ use super::candidates::{MeshPart, initial_states};
 use super::choose::{CandidateSet, Choice, ScoredCandidate};
 use super::drift::search::{DriftCase, WORTH};
 use super::drift::{ChosenDrift, DriftGiven, NoiseFilter, PoleColumns};
-use super::folds::geometric_mean;
+use super::folds::{Score, geometric_mean};
 use super::gram::Gram;
 use super::mixture::{MixtureCandidate, MixtureMember};
 use super::options::InitialState;
@@ -45,7 +45,7 @@ impl CandidateSet<'_> {
         }
         let average = self.averaged(ordinary, moves)?;
         // What leaves white noise is left alone, unless it is clearly worse at carrying on.
-        let worse = average.trial.score.mean_ahead() > WORSE * ordinary.trial.score.mean_ahead();
+        let worse = average.score.mean_ahead() > WORSE * ordinary.score.mean_ahead();
         (!is_white(left) || !worse).then_some(average)
     }
 
@@ -191,15 +191,16 @@ impl CandidateSet<'_> {
             Some(_) => "signs: none negative; the record does not contradict".to_owned(),
             None => "signs: any".to_owned(),
         };
-        let score = super::folds::Score { ahead: mixture.ahead, ..ordinary.trial.score.clone() };
+        let score = Score { ahead: mixture.ahead, ..ordinary.score.clone() };
         Choice {
             trial: ScoredCandidate {
                 mesh,
                 initial_state: top.candidate.initial_state,
                 feed_through: top.candidate.feed_through,
                 prior: top.candidate.prior,
-                score,
+                score: score.clone(),
             },
+            score,
             terms: mixture.terms,
             positive,
             solution: mixture.solution,

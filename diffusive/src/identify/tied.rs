@@ -122,8 +122,10 @@ pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
     for ((((part, solution), single), score), choice) in
         parts.into_iter().zip(solved).zip(singles).zip(scores).zip(choices)
     {
+        let score = Score { single, ..score };
         tied.push(Choice {
-            trial: ScoredCandidate { score: Score { single, ..score }, ..trial.clone() },
+            trial: ScoredCandidate { score: score.clone(), ..trial.clone() },
+            score,
             terms: part.equations.terms,
             positive: part.positive.contains(&true).then_some(part.positive),
             solution,

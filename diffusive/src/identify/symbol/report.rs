@@ -29,7 +29,7 @@ impl SymbolResult<'_> {
         let SymbolPlan { survey, classes, path, .. } = plan;
         let mut outputs = outcome::outputs(&survey.outputs, self.fitted, &self.residuals);
         for (output, choice) in outputs.iter_mut().zip(self.choices) {
-            output.forecast_rms = Some(choice.trial.score.forecast_rms());
+            output.forecast_rms = Some(choice.score.forecast_rms());
         }
         let pairs = self.pairs();
         let warnings = self.warnings(tie_warning, &pairs);
@@ -51,7 +51,7 @@ impl SymbolResult<'_> {
         let mut warnings = support::warnings(survey, facts);
         warnings.extend(tie_warning);
         for (output, choice) in self.choices.iter().enumerate() {
-            let (score, gains) = (&choice.trial.score, &choice.gain_spread);
+            let (score, gains) = (&choice.score, &choice.gain_spread);
             warnings.extend(match choice.is_average() {
                 true => outcome::average_warnings(output, score, survey, facts),
                 false => outcome::warnings(output, score, gains, pairs, survey, facts),
@@ -147,6 +147,6 @@ fn chosen(choice: &Choice, is_white: bool, plan: &SymbolPlan, mut reasons: Vec<S
         non_negative: choice.positive.is_some(),
         feed_through: trial.feed_through,
         dead_time_samples: plan.path.delay,
-        ..outcome::chosen_by(&mesh.rates_rad_s, mesh.factor, trial.initial_state, trial.prior, &trial.score, reasons)
+        ..outcome::chosen_by(&mesh.rates_rad_s, mesh.factor, trial.initial_state, trial.prior, &choice.score, reasons)
     }
 }
