@@ -103,11 +103,6 @@ impl Score {
         geometric_mean(&self.ahead)
     }
 
-    /// Root mean square error of what lies ahead, K: of half the record from the other half.
-    pub fn forecast_rms(&self) -> f64 {
-        self.ahead.first().map_or(f64::NAN, |error| error.sqrt())
-    }
-
     pub fn mean_single(&self) -> f64 {
         self.single.iter().sum::<f64>() / self.single.len().max(1) as f64
     }

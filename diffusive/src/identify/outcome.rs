@@ -142,29 +142,28 @@ pub fn warnings(
 }
 
 /// Error ahead, as a part of the output's spread, from which on an average is not to be relied on:
-/// of 62 measured records (docs/explanation/identification.md) those above it were predicted by
-/// 60 %, those below by 84 % in the mean.
-const FAR: f64 = 0.27;
-/// Changes of an input that do not tell a slow body from a drift.
-const FEW: u64 = 3;
+/// of 62 parts of measured records four of the five that were predicted best of those above it were
+/// predicted by less than 70 %.
+const FAR: f64 = 0.22;
+/// Travel of an input, in ranges, below which it does not come back.
+const BACK: f64 = 1.2;
 
 /// What the errors ahead say against an average of candidates for output `output`. Its gains say by
 /// their standard errors how far candidates differ.
 pub fn average_warnings(output: usize, score: &Score, survey: &Survey, facts: &Facts) -> Vec<String> {
     let (name, spread) = (&survey.outputs[output], facts.outputs[output].sd());
-    let (duration_s, ahead) = (survey.duration_s(), score.forecast_rms());
+    let (duration_s, ahead) = (survey.duration_s(), score.mean_ahead().sqrt());
     let mut warnings = Vec::new();
     if ahead > FAR * spread {
         warnings.push(format!(
-            "`{name}`: from its first half the rest of the record is predicted with an error of {}, for a spread of {}: {duration_s:.0} s are too short, or too disturbed; record several times that with an input that moves often and by much, and beside it the temperature of the surroundings",
+            "`{name}`: parts of the record are predicted from what came before them with an error of {}, for a spread of {}: {duration_s:.0} s are too short, or too disturbed; record several times that with an input that moves often and by much, and beside it the temperature of the surroundings",
             short(ahead, 2),
             short(spread, 2)
         ));
     }
-    let changes = facts.changes();
-    if changes < FEW {
+    if facts.travel() < BACK {
         warnings.push(format!(
-            "`{name}`: the input changes in {changes} rows only, which tells a slow body from a drift of its surroundings by nothing; record with an input that moves often"
+            "`{name}`: the inputs go one way only, as a step or a ramp, which does not tell a slow body from a drift of its surroundings; record with an input that comes back, and often"
         ));
     }
     warnings

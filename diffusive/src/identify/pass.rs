@@ -22,9 +22,29 @@ pub struct Facts {
     pub classes: Vec<Vec<ValueSpread>>,
     /// Σ(u_i − u_i0)(u_j − u_j0)
     products: Vec<Vec<f64>>,
-    /// By input: rows in which it moves by more than a tenth of its range, rows in which it moves
-    /// at all, and its last value.
-    moves: Vec<(u64, u64, f64)>,
+    /// By input.
+    moves: Vec<InputMoves>,
+}
+
+/// How an input moves from row to row.
+#[derive(Debug, Clone, Copy, Default)]
+struct InputMoves {
+    /// Rows in which it moves by more than a tenth of its range.
+    moves: u64,
+    /// Sum of all its changes, whatever their sign.
+    travel: f64,
+    last: f64,
+}
+
+impl InputMoves {
+    fn add(&mut self, values: &[f64], far: f64) {
+        for &value in values {
+            let by = (value - self.last).abs();
+            self.moves += u64::from(by > far);
+            self.travel += by;
+            self.last = value;
+        }
+    }
 }
 
 impl Facts {
@@ -48,7 +68,7 @@ impl Facts {
             self.outputs = block.outputs.iter().map(|values| ValueSpread::from(values[0])).collect();
             self.gas = block.gas.first().map(|&gas_c| ValueSpread::from(gas_c));
             self.products = vec![vec![0.0; inputs]; inputs];
-            self.moves = self.first_inputs.iter().map(|&first| (0, 0, first)).collect();
+            self.moves = self.first_inputs.iter().map(|&last| InputMoves { last, ..InputMoves::default() }).collect();
         }
         self.rows += block.len() as u64;
         for (spread, values) in self.outputs.iter_mut().zip(&block.outputs) {
@@ -71,14 +91,7 @@ impl Facts {
         for (input, values) in block.inputs.iter().enumerate() {
             let [least, most] = self.input_range(input);
             let far = 0.1 * (most - least);
-            let (moves, changes, last) = &mut self.moves[input];
-            let by = |two: &[f64]| (two[1] - two[0]).abs();
-            *moves += values.windows(2).filter(|two| by(two) > far).count() as u64;
-            *changes += values.windows(2).filter(|two| by(two) > 0.0).count() as u64;
-            let joint = by(&[*last, values[0]]);
-            *moves += u64::from(joint > far);
-            *changes += u64::from(joint > 0.0);
-            *last = values[values.len() - 1];
+            self.moves[input].add(values, far);
         }
         for i in 0..inputs {
             for j in 0..i {
@@ -97,12 +110,17 @@ impl Facts {
 
     /// In how many rows any input moved by more than a tenth of its range.
     pub fn moves(&self) -> u64 {
-        self.moves.iter().map(|(moves, ..)| *moves).max().unwrap_or(0)
+        self.moves.iter().map(|of| of.moves).max().unwrap_or(0)
     }
 
-    /// In how many rows any input changed.
-    pub fn changes(&self) -> u64 {
-        self.moves.iter().map(|(_, changes, _)| *changes).max().unwrap_or(0)
+    /// How far an input travels up and down in all, in ranges: 1 for one that goes one way, as a
+    /// step or a ramp does. The most of any input.
+    pub fn travel(&self) -> f64 {
+        let of = |(input, of): (usize, &InputMoves)| {
+            let [least, most] = self.input_range(input);
+            of.travel / (most - least).max(f64::MIN_POSITIVE)
+        };
+        self.moves.iter().enumerate().map(of).fold(0.0, f64::max)
     }
 
     /// Standard deviation of an input over the whole record.

@@ -162,7 +162,7 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
         moving_offset(f, drift)?;
     }
     let Some(ahead) = output.forecast_rms else { return Ok(()) };
-    writeln!(f, "  error ahead: {} rms, of the second half predicted from the first", short(ahead, 2))
+    writeln!(f, "  error ahead: {} rms is to be expected of what comes after the record", short(ahead, 2))
 }
 
 fn moving_offset(f: &mut Formatter<'_>, drift: &OutputDrift) -> fmt::Result {

@@ -28,8 +28,8 @@ impl SymbolResult<'_> {
         let SymbolReading { plan, passed, .. } = self.reading;
         let SymbolPlan { survey, classes, path, .. } = plan;
         let mut outputs = outcome::outputs(&survey.outputs, self.fitted, &self.residuals);
-        for (output, choice) in outputs.iter_mut().zip(self.choices) {
-            output.forecast_rms = Some(choice.score.forecast_rms());
+        for ((output, choice), facts) in outputs.iter_mut().zip(self.choices).zip(&passed.facts.outputs) {
+            output.forecast_rms = Some(choice.forecast_rms(facts.sd()));
         }
         let pairs = self.pairs();
         let warnings = self.warnings(tie_warning, &pairs);
