@@ -59,6 +59,10 @@ pub struct Arguments {
     /// Gas temperature for --structure conductance, °C, or its column; estimated if not given.
     #[arg(long, value_name = "°C|COLUMN", allow_hyphen_values = true)]
     gas_temperature: Option<String>,
+    /// Measured temperature of the surroundings, which the output follows with relaxations of its
+    /// own: a column in °C. For structure `symbol`.
+    #[arg(long, value_name = "COLUMN", conflicts_with_all = ["gas_temperature", "free_poles", "tie"])]
+    ambient: Option<String>,
     /// Class from whose conductance the others are counted; by default the least.
     #[arg(long, value_name = "LABEL")]
     reference: Option<String>,
@@ -223,6 +227,9 @@ impl From<RecordError> for Failure {
 
 impl Arguments {
     fn selection(&self) -> (Selection, GasGiven) {
+        if let Some(column) = &self.ambient {
+            return (Selection { gas: Some(column.clone()), ..self.columns.selection() }, GasGiven::Unknown);
+        }
         let (gas, given) = match &self.gas_temperature {
             None => (None, GasGiven::Unknown),
             Some(text) => match text.parse::<f64>() {
@@ -243,6 +250,11 @@ impl Arguments {
                     "{name} belongs to --structure conductance: add it, or leave {name} out"
                 )));
             }
+        }
+        if is_conductance && self.ambient.is_some() {
+            return Err(Failure::usage(
+                "--ambient belongs to structure `symbol`: --structure conductance has --gas-temperature",
+            ));
         }
         if let Some(poles @ 9..) = self.free_poles {
             return Err(Failure::usage(format!(

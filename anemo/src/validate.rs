@@ -9,7 +9,7 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
-use diffusive::model::{LossOrigin, Model, ModelError, ModelGas};
+use diffusive::model::{Model, ModelError};
 use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
@@ -53,19 +53,6 @@ impl From<ModelError> for Failure {
     }
 }
 
-/// The column that the model takes its gas from, or the origin of its losses.
-fn gas_column(model: &Model) -> Option<String> {
-    let of_wind = model.wind.as_ref().and_then(|wind| match &wind.gas {
-        ModelGas::Column(name) => Some(name.clone()),
-        ModelGas::ConstantC(_) | ModelGas::EstimatedC(_) => None,
-    });
-    let of_losses = || match &model.losses.as_ref()?.origin {
-        LossOrigin::Column(name) => Some(name.clone()),
-        LossOrigin::Offset => None,
-    };
-    of_wind.or_else(of_losses)
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let model = Model::read(&arguments.model)?;
     let asked = arguments.columns.selection();
@@ -74,7 +61,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         inputs: or(&asked.inputs, model.inputs.clone()),
         outputs: or(&asked.outputs, model.outputs.iter().map(|output| output.name.clone()).collect()),
         event: asked.event.clone().or_else(|| model.event_column.clone()),
-        gas: gas_column(&model),
+        gas: model.gas_column().map(str::to_owned),
         ..asked
     };
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;

@@ -60,6 +60,7 @@ pub fn symbol_model() -> Model {
         classes: LABELS.map(str::to_owned).to_vec(),
         conductance_w_per_k: BTreeMap::new(),
         wind: None,
+        ambient: None,
         losses: None,
         offset_c: OFFSET_C,
         residual_rms: 0.0,

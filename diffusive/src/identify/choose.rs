@@ -120,7 +120,7 @@ impl CandidateSet<'_> {
     pub(super) fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
         let plan = &self.reading.plan;
         let all = terms(&plan.designs[mesh].roles(), initial_state, feed_through, &self.reading.first_drives);
-        let is_seen = |bank: usize| plan.parts.get(bank).is_some_and(|part| part.is_seen_by(self.output));
+        let is_seen = |bank: usize| plan.is_seen(bank, self.output);
         let poles = &plan.meshes[mesh].poles_rad_s;
         let is_its = |term: &ModelTerm| match term.role {
             Role::Relaxation { bank, rate_rad_s, .. } => is_seen(bank) && !poles.contains(&rate_rad_s),
@@ -272,12 +272,17 @@ impl CandidateSet<'_> {
         Choice { trial, score, terms, positive, solution, rivals, sign_reason, gain_spread, reason: None, drift: None }
     }
 
+    /// For every term whether the input that drives it is held; `None`: it is driven by the
+    /// surroundings.
+    pub(super) fn mask(&self, terms: &[ModelTerm], is_held: &dyn Fn(Option<usize>) -> bool) -> Vec<bool> {
+        let parts = &self.reading.plan.parts;
+        let of_bank = |bank: usize| is_held(parts.get(bank).map(|part| part.input));
+        terms.iter().map(|term| term.role.bank().is_some_and(of_bank)).collect()
+    }
+
     /// Which parameters are held at or above zero, and why.
     fn held_signs(&self, equations: &FoldedEquations, penalty: &DMatrix<f64>) -> SignChoice {
-        let mask = |held: &dyn Fn(usize) -> bool| -> Vec<bool> {
-            let is_held = |bank: usize| held(self.reading.plan.parts[bank].input);
-            equations.terms.iter().map(|term| term.role.bank().is_some_and(is_held)).collect()
-        };
+        let mask = |is_held: &dyn Fn(Option<usize>) -> bool| self.mask(&equations.terms, is_held);
         let of = |positive: Option<Vec<bool>>, reason: String| {
             let score = equations.score(penalty, positive.as_deref());
             SignChoice { positive, reason, score }
@@ -286,7 +291,7 @@ impl CandidateSet<'_> {
             Signs::Any => return of(None, "signs: any, as asked for".to_owned()),
             Signs::AllPositive => return of(Some(mask(&|_| true)), "signs: none negative, as asked for".to_owned()),
             Signs::Positive(pairs) => {
-                let held = |input| pairs.contains(&(input, self.output));
+                let held = |input: Option<usize>| input.is_some_and(|input| pairs.contains(&(input, self.output)));
                 return of(Some(mask(&held)), "signs: none negative in the pairs asked for".to_owned());
             }
             Signs::Choose => {}
@@ -304,7 +309,7 @@ impl CandidateSet<'_> {
             let reason = format!("signs: none negative (cross-validated error {})", change(price_of_all));
             return SignChoice { reason, ..all };
         }
-        let own = mask(&|input| input == self.output);
+        let own = mask(&|input| input == Some(self.output));
         if own.contains(&true) && all.positive.as_ref() != Some(&own) {
             let own = of(Some(own), "signs: own heat none negative, cross-heating any".to_owned());
             if price(&own) <= DEAR {

@@ -9,7 +9,7 @@ use super::design::{RegressionDesign, Role};
 use super::drift::ChosenDrift;
 use super::normal_equations::{ModelTerm, in_columns};
 use super::residuals::Residuals;
-use crate::model::{Class, ModelOutput};
+use crate::model::{Class, Followed, ModelOutput};
 
 /// Parameters with their covariance.
 pub struct FittedOutput<'a> {
@@ -65,6 +65,17 @@ impl FittedOutput<'_> {
             se_steady_gain_k_per_w: variance.sqrt(),
             feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.theta[term]),
             se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.se(term)),
+        }
+    }
+
+    /// How it follows what drives a bank in kelvins: the same sums as those of resistances.
+    pub fn followed(&self, bank: usize) -> Followed {
+        let class = self.class(bank, 0..0);
+        Followed {
+            f_k_per_k: class.r_k_per_w,
+            se_k_per_k: class.se_k_per_w,
+            steady_gain_k_per_k: class.steady_gain_k_per_w,
+            se_steady_gain_k_per_k: class.se_steady_gain_k_per_w,
         }
     }
 

@@ -113,7 +113,7 @@ impl CandidateSet<'_> {
         if most > WIDER {
             solution.covariance *= most;
         }
-        // A smooth drift and a relaxation that is hardly slower than the record look alike: either
+        // A smooth drift and a relaxation that is hardly faster than the record look alike: either
         // may be the other.
         if of.filter.as_ref().is_some_and(|filter| filter.kind == DriftKind::IntegratedWalk) {
             let slow_rad_s = SLOW * self.reading.scales.thesis_rad_s;
@@ -146,14 +146,13 @@ impl CandidateSet<'_> {
         problem: &NormalEquations,
         penalty: &DMatrix<f64>,
     ) -> Option<Vec<bool>> {
-        let parts = &self.reading.plan.parts;
-        let mask = |is_held: &dyn Fn(usize) -> bool| -> Vec<bool> {
-            terms.iter().map(|term| term.role.bank().is_some_and(|bank| is_held(parts[bank].input))).collect()
-        };
+        let mask = |is_held: &dyn Fn(Option<usize>) -> bool| self.mask(terms, is_held);
         match &self.options.signs {
             Signs::Any => None,
             Signs::AllPositive => Some(mask(&|_| true)),
-            Signs::Positive(pairs) => Some(mask(&|input| pairs.contains(&(input, self.output)))),
+            Signs::Positive(pairs) => {
+                Some(mask(&|input| input.is_some_and(|input| pairs.contains(&(input, self.output)))))
+            }
             Signs::Choose if of.filter.is_none() => None,
             Signs::Choose => {
                 let all = mask(&|_| true);

@@ -46,6 +46,7 @@ pub fn model(
         classes: classes.to_vec(),
         conductance_w_per_k: BTreeMap::new(),
         wind: None,
+        ambient: None,
         losses: None,
         supported: true,
         warnings: Vec::new(),

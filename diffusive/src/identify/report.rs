@@ -59,6 +59,7 @@ impl Display for IdentifyReport<'_> {
             conductances(f, model, wind)?;
         }
         writeln!(f)?;
+        following(f, model)?;
         for output in &model.outputs {
             fit(f, output)?;
         }
@@ -129,9 +130,14 @@ fn conductances(f: &mut Formatter<'_>, model: &Model, wind: &ModelWind) -> fmt::
             writeln!(f, "  {label:<12} {}{of}", estimate(value.value, value.se))?;
         }
     }
-    for (followed, output) in wind.following.iter().flat_map(|following| following.outputs.iter().zip(&model.outputs)) {
+    Ok(())
+}
+
+fn following(f: &mut Formatter<'_>, model: &Model) -> fmt::Result {
+    let what = model.ambient.as_ref().map_or("the gas".to_owned(), |ambient| format!("`{}`", ambient.column));
+    for (followed, output) in model.following().iter().flat_map(|of| of.outputs.iter().zip(&model.outputs)) {
         let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
-        writeln!(f, "{} follows the gas, in the end by {gain} K/K", output.name)?;
+        writeln!(f, "{} follows {what}, in the end by {gain} K/K", output.name)?;
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use super::options::IdentifyOptions;
 use super::record::{RecordError, Survey};
 use super::{refine, tied};
+use crate::model::Structure;
 use recording::text::tidy;
 
 /// A mesh's last rate in units of π/Ts, the record's fastest, beyond which it is marked, or
@@ -22,6 +23,16 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
     survey.refuse_if(rows < LEAST_ROWS, format_args!("has {rows} rows: a model takes at least {LEAST_ROWS}"))?;
     if options.tie {
         tied::refuse(survey, options)?;
+    }
+    let fixed = [(options.tie, "--tie"), (options.free_poles.is_some(), "--free-poles")];
+    for (_, name) in fixed.iter().filter(|(is_given, _)| *is_given && options.structure != Some(Structure::Conductance))
+    {
+        survey.refuse_if(
+            survey.gas_column.is_some(),
+            format_args!(
+                "cannot be identified with measured surroundings and {name} at once: leave out {name} or --ambient"
+            ),
+        )?;
     }
     if let Some(poles) = options.free_poles {
         refine::refuse(survey, poles, options)?;

@@ -36,6 +36,7 @@ impl Model {
             self.check_pair(&name, pair)?;
         }
         self.check_wind()?;
+        self.check_ambient()?;
         self.check_losses()?;
         self.end.as_ref().map_or(Ok(()), |end| self.check_end(end))
     }
@@ -120,28 +121,38 @@ impl Model {
         if let Some(label) = missing {
             return Err(model_error!("`wind` has no conductance for class `{}`", one_line(label.clone())));
         }
-        wind.following.iter().try_for_each(|following| self.check_following(following, &wind.gas))
+        let Some(following) = &wind.following else { return Ok(()) };
+        let is_column = matches!(wind.gas, ModelGas::Column(_));
+        refuse_if!(!is_column, model_error!("`wind.following` needs the gas as a column, which outputs could follow"));
+        self.check_following("`wind.following`", following)
     }
 
-    fn check_following(&self, following: &Following, gas: &ModelGas) -> Result<(), ModelError> {
-        let is_column = matches!(gas, ModelGas::Column(_));
-        refuse_if!(!is_column, model_error!("`wind.following` needs the gas as a column, which outputs could follow"));
-        self.check_rates("`wind.following`", &following.mesh_rad_s)?;
+    fn check_ambient(&self) -> Result<(), ModelError> {
+        let Some(ambient) = &self.ambient else { return Ok(()) };
+        refuse_if!(
+            self.structure != Structure::Symbol,
+            model_error!("has `ambient`, which belongs to structure `symbol`: others have a gas")
+        );
+        self.check_following("`ambient.following`", &ambient.following)
+    }
+
+    fn check_following(&self, name: &str, following: &Following) -> Result<(), ModelError> {
+        self.check_rates(name, &following.mesh_rad_s)?;
         let (has, outputs) = (following.outputs.len(), self.outputs.len());
         refuse_if!(
             has != outputs,
-            model_error!("`wind.following`: `outputs` has {has} entries for the model's {outputs} outputs")
+            model_error!("{name}: `outputs` has {has} entries for the model's {outputs} outputs")
         );
         let rates = following.mesh_rad_s.len();
         if following.outputs.iter().any(|of| of.f_k_per_k.len() != rates || of.se_k_per_k.len() != rates) {
             return Err(model_error!(
-                "`wind.following`: `f_k_per_k` and `se_k_per_k` must have one value for each of the {rates} rates"
+                "{name}: `f_k_per_k` and `se_k_per_k` must have one value for each of the {rates} rates"
             ));
         }
         let (from_c, [least_c, most_c]) = (following.from_c, following.range_c);
         if !(least_c <= from_c && from_c <= most_c) {
             return Err(model_error!(
-                "`wind.following`: `from_c` is {from_c}, which is not within `range_c`, {least_c} to {most_c}"
+                "{name}: `from_c` is {from_c}, which is not within `range_c`, {least_c} to {most_c}"
             ));
         }
         Ok(())

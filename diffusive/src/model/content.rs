@@ -44,6 +44,9 @@ pub struct Model {
     /// The wind of structure `conductance`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<ModelWind>,
+    /// How outputs follow a measured surrounding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ambient: Option<ModelAmbient>,
     /// Losses that grow with temperature; absent where the model is linear.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub losses: Option<ModelLosses>,
@@ -248,6 +251,17 @@ pub enum ModelGas {
     EstimatedC(Estimate),
 }
 
+/// How outputs follow a measured surrounding: with relaxations of their own, whose input is its
+/// temperature. Offsets belong to `following.from_c`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelAmbient {
+    /// The column of the record that holds the surrounding's temperature.
+    pub column: String,
+    /// As outputs follow a gas.
+    pub following: Following,
+}
+
 /// Losses that grow with temperature: w_i = u_i − Σ g (T_o − T_0)² in place of u_i.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -351,6 +365,25 @@ impl Model {
     /// The pair of an input and an output, by their columns.
     pub fn pair(&self, input: &str, output: &str) -> Option<&Pair> {
         self.pairs.iter().find(|pair| pair.input == input && pair.output == output)
+    }
+
+    /// How outputs follow a gas, or a surrounding, that moves.
+    pub fn following(&self) -> Option<&Following> {
+        let of_wind = self.wind.as_ref().and_then(|wind| wind.following.as_ref());
+        of_wind.or(self.ambient.as_ref().map(|ambient| &ambient.following))
+    }
+
+    /// The column of a record that the model takes gas or surroundings from.
+    pub fn gas_column(&self) -> Option<&str> {
+        let of_wind = self.wind.as_ref().and_then(|wind| match &wind.gas {
+            ModelGas::Column(name) => Some(name),
+            ModelGas::ConstantC(_) | ModelGas::EstimatedC(_) => None,
+        });
+        let of_losses = self.losses.as_ref().and_then(|losses| match &losses.origin {
+            LossOrigin::Column(name) => Some(name),
+            LossOrigin::Offset => None,
+        });
+        of_wind.or(of_losses).or(self.ambient.as_ref().map(|ambient| &ambient.column)).map(String::as_str)
     }
 }
 

@@ -81,6 +81,8 @@ pub struct Forward {
     /// offset.
     losses: Vec<PlacedLoss>,
     from_gas: bool,
+    /// Whether the gas that is followed is a measured surrounding.
+    has_ambient: bool,
     /// The inputs' last values (newest last) and their class, as far back as the longest dead time.
     past: Vec<(Vec<f64>, usize)>,
 }
@@ -118,15 +120,15 @@ impl Forward {
             };
             wind.elements.iter().map(|element| model.classes.iter().map(|label| of(label, element)).collect()).collect()
         });
-        let following = model.wind.as_ref().and_then(|wind| wind.following.as_ref());
         Self {
             banks,
             decays: Vec::new(),
             offset_c: model.outputs.iter().map(|output| output.offset_c).collect(),
             conductance,
-            gas: following.map(|following| GasFollower::of(following, sample_period_s)),
+            gas: model.following().map(|following| GasFollower::of(following, sample_period_s)),
             losses: model.placed_losses(),
             from_gas: model.losses.as_ref().is_some_and(|losses| matches!(losses.origin, LossOrigin::Column(_))),
+            has_ambient: model.ambient.is_some(),
             past: vec![(vec![0.0; model.inputs.len()], 0); longest],
         }
     }
@@ -171,8 +173,8 @@ impl Forward {
 
     /// One row: writes the outputs at t_n, then holds the inputs over [t_n, t_{n+1}).
     ///
-    /// `class` is the row's index into the model's classes, `gas_c` the gas temperature (for
-    /// structure `conductance` only).
+    /// `class` is the row's index into the model's classes, `gas_c` the gas temperature (where it
+    /// is followed, or takes heat).
     pub fn row(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
         self.predict(inputs, class, gas_c, outputs);
         self.hold(class, gas_c, outputs);
@@ -231,7 +233,10 @@ impl Forward {
             self.past[last].0[element] -= taken;
         }
         for loss in &self.losses {
-            let origin_c = if self.from_gas { gas_c } else { self.offset_c[loss.output] };
+            // An offset belongs to a surrounding of `from`, and moves with what is measured of it.
+            let ambient_k =
+                if self.has_ambient { self.gas.as_ref().map_or(0.0, |gas| gas_c - gas.from_c) } else { 0.0 };
+            let origin_c = if self.from_gas { gas_c } else { self.offset_c[loss.output] + ambient_k };
             self.past[last].0[loss.input] -= loss.taken_w(temperatures_c[loss.output] - origin_c);
         }
         if let Some(gas) = &mut self.gas {

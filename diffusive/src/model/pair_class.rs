@@ -104,10 +104,9 @@ impl<'a> PairClass<'a> {
     pub fn warning_beside_losses(&self) -> Option<String> {
         let warnings = self.model.warnings.join("; ");
         let unsupported = self.model.reservation().map(|verdict| format!("{verdict}: {warnings}"));
-        let following = self.model.wind.as_ref().and_then(|wind| wind.following.as_ref());
-        let still = following.map(|following| {
+        let still = self.model.following().map(|following| {
             format!(
-                "the model follows its gas, and this is its answer to power only: the offset belongs to a gas that stays at {} °C",
+                "the model follows gas or surroundings, and this is its answer to power only: the offset belongs to surroundings that stay at {} °C",
                 following.from_c
             )
         });
@@ -233,6 +232,6 @@ mod tests {
         assert_eq!(PairClass::find(&model, None, None).unwrap().warning(), None);
         testing::follow_gas(&mut model, 18.5);
         let warning = PairClass::find(&model, None, None).unwrap().warning().unwrap();
-        assert!(warning.contains("a gas that stays at 18.5 °C"), "{warning}");
+        assert!(warning.contains("surroundings that stay at 18.5 °C"), "{warning}");
     }
 }

@@ -41,6 +41,7 @@ pub fn model(mesh_rad_s: &[f64], r_k_per_w: &[f64]) -> Model {
         classes: vec!["all".to_owned()],
         conductance_w_per_k: BTreeMap::new(),
         wind: None,
+        ambient: None,
         losses: None,
         offset_c: 20.0,
         residual_rms: 0.005,

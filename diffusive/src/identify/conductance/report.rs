@@ -16,7 +16,7 @@ use super::super::support;
 use super::search::{ConductanceTrial, WindSearch};
 use super::solver::{JointStep, Solver};
 use super::terms::ClassConductances;
-use crate::model::{Chosen, Estimate, Followed, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, Structure};
+use crate::model::{Chosen, Estimate, Following, Model, ModelGas, ModelOutput, ModelWind, Pair, Structure};
 
 /// Reads the record once more for the residuals of the best candidate, and puts its model together.
 pub(super) fn model(
@@ -116,22 +116,12 @@ fn wind(
 
 fn following(solver: &Solver<'_>, fitted: &[FittedOutput<'_>], passed: &Passed) -> Following {
     let bank = solver.places.gas_bank();
-    let outputs = fitted.iter().map(|fitted| {
-        // The same sums as those of resistances, of a bank whose drive is in kelvins.
-        let class = fitted.class(bank, 0..0);
-        Followed {
-            f_k_per_k: class.r_k_per_w,
-            se_k_per_k: class.se_k_per_w,
-            steady_gain_k_per_k: class.steady_gain_k_per_w,
-            se_steady_gain_k_per_k: class.se_steady_gain_k_per_w,
-        }
-    });
     let gas = passed.facts.gas.unwrap_or(ValueSpread::from(0.0));
     Following {
         from_c: gas.from,
         range_c: [gas.least, gas.greatest],
         mesh_rad_s: fitted[0].design.banks[bank].rates_rad_s.clone(),
-        outputs: outputs.collect(),
+        outputs: fitted.iter().map(|fitted| fitted.followed(bank)).collect(),
     }
 }
 

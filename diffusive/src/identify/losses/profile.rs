@@ -21,7 +21,8 @@ use super::super::prior::{Prior, Scales};
 use super::source::SearchedLoss;
 use crate::model::Model;
 
-/// The banks of one output's own candidate: those of its pairs, and of the losses beside them.
+/// The banks of one output's own candidate: those of its pairs, of the losses beside them, and of
+/// measured surroundings.
 pub struct ProfileDesign {
     pub design: RegressionDesign,
     /// By bank of a loss: which loss, and the bank of the input that it takes heat from.
@@ -67,6 +68,13 @@ impl ProfileDesign {
             found.design.banks.push(bank);
             found.losses.push((at, from));
         }
+        let ambient = model.ambient.as_ref().map(|ambient| RelaxationBank {
+            drive: BankDrive::Gas,
+            rates_rad_s: ambient.following.mesh_rad_s.clone(),
+            delay: 0,
+            feed_through: false,
+        });
+        found.design.banks.extend(ambient);
         found
     }
 
@@ -109,13 +117,13 @@ impl Profile {
         facts: &Facts,
         thesis_rad_s: f64,
     ) -> Self {
-        let inputs = design.positive.len();
+        let of_losses = design.positive.len()..design.positive.len() + design.losses.len();
         let first_drives = facts.first_drives(&design.design);
         let initial_state = initial_state(model);
         let (mut plain, mut beside) = (Vec::new(), Vec::new());
         for term in terms(&design.design.roles(), initial_state, false, &first_drives) {
-            match term.role.bank().filter(|bank| *bank >= inputs) {
-                Some(bank) => beside.push((bank - inputs, term)),
+            match term.role.bank().filter(|bank| of_losses.contains(bank)) {
+                Some(bank) => beside.push((bank - of_losses.start, term)),
                 None => plain.push(term),
             }
         }
@@ -130,7 +138,7 @@ impl Profile {
             Some((place(term.role, from)?, loss, term))
         });
         let losses = losses.collect();
-        let is_held = |term: &ModelTerm| term.role.bank().is_some_and(|bank| design.positive[bank]);
+        let is_held = |term: &ModelTerm| term.role.bank().is_some_and(|bank| design.positive.get(bank) == Some(&true));
         let positive: Vec<bool> = plain.iter().map(is_held).collect();
         Self {
             output,

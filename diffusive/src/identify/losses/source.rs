@@ -16,11 +16,13 @@ pub struct SearchedLoss {
 }
 
 impl SearchedLoss {
-    /// (T_o − T_0)² in the rows of a block, K².
-    fn squares<'b>(&self, block: &'b Block) -> impl Iterator<Item = f64> + use<'b> {
+    /// (T_o − T_0)² in the rows of a block, K². Where surroundings are measured, T_0 moves with
+    /// them from what they were in the record's first row.
+    fn squares<'b>(&self, block: &'b Block, first_gas_c: f64) -> impl Iterator<Item = f64> + use<'b> {
         let origin_c = self.origin_c;
-        block.outputs[self.placed.output].iter().map(move |temperature_c| {
-            let rise_k = temperature_c - origin_c;
+        block.outputs[self.placed.output].iter().enumerate().map(move |(row, temperature_c)| {
+            let ambient_k = block.gas.get(row).map_or(0.0, |gas_c| gas_c - first_gas_c);
+            let rise_k = temperature_c - origin_c - ambient_k;
             rise_k * rise_k
         })
     }
@@ -42,6 +44,7 @@ pub struct LossSource<'a> {
     columns: LossColumns,
     survey: Survey,
     block: Block,
+    first_gas_c: Option<f64>,
 }
 
 impl<'a> LossSource<'a> {
@@ -50,7 +53,7 @@ impl<'a> LossSource<'a> {
         if columns == LossColumns::Beside {
             survey.inputs.extend((0..losses.len()).map(|at| format!("loss {at}")));
         }
-        Self { inner, losses, columns, survey, block: Block::default() }
+        Self { inner, losses, columns, survey, block: Block::default(), first_gas_c: None }
     }
 }
 
@@ -67,14 +70,18 @@ impl RecordSource for LossSource<'_> {
             return Ok(None);
         };
         self.block.clone_from(block);
+        let first_gas_c = *self.first_gas_c.get_or_insert(block.gas.first().copied().unwrap_or(0.0));
         for loss in self.losses {
             match self.columns {
                 LossColumns::Taken => {
                     let input = &mut self.block.inputs[loss.placed.input];
                     let g = loss.placed.g_w_per_k2;
-                    input.iter_mut().zip(loss.squares(block)).for_each(|(input, square)| *input -= g * square);
+                    input
+                        .iter_mut()
+                        .zip(loss.squares(block, first_gas_c))
+                        .for_each(|(input, square)| *input -= g * square);
                 }
-                LossColumns::Beside => self.block.inputs.push(loss.squares(block).collect()),
+                LossColumns::Beside => self.block.inputs.push(loss.squares(block, first_gas_c).collect()),
             }
         }
         Ok(Some(&self.block))

@@ -75,6 +75,11 @@ impl Survey {
         self.rows as f64 * self.sample_period_s
     }
 
+    /// Banks of relaxations that inputs drive in so many classes, and measured surroundings.
+    pub(in crate::identify) fn driven_banks(&self, classes: usize) -> usize {
+        self.inputs.len() * classes + usize::from(self.gas_column.is_some())
+    }
+
     /// Why the record cannot be used: a sentence that goes on behind its name.
     pub(in crate::identify) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
         RecordError::content(&self.path, sentence)

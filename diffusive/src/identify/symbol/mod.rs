@@ -7,6 +7,8 @@
 
 pub(super) mod plan;
 mod report;
+#[cfg(test)]
+mod tests;
 
 use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};

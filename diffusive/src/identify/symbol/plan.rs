@@ -70,7 +70,7 @@ fn meshes_besides(
         meshes.extend(candidates::averaged(duration_s, period_s));
     }
     let width =
-        |mesh: &CandidateMesh| (mesh.rates_rad_s.len() + mesh.poles_rad_s.len()) * (survey.inputs.len() * classes + 1);
+        |mesh: &CandidateMesh| (mesh.rates_rad_s.len() + mesh.poles_rad_s.len()) * (survey.driven_banks(classes) + 1);
     let most = (survey.rows / 3).min(MOST_UNKNOWNS as u64) as usize;
     if meshes.iter().any(|mesh| width(mesh) > most) { Vec::new() } else { meshes }
 }
@@ -85,9 +85,9 @@ fn parts(inputs: usize, classes: usize, kind: PairKind) -> Vec<BankPart> {
 /// # Errors
 /// If the rows are too few, or the unknowns too many.
 fn meshes(survey: &Survey, classes: usize, given: &Constraints) -> Result<Vec<CandidateMesh>, RecordError> {
-    let (rows, inputs) = (survey.rows, survey.inputs.len());
+    let (rows, banks) = (survey.rows, survey.driven_banks(classes));
     let mut meshes = candidates::meshes(survey.duration_s(), survey.sample_period_s, classes, given);
-    let unknowns = |mesh: &CandidateMesh| mesh.rates_rad_s.len() * (inputs * classes + 1) + 1;
+    let unknowns = |mesh: &CandidateMesh| mesh.rates_rad_s.len() * (banks + 1) + 1;
     let fewest = meshes.iter().map(unknowns).min().unwrap_or(0);
     support::solvable(survey, fewest)?;
     // What the rows cannot determine well is not worth a trial, nor what takes too long, unless it
@@ -108,7 +108,7 @@ pub struct SymbolPlan {
     pub meshes: Vec<CandidateMesh>,
     /// By mesh.
     pub designs: Vec<RegressionDesign>,
-    /// By bank.
+    /// By bank; a bank of the surroundings stands behind them.
     pub parts: Vec<BankPart>,
 }
 
@@ -163,8 +163,16 @@ impl SymbolPlan {
             let count = if mesh.poles_rad_s.is_empty() { 0 } else { outputs };
             (0..count).map(of).collect::<Vec<_>>()
         };
+        let ambient = |mesh: &CandidateMesh| {
+            survey.gas_column.as_ref().map(|_| RelaxationBank {
+                drive: BankDrive::Gas,
+                rates_rad_s: mesh.all_rad_s(),
+                delay: 0,
+                feed_through: false,
+            })
+        };
         let design = |mesh: &CandidateMesh| RegressionDesign {
-            banks: parts.iter().map(|part| bank(part, mesh)).chain(means(mesh)).collect(),
+            banks: parts.iter().map(|part| bank(part, mesh)).chain(ambient(mesh)).chain(means(mesh)).collect(),
             // A filter needs the decays at its poles, whatever the record began with.
             initial_rad_s: if may_begin { mesh.all_rad_s() } else { mesh.poles_rad_s.clone() },
             outputs,
@@ -186,6 +194,12 @@ impl SymbolPlan {
         let passed = pass(source, &self.designs[..read], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
         let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
         support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)?;
+        if let (Some(column), Some(gas)) = (&self.survey.gas_column, &passed.facts.gas) {
+            self.survey.refuse_if(
+                gas.sd() == 0.0,
+                format_args!("column `{column}` is {} in all rows: surroundings that never move are in the offset; leave out --ambient", gas.least),
+            )?;
+        }
         let duration_s = self.survey.duration_s();
         let classes = self.classes.len() as u32;
         let (thesis_rad_s, _) = thesis_edges_rad_s(duration_s, self.survey.sample_period_s, classes);
@@ -209,6 +223,16 @@ impl SymbolPlan {
         let poles = &self.meshes[mesh].poles_rad_s;
         let rates = self.designs[mesh].banks[bank].rates_rad_s.iter().copied();
         rates.filter(|rate| !poles.contains(rate)).collect()
+    }
+
+    /// The bank of measured surroundings.
+    pub fn ambient_bank(&self) -> Option<usize> {
+        self.survey.gas_column.is_some().then_some(self.parts.len())
+    }
+
+    /// Whether a bank is a part of an output's model: filters' means are of none.
+    pub fn is_seen(&self, bank: usize, output: usize) -> bool {
+        self.ambient_bank() == Some(bank) || self.parts.get(bank).is_some_and(|part| part.is_seen_by(output))
     }
 
     /// Whether inputs drive only in their class.

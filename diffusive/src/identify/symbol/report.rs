@@ -12,7 +12,7 @@ use super::super::residual_pass::ResidualPass;
 use super::super::support;
 use super::super::whiteness::is_white;
 use super::plan::{BankPart, SymbolPlan, SymbolReading};
-use crate::model::{Chosen, Model, Pair, Structure};
+use crate::model::{Chosen, Followed, Following, Model, ModelAmbient, Pair, Structure};
 
 /// All that a model is written from.
 pub struct SymbolResult<'a> {
@@ -31,12 +31,13 @@ impl SymbolResult<'_> {
         for ((output, choice), facts) in outputs.iter_mut().zip(self.choices).zip(&passed.facts.outputs) {
             output.forecast_rms = Some(choice.forecast_rms(facts.sd()));
         }
-        let pairs = self.pairs();
+        let (pairs, ambient) = (self.pairs(), self.ambient());
         let warnings = self.warnings(tie_warning, &pairs);
         let reasons = path.reason.clone().into_iter().chain(tie_reason).collect();
         let is_white = is_white(&self.residuals.residuals[0]);
         Model {
             pairs,
+            ambient,
             event_column: survey.event_column.clone().filter(|_| plan.is_gated()),
             supported: warnings.is_empty(),
             warnings,
@@ -98,10 +99,32 @@ impl SymbolResult<'_> {
         pairs
     }
 
+    /// How outputs follow measured surroundings, on a mesh that has the rates of all.
+    fn ambient(&self) -> Option<ModelAmbient> {
+        let SymbolReading { plan, passed, .. } = self.reading;
+        let (column, bank) = (plan.survey.gas_column.clone()?, plan.ambient_bank()?);
+        let meshes: Vec<Vec<f64>> = self.choices.iter().map(|choice| plan.rates_of(choice.trial.mesh, bank)).collect();
+        let mut mesh_rad_s = meshes.concat();
+        mesh_rad_s.sort_by(f64::total_cmp);
+        mesh_rad_s.dedup();
+        let on_all = |own: &[f64], values: &[f64]| {
+            let value = |rate: &f64| own.iter().position(|own| own == rate).map_or(0.0, |at| values[at]);
+            mesh_rad_s.iter().map(value).collect()
+        };
+        let followed = |(fitted, own): (&FittedOutput<'_>, &Vec<f64>)| {
+            let of = fitted.followed(bank);
+            Followed { f_k_per_k: on_all(own, &of.f_k_per_k), se_k_per_k: on_all(own, &of.se_k_per_k), ..of }
+        };
+        let outputs = self.fitted.iter().zip(&meshes).map(followed).collect();
+        let gas = passed.facts.gas?;
+        let following =
+            Following { from_c: gas.from, range_c: [gas.least, gas.greatest], outputs, mesh_rad_s: mesh_rad_s.clone() };
+        Some(ModelAmbient { column, following })
+    }
+
     /// Whether the resistances of an input may not be negative.
     fn is_held(&self, choice: &Choice, input: usize) -> bool {
-        let is_its =
-            |role: Role| matches!(role, Role::Relaxation { bank, .. } if self.reading.plan.parts[bank].input == input);
+        let is_its = |role: Role| matches!(role, Role::Relaxation { bank, .. } if self.reading.plan.parts.get(bank).is_some_and(|part| part.input == input));
         let positive = choice.positive.iter().flatten();
         choice.terms.iter().zip(positive).any(|(term, positive)| *positive && is_its(term.role))
     }

@@ -15,7 +15,7 @@ use super::options::FitObserver;
 use super::record::{RecordError, RecordSource, Survey};
 use super::residuals::Residuals;
 use super::validate_options::LEAST_ROWS;
-use crate::model::{Forward, LossOrigin, Model, ModelGas, RecordEnd};
+use crate::model::{Forward, Model, RecordEnd};
 use run::{LossesBy, run};
 use start::{estimate, prior_widths};
 
@@ -79,17 +79,9 @@ fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
         (inputs, outputs) != (model_inputs, model_outputs),
         format_args!("has {inputs} inputs and {outputs} outputs where the model has {model_inputs} and {model_outputs}: name them with --input and --output, in the model's order"),
     )?;
-    let of_wind = match model.wind.as_ref().map(|wind| &wind.gas) {
-        Some(ModelGas::Column(column)) => Some(column),
-        _ => None,
-    };
-    let of_losses = match model.losses.as_ref().map(|losses| &losses.origin) {
-        Some(LossOrigin::Column(column)) => Some(column),
-        _ => None,
-    };
-    match of_wind.or(of_losses) {
+    match model.gas_column() {
         Some(column) if survey.gas_column.is_none() => Err(survey.refuse(format!(
-            "has no gas column: the model needs the temperature of the gas, which was column `{column}`"
+            "has no gas column: the model needs the temperature of gas or surroundings, which was column `{column}`"
         ))),
         _ => Ok(()),
     }

@@ -97,7 +97,7 @@ pub(super) fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
             widen(rate, greatest);
         }
     }
-    if let Some(following) = model.wind.as_ref().and_then(|wind| wind.following.as_ref()) {
+    if let Some(following) = model.following() {
         let range_k = following.range_c[1] - following.range_c[0];
         let own = following.mesh_rad_s.iter().zip(&following.outputs[output].f_k_per_k);
         own.for_each(|(&rate, f_k_per_k)| widen(rate, f_k_per_k.abs() * range_k));
