@@ -32,6 +32,10 @@ const COUNTS: f64 = 6.0;
 const MOST_MEMBERS: usize = 60;
 /// Ratio of mean squared errors ahead.
 const WORSE: f64 = 0.5;
+/// Evidence, in nats, by which a drift must lead an ordinary choice that leaves white noise: it may
+/// have taken a drift for slow relaxations (120 and more, of a sine of the drift rig), or be right
+/// about a structure that the mesh for drifts has not (20, of a sphere's sector).
+const WORTH_OF_WHITE: f64 = 50.0;
 /// Weights of the prior that are averaged.
 const AVERAGED: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
@@ -39,9 +43,8 @@ impl CandidateSet<'_> {
     /// Another choice, if the record calls for one; `left` is what the ordinary one leaves.
     pub fn otherwise(&self, ordinary: &Choice, left: &Residuals) -> Option<Choice> {
         let moves = self.reading.passed.facts.moves();
-        let given = self.options.drift;
-        if moves >= MOVES || matches!(given, DriftGiven::Kind(_)) {
-            return self.drifting(ordinary);
+        if moves >= MOVES || matches!(self.options.drift, DriftGiven::Kind(_)) {
+            return self.drifting(ordinary, left);
         }
         let average = self.averaged(ordinary, moves)?;
         // What leaves white noise is left alone, unless it is clearly worse at carrying on.
@@ -57,7 +60,7 @@ impl CandidateSet<'_> {
         initial_states(self.options.constraints.initial_state, &self.reading.first_drives)
     }
 
-    fn drifting(&self, ordinary: &Choice) -> Option<Choice> {
+    fn drifting(&self, ordinary: &Choice, left: &Residuals) -> Option<Choice> {
         let mesh = *self.meshes_for(MeshPart::Drifting).first()?;
         let total = Gram::total(&self.reading.passed.folds[mesh]);
         let priors = match self.options.constraints.ridge {
@@ -124,7 +127,8 @@ impl CandidateSet<'_> {
         let of_ordinary = priors.iter().map(|&prior| evident(trial.mesh, trial.initial_state, prior, None, &other).1);
         let of_ordinary = of_ordinary.fold(f64::NEG_INFINITY, f64::max);
         let of_best = evident(mesh, best.initial_state, best.prior, best.filter.as_ref(), &total).1;
-        let is_worth = evidence > WORTH && of_best - of_ordinary > WORTH;
+        let lead = if is_white(left) { WORTH_OF_WHITE } else { WORTH };
+        let is_worth = evidence > WORTH && of_best - of_ordinary > lead;
         if self.options.drift == DriftGiven::Auto && !is_worth {
             return None;
         }
