@@ -154,7 +154,8 @@ impl CandidateSet<'_> {
             let total = Gram::total(&self.reading.passed.folds[mesh]);
             let pole = self.meshes()[mesh].poles_rad_s.first().copied();
             let walk = pole.map(NoiseFilter::walk);
-            for initial_state in self.initial_states() {
+            // Whatever was asked for: candidates of the wrong structure err by more than a beginning.
+            for initial_state in initial_states(None, &self.reading.first_drives) {
                 for filter in std::iter::once(None).chain(walk.clone().map(Some)) {
                     for prior in AVERAGED.map(Prior::Tapered) {
                         let filter = filter.clone();

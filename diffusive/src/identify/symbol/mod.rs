@@ -5,6 +5,7 @@
 //! class, which go on decaying while another class holds; all classes share what the record began
 //! with.
 
+mod asked;
 pub(super) mod plan;
 mod report;
 #[cfg(test)]
@@ -43,9 +44,17 @@ pub fn identify(
     let classes = labels(source, progress)?;
     let reading = SymbolPlan::of(source, survey, classes, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);
-    let mut choices = choose(source, &reading, options, progress)?;
-    if reading.plan.meshes.iter().any(|mesh| mesh.part != MeshPart::Ordinary) {
-        reconsider(source, &reading, options, &mut choices)?;
+    let choices = decided(source, &reading, options, progress)?;
+    if asked::is_asked(options) {
+        let open = asked::open(options);
+        let others = decided(source, &reading, &open, progress)?;
+        let against = asked::contradictions(&reading.plan.survey, options, &choices, &others);
+        if !against.is_empty() {
+            let mut model = identify(source, &open, progress, observer)?;
+            model.warnings.extend(against);
+            model.supported = false;
+            return Ok(model);
+        }
     }
     let tied = if options.tie { tie(&reading, &choices) } else { Tied { choices, reason: None, warning: None } };
     let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
@@ -55,6 +64,20 @@ pub fn identify(
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
     let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
+}
+
+/// The choice for every output, in the order in which choices give way to others.
+fn decided(
+    source: &mut dyn RecordSource,
+    reading: &SymbolReading,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Choice>, RecordError> {
+    let mut choices = choose(source, reading, options, progress)?;
+    if reading.plan.meshes.iter().any(|mesh| mesh.part != MeshPart::Ordinary) {
+        reconsider(source, reading, options, &mut choices)?;
+    }
+    Ok(choices)
 }
 
 /// The choice for every output, on the sums of one reading; and a second opinion where its

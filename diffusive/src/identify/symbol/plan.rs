@@ -14,6 +14,7 @@ use super::super::pass::{Passed, pass};
 use super::super::prior::Scales;
 use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::support;
+use super::asked;
 
 /// Unknowns beyond which only the smallest mesh is tried: the search takes time with their third
 /// power.
@@ -152,7 +153,8 @@ impl SymbolPlan {
             delay: path.delay,
             feed_through: path.feed_through && part.kind != PairKind::Cross,
         };
-        let may_begin = options.constraints.initial_state != Some(InitialState::Rest);
+        // At rest nothing decays; but whether the record agrees is asked, where there is a choice.
+        let may_begin = options.constraints.initial_state != Some(InitialState::Rest) || asked::is_asked(options);
         let means = |mesh: &CandidateMesh| {
             let of = |output| RelaxationBank {
                 drive: BankDrive::Output(output),

@@ -1,0 +1,50 @@
+//! An initial state that is asked for, and a record that contradicts it.
+//!
+//! Whoever says that a record begins at rest says more than the record may bear: what was stored
+//! before then passes for the answer to power, and gains are wrong by as much. So the choice is
+//! made once more on the same sums, with any initial state; where that explains the record clearly
+//! better, the record is identified as if nothing had been asked for, and the model says so.
+
+use super::super::choose::Choice;
+use super::super::folds::change;
+use super::super::options::{IdentifyOptions, InitialState};
+use super::super::record::Survey;
+
+/// Ratio of errors, all questions together, from which a record contradicts.
+const CONTRADICTED: f64 = 1.1;
+
+/// Whether an initial state was asked for that the record may contradict, and there is a choice to
+/// make.
+pub fn is_asked(options: &IdentifyOptions) -> bool {
+    let is_state = matches!(options.constraints.initial_state, Some(InitialState::Rest | InitialState::Settled));
+    let is_fixed = options.constraints.mesh_is_fixed() || options.free_poles.is_some() || options.tie;
+    is_state && !is_fixed
+}
+
+/// The same with any initial state.
+pub fn open(options: &IdentifyOptions) -> IdentifyOptions {
+    let mut open = options.clone();
+    open.constraints.initial_state = None;
+    open
+}
+
+/// Why the record contradicts, output by output; nothing where it does not. `others` are the
+/// choices with any initial state.
+pub fn contradictions(
+    survey: &Survey,
+    options: &IdentifyOptions,
+    choices: &[Choice],
+    others: &[Choice],
+) -> Vec<String> {
+    let asked = options.constraints.initial_state.map_or("", InitialState::name);
+    let of = |((choice, other), name): ((&Choice, &Choice), &String)| {
+        let ratio = other.score.overall() / choice.score.overall().max(1e-300);
+        (ratio < CONTRADICTED.powi(-2)).then(|| {
+            format!(
+                "`{name}`: the initial state is not {asked}, as was asked for: with any other the cross-validated error is {}, and that is taken; the record does not begin so, or something else moves it at first (a drift, another input)",
+                change(ratio)
+            )
+        })
+    };
+    choices.iter().zip(others).zip(&survey.outputs).filter_map(of).collect()
+}
