@@ -86,6 +86,7 @@ mod mixture;
 mod outcome;
 mod panels;
 mod prior;
+mod quiet_start;
 mod residual_pass;
 mod residuals;
 mod rows;

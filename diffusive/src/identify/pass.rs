@@ -4,6 +4,7 @@
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
 use super::gram::{Accumulator, Gram};
+use super::quiet_start::QuietStart;
 use super::record::{Block, RecordError, RecordSource, Survey};
 use super::spread::{ValueSpread, deviation};
 use crate::model::Provenance;
@@ -24,7 +25,12 @@ pub struct Facts {
     products: Vec<Vec<f64>>,
     /// By input.
     moves: Vec<InputMoves>,
+    /// Before the first power.
+    pub quiet_start: QuietStart,
 }
+
+/// Rows that are gone through side by side.
+const ABREAST: usize = 16;
 
 /// How an input moves from row to row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -38,12 +44,22 @@ struct InputMoves {
 
 impl InputMoves {
     fn add(&mut self, values: &[f64], far: f64) {
-        for &value in values {
-            let by = (value - self.last).abs();
-            self.moves += u64::from(by > far);
-            self.travel += by;
-            self.last = value;
+        // Side by side, as a single sum would wait for each of its additions.
+        let (mut moves, mut travel) = ([0_u64; ABREAST], [0.0; ABREAST]);
+        let mut add = |values: &[f64], before: &[f64]| {
+            for (at, (value, before)) in values.iter().zip(before).enumerate() {
+                let by = (value - before).abs();
+                moves[at] += u64::from(by > far);
+                travel[at] += by;
+            }
+        };
+        add(&values[..1], &[self.last]);
+        for (values, before) in values[1..].chunks(ABREAST).zip(values.chunks(ABREAST)) {
+            add(values, before);
         }
+        self.moves += moves.iter().sum::<u64>();
+        self.travel += travel.iter().sum::<f64>();
+        self.last = values[values.len() - 1];
     }
 }
 
@@ -71,6 +87,7 @@ impl Facts {
             self.moves = self.first_inputs.iter().map(|&last| InputMoves { last, ..InputMoves::default() }).collect();
         }
         self.rows += block.len() as u64;
+        self.quiet_start.add(block);
         for (spread, values) in self.outputs.iter_mut().zip(&block.outputs) {
             spread.add(values);
         }

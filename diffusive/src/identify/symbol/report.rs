@@ -31,9 +31,14 @@ impl SymbolResult<'_> {
         for ((output, choice), facts) in outputs.iter_mut().zip(self.choices).zip(&passed.facts.outputs) {
             output.forecast_rms = Some(choice.forecast_rms(facts.sd()));
         }
+        // A drift's offset is none that stands.
+        let stands = |choice: &Choice| choice.drift.as_ref().is_none_or(|drift| drift.filter.is_none());
+        let places = (0..outputs.len()).filter(|&output| stands(&self.choices[output]));
+        let contradicted: Vec<String> =
+            places.filter_map(|output| passed.facts.quiet_start.held_against(output, &mut outputs[output])).collect();
         let (pairs, ambient) = (self.pairs(), self.ambient());
         let warnings = self.warnings(tie_warning, &pairs);
-        let reasons = path.reason.clone().into_iter().chain(tie_reason).collect();
+        let reasons = path.reason.clone().into_iter().chain(tie_reason).chain(contradicted).collect();
         let is_white = is_white(&self.residuals.residuals[0]);
         Model {
             pairs,
