@@ -26,6 +26,8 @@ use super::whiteness::is_white;
 
 /// Moves of an input from which on evidence is trusted.
 const MOVES: u64 = 100;
+/// Moves up to which a record is poorly excited.
+const SELDOM: u64 = 50;
 /// Evidence, in nats, within which another candidate counts.
 const COUNTS: f64 = 6.0;
 /// Candidates of a drift that are averaged at the most.
@@ -45,6 +47,9 @@ impl CandidateSet<'_> {
         let moves = self.reading.passed.facts.moves();
         if moves >= MOVES || matches!(self.options.drift, DriftGiven::Kind(_)) {
             return self.drifting(ordinary, left);
+        }
+        if moves >= SELDOM {
+            return None;
         }
         let average = self.averaged(ordinary, moves)?;
         // What leaves white noise is left alone, unless it is clearly worse at carrying on.
