@@ -27,7 +27,7 @@ pub struct Facts {
 }
 
 /// How an input moves from row to row.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct InputMoves {
     /// Rows in which it moves by more than a tenth of its range.
     moves: u64,
