@@ -103,9 +103,18 @@ impl Residuals {
     /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its
     /// mean.
     pub fn fit_percent(&self) -> f64 {
-        let n = (self.count as f64).max(1.0);
-        let spread = self.y_squares - self.y_sum * self.y_sum / n;
+        let spread = self.spread_squares();
         if spread > 0.0 { 100.0 * (1.0 - (self.unexplained / spread).sqrt()) } else { 0.0 }
+    }
+
+    /// Standard deviation of the output.
+    pub fn spread_rms(&self) -> f64 {
+        (self.spread_squares().max(0.0) / (self.count as f64).max(1.0)).sqrt()
+    }
+
+    /// ‖y − mean y‖²
+    fn spread_squares(&self) -> f64 {
+        self.y_squares - self.y_sum * self.y_sum / (self.count as f64).max(1.0)
     }
 
     /// `None` for fewer rows than lags would need, or residuals that are all zero.

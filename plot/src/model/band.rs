@@ -31,8 +31,7 @@ pub fn log_band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
 
 /// By how much standard errors that take an output's residuals for white are too small.
 pub fn inflation(model: &Model, output: &str) -> f64 {
-    let of = |known: &ModelOutput| known.whiteness.as_ref().map(|white| white.inflation);
-    model.outputs.iter().find(|known| known.name == output).and_then(of).unwrap_or(1.0).max(1.0)
+    model.outputs.iter().find(|known| known.name == output).map_or(1.0, ModelOutput::inflation)
 }
 
 #[cfg(test)]
