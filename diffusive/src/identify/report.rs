@@ -27,6 +27,15 @@ pub struct IdentifyReport<'a> {
     pub written: Option<&'a Path>,
 }
 
+impl IdentifyReport<'_> {
+    /// Whether the record does not support its model, or its offset may have moved, so that another
+    /// one is called for.
+    fn lacks(&self) -> bool {
+        let has_drift = || self.model.outputs.iter().any(|output| output.drift.is_some());
+        !self.model.advice.is_empty() && (!self.model.supported || has_drift())
+    }
+}
+
 impl Display for IdentifyReport<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let &Self { model, notes, written } = self;
@@ -66,6 +75,12 @@ impl Display for IdentifyReport<'_> {
             writeln!(f, "cross-validated error: {} rms", estimate(error.value, error.se))?;
         }
         chosen(f, model)?;
+        if self.lacks() {
+            writeln!(f, "\nnext record:")?;
+            for advice in &model.advice {
+                writeln!(f, "  {advice}")?;
+            }
+        }
         match written {
             Some(path) => writeln!(f, "\nmodel written to {}", path.display()),
             None => Ok(()),
@@ -160,7 +175,7 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
 /// `None` for too few rows to tell.
 pub fn whiteness_verdict(output: &ModelOutput) -> Option<String> {
     let white = output.whiteness.as_ref()?;
-    Some(if white.p_value >= 0.01 {
+    Some(if white.is_white() {
         format!("residuals white (p = {:.2})", white.p_value)
     } else if output.drift.as_ref().is_some_and(OutputDrift::is_average) {
         "residuals coloured: standard errors hold how far candidates differ".to_owned()

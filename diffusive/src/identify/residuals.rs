@@ -31,8 +31,11 @@ pub struct FitRow<'a> {
     /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time
     /// leaves without a known input.
     pub predicted: &'a [f64],
-    /// By output: how far the offset has moved; empty where nothing tells.
+    /// By output, K: how far the offset has moved, as the rows before tell it; empty where nothing
+    /// tells.
     pub drift: &'a [f64],
+    /// By output: standard error of offset and drift together, K.
+    pub drift_se: &'a [f64],
 }
 
 /// Sums over the residuals of one output.

@@ -370,6 +370,13 @@ impl ModelOutput {
     }
 }
 
+impl Whiteness {
+    /// Whether nothing but noise is left, as far as a test of one in a hundred tells.
+    pub fn is_white(&self) -> bool {
+        self.p_value >= 0.01
+    }
+}
+
 impl OutputDrift {
     /// Kind of drift of an average, in which several may stand.
     pub const AVERAGE: &str = "average";

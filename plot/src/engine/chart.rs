@@ -68,6 +68,12 @@ impl Figure {
         self
     }
 
+    /// Every row of charts as a figure of its own, without titles: for a page that breaks between
+    /// them.
+    pub fn apart(&self) -> impl Iterator<Item = Self> {
+        self.rows.iter().map(|row| Self { rows: vec![row.clone()], width: self.width, ..Self::default() })
+    }
+
     /// All charts, from the left and from top to bottom.
     pub fn charts(&self) -> impl Iterator<Item = &Chart> {
         self.rows.iter().flatten()
