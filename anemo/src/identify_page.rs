@@ -87,8 +87,8 @@ fn resistances(model: &Model, pair: &Pair, label: &str, class: &Class) -> String
         let at_once = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
         rows.push(["at once".to_owned(), "0".to_owned(), at_once]);
     }
-    let unit = gain_unit(model, &pair.output).unwrap_or_default();
-    let head = ["rate, rad/s", "time constant, s", &format!("R, {unit}")];
+    let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(", {unit}"));
+    let head = ["rate, rad/s", "time constant, s", &format!("R{unit}")];
     format!("<h3>{}</h3>\n{}", markup(&subject(model, pair, label)), table(&head, &rows))
 }
 
@@ -170,7 +170,8 @@ fn section(heading: &str, class: &str, sentences: &[String]) -> String {
 
 fn list(class: &str, sentences: &[String]) -> String {
     let items: String = sentences.iter().map(|sentence| format!("<li>{}</li>\n", markup(sentence))).collect();
-    if items.is_empty() { items } else { format!("<ul class=\"{class}\">\n{items}</ul>") }
+    let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
+    if items.is_empty() { items } else { format!("<ul{class}>\n{items}</ul>") }
 }
 
 fn table<const N: usize>(head: &[&str], rows: &[[String; N]]) -> String {

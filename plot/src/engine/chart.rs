@@ -31,6 +31,8 @@ pub struct Figure {
     pub(crate) subtitle: String,
     pub(crate) rows: Vec<Vec<Chart>>,
     pub(crate) width: PictureWidth,
+    /// What stands at the left of the axes, if that is more than its own charts need.
+    pub(crate) left_rooms: Option<[f64; 3]>,
 }
 
 impl Figure {
@@ -66,12 +68,6 @@ impl Figure {
     pub fn stack(mut self, charts: impl IntoIterator<Item = Chart>) -> Self {
         self.rows.extend(charts.into_iter().map(|chart| vec![chart]));
         self
-    }
-
-    /// Every row of charts as a figure of its own, without titles: for a page that breaks between
-    /// them.
-    pub fn apart(&self) -> impl Iterator<Item = Self> {
-        self.rows.iter().map(|row| Self { rows: vec![row.clone()], width: self.width, ..Self::default() })
     }
 
     /// All charts, from the left and from top to bottom.

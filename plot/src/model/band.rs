@@ -12,8 +12,13 @@ const BEYOND: f64 = 0.25;
 
 /// A curve of (x, value, standard error) with its band; standard errors are widened `by` so much.
 pub fn band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
+    band_within(curve, by, BEYOND)
+}
+
+/// The same with a band that may reach `beyond` the curve, in ranges of the curve.
+pub fn band_within(curve: &[(f64, f64, Option<f64>)], by: f64, beyond: f64) -> Vec<Bin> {
     let Some((low, high)) = extent(curve.iter().map(|(_, value, _)| *value)) else { return Vec::new() };
-    let (low, high) = (low - BEYOND * (high - low), high + BEYOND * (high - low));
+    let (low, high) = (low - beyond * (high - low), high + beyond * (high - low));
     let bin = |&(x, value, se): &(f64, f64, Option<f64>)| {
         let half = NORMAL_95 * by * se.unwrap_or(0.0);
         let (least, most) = ((value - half).clamp(low, value), (value + half).clamp(value, high));

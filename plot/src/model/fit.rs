@@ -8,7 +8,7 @@
 //! d is the offset's drift as the rows before tell it, 0 where the offset stands. What slow
 //! resistances take too much it lacks: its band is that of both.
 
-use super::band::band;
+use super::band::band_within;
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::colour::INK;
@@ -25,6 +25,8 @@ const MOST_BINS: usize = 1460;
 const MOST_STRETCHES: usize = 300;
 /// Residuals beyond so many times what 98 of 100 bins keep within are cut.
 const OUTLIER: f64 = 6.0;
+/// What a drift is unsure by may be more than it moves: its band is cut so many ranges beyond.
+const DRIFT_BEYOND: f64 = 2.0;
 
 /// Some rows in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,11 +187,11 @@ impl FitSeries {
         let known = NORMAL_95 * curve.iter().filter_map(|(.., se)| *se).fold(0.0, f64::max);
         Chart::new("Offset's drift", unit)
             .y_title("Drift")
-            .height(24.0)
+            .height(28.0)
             .note("by the rows before")
             .note(format!("band: 95 %, at most ±{}", with_unit(known, unit)))
             .limit(0.0)
-            .trace(Trace::bins("", band(&curve, 1.0)).colour(2))
+            .trace(Trace::bins("", band_within(&curve, 1.0, DRIFT_BEYOND)).colour(2))
     }
 }
 
