@@ -23,8 +23,8 @@ use plot::model::figure;
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
 /// first column. Gaps and missing values end a segment, across which nothing is taken. Options not
 /// given are chosen by block cross-validation, and the reasons printed.
-/// The picture shows time-constant spectrum (diffusive symbol), fit, residuals, frequency response
-/// and structure function.
+/// The picture shows time-constant spectrum (diffusive symbol), fit, the offset's drift if it has
+/// one, residuals, frequency response and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -37,7 +37,8 @@ Examples:
   anemo identify heater.csv --input power --output temperature -o heater.json
   anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
       --ridge 1e-6
-  anemo identify heater.csv heater-second-half.csv -o both.json
+  anemo identify heater.csv heater-second-half.csv -o both.json \\
+      --report both.html
   anemo identify three-winds.csv --event wind --non-negative all \\
       -o winds.json --plot winds.svg
   anemo identify three-winds.csv --event wind --structure conductance \\
