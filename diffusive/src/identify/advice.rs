@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use dr_core::signal::prbs::ORDERS;
 use recording::text::brief;
 
-use crate::model::{Class, LossOrigin, Model, ModelGas, ModelOutput, Pair};
+use crate::model::{Class, LossOrigin, Model, ModelGas, ModelOutput, Pair, Whiteness};
 
 /// Share of a steady gain that carries weight.
 const WEIGHT: f64 = 0.05;
@@ -105,12 +105,19 @@ fn amplitude(model: &Model) -> Option<String> {
     if clear >= CLEAR {
         return Some(format!("amplitude: as now, the response of `{name}` is {times} times what is left"));
     }
-    let is_white = output.whiteness.as_ref().is_none_or(|white| white.is_white());
-    let but = if is_white { "" } else { "; what is left is no noise, and a better model may leave less" };
+    let but = if is_white(output) {
+        ""
+    } else {
+        "; what is left is no noise, but a disturbance, or structure that the model lacks"
+    };
     Some(format!(
         "amplitude: {} times the present one, as far as the element bears it: the response of `{name}` is {times} times what is left, and {CLEAR} would be clear{but}",
         rough(CLEAR / clear)
     ))
+}
+
+fn is_white(output: &ModelOutput) -> bool {
+    output.whiteness.as_ref().is_none_or(Whiteness::is_white)
 }
 
 /// How often the residual goes into what the inputs explain of an output.
@@ -128,8 +135,10 @@ fn surroundings(model: &Model) -> Option<String> {
     }
     let reason = model.outputs.iter().find_map(|output| {
         let name = &output.name;
-        if output.drift.as_ref().is_some_and(|drift| !drift.is_average()) {
-            return Some(format!("the offset of `{name}` moved"));
+        match &output.drift {
+            Some(drift) if !drift.is_average() => return Some(format!("the offset of `{name}` moved")),
+            Some(_) if !is_white(output) => return Some(format!("the offset of `{name}` may have moved")),
+            _ => {}
         }
         let (ahead, spread) = (output.forecast_rms?, output.spread_rms?);
         let share = rough(100.0 * ahead / spread);
@@ -188,8 +197,8 @@ fn first_of_weight<'m>(rates: impl Iterator<Item = (&'m f64, &'m f64)>, weight: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::OutputDrift;
     use crate::model::testing;
-    use crate::model::{OutputDrift, Whiteness};
 
     /// 50 s, 5 s and 0.5 s, of which the last carries 1 % of the gain; swings by 2 K over 5 mK.
     fn model(duration_s: f64) -> Model {
@@ -237,7 +246,7 @@ mod tests {
         let whiteness = Whiteness { autocorrelation: vec![0.9], q: 1e3, p_value: 0.0, inflation: 5.0 };
         output.whiteness = Some(whiteness);
         starts(&short, 2, "amplitude: 5 times the present one");
-        assert!(advice(&short, true)[2].ends_with("a better model may leave less"));
+        assert!(advice(&short, true)[2].ends_with("or structure that the model lacks"));
         starts(&short, 3, "levels: ");
         assert_eq!(advice(&short, false).len(), 3);
         short.outputs[0].forecast_rms = Some(0.5);
@@ -250,5 +259,7 @@ mod tests {
             evidence_nats: 50.0,
         });
         assert!(advice(&short, true)[4].ends_with("since the offset of `temperature_c_a` moved"));
+        short.outputs[0].drift.as_mut().unwrap().kind = OutputDrift::AVERAGE.to_owned();
+        assert!(advice(&short, true)[4].ends_with("since the offset of `temperature_c_a` may have moved"));
     }
 }
