@@ -61,8 +61,8 @@ pub struct Model {
     /// A sentence for everything that the record does not show. A supported model with warnings
     /// predicts as well as its fit; single parameters of it, which are named, are not resolved.
     pub warnings: Vec<String>,
-    /// What the next record of the same body should be, a sentence for every part of it; empty where
-    /// the model comes from no single record.
+    /// What the next record of the same body should be, a sentence for every part of it; empty
+    /// where the model comes from no single record.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub advice: Vec<String>,
     /// What was decided for the model.

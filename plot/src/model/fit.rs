@@ -2,7 +2,8 @@
 //! moved, residuals and their autocorrelation.
 //!
 //! ```text
-//! e = y − ŷ − d,    fit = 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖) %,    95 % of white noise: |ρ(lag)| < 1.96/√n
+//! e = y − ŷ − d,    fit = 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖) %
+//! 95 % of white noise: |ρ(lag)| < 1.96/√n
 //! ```
 //!
 //! d is the offset's drift as the rows before tell it, 0 where the offset stands. What slow
