@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
+use crate::identify_page;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
@@ -22,8 +23,8 @@ use plot::model::figure;
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
 /// first column. Gaps and missing values end a segment, across which nothing is taken. Options not
 /// given are chosen by block cross-validation, and the reasons printed.
-/// The picture shows time-constant spectrum (diffusive symbol), fit, residuals, frequency response
-/// and structure function.
+/// The picture shows time-constant spectrum (diffusive symbol), fit, the offset's drift if it has
+/// one, residuals, frequency response and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,7 +37,8 @@ Examples:
   anemo identify heater.csv --input power --output temperature -o heater.json
   anemo identify heater.csv -o eight.json --order 8 --mesh 0.006:30 \\
       --ridge 1e-6
-  anemo identify heater.csv heater-second-half.csv -o both.json
+  anemo identify heater.csv heater-second-half.csv -o both.json \\
+      --report both.html
   anemo identify three-winds.csv --event wind --non-negative all \\
       -o winds.json --plot winds.svg
   anemo identify three-winds.csv --event wind --structure conductance \\
@@ -103,6 +105,10 @@ pub struct Arguments {
     dead_time: Option<usize>,
     #[command(flatten)]
     picture: PictureArguments,
+    /// Write a report into this .html file: record, gains, fit, choices, warnings, what the next
+    /// record should be, and the pictures. It needs no other file, and prints on A4.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
     /// the grid.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
@@ -339,23 +345,31 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let records: Vec<&Path> = arguments.records.iter().map(PathBuf::as_path).collect();
-    crate::output::keep(&records, &[arguments.output_file.as_deref(), arguments.picture.path()])?;
+    let written = [arguments.output_file.as_deref(), arguments.picture.path(), arguments.report.as_deref()];
+    crate::output::keep(&records, &written)?;
     if let Some(path) = &arguments.output_file {
         crate::output::writable(path, "a model", "json")?;
+    }
+    if let Some(path) = &arguments.report {
+        crate::output::writable(path, "a report", "html")?;
     }
     let (selection, gas) = arguments.selection();
     let mut stream = RecordStream::open_all(&arguments.records, &selection).map_err(Failure::usage)?;
     let options = arguments.options(&stream, gas)?;
-    let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
+    let canvas = arguments.picture.canvas()?;
+    let mut fits = FitRecorder::new(canvas.is_some() || arguments.report.is_some(), stream.survey());
     let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
     if let Some(path) = &arguments.output_file {
         model.write(path).map_err(Failure::work)?;
     }
-    let whiteness: Vec<_> = model.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&whiteness, |fits| figure(&model, fits))?;
+    let fits = fits.fits(model.outputs.iter().map(|output| &output.whiteness));
     let notes = &stream.survey().notes;
-    crate::output::print_report(
-        &IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() },
-        arguments.json,
-    )
+    let report = IdentifyReport { model: &model, notes, written: arguments.output_file.as_deref() };
+    if let Some(path) = &arguments.report {
+        crate::output::write_text(path, &identify_page::page(&report, &figure(&model, &fits))?)?;
+    }
+    if let Some(canvas) = canvas {
+        canvas.draw(&figure(&model, &fits)).map_err(Failure::work)?;
+    }
+    crate::output::print_report(&report, arguments.json)
 }

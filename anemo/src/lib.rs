@@ -29,6 +29,7 @@ mod feeding;
 mod fit_recorder;
 mod head;
 mod identify;
+mod identify_page;
 mod live_host;
 mod live_table;
 mod log;

@@ -65,9 +65,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ..asked
     };
     let mut stream = RecordStream::open(&arguments.record, &selection).map_err(Failure::usage)?;
-    let mut fits = FitRecorder::new(&arguments.picture, stream.survey())?;
+    let canvas = arguments.picture.canvas()?;
+    let mut fits = FitRecorder::new(canvas.is_some(), stream.survey());
     let validated = validate(&model, &mut stream, arguments.start, &mut |seen| fits.see(seen))?;
-    let whiteness: Vec<_> = validated.outputs.iter().map(|output| output.whiteness.clone()).collect();
-    fits.draw(&whiteness, |fits| validation_figure(&model, fits, &arguments.record, &arguments.model))?;
+    if let Some(canvas) = canvas {
+        let fits = fits.fits(validated.outputs.iter().map(|output| &output.whiteness));
+        canvas.draw(&validation_figure(&model, &fits, &arguments.record, &arguments.model)).map_err(Failure::work)?;
+    }
     crate::output::print_report(&validated, arguments.json)
 }

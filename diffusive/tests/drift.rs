@@ -1,7 +1,9 @@
 //! A heater of known gain in a room that moves, identified without options: fifty records of every
 //! kind of drift. `anemo benchmark drift` has a thousand.
 
+use diffusive::identify::rig::room::{SAMPLE_PERIOD_S, record_and_room};
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
+use diffusive::identify::{FitRow, IdentifyOptions, identify};
 
 const RECORDS: u64 = 50;
 
@@ -21,4 +23,35 @@ fn two_standard_errors_hold_the_gain_in_every_room() {
     // A room that stands still costs nothing: the gain of 213 K/W is right to some 1e-5.
     let still = &report.kinds[0];
     assert!(still.median_error_k_per_w < 0.01 && still.found_percent <= 20.0, "{still:?}");
+}
+
+#[test]
+fn the_drift_that_is_seen_row_by_row_follows_the_room_as_well_as_it_says() {
+    // Rows of two minutes.
+    let window = (120.0 / SAMPLE_PERIOD_S) as usize;
+    for room in [RoomDrift::RandomWalk, RoomDrift::Correlated(600.0), RoomDrift::Door] {
+        let mut sums = [0.0; 3];
+        for seed in 1..=4 {
+            let (mut record, room_c) = record_and_room(room, seed).unwrap();
+            let (mut drift_k, mut se_k) = (vec![f64::NAN; room_c.len()], vec![f64::NAN; room_c.len()]);
+            let mut observer = |seen: &FitRow<'_>| {
+                (drift_k[seen.row as usize], se_k[seen.row as usize]) = (seen.drift[0], seen.drift_se[0]);
+            };
+            let model = identify(&mut record, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut observer).unwrap();
+            let error_k: Vec<f64> =
+                drift_k.iter().zip(&room_c).map(|(drift, room)| model.offset_c + drift - room).collect();
+            let in_se = error_k.iter().zip(&se_k).map(|(error, se)| (error / se).powi(2)).sum::<f64>();
+            let moved = |of: &[f64]| of.iter().zip(&of[window..]).map(|(from, to)| (to - from).powi(2)).sum::<f64>();
+            let more = [in_se / room_c.len() as f64, moved(&error_k), moved(&room_c)];
+            sums = std::array::from_fn(|i| sums[i] + more[i]);
+        }
+        let (in_se, share) = ((sums[0] / 4.0).sqrt(), (sums[1] / sums[2]).sqrt());
+        println!("{room:?}: off by {in_se} standard errors, by {share} of what moves in two minutes");
+        // What slow resistances take of the drift is one error a record that lasts: the root mean
+        // square of four is 1 ± 0.35. Three of these errors above.
+        assert!(in_se < 2.05, "{room:?}: {in_se} standard errors");
+        // Of what comes and goes within minutes they take little: three quarters of its variance
+        // are seen.
+        assert!(share < 0.5, "{room:?}: {share}");
+    }
 }

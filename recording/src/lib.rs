@@ -52,6 +52,7 @@
 //! | [`regular`] | opening files that are neither pipes nor devices |
 //! | [`toml_file`] | strict reading of TOML files: errors name file, line and key |
 //! | [`text`] | numbers and tables as text |
+//! | [`template`] | pages with numbers in them |
 //!
 //! The feature `parquet` (on by default) reads and writes Parquet; without it, a `.parquet` file is
 //! refused.
@@ -76,6 +77,7 @@ mod reader;
 mod recording;
 pub mod regular;
 mod row;
+pub mod template;
 mod temporary;
 pub mod text;
 mod thinned;

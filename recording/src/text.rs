@@ -51,6 +51,11 @@ pub fn one_line(sentence: String) -> String {
     if sentence.contains(char::is_control) { sentence.replace(char::is_control, " ") } else { sentence }
 }
 
+/// A text between the tags of a page or a picture: what it holds does not end it.
+pub fn markup(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
 /// The candidate nearest to `word`, if one is near enough to have been meant.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let similarity = |candidate: &str| strsim::jaro_winkler(&word.to_lowercase(), &candidate.to_lowercase());

@@ -5,7 +5,6 @@
 //! |---|---|
 //! | [`thesis`] | its experiments, with its published values beside ours: `anemo thesis` |
 //! | [`benchmark`] | what the whole instrument has to reach, and what it reaches: `anemo benchmark` |
-//! | [`template`] | fills the pages that both write |
 //!
 //! ```
 //! use studies::thesis::{STUDIES, StudyLab};
@@ -21,5 +20,4 @@
 //! ```
 
 pub mod benchmark;
-pub mod template;
 pub mod thesis;

@@ -5,3 +5,4 @@ mod examples;
 mod export;
 mod long_record;
 mod losses;
+mod report;

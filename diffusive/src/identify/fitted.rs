@@ -39,6 +39,7 @@ impl FittedOutput<'_> {
             se_offset_c: self.se(offset),
             residual_rms: residuals.rms(),
             fit_percent: residuals.fit_percent(),
+            spread_rms: Some(residuals.spread_rms()),
             whiteness: residuals.whiteness(),
             drift: self.drift.map(|drift| drift.described(residuals.rms().powi(2), self.sample_period_s)),
             forecast_rms: None,

@@ -42,7 +42,8 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `fitted`, `residual_pass`, `drift_tracker`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
 //! | [`validate`](mod@validate) | a model against another record |
 //! | [`cole_cole`] | a system whose response is known exactly |
@@ -75,9 +76,11 @@ pub mod normal_equations;
 #[doc(hidden)]
 pub mod pass;
 
+mod advice;
 mod choose;
 mod conductance;
 mod delay;
+mod drift_tracker;
 mod drifting;
 mod fitted;
 mod labels;
@@ -124,6 +127,7 @@ pub fn identify(
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);
+    model.advice = advice::advice(&model, options.losses == Losses::Growing);
     Ok(model)
 }
 

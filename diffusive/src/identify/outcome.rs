@@ -50,6 +50,7 @@ pub fn model(
         losses: None,
         supported: true,
         warnings: Vec::new(),
+        advice: Vec::new(),
         chosen: Chosen::default(),
         provenance: facts.provenance(survey),
         end: Some(residuals.end),

@@ -6,7 +6,7 @@ use std::path::Path;
 use recording::text::{brief, estimate, short};
 use serde::Serialize;
 
-use super::drift::{AVERAGE, DriftKind};
+use super::drift::DriftKind;
 use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, OutputDrift, Pair, gain_unit};
 
 /// Tables of resistances that are read; more than that are a file's matter.
@@ -25,6 +25,15 @@ pub struct IdentifyReport<'a> {
     /// The file that the model was written to.
     #[serde(skip)]
     pub written: Option<&'a Path>,
+}
+
+impl IdentifyReport<'_> {
+    /// Whether the record does not support its model, or its offset may have moved, so that another
+    /// one is called for.
+    fn lacks(&self) -> bool {
+        let has_drift = || self.model.outputs.iter().any(|output| output.drift.is_some());
+        !self.model.advice.is_empty() && (!self.model.supported || has_drift())
+    }
 }
 
 impl Display for IdentifyReport<'_> {
@@ -67,6 +76,12 @@ impl Display for IdentifyReport<'_> {
             writeln!(f, "cross-validated error: {} rms", estimate(error.value, error.se))?;
         }
         chosen(f, model)?;
+        if self.lacks() {
+            writeln!(f, "\nnext record:")?;
+            for advice in &model.advice {
+                writeln!(f, "  {advice}")?;
+            }
+        }
         match written {
             Some(path) => writeln!(f, "\nmodel written to {}", path.display()),
             None => Ok(()),
@@ -151,27 +166,34 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
         brief(output.residual_rms),
         estimate(output.offset_c, output.se_offset_c)
     )?;
-    if let Some(white) = &output.whiteness {
-        let verdict = if white.p_value >= 0.01 {
-            format!("residuals white (p = {:.2})", white.p_value)
-        } else if output.drift.as_ref().is_some_and(|drift| drift.kind == AVERAGE) {
-            "residuals coloured: standard errors hold how far candidates differ".to_owned()
-        } else if white.inflation < 1.2 {
-            "residuals all but white".to_owned()
-        } else {
-            format!("residuals coloured: standard errors are {:.1} times those stated", white.inflation)
-        };
+    if let Some(verdict) = whiteness_verdict(output) {
         write!(f, "; {verdict}")?;
     }
     writeln!(f)?;
-    if let Some(drift) = output.drift.as_ref().filter(|drift| drift.kind != AVERAGE) {
-        moving_offset(f, drift)?;
+    if let Some(drift) = output.drift.as_ref().filter(|drift| !drift.is_average()) {
+        writeln!(f, "  {}", moving_offset(drift))?;
     }
     let Some(ahead) = output.forecast_rms else { return Ok(()) };
     writeln!(f, "  error ahead: {} rms is to be expected of what comes after the record", short(ahead, 2))
 }
 
-fn moving_offset(f: &mut Formatter<'_>, drift: &OutputDrift) -> fmt::Result {
+/// Whether what the model leaves of an output is noise, and what that means for standard errors;
+/// `None` for too few rows to tell.
+pub fn whiteness_verdict(output: &ModelOutput) -> Option<String> {
+    let white = output.whiteness.as_ref()?;
+    Some(if white.is_white() {
+        format!("residuals white (p = {:.2})", white.p_value)
+    } else if output.drift.as_ref().is_some_and(OutputDrift::is_average) {
+        "residuals coloured: standard errors hold how far candidates differ".to_owned()
+    } else if white.inflation < 1.2 {
+        "residuals all but white".to_owned()
+    } else {
+        format!("residuals coloured: standard errors are {:.1} times those stated", white.inflation)
+    })
+}
+
+/// How an offset that is no average moves, in K of its output.
+pub fn moving_offset(drift: &OutputDrift) -> String {
     let size = match drift.correlation_s {
         Some(time_s) => format!("by {} rms, and returns within {} s", short(drift.size, 2), short(time_s, 2)),
         None if drift.kind == DriftKind::RandomWalk.name() => {
@@ -179,9 +201,8 @@ fn moving_offset(f: &mut Formatter<'_>, drift: &OutputDrift) -> fmt::Result {
         }
         None => format!("smoothly, its slope by {} an hour rms in an hour", short(3600.0 * 60.0 * drift.size, 2)),
     };
-    writeln!(
-        f,
-        "  the offset moves {size}; {} at the end, {} nats more evidence than for one that stands",
+    format!(
+        "the offset moves {size}; {} at the end, {} nats more evidence than for one that stands",
         short(drift.last_level_k, 2),
         short(drift.evidence_nats, 3)
     )

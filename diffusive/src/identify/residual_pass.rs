@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::drift::{ChosenDrift, RunningFilter};
+use super::drift::ChosenDrift;
+use super::drift_tracker::DriftTracker;
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
 use super::gram;
@@ -62,8 +63,8 @@ impl ResidualPass {
         let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
         let (mut input_row, mut output_row, mut predicted) =
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
-        let mut drift = vec![0.0; outputs];
-        let mut levels: Vec<DriftTracker> = fitted.iter().map(|fitted| DriftTracker::of(fitted, period_s)).collect();
+        let (mut drift, mut drift_se) = (vec![0.0; outputs], vec![0.0; outputs]);
+        let mut levels: Vec<DriftTracker> = fitted.iter().map(|fitted| DriftTracker::new(fitted, period_s)).collect();
         let (mut count, mut segment_row, mut segment) = (0, 0, 0);
         let longest = design.longest_delay();
         // What later segments began with, output by output.
@@ -87,6 +88,10 @@ impl ResidualPass {
                 let n = at % BATCH;
                 if n == 0 {
                     rows.fill(block, gas, at, BATCH.min(block.len() - at), &mut batch);
+                    for &output in alike {
+                        levels[output].update_se(|column| batch[column / LANES][0][column % LANES]);
+                        drift_se[output] = levels[output].se();
+                    }
                 }
                 copy_row(&block.inputs, at, &mut input_row);
                 copy_row(&block.outputs, at, &mut output_row);
@@ -100,7 +105,7 @@ impl ResidualPass {
                         }
                     }
                     predicted[output] = explained.iter().sum::<f64>() + fitted[output].shift;
-                    drift[output] = levels[output].at(output_row[output] - predicted[output]);
+                    drift[output] = levels[output].level(output_row[output] - predicted[output]);
                     // What drove the first rows of a model with dead time stood before the record.
                     if segment_row < longest as u64 {
                         predicted[output] = f64::NAN;
@@ -117,7 +122,14 @@ impl ResidualPass {
                 if is_missing {
                     output_row.fill(f64::NAN);
                 }
-                seen(&FitRow { row: count, class, measured: &output_row, predicted: &predicted, drift: &drift });
+                seen(&FitRow {
+                    row: count,
+                    class,
+                    measured: &output_row,
+                    predicted: &predicted,
+                    drift: &drift,
+                    drift_se: &drift_se,
+                });
                 count += 1;
                 segment_row += 1;
             }
@@ -201,21 +213,6 @@ fn segment_starts(
     }
     end(&mut squares, &mut products, is_first);
     Ok(starts)
-}
-
-/// The drift of an output, row by row.
-struct DriftTracker(Option<RunningFilter>);
-
-impl DriftTracker {
-    fn of(fitted: &FittedOutput<'_>, period_s: f64) -> Self {
-        let filter = fitted.drift.and_then(|drift| drift.filter.as_ref());
-        Self(filter.map(|filter| RunningFilter::new(filter, period_s)))
-    }
-
-    /// What was expected of a residual, K.
-    fn at(&mut self, residual: f64) -> f64 {
-        self.0.as_mut().map_or(0.0, |filter| residual - filter.innovation(residual))
-    }
 }
 
 /// Weights of columns, as the panels have them.

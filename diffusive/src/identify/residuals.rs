@@ -31,8 +31,11 @@ pub struct FitRow<'a> {
     /// NaN for an output that is looked at in a reading of its own, and for rows that a dead time
     /// leaves without a known input.
     pub predicted: &'a [f64],
-    /// By output: how far the offset has moved; empty where nothing tells.
+    /// By output, K: how far the offset has moved, as the rows before tell it; empty where nothing
+    /// tells.
     pub drift: &'a [f64],
+    /// By output: standard error of offset and drift together, K.
+    pub drift_se: &'a [f64],
 }
 
 /// Sums over the residuals of one output.
@@ -103,9 +106,18 @@ impl Residuals {
     /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its
     /// mean.
     pub fn fit_percent(&self) -> f64 {
-        let n = (self.count as f64).max(1.0);
-        let spread = self.y_squares - self.y_sum * self.y_sum / n;
+        let spread = self.spread_squares();
         if spread > 0.0 { 100.0 * (1.0 - (self.unexplained / spread).sqrt()) } else { 0.0 }
+    }
+
+    /// Standard deviation of the output.
+    pub fn spread_rms(&self) -> f64 {
+        (self.spread_squares().max(0.0) / (self.count as f64).max(1.0)).sqrt()
+    }
+
+    /// ‖y − mean y‖²
+    fn spread_squares(&self) -> f64 {
+        self.y_squares - self.y_sum * self.y_sum / (self.count as f64).max(1.0)
     }
 
     /// `None` for fewer rows than lags would need, or residuals that are all zero.

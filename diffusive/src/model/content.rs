@@ -64,6 +64,10 @@ pub struct Model {
     /// A sentence for everything that the record does not show. A supported model with warnings
     /// predicts as well as its fit; single parameters of it, which are named, are not resolved.
     pub warnings: Vec<String>,
+    /// What the next record of the same body should be, a sentence for every part of it; empty
+    /// where the model comes from no single record.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub advice: Vec<String>,
     /// What was decided for the model.
     pub chosen: Chosen,
     /// Where the model comes from.
@@ -108,6 +112,9 @@ pub struct ModelOutput {
     pub residual_rms: f64,
     /// 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖).
     pub fit_percent: f64,
+    /// Standard deviation of the record's values, K: what `residual_rms` is to be compared with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread_rms: Option<f64>,
     /// `None` until the residuals were looked at one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness: Option<Whiteness>,
@@ -384,6 +391,32 @@ impl Model {
             LossOrigin::Offset => None,
         });
         of_wind.or(of_losses).or(self.ambient.as_ref().map(|ambient| &ambient.column)).map(String::as_str)
+    }
+}
+
+impl ModelOutput {
+    /// By how much standard errors are too small, 1 at least: residuals that are not white make
+    /// them so, unless the model is an average, whose errors hold how far its candidates differ.
+    pub fn inflation(&self) -> f64 {
+        let is_average = self.drift.as_ref().is_some_and(OutputDrift::is_average);
+        self.whiteness.as_ref().filter(|_| !is_average).map_or(1.0, |white| white.inflation.max(1.0))
+    }
+}
+
+impl Whiteness {
+    /// Whether nothing but noise is left, as far as a test of one in a hundred tells.
+    pub fn is_white(&self) -> bool {
+        self.p_value >= 0.01
+    }
+}
+
+impl OutputDrift {
+    /// Kind of drift of an average, in which several may stand.
+    pub const AVERAGE: &str = "average";
+
+    /// Whether several drifts, or none, stand in an average.
+    pub fn is_average(&self) -> bool {
+        self.kind == Self::AVERAGE
     }
 }
 

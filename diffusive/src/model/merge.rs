@@ -103,6 +103,7 @@ pub fn merge(models: &[(String, Model)]) -> Result<Model, ModelError> {
         forecast_rms: outputs[0].forecast_rms,
         supported: models.iter().all(|(_, model)| model.supported),
         warnings,
+        advice: Vec::new(),
         chosen: Chosen {
             non_negative: pairs.iter().all(|pair| pair.non_negative),
             dead_time_samples: pairs[0].dead_time_samples,

@@ -31,6 +31,8 @@ pub struct Figure {
     pub(crate) subtitle: String,
     pub(crate) rows: Vec<Vec<Chart>>,
     pub(crate) width: PictureWidth,
+    /// What stands at the left of the axes, if that is more than its own charts need.
+    pub(crate) left_rooms: Option<[f64; 3]>,
 }
 
 impl Figure {

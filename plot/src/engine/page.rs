@@ -18,21 +18,34 @@ const SUBTITLE: f64 = 7.0;
 const SUBTITLE_LINE: f64 = 9.5;
 
 impl Figure {
+    /// Every row of charts as a figure of its own, without titles: for a page that breaks between
+    /// them. Their axes stand below each other as in the whole figure.
+    pub fn apart(&self) -> impl Iterator<Item = Self> {
+        let left_rooms = Some(self.most_left_room());
+        let row =
+            move |row: &Vec<Chart>| Self { rows: vec![row.clone()], width: self.width, left_rooms, ..Self::default() };
+        self.rows.iter().map(row)
+    }
+
+    /// Of all charts: what titles, labels and names at the left need.
+    fn most_left_room(&self) -> [f64; 3] {
+        let rooms = self.charts().map(|chart| chart.left_room(self.width.points()));
+        rooms.fold([0.0; 3], |most, room| std::array::from_fn(|i| f64::max(most[i], room[i])))
+    }
+
     /// Draws it as SVG, of its width in millimetres and with a view box in points. The same figure
     /// always makes the same text.
     pub fn svg(&self) -> String {
         let wide = self.width.points();
         let rows: Vec<&[Chart]> = self.rows.iter().flat_map(|row| row.chunks(abreast(row.len(), wide))).collect();
-        let rooms = self.charts().map(|chart| chart.left_room(wide));
-        let [titles, labels_room, names] =
-            rooms.fold([0.0; 3], |most, room| std::array::from_fn(|i| f64::max(most[i], room[i])));
+        let [titles, labels_room, names] = self.left_rooms.unwrap_or_else(|| self.most_left_room());
         let left = EDGE + f64::max(titles + labels_room, names);
         let mut svg = Svg::default();
         let room = wide - 2.0 * EDGE;
         let mut y = EDGE;
         // Bold letters take a tenth more.
-        for line in two_lines(&self.title, 1.12 * TITLE, room) {
-            svg.bold(&line, (EDGE, y + TITLE_LINE / 2.0), TITLE, INK, Anchor::Start);
+        for line in two_lines(&self.title, 1.12 * TITLE, room).iter().filter(|line| !line.is_empty()) {
+            svg.bold(line, (EDGE, y + TITLE_LINE / 2.0), TITLE, INK, Anchor::Start);
             y += TITLE_LINE;
         }
         for line in two_lines(&self.subtitle, SUBTITLE, room).iter().filter(|line| !line.is_empty()) {

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::colour::{Colour, PAPER};
 use super::pen::{Marker, Pen};
 use super::type_face::Weight;
+use recording::text::markup;
 
 /// Points in a millimetre.
 pub const MM: f64 = 72.0 / 25.4;
@@ -76,7 +77,7 @@ impl Svg {
         let (x, y) = if upwards { (x + drop, y) } else { (x, y + drop) };
         let (x, y, size, colour) = (points(x), points(y), points(size), paint("fill", colour));
         let turn = if upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-        let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let text = markup(text);
         let _ = writeln!(
             self.elements,
             "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor}{weight}{turn}{colour}>{text}</text>"

@@ -12,8 +12,13 @@ const BEYOND: f64 = 0.25;
 
 /// A curve of (x, value, standard error) with its band; standard errors are widened `by` so much.
 pub fn band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
+    band_within(curve, by, BEYOND)
+}
+
+/// The same with a band that may reach `beyond` the curve, in ranges of the curve.
+pub fn band_within(curve: &[(f64, f64, Option<f64>)], by: f64, beyond: f64) -> Vec<Bin> {
     let Some((low, high)) = extent(curve.iter().map(|(_, value, _)| *value)) else { return Vec::new() };
-    let (low, high) = (low - BEYOND * (high - low), high + BEYOND * (high - low));
+    let (low, high) = (low - beyond * (high - low), high + beyond * (high - low));
     let bin = |&(x, value, se): &(f64, f64, Option<f64>)| {
         let half = NORMAL_95 * by * se.unwrap_or(0.0);
         let (least, most) = ((value - half).clamp(low, value), (value + half).clamp(value, high));
@@ -31,8 +36,7 @@ pub fn log_band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
 
 /// By how much standard errors that take an output's residuals for white are too small.
 pub fn inflation(model: &Model, output: &str) -> f64 {
-    let of = |known: &ModelOutput| known.whiteness.as_ref().map(|white| white.inflation);
-    model.outputs.iter().find(|known| known.name == output).and_then(of).unwrap_or(1.0).max(1.0)
+    model.outputs.iter().find(|known| known.name == output).map_or(1.0, ModelOutput::inflation)
 }
 
 #[cfg(test)]

@@ -93,6 +93,36 @@ fn unwound(response: &[(f64, f64, f64)]) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use diffusive::model::testing;
+
+    #[test]
+    fn bands_of_one_pole_are_those_of_its_resistance_and_its_rate() {
+        // ln |H| = ln R − ½ ln(1 + w²) and arg H = −atan w with w = ω/ξ: by d ln R they move by 1
+        // and 0, by d ln ξ by w²/(1 + w²) and w/(1 + w²).
+        let (resistance, rate, se_r, se_rate, correlation) = (50.0, 0.2, 0.5, 0.02, -0.6);
+        let mut model = testing::model(&[rate], &[resistance]);
+        model.pairs[0].se_rate_rad_s = Some(vec![rate * se_rate]);
+        let class = model.pairs[0].classes.get_mut("all").unwrap();
+        class.se_steady_gain_k_per_w = se_r;
+        class.covariance = Some(vec![se_r * se_r, 0.0, 0.0, correlation * se_r * se_rate, 0.0, se_rate * se_rate]);
+        let relative = se_r / resistance;
+        let [magnitude, phase] = bode(&model, "temperature_c_a");
+        let mut inside = 0;
+        for (size, angle) in magnitude.traces[0].bins.iter().zip(&phase.traces[0].bins) {
+            let w = TAU * size.from_s / rate;
+            let (of_log, of_angle) = (w * w / (1.0 + w * w), w / (1.0 + w * w));
+            let covariance = correlation * relative * se_rate;
+            let se_log = (relative.powi(2) + 2.0 * of_log * covariance + (of_log * se_rate).powi(2)).sqrt();
+            let se_degrees = (of_angle * se_rate).to_degrees();
+            assert!((size.mean - resistance / w.hypot(1.0)).abs() < 1e-9);
+            assert!(((size.most / size.mean).ln() - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
+            assert!(((size.mean / size.least).ln() - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
+            assert!((angle.most - angle.mean - 1.96 * se_degrees).abs() < 1e-9, "{angle:?}, {se_degrees}");
+            inside += usize::from((0.1..10.0).contains(&w));
+        }
+        // The corner itself is among them.
+        assert!(inside > 50, "{inside}");
+    }
 
     #[test]
     fn a_phase_goes_on_below_half_a_turn() {

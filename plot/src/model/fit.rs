@@ -1,10 +1,15 @@
-//! How well a model follows a record: measured and predicted values over time, residuals and their
-//! autocorrelation.
+//! How well a model follows a record: measured and predicted values over time, how far the offset
+//! moved, residuals and their autocorrelation.
 //!
 //! ```text
-//! e = y − ŷ,    fit = 100 (1 − ‖e‖ / ‖y − mean y‖) %,    95 % of white noise: |ρ(lag)| < 1.96/√n
+//! e = y − ŷ − d,    fit = 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖) %
+//! 95 % of white noise: |ρ(lag)| < 1.96/√n
 //! ```
+//!
+//! d is the offset's drift as the rows before tell it, 0 where the offset stands. What slow
+//! resistances take too much it lacks: its band is that of both.
 
+use super::band::band_within;
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::colour::INK;
@@ -21,13 +26,15 @@ const MOST_BINS: usize = 1460;
 const MOST_STRETCHES: usize = 300;
 /// Residuals beyond so many times what 98 of 100 bins keep within are cut.
 const OUTLIER: f64 = 6.0;
+/// What a drift is unsure by may be more than it moves: its band is cut so many ranges beyond.
+const DRIFT_BEYOND: f64 = 2.0;
 
 /// Some rows in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FitBin {
     from_s: f64,
-    /// Measured, predicted, residual.
-    values: [Reach; 3],
+    /// Measured, predicted, residual, drift and its standard error.
+    values: [Reach; 5],
     /// Of the first row.
     class: usize,
 }
@@ -44,12 +51,15 @@ pub struct FitSeries {
     bins: Vec<FitBin>,
     last_s: f64,
     step_s: f64,
-    /// Rows that have both values, their mean and squared distances from it, and their squared
-    /// residuals.
+    /// Rows that have both values, their mean and squared distances from it, what the prediction
+    /// leaves of them, squared, and their squared residuals.
     good: f64,
     mean: f64,
     spread: f64,
+    unexplained: f64,
     squares: f64,
+    /// Whether the offset moved.
+    drifts: bool,
     /// The whiteness of the residuals, if it was looked at.
     pub whiteness: Option<Whiteness>,
 }
@@ -60,22 +70,25 @@ impl FitSeries {
         Self { name: name.into(), unit: unit.into(), width: 1, ..Self::default() }
     }
 
-    /// The next row. Times ascend; a missing value is NaN. `class` is an index into the model's
-    /// classes.
-    pub fn push(&mut self, time_s: f64, measured: f64, predicted: f64, class: usize) {
-        let residual = measured - predicted;
+    /// The next row. Times ascend; a missing value is NaN. `drift` is how far the offset has moved,
+    /// with its standard error, beside which `predicted` stands; `class` is an index into the
+    /// model's classes.
+    pub fn push(&mut self, time_s: f64, measured: f64, predicted: f64, (drift, se): (f64, f64), class: usize) {
+        let residual = measured - predicted - drift;
+        self.drifts |= drift != 0.0;
         if residual.is_finite() {
             self.good += 1.0;
             let distance = measured - self.mean;
             self.mean += distance / self.good;
             self.spread += distance * (measured - self.mean);
+            self.unexplained += (measured - predicted).powi(2);
             self.squares += residual * residual;
         }
         if self.rows > 0 {
             self.step_s = time_s - self.last_s;
         }
         self.last_s = time_s;
-        let values = [measured, predicted, residual].map(Reach::of);
+        let values = [measured, predicted, residual, drift, se].map(Reach::of);
         if self.rows.is_multiple_of(self.width) {
             if self.bins.len() == MOST_BINS {
                 self.halve();
@@ -106,7 +119,7 @@ impl FitSeries {
     }
 
     pub(super) fn fit_percent(&self) -> Option<f64> {
-        (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.squares / self.spread).sqrt()))
+        (self.spread > 0.0).then(|| 100.0 * (1.0 - (self.unexplained / self.spread).sqrt()))
     }
 
     fn bins(&self, which: usize) -> Vec<Bin> {
@@ -126,8 +139,9 @@ impl FitSeries {
         whiteness(model, &self.name, self.whiteness.as_ref(), self.rows)
     }
 
-    /// Measured and predicted, then what is left, over the ground of the event classes.
-    pub(crate) fn charts(&self, classes: &[String]) -> [Chart; 2] {
+    /// Measured and predicted, how far the offset moved, if it did, then what is left, over the
+    /// ground of the event classes.
+    pub(crate) fn charts(&self, classes: &[String]) -> Vec<Chart> {
         let left_unit = if self.unit == "°C" { "K" } else { &self.unit };
         let mut fit = Chart::new(shortened(&self.name, 8.0, 200.0), &self.unit)
             .height(30.0)
@@ -150,19 +164,35 @@ impl FitSeries {
             let range = 2.0 * usual;
             left = left.range(-range, range).note(format!("cut, the greatest is {}", with_unit(greatest, left_unit)));
         }
-        if classes.len() < 2 {
-            return [fit, left];
+        let mut drift = self.drifts.then(|| self.drift(left_unit));
+        if classes.len() >= 2 {
+            let stretches = self.stretches();
+            if stretches.len() > MOST_STRETCHES {
+                fit = fit.note("classes change too often to be shown");
+            } else {
+                for (from_s, to_s, class) in stretches {
+                    let label = classes.get(class).map_or("", String::as_str);
+                    fit = fit.shading(from_s, to_s, class, label);
+                    drift = drift.map(|drift| drift.shading(from_s, to_s, class, ""));
+                    left = left.shading(from_s, to_s, class, "");
+                }
+            }
         }
-        let stretches = self.stretches();
-        if stretches.len() > MOST_STRETCHES {
-            return [fit.note("classes change too often to be shown"), left];
-        }
-        for (from_s, to_s, class) in stretches {
-            let label = classes.get(class).map_or("", String::as_str);
-            fit = fit.shading(from_s, to_s, class, label);
-            left = left.shading(from_s, to_s, class, "");
-        }
-        [fit, left]
+        std::iter::once(fit).chain(drift).chain([left]).collect()
+    }
+
+    /// How far the offset moved.
+    fn drift(&self, unit: &str) -> Chart {
+        let curve: Vec<_> =
+            self.bins(3).iter().zip(self.bins(4)).map(|(d, se)| (d.from_s, d.mean, Some(se.mean))).collect();
+        let known = NORMAL_95 * curve.iter().filter_map(|(.., se)| *se).fold(0.0, f64::max);
+        Chart::new("Offset's drift", unit)
+            .y_title("Drift")
+            .height(28.0)
+            .note("by the rows before")
+            .note(format!("band: 95 %, at most ±{}", with_unit(known, unit)))
+            .limit(0.0)
+            .trace(Trace::bins("", band_within(&curve, 1.0, DRIFT_BEYOND)).colour(2))
     }
 }
 
@@ -215,7 +245,7 @@ mod tests {
     fn fit(rows: usize) -> FitSeries {
         let mut fit = FitSeries::new("y", "°C");
         for n in 0..rows {
-            fit.push(n as f64 * 0.5, measured(n), measured(n) - 0.25, n / 1000 % 2);
+            fit.push(n as f64 * 0.5, measured(n), measured(n) - 0.25, (0.0, 0.0), n / 1000 % 2);
         }
         fit
     }
@@ -258,6 +288,22 @@ mod tests {
         assert!((fit.rms().unwrap() - 0.25).abs() < 1e-12);
         let sigma = 10.09 / 12_f64.sqrt();
         assert!((fit.fit_percent().unwrap() - 100.0 * (1.0 - 0.25 / sigma)).abs() < 0.01, "{:?}", fit.fit_percent());
+    }
+
+    #[test]
+    fn what_the_offset_moved_is_a_chart_of_its_own_and_no_residual() {
+        let captions = |drift: f64| -> Vec<String> {
+            let mut fit = FitSeries::new("y", "°C");
+            for n in 0..1000 {
+                fit.push(n as f64, measured(n), measured(n) - 0.3, (drift, 0.01), 0);
+            }
+            assert!((fit.rms().unwrap() - (0.3 - drift)).abs() < 1e-12);
+            // Of what stands, the drift explains nothing.
+            assert!((fit.unexplained / fit.good - 0.09).abs() < 1e-12);
+            fit.charts(&["all".to_owned()]).iter().map(|chart| chart.caption().to_owned()).collect()
+        };
+        assert_eq!(captions(0.0), ["y", "Residuals"]);
+        assert_eq!(captions(0.25), ["y", "Offset's drift", "Residuals"]);
     }
 
     #[test]

@@ -154,7 +154,7 @@ pub(crate) fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
     for n in 0..rows {
         let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
         let noise = 0.01 * (f64::from(n.wrapping_mul(2_654_435_761) >> 8) / 16_777_216.0 - 0.5);
-        fit.push(f64::from(n) * 0.1, truth + noise, truth, (n / 900 % classes) as usize);
+        fit.push(f64::from(n) * 0.1, truth + noise, truth, (0.0, 0.0), (n / 900 % classes) as usize);
     }
     fit.whiteness = Some(whiteness());
     fit
@@ -261,7 +261,7 @@ fn any_model_makes_a_sound_figure() {
         let mut empty = FitSeries::new("nothing", "");
         empty.whiteness = Some(whiteness());
         let mut missing = FitSeries::new("missing", "V");
-        (0..3000).for_each(|n| missing.push(f64::from(n), f64::NAN, 1.0, n as usize % 5));
+        (0..3000).for_each(|n| missing.push(f64::from(n), f64::NAN, 1.0, (0.0, 0.0), n as usize % 5));
         assert_sound(&figure(&model, &[empty, missing]).svg());
     }
 }

@@ -6,7 +6,7 @@ use host_sim::run::RunError;
 use plot::PlotError;
 use recording::toml_file::FileError;
 
-use crate::template::TemplateError;
+use recording::template::TemplateError;
 
 /// Why a study came to no end.
 #[derive(Debug, thiserror::Error)]

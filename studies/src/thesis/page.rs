@@ -5,9 +5,9 @@ use std::path::Path;
 use super::catalogue::Study;
 use super::error::StudyError;
 use super::findings::StudyFindings;
-use crate::template::{TemplateError, fill};
 use plot::{Canvas, PlotError};
 use recording::Temporary;
+use recording::template::{TemplateError, fill};
 
 /// Writes page and picture of a study into a folder.
 ///

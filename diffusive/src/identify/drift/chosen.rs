@@ -3,9 +3,6 @@
 use super::filter::NoiseFilter;
 use crate::model::OutputDrift;
 
-/// Kind of drift of an average, in which several may stand.
-pub const AVERAGE: &str = "average";
-
 /// A drift that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChosenDrift {
@@ -22,7 +19,7 @@ impl ChosenDrift {
     /// As a model says it. `innovations` is their variance, K².
     pub fn described(&self, innovations: f64, sample_period_s: f64) -> OutputDrift {
         let rate = self.rate_rad_s;
-        let kind = self.filter.as_ref().map_or(AVERAGE, |filter| filter.kind.name());
+        let kind = self.filter.as_ref().map_or(OutputDrift::AVERAGE, |filter| filter.kind.name());
         OutputDrift {
             kind: kind.to_owned(),
             size: self.filter.as_ref().map_or(0.0, |filter| filter.size(innovations, sample_period_s)),

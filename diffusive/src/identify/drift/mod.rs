@@ -38,7 +38,7 @@ pub mod columns;
 pub mod filter;
 pub mod search;
 
-pub use chosen::{AVERAGE, ChosenDrift};
+pub use chosen::ChosenDrift;
 pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
 

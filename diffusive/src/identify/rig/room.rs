@@ -136,6 +136,14 @@ pub fn true_gain_k_per_w() -> f64 {
 /// # Errors
 /// None but of the table itself.
 pub fn record(room: RoomDrift, seed: u64) -> Result<RecordTable, RecordError> {
+    record_and_room(room, seed).map(|(record, _)| record)
+}
+
+/// The same, with the room's temperature in every row, °C.
+///
+/// # Errors
+/// None but of the table itself.
+pub fn record_and_room(room: RoomDrift, seed: u64) -> Result<(RecordTable, Vec<f64>), RecordError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut bit = 0;
     let mut power = |row: usize| {
@@ -149,7 +157,7 @@ pub fn record(room: RoomDrift, seed: u64) -> Result<RecordTable, RecordError> {
     let room_k = room.temperatures(&mut random);
     let mut states = RELAXATIONS.map(|_| POWERS_W[0]);
     let mut temperature_c = Vec::with_capacity(ROWS);
-    for (power, room_k) in power_w.iter().zip(room_k) {
+    for (power, room_k) in power_w.iter().zip(&room_k) {
         let noise: f64 = StandardNormal.sample(&mut random);
         let rise: f64 = RELAXATIONS.iter().zip(&states).map(|((resistance, _), state)| resistance * state).sum();
         temperature_c.push(ROOM_C + rise + room_k + NOISE_K * noise);
@@ -157,9 +165,10 @@ pub fn record(room: RoomDrift, seed: u64) -> Result<RecordTable, RecordError> {
             *state += -(-SAMPLE_PERIOD_S / time_s).exp_m1() * (power - *state);
         }
     }
-    RecordTable::new(
+    let record = RecordTable::new(
         SAMPLE_PERIOD_S,
         vec![("power_w".to_owned(), power_w)],
         vec![("temperature_c".to_owned(), temperature_c)],
-    )
+    )?;
+    Ok((record, room_k.iter().map(|room_k| ROOM_C + room_k).collect()))
 }

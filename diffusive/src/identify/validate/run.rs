@@ -51,7 +51,7 @@ pub(super) fn run(
                 LossesBy::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
                 LossesBy::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
             }
-            seen(&FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[] });
+            seen(&FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[], drift_se: &[] });
             row += 1;
         }
     }

@@ -5,8 +5,8 @@ use super::findings::findings;
 use super::measure::MeasuredSphere;
 use super::sphere::WindMode;
 use super::steps::Way;
-use crate::template::{TemplateError, fill};
 use anemometry::calibrate::report::ConductanceNoise;
+use recording::template::{TemplateError, fill};
 
 /// The page over some spheres.
 ///

@@ -1,5 +1,5 @@
-//! Filling pages: a Markdown template with placeholders such as `{gas_c}`, and a value for each
-//! name.
+//! Filling pages: a template, of Markdown or HTML, with placeholders such as `{gas_c}`, and a value
+//! for each name.
 //!
 //! A placeholder without a value and a value without a placeholder are both refused, so that text
 //! and numbers stay together.

@@ -1,0 +1,53 @@
+//! How an offset moved over a record, row by row: its level as the rows before tell it, and how
+//! sure that is.
+//!
+//! ```text
+//! d_n = r_n − v_n,    se² = a_nᵀ C a_n
+//! ```
+//!
+//! r is what the inputs leave of the output, v its innovation, a the row's columns but for the
+//! offset's, C the covariance of their parameters: what a slow resistance takes too much, the
+//! drift lacks. The filter's own error is small beside it, and left out.
+
+use nalgebra::DVector;
+
+use super::design::Role;
+use super::drift::RunningFilter;
+use super::fitted::FittedOutput;
+
+/// The drift of one output; it stands at 0 where the model has none.
+pub struct DriftTracker<'a> {
+    fitted: &'a FittedOutput<'a>,
+    filter: Option<RunningFilter>,
+    se: f64,
+}
+
+impl<'a> DriftTracker<'a> {
+    pub fn new(fitted: &'a FittedOutput<'a>, period_s: f64) -> Self {
+        let filter = fitted.drift.and_then(|drift| drift.filter.as_ref());
+        Self { fitted, filter: filter.map(|filter| RunningFilter::new(filter, period_s)), se: 0.0 }
+    }
+
+    /// What was expected of a residual, K.
+    pub fn level(&mut self, residual: f64) -> f64 {
+        self.filter.as_mut().map_or(0.0, |filter| residual - filter.innovation(residual))
+    }
+
+    /// Takes a row's columns for the standard error from here on: it changes as slowly as what it
+    /// is unsure of, and need not be known of every row.
+    pub fn update_se(&mut self, column: impl Fn(usize) -> f64) {
+        if self.filter.is_some() {
+            let of = |(column_number, weight): &(usize, f64)| weight * column(*column_number);
+            let is_offset = |role: Role| role == Role::Offset;
+            let terms = self.fitted.terms.iter();
+            let row = terms.map(|term| if is_offset(term.role) { 0.0 } else { term.of.iter().map(of).sum() });
+            let row = DVector::from_iterator(self.fitted.terms.len(), row);
+            self.se = row.dot(&(self.fitted.covariance * &row)).max(0.0).sqrt();
+        }
+    }
+
+    /// Standard error of offset and level together, K.
+    pub fn se(&self) -> f64 {
+        self.se
+    }
+}
