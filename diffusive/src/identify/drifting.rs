@@ -159,7 +159,7 @@ impl CandidateSet<'_> {
             let total = Gram::total(&self.reading.passed.folds[mesh]);
             let pole = self.meshes()[mesh].poles_rad_s.first().copied();
             let walk = pole.map(NoiseFilter::walk);
-            // Whatever was asked for: candidates of the wrong structure err by more than a beginning.
+            // Whatever was asked for: candidates of a wrong structure err by more than a beginning.
             for initial_state in initial_states(None, &self.reading.first_drives) {
                 for filter in std::iter::once(None).chain(walk.clone().map(Some)) {
                     for prior in AVERAGED.map(Prior::Tapered) {

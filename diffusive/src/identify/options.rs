@@ -30,6 +30,23 @@ pub struct IdentifyOptions {
     pub losses: Losses,
 }
 
+impl IdentifyOptions {
+    /// Whether an initial state is asked for that a record may contradict, and there is a choice to
+    /// make.
+    pub fn asks_for_an_initial_state(&self) -> bool {
+        let given = &self.constraints;
+        let is_state = matches!(given.initial_state, Some(InitialState::Rest | InitialState::Settled));
+        is_state && !given.mesh_is_fixed() && self.free_poles.is_none() && !self.tie
+    }
+
+    /// The same with any initial state.
+    #[must_use]
+    pub fn with_any_initial_state(&self) -> Self {
+        let constraints = Constraints { initial_state: None, ..self.constraints.clone() };
+        Self { constraints, ..self.clone() }
+    }
+}
+
 /// Whether losses may grow with temperature: w = u − g (T − T_0)².
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Losses {

@@ -13,21 +13,6 @@ use super::super::record::Survey;
 /// Ratio of errors, all questions together, from which a record contradicts.
 const CONTRADICTED: f64 = 1.1;
 
-/// Whether an initial state was asked for that the record may contradict, and there is a choice to
-/// make.
-pub fn is_asked(options: &IdentifyOptions) -> bool {
-    let is_state = matches!(options.constraints.initial_state, Some(InitialState::Rest | InitialState::Settled));
-    let is_fixed = options.constraints.mesh_is_fixed() || options.free_poles.is_some() || options.tie;
-    is_state && !is_fixed
-}
-
-/// The same with any initial state.
-pub fn open(options: &IdentifyOptions) -> IdentifyOptions {
-    let mut open = options.clone();
-    open.constraints.initial_state = None;
-    open
-}
-
 /// Why the record contradicts, output by output; nothing where it does not. `others` are the
 /// choices with any initial state.
 pub fn contradictions(

@@ -45,8 +45,8 @@ pub fn identify(
     let reading = SymbolPlan::of(source, survey, classes, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);
     let choices = decided(source, &reading, options, progress)?;
-    if asked::is_asked(options) {
-        let open = asked::open(options);
+    if options.asks_for_an_initial_state() {
+        let open = options.with_any_initial_state();
         let others = decided(source, &reading, &open, progress)?;
         let against = asked::contradictions(&reading.plan.survey, options, &choices, &others);
         if !against.is_empty() {

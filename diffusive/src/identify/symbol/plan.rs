@@ -14,7 +14,6 @@ use super::super::pass::{Passed, pass};
 use super::super::prior::Scales;
 use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::support;
-use super::asked;
 
 /// Unknowns beyond which only the smallest mesh is tried: the search takes time with their third
 /// power.
@@ -57,7 +56,9 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
+    // What a spectrum a class leaves where winds change looks like a drift.
     let is_plain = options.drift == DriftGiven::None
+        || options.drift == DriftGiven::Auto && classes > 1
         || survey.segments > 1
         || options.tie
         || options.free_poles.is_some()
@@ -154,7 +155,8 @@ impl SymbolPlan {
             feed_through: path.feed_through && part.kind != PairKind::Cross,
         };
         // At rest nothing decays; but whether the record agrees is asked, where there is a choice.
-        let may_begin = options.constraints.initial_state != Some(InitialState::Rest) || asked::is_asked(options);
+        let may_begin =
+            options.constraints.initial_state != Some(InitialState::Rest) || options.asks_for_an_initial_state();
         let means = |mesh: &CandidateMesh| {
             let of = |output| RelaxationBank {
                 drive: BankDrive::Output(output),
