@@ -86,22 +86,21 @@ impl Display for Count {
 
 impl Display for MeasuredReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "| record | share, % | fit of the rest, % | error said / error come | warned |")?;
-        writeln!(f, "|---|---|---|---|---|")?;
-        for part in &self.parts {
-            let ratio = part.ratio().map_or("–".to_owned(), |ratio| format!("{ratio:.2}"));
-            let warned = match (part.refused.is_some(), part.is_warned()) {
-                (true, _) => "refused",
-                (false, true) => "yes",
-                (false, false) => "",
-            };
-            writeln!(
-                f,
-                "| {} | {:.0} | {:.1} | {ratio} | {warned} |",
-                part.table,
-                100.0 * part.share,
-                part.fit_percent
-            )?;
+        writeln!(f, "| record | fit of the rest, % | error said / error come | warned |")?;
+        writeln!(f, "|---|---|---|---|")?;
+        for of in self.parts.chunk_by(|one, next| one.table == next.table) {
+            let listed = |text: &dyn Fn(&MeasuredPart) -> String| of.iter().map(text).collect::<Vec<_>>().join(", ");
+            let fits = listed(&|part| format!("{:.1}", part.fit_percent));
+            let ratios = listed(&|part| part.ratio().map_or("–".to_owned(), |ratio| format!("{ratio:.2}")));
+            let warned = listed(&|part| {
+                match (part.refused.is_some(), part.is_warned()) {
+                    (true, _) => "refused",
+                    (false, true) => "yes",
+                    (false, false) => "no",
+                }
+                .to_owned()
+            });
+            writeln!(f, "| {} | {fits} | {ratios} | {warned} |", of[0].table)?;
         }
         writeln!(f)?;
         writeln!(f, "- mean fit {:.1} %; what is refused counts as 0", self.mean_fit_percent())?;
