@@ -34,6 +34,8 @@ const COUNTS: f64 = 6.0;
 const MOST_MEMBERS: usize = 60;
 /// Ratio of mean squared errors ahead.
 const WORSE: f64 = 0.5;
+/// Likewise, of a drift's: twelve times the error.
+const FAR_WORSE: f64 = 144.0;
 /// Evidence, in nats, by which a drift must lead an ordinary choice that leaves white noise: it may
 /// have taken a drift for slow relaxations (120 and more, of a sine of the drift rig), or be right
 /// about a structure that the mesh for drifts has not (20, of a sphere's sector).
@@ -46,7 +48,11 @@ impl CandidateSet<'_> {
     pub fn otherwise(&self, ordinary: &Choice, left: &Residuals) -> Option<Choice> {
         let moves = self.reading.passed.facts.moves();
         if moves >= MOVES || matches!(self.options.drift, DriftGiven::Kind(_)) {
-            return self.drifting(ordinary, left);
+            // An offset that moves spoils what lies ahead for any model: one that carries on far
+            // better explains what looks like a drift.
+            let drifting = self.drifting(ordinary, left)?;
+            let is_far_worse = drifting.score.mean_ahead() > FAR_WORSE * ordinary.score.mean_ahead();
+            return (!is_far_worse).then_some(drifting);
         }
         if moves >= SELDOM {
             return None;

@@ -56,9 +56,10 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
-    // What a spectrum a class leaves where winds change looks like a drift.
+    // What a spectrum a class leaves where winds change looks like a drift; and whoever gives the
+    // whole mesh asks for plain least squares.
     let is_plain = options.drift == DriftGiven::None
-        || options.drift == DriftGiven::Auto && classes > 1
+        || options.drift == DriftGiven::Auto && (classes > 1 || given.mesh_is_fixed())
         || survey.segments > 1
         || options.tie
         || options.free_poles.is_some()
