@@ -294,6 +294,7 @@ impl Arguments {
             tie: self.tie,
             losses: self.losses,
             drift: self.drift,
+            follow_ambient: self.ambient.is_some(),
         })
     }
 

@@ -28,6 +28,8 @@ pub struct IdentifyOptions {
     pub drift: DriftGiven,
     /// Losses that grow with temperature.
     pub losses: Losses,
+    /// Whether the gas column is a surrounding that outputs of structure `symbol` follow.
+    pub follow_ambient: bool,
 }
 
 impl IdentifyOptions {

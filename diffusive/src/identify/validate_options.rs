@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 use super::options::IdentifyOptions;
 use super::record::{RecordError, Survey};
 use super::{refine, tied};
-use crate::model::Structure;
 use recording::text::tidy;
 
 /// A mesh's last rate in units of π/Ts, the record's fastest, beyond which it is marked, or
@@ -25,10 +24,9 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
         tied::refuse(survey, options)?;
     }
     let fixed = [(options.tie, "--tie"), (options.free_poles.is_some(), "--free-poles")];
-    for (_, name) in fixed.iter().filter(|(is_given, _)| *is_given && options.structure != Some(Structure::Conductance))
-    {
+    for (_, name) in fixed.iter().filter(|(is_given, _)| *is_given) {
         survey.refuse_if(
-            survey.gas_column.is_some(),
+            options.follow_ambient,
             format_args!(
                 "cannot be identified with measured surroundings and {name} at once: leave out {name} or --ambient"
             ),

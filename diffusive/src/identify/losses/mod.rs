@@ -117,7 +117,8 @@ pub fn identify(
     let (mut model, losses) = loop {
         rounds += 1;
         let losses: Vec<SearchedLoss> = found.iter().map(|found| found.loss).collect();
-        let model = linear(&mut LossSource::new(source, &losses, LossColumns::Taken), &given, progress, observer)?;
+        let mut less = LossSource::new(source, &losses, LossColumns::Taken, given.follow_ambient);
+        let model = linear(&mut less, &given, progress, observer)?;
         if losses.is_empty() {
             break (model, losses);
         }

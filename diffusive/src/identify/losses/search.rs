@@ -99,7 +99,7 @@ fn reading(
     let designs: Vec<ProfileDesign> = outputs.iter().map(|&output| ProfileDesign::of(model, output, losses)).collect();
     let rows = source.survey().rows;
     let regressions: Vec<_> = designs.iter().map(|design| design.design.clone()).collect();
-    let mut beside = LossSource::new(source, losses, LossColumns::Beside);
+    let mut beside = LossSource::new(source, losses, LossColumns::Beside, model.ambient.is_some());
     let mut tell = |done| progress("growing losses", done, rows);
     let passed = pass(&mut beside, &regressions, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
     source.restart()?;

@@ -18,10 +18,10 @@ pub struct SearchedLoss {
 impl SearchedLoss {
     /// (T_o − T_0)² in the rows of a block, K². Where surroundings are measured, T_0 moves with
     /// them from what they were in the record's first row.
-    fn squares<'b>(&self, block: &'b Block, first_gas_c: f64) -> impl Iterator<Item = f64> + use<'b> {
+    fn squares<'b>(&self, block: &'b Block, first_gas_c: Option<f64>) -> impl Iterator<Item = f64> + use<'b> {
         let origin_c = self.origin_c;
         block.outputs[self.placed.output].iter().enumerate().map(move |(row, temperature_c)| {
-            let ambient_k = block.gas.get(row).map_or(0.0, |gas_c| gas_c - first_gas_c);
+            let ambient_k = first_gas_c.map_or(0.0, |first_c| block.gas[row] - first_c);
             let rise_k = temperature_c - origin_c - ambient_k;
             rise_k * rise_k
         })
@@ -44,16 +44,23 @@ pub struct LossSource<'a> {
     columns: LossColumns,
     survey: Survey,
     block: Block,
+    /// Whether the gas is a surrounding from which losses count, and what it was in the first row.
+    follow_ambient: bool,
     first_gas_c: Option<f64>,
 }
 
 impl<'a> LossSource<'a> {
-    pub fn new(inner: &'a mut dyn RecordSource, losses: &'a [SearchedLoss], columns: LossColumns) -> Self {
+    pub fn new(
+        inner: &'a mut dyn RecordSource,
+        losses: &'a [SearchedLoss],
+        columns: LossColumns,
+        follow_ambient: bool,
+    ) -> Self {
         let mut survey = inner.survey().clone();
         if columns == LossColumns::Beside {
             survey.inputs.extend((0..losses.len()).map(|at| format!("loss {at}")));
         }
-        Self { inner, losses, columns, survey, block: Block::default(), first_gas_c: None }
+        Self { inner, losses, columns, survey, block: Block::default(), follow_ambient, first_gas_c: None }
     }
 }
 
@@ -70,7 +77,9 @@ impl RecordSource for LossSource<'_> {
             return Ok(None);
         };
         self.block.clone_from(block);
-        let first_gas_c = *self.first_gas_c.get_or_insert(block.gas.first().copied().unwrap_or(0.0));
+        if self.follow_ambient {
+            self.first_gas_c = self.first_gas_c.or(block.gas.first().copied());
+        }
         for loss in self.losses {
             match self.columns {
                 LossColumns::Taken => {
@@ -78,10 +87,10 @@ impl RecordSource for LossSource<'_> {
                     let g = loss.placed.g_w_per_k2;
                     input
                         .iter_mut()
-                        .zip(loss.squares(block, first_gas_c))
+                        .zip(loss.squares(block, self.first_gas_c))
                         .for_each(|(input, square)| *input -= g * square);
                 }
-                LossColumns::Beside => self.block.inputs.push(loss.squares(block, first_gas_c).collect()),
+                LossColumns::Beside => self.block.inputs.push(loss.squares(block, self.first_gas_c).collect()),
             }
         }
         Ok(Some(&self.block))

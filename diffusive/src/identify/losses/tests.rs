@@ -149,7 +149,7 @@ fn losses_of_nothing_are_the_linear_model_to_the_bit() {
     let options = IdentifyOptions::default();
     let plain = identified(&mut record, Losses::None);
     let none = elements(&plain);
-    let mut source = LossSource::new(&mut record, &none, LossColumns::Taken);
+    let mut source = LossSource::new(&mut record, &none, LossColumns::Taken, false);
     let same = identify(&mut source, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
     assert_eq!(plain.to_json(), same.to_json());
     // And in motion.

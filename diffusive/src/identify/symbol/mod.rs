@@ -40,7 +40,9 @@ pub fn identify(
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
-    let survey = source.survey().clone();
+    let mut survey = source.survey().clone();
+    // Of no other gas is anything made.
+    survey.gas_column = survey.gas_column.filter(|_| options.follow_ambient);
     let classes = labels(source, progress)?;
     let reading = SymbolPlan::of(source, survey, classes, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);

@@ -59,6 +59,10 @@ fn table(of: &[Vec<f64>; 3], rows: std::ops::Range<usize>) -> Result<RecordTable
     RecordTable::new(PERIOD_S, inputs, vec![("temperature_c".to_owned(), temperature_c)])?.with_gas(&ambient_c)
 }
 
+fn followed() -> IdentifyOptions {
+    IdentifyOptions { follow_ambient: true, ..IdentifyOptions::default() }
+}
+
 fn identified(of: &[Vec<f64>; 3], options: &IdentifyOptions) -> Model {
     let mut record = table(of, 0..ROWS / 2).unwrap();
     identify(&mut record, options, &mut |_, _, _| {}, &mut |_| {}).unwrap()
@@ -67,7 +71,7 @@ fn identified(of: &[Vec<f64>; 3], options: &IdentifyOptions) -> Model {
 #[test]
 fn measured_surroundings_have_a_response_of_their_own() {
     let record = rig(0.0);
-    let model = identified(&record, &IdentifyOptions::default());
+    let model = identified(&record, &followed());
     let class = &model.pairs[0].classes["all"];
     let error = class.steady_gain_k_per_w - 20.0;
     assert!(error.abs() < 3.0 * class.se_steady_gain_k_per_w.max(0.01) && error.abs() < 0.2, "{class:?}");
@@ -95,7 +99,7 @@ fn measured_surroundings_have_a_response_of_their_own() {
 #[test]
 fn growing_losses_count_from_measured_surroundings() {
     // b = g Σ R = 0.004 1/K.
-    let model = identified(&rig(2e-4), &IdentifyOptions { losses: Losses::Growing, ..IdentifyOptions::default() });
+    let model = identified(&rig(2e-4), &IdentifyOptions { losses: Losses::Growing, ..followed() });
     let loss = &model.losses.as_ref().unwrap().elements[0];
     assert!((loss.b_per_k.value - 4e-3).abs() < 4e-4, "{loss:?}");
     assert!(model.residual_rms < 0.013, "{}", model.residual_rms);
@@ -106,14 +110,14 @@ fn surroundings_that_never_move_are_refused() {
     let mut record = rig(0.0);
     record[2].fill(20.0);
     let mut record = table(&record, 0..ROWS).unwrap();
-    let refused = identify(&mut record, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}).unwrap_err();
+    let refused = identify(&mut record, &followed(), &mut |_, _, _| {}, &mut |_| {}).unwrap_err();
     assert!(refused.to_string().contains("leave out --ambient"), "{refused}");
 }
 
 #[test]
 fn an_offset_that_the_rows_before_the_first_power_contradict_is_no_surer_than_the_difference() {
     // A linear model of losses that grow, from a record whose offset can be read off its beginning.
-    let model = identified(&rig(1e-3), &IdentifyOptions { drift: DriftGiven::None, ..IdentifyOptions::default() });
+    let model = identified(&rig(1e-3), &IdentifyOptions { drift: DriftGiven::None, ..followed() });
     let output = &model.outputs[0];
     let apart_k = (output.offset_c - 22.0).abs();
     let is_said = model.chosen.reasons.iter().any(|reason| reason.contains("before the first power"));
