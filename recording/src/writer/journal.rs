@@ -58,13 +58,17 @@ impl Journal {
     /// Begins anew: the rows until now are in a closed file.
     pub fn restart(&mut self, metadata: &Metadata) -> io::Result<()> {
         self.is_stale = true;
+        // Dropped with rows in its memory, the writer would put them behind the new beginning. They
+        // go behind the others, whose head says in which file they are: without it a cut supply
+        // would leave them for new ones. On a full disk there is no room for them until then.
+        let is_full = self.csv.flush().is_err();
         self.file.set_len(0)?;
         self.file.rewind()?;
-        // Dropped with rows in its memory, the writer would put them behind the new beginning. On a
-        // full disk, only now there is room for them.
-        self.csv.flush()?;
-        self.file.set_len(0)?;
-        self.file.rewind()?;
+        if is_full {
+            self.csv.flush()?;
+            self.file.set_len(0)?;
+            self.file.rewind()?;
+        }
         self.csv = CsvWriter::new(self.file.try_clone()?, &self.columns, metadata)?;
         self.has_news = true;
         self.sync()?;
