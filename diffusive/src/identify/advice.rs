@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use dr_core::signal::prbs::ORDERS;
 use recording::text::brief;
 
-use crate::model::{Class, LossOrigin, Model, ModelGas, ModelOutput, Pair, Whiteness};
+use crate::model::{Class, Model, ModelOutput, Pair, Whiteness};
 
 /// Share of a steady gain that carries weight.
 const WEIGHT: f64 = 0.05;
@@ -128,9 +128,7 @@ fn clearness(output: &ModelOutput) -> Option<f64> {
 }
 
 fn surroundings(model: &Model) -> Option<String> {
-    let of_wind = model.wind.as_ref().is_some_and(|wind| matches!(wind.gas, ModelGas::Column(_)));
-    let of_losses = model.losses.as_ref().is_some_and(|losses| matches!(losses.origin, LossOrigin::Column(_)));
-    if of_wind || of_losses {
+    if model.gas_column().is_some() {
         return None;
     }
     let reason = model.outputs.iter().find_map(|output| {
