@@ -5,7 +5,7 @@
 //! | length | five times the slowest time constant that carries weight; three times this record where a steady gain is not known to a tenth |
 //! | input | pseudo-random bits of 0.4 times the fastest time constant that carries weight, one sample at least; the register so long that its sequence reaches down to the slowest rate, (2ⁿ − 1) bit ≥ 2π τ (thesis 2.5) |
 //! | amplitude | a response of a hundred times what the model leaves |
-//! | levels | a second pair of them where losses grow with temperature, or were asked for |
+//! | levels | a second pair of them where losses grow with temperature, or were requested |
 //! | surroundings | their temperature, where the offset moved or predictions err by much |
 //!
 //! A time constant carries weight where relaxations up to it make a twentieth of the steady gain.
@@ -198,7 +198,7 @@ mod tests {
     use crate::model::OutputDrift;
     use crate::model::testing;
 
-    /// 50 s, 5 s and 0.5 s, of which the last carries 1 % of the gain; swings by 2 K over 5 mK.
+    /// 50 s, 5 s and 0.5 s; the last carries 1 % of the gain; swings by 2 K over 5 mK.
     fn model(duration_s: f64) -> Model {
         let mut model = testing::model(&[0.02, 0.2, 2.0], &[79.0, 20.0, 1.0]);
         model.provenance.duration_s = duration_s;

@@ -34,7 +34,7 @@ const COUNTS: f64 = 6.0;
 const MOST_MEMBERS: usize = 60;
 /// Ratio of mean squared errors ahead.
 const WORSE: f64 = 0.5;
-/// Likewise, of a drift's: twelve times the error.
+/// The same ratio for a drift: twelve times the error.
 const FAR_WORSE: f64 = 144.0;
 /// Evidence, in nats, by which a drift must lead an ordinary choice that leaves white noise: it may
 /// have taken a drift for slow relaxations (120 and more, of a sine of the drift rig), or be right
@@ -165,7 +165,7 @@ impl CandidateSet<'_> {
             let total = Gram::total(&self.reading.passed.folds[mesh]);
             let pole = self.meshes()[mesh].poles_rad_s.first().copied();
             let walk = pole.map(NoiseFilter::walk);
-            // Whatever was asked for: candidates of a wrong structure err by more than a beginning.
+            // Whatever was requested: candidates of a wrong structure err by more than a beginning.
             for initial_state in initial_states(None, &self.reading.first_drives) {
                 for filter in std::iter::once(None).chain(walk.clone().map(Some)) {
                     for prior in AVERAGED.map(Prior::Tapered) {

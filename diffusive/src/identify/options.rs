@@ -33,8 +33,8 @@ pub struct IdentifyOptions {
 }
 
 impl IdentifyOptions {
-    /// Whether an initial state is asked for that a record may contradict, and there is a choice to
-    /// make.
+    /// Whether the user requests an initial state that a record may contradict, and there is a
+    /// choice to make.
     pub fn asks_for_an_initial_state(&self) -> bool {
         let given = &self.constraints;
         let is_state = matches!(given.initial_state, Some(InitialState::Rest | InitialState::Settled));

@@ -1,4 +1,4 @@
-//! What a choice has of a drift, and what a model says of it.
+//! The drift of a choice, and how a model reports it.
 
 use super::filter::NoiseFilter;
 use crate::model::OutputDrift;

@@ -1,9 +1,10 @@
-//! An initial state that is asked for, and a record that contradicts it.
+//! A requested initial state, and a record that contradicts it.
 //!
 //! Whoever says that a record begins at rest says more than the record may bear: what was stored
 //! before then passes for the answer to power, and gains are wrong by as much. So the choice is
 //! made once more on the same sums, with any initial state; where that explains the record clearly
-//! better, the record is identified as if nothing had been asked for, and the model says so.
+//! better, the record is identified as if nothing had been requested, and a warning
+//! reports it.
 
 use super::super::choose::Choice;
 use super::super::folds::change;
@@ -26,7 +27,7 @@ pub fn contradictions(
         let ratio = other.score.overall() / choice.score.overall().max(1e-300);
         (ratio < CONTRADICTED.powi(-2)).then(|| {
             format!(
-                "`{name}`: the initial state is not {asked}, as was asked for: with any other the cross-validated error is {}, and that is taken; the record does not begin so, or something else moves it at first (a drift, another input)",
+                "`{name}`: the initial state is not {asked}, as requested: with any other the cross-validated error is {}, and that is taken; the record does not begin so, or something else moves it at first (a drift, another input)",
                 change(ratio)
             )
         })

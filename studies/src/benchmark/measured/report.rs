@@ -23,7 +23,7 @@ pub struct MeasuredReport {
 /// So many of so many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
-    /// Of which it is true.
+    /// Those for which it is true.
     pub own: usize,
     /// Of all.
     pub all: usize,
