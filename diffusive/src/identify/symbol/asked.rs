@@ -3,8 +3,7 @@
 //! Whoever says that a record begins at rest says more than the record may bear: what was stored
 //! before then passes for the answer to power, and gains are wrong by as much. So the choice is
 //! made once more on the same sums, with any initial state; where that explains the record clearly
-//! better, the record is identified as if nothing had been requested, and a warning
-//! reports it.
+//! better, the record is identified as if nothing had been requested, and a warning reports it.
 
 use super::super::choose::Choice;
 use super::super::folds::change;
