@@ -19,13 +19,18 @@ use super::fitted::FittedOutput;
 pub struct DriftTracker<'a> {
     fitted: &'a FittedOutput<'a>,
     filter: Option<RunningFilter>,
+    period_s: f64,
     se: f64,
 }
 
 impl<'a> DriftTracker<'a> {
     pub fn new(fitted: &'a FittedOutput<'a>, period_s: f64) -> Self {
-        let filter = fitted.drift.and_then(|drift| drift.filter.as_ref());
-        Self { fitted, filter: filter.map(|filter| RunningFilter::new(filter, period_s)), se: 0.0 }
+        Self { fitted, filter: filter_of(fitted, period_s), period_s, se: 0.0 }
+    }
+
+    /// Begins anew behind a gap, over which nothing is known of the level.
+    pub fn restart(&mut self) {
+        self.filter = filter_of(self.fitted, self.period_s);
     }
 
     /// What was expected of a residual, K.
@@ -50,4 +55,9 @@ impl<'a> DriftTracker<'a> {
     pub fn se(&self) -> f64 {
         self.se
     }
+}
+
+fn filter_of(fitted: &FittedOutput<'_>, period_s: f64) -> Option<RunningFilter> {
+    let filter = fitted.drift?.filter.as_ref()?;
+    Some(RunningFilter::new(filter, period_s))
 }

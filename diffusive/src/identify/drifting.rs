@@ -15,13 +15,15 @@
 use super::candidates::{MeshPart, initial_states};
 use super::choose::{CandidateSet, Choice, ScoredCandidate};
 use super::drift::search::{DriftCase, WORTH};
-use super::drift::{ChosenDrift, DriftGiven, NoiseFilter, PoleColumns};
+use super::drift::{ChosenDrift, DriftGiven, NoiseFilter};
 use super::folds::{Score, geometric_mean};
 use super::gram::Gram;
 use super::mixture::{MixtureCandidate, MixtureMember};
+use super::normal_equations::ModelTerm;
 use super::options::InitialState;
 use super::prior::Prior;
 use super::residuals::Residuals;
+use super::segment::start_rates;
 use super::whiteness::is_white;
 
 /// Moves of an input from which on evidence is trusted.
@@ -78,53 +80,42 @@ impl CandidateSet<'_> {
             Some(ridge) => vec![Prior::Columns(ridge.max(1e-14))],
             None => (1..=8).map(|step| Prior::Tapered(10_f64.powi(-2 * step))).collect(),
         };
-        let columns = PoleColumns::of(&self.reading.plan.designs[mesh], self.reading.plan.survey.sample_period_s);
+        let columns = self.columns(mesh);
         let feed_through = ordinary.trial.feed_through;
-        let search = |initial_state| {
-            let terms = self.terms(mesh, initial_state, feed_through);
-            let case = DriftCase {
-                gram: &total,
-                columns: &columns,
-                terms: &terms,
-                output: self.output,
-                scales: &self.reading.scales,
-                priors: &priors,
-                poles_rad_s: &self.meshes()[mesh].poles_rad_s,
-            };
-            case.search(self.options.drift, COUNTS)
-        };
         let states = self.initial_states();
-        let first = *states.last()?;
-        let mut filters = search(first);
-        let evident =
-            |mesh: usize, initial_state: InitialState, prior: Prior, filter: Option<&NoiseFilter>, gram: &Gram| {
-                let candidate = MixtureCandidate { mesh, initial_state, feed_through, prior, filter: filter.cloned() };
-                let (terms, problem) = self.problem(&candidate, gram);
-                let evidence = problem.evidence(&self.reading.scales.penalty(prior, &terms, &problem));
-                (candidate, evidence)
-            };
-        let state_of = |filter: &NoiseFilter| {
-            let of = |&state: &InitialState| {
-                let each = priors.iter().map(|&prior| evident(mesh, state, prior, Some(filter), &total).1);
-                (state, each.fold(f64::NEG_INFINITY, f64::max))
-            };
-            states.iter().map(of).max_by(|a, b| a.1.total_cmp(&b.1))
+        let terms: Vec<Vec<ModelTerm>> = states.iter().map(|&state| self.terms(mesh, state, feed_through)).collect();
+        let starts_rad_s = start_rates(&self.reading.plan.survey);
+        let case = |state: usize| DriftCase {
+            gram: &total,
+            columns: &columns,
+            terms: &terms[state],
+            output: self.output,
+            scales: &self.reading.scales,
+            priors: &priors,
+            starts_rad_s: &starts_rad_s,
+            poles_rad_s: &self.meshes()[mesh].poles_rad_s,
         };
-        let (best_state, _) = state_of(&filters.first()?.0)?;
-        if best_state != first {
-            filters = search(best_state);
+        // With the initial state that explains most under the best filter of the freest.
+        let freest = states.len().checked_sub(1)?;
+        let mut filters = case(freest).search(self.options.drift, COUNTS);
+        let best_filter = &filters.first()?.0;
+        let of_state = |state: &usize| case(*state).evidence(Some(best_filter));
+        let best_state = (0..states.len()).max_by(|a, b| of_state(a).total_cmp(&of_state(b)))?;
+        if best_state != freest {
+            filters = case(best_state).search(self.options.drift, COUNTS);
         }
         // Kinds differ in what they were worth before, which their evidence holds.
         let mut candidates: Vec<(MixtureCandidate, f64)> = Vec::new();
         let evidence = filters.first()?.1;
         for (filter, own) in &filters {
-            let of_filter: Vec<(MixtureCandidate, f64)> = states
-                .iter()
-                .flat_map(|&state| priors.iter().map(move |&prior| (state, prior)))
-                .map(|(state, prior)| evident(mesh, state, prior, Some(filter), &total))
-                .collect();
-            let most = of_filter.iter().map(|(_, own)| *own).fold(f64::NEG_INFINITY, f64::max);
-            candidates.extend(of_filter.into_iter().map(|(candidate, at)| (candidate, at - most + own)));
+            let by_state: Vec<Vec<f64>> = (0..states.len()).map(|state| case(state).by_prior(Some(filter))).collect();
+            let most = greatest(by_state.iter().flatten());
+            for (&initial_state, by_prior) in states.iter().zip(&by_state) {
+                candidates.extend(priors.iter().zip(by_prior).map(|(&prior, at)| {
+                    let filter = Some(filter.clone());
+                    (MixtureCandidate { mesh, initial_state, feed_through, prior, filter }, at - most + own)
+                }));
+            }
         }
         candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
         let most = candidates.first()?.1;
@@ -134,12 +125,16 @@ impl CandidateSet<'_> {
         let best = candidates.first()?.0.clone();
         // Another mesh may explain as well what looks like a drift on this one.
         let trial = &ordinary.trial;
-        let other = Gram::total(&self.reading.passed.folds[trial.mesh]);
-        let of_ordinary = priors.iter().map(|&prior| evident(trial.mesh, trial.initial_state, prior, None, &other).1);
-        let of_ordinary = of_ordinary.fold(f64::NEG_INFINITY, f64::max);
-        let of_best = evident(mesh, best.initial_state, best.prior, best.filter.as_ref(), &total).1;
+        let of_ordinary = DriftCase {
+            gram: &Gram::total(&self.reading.passed.folds[trial.mesh]),
+            columns: &self.columns(trial.mesh),
+            terms: &self.terms(trial.mesh, trial.initial_state, feed_through),
+            ..case(freest)
+        };
+        let state = states.iter().position(|state| *state == best.initial_state)?;
+        let of_best = greatest(&case(state).by_prior(best.filter.as_ref()));
         let lead = if is_white(left) { WORTH_OF_WHITE } else { WORTH };
-        let is_worth = evidence > WORTH && of_best - of_ordinary > lead;
+        let is_worth = evidence > WORTH && of_best - of_ordinary.evidence(None) > lead;
         if self.options.drift == DriftGiven::Auto && !is_worth {
             return None;
         }
@@ -227,4 +222,8 @@ impl CandidateSet<'_> {
             drift: Some(ChosenDrift { level_k: mixture.level_k, ..drift }),
         }
     }
+}
+
+fn greatest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }

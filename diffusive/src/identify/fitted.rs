@@ -80,20 +80,6 @@ impl FittedOutput<'_> {
         }
     }
 
-    /// What states of the columns amount to with these weights, one decay a rate: rate in rad/s and
-    /// K.
-    pub fn decays(&self, states: &[f64], weights: &[f64]) -> Vec<(f64, f64)> {
-        let mut decays: Vec<(f64, f64)> = Vec::new();
-        for ((role, state), weight) in self.design.roles().iter().zip(states).zip(weights) {
-            let (Role::Relaxation { rate_rad_s, .. } | Role::Initial { rate_rad_s }) = *role else { continue };
-            match decays.iter_mut().find(|(rate, _)| *rate == rate_rad_s) {
-                Some((_, sum)) => *sum += state * weight,
-                None => decays.push((rate_rad_s, state * weight)),
-            }
-        }
-        decays
-    }
-
     fn se(&self, term: usize) -> f64 {
         self.covariance[(term, term)].max(0.0).sqrt()
     }

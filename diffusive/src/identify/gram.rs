@@ -5,15 +5,14 @@
 //! the sums resolve directions down to 1e-14 of the strongest, far below what any prior here lets
 //! through.
 
-use std::ops::Range;
-
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 use super::design::RegressionDesign;
 use super::gas_source::GasSource;
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;
 use super::rows::RegressionRows;
+use super::segment::{self, Segment, Starts};
 
 /// Sums over some rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,11 +20,13 @@ pub struct Gram {
     /// AᵀA, symmetric, outputs last.
     pub sums: DMatrix<f64>,
     pub rows: u64,
+    /// What was taken out of them for segments that began with anything.
+    pub starts: Starts,
 }
 
 impl Gram {
     pub fn empty(width: usize) -> Self {
-        Self { sums: DMatrix::zeros(width, width), rows: 0 }
+        Self { sums: DMatrix::zeros(width, width), rows: 0, starts: Starts::default() }
     }
 
     /// Of the tiles in their places.
@@ -49,19 +50,8 @@ impl Gram {
     pub fn add(&mut self, other: &Self) {
         self.sums += &other.sums;
         self.rows += other.rows;
-    }
-
-    /// The sums that are left when some columns may explain what they like: G − G_D (G_DD)⁻¹ G_Dᵀ.
-    pub fn without(mut self, columns: Range<usize>) -> Self {
-        let (first, count) = (columns.start, columns.len());
-        let own = self.sums.view((first, first), (count, count)).into_owned();
-        let Some(factor) = Cholesky::new(&own + DMatrix::from_diagonal(&own.diagonal().map(held))) else { return self };
-        let beside = self.sums.columns(first, count).into_owned();
-        self.sums -= &beside * factor.solve(&beside.transpose());
-        self.sums.columns_mut(first, count).fill(0.0);
-        self.sums.rows_mut(first, count).fill(0.0);
-        self.rows = self.rows.saturating_sub(count as u64).max(1);
-        self
+        self.starts.segments += other.starts.segments;
+        self.starts.rows += other.starts.rows;
     }
 
     pub fn total<'a>(folds: impl IntoIterator<Item = &'a Self>) -> Self {
@@ -72,11 +62,6 @@ impl Gram {
     }
 }
 
-/// What is added to the sum of squares of a decay that is free: enough that all can be told apart.
-pub fn held(squares: f64) -> f64 {
-    1e-9 * squares + 1e-12
-}
-
 /// One pass over a record for one design.
 pub struct Accumulator {
     rows: RegressionRows,
@@ -85,17 +70,19 @@ pub struct Accumulator {
     tiles: Vec<Tile>,
     part_rows: u64,
     /// The fold that is being read.
-    fold: Gram,
+    at: usize,
     segment_row: u64,
-    /// Whether this is the first segment, whose initial state has columns of its own.
-    is_first: bool,
-    /// Columns of initial decays.
-    decays: Range<usize>,
+    /// The first segment's initial state has columns of its own; what later ones began with is
+    /// taken out of the sums.
+    later: Option<Segment>,
     folds: Vec<Gram>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
     /// States behind every fold.
     ends: Vec<Vec<f64>>,
+    /// With the decays that later segments begin with, and how many those are.
+    design: RegressionDesign,
+    starts: usize,
     row: u64,
     /// Rows at the beginning that say nothing: what drove them stood before the record.
     lead: u64,
@@ -105,44 +92,48 @@ impl Accumulator {
     /// `expected_rows` are cut into `folds` folds of like length; rows beyond them go to the last.
     pub fn new(
         design: &RegressionDesign,
+        starts_rad_s: &[f64],
         sample_period_s: f64,
         expected_rows: u64,
         folds: usize,
         output_shift: &[f64],
     ) -> Self {
-        let rows = RegressionRows::new(design, sample_period_s, output_shift);
+        let design = segment::with_starts(design, starts_rad_s);
+        let rows = RegressionRows::new(&design, sample_period_s, output_shift);
         let count = panels::panels(rows.width());
         Self {
             rows,
             panels: vec![[[0.0; LANES]; BATCH]; count],
             tiles: vec![Tile::default(); panels::tiles(count)],
             part_rows: 0,
-            fold: Gram::empty(design.width()),
+            at: 0,
             segment_row: 0,
-            is_first: true,
-            decays: design.decays(),
-            folds: Vec::with_capacity(folds),
+            later: None,
+            starts: starts_rad_s.len(),
+            folds: vec![Gram::empty(design.width()); folds],
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             ends: Vec::with_capacity(folds),
             row: 0,
             lead: design.longest_delay() as u64,
+            design,
         }
     }
 
     pub fn push(&mut self, block: &Block, gas: GasSource) {
         if block.begins_segment && self.row > 0 {
-            self.end_part();
+            self.end_segment();
             self.rows.restart();
-            (self.segment_row, self.is_first) = (0, false);
+            self.segment_row = 0;
+            self.later = Some(Segment::new(&self.design, self.starts));
         }
         let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
         let mut from = 0;
         while from < block.len() {
-            while self.borders.get(self.folds.len()).is_some_and(|&border| border <= self.row) {
+            while self.borders.get(self.at).is_some_and(|&border| border <= self.row) {
                 self.end_fold();
             }
             let mut rows = BATCH.min(block.len() - from);
-            if let Some(&border) = self.borders.get(self.folds.len()) {
+            if let Some(&border) = self.borders.get(self.at) {
                 rows = rows.min((border - self.row) as usize);
             }
             let is_lead = self.segment_row < self.lead;
@@ -163,12 +154,14 @@ impl Accumulator {
         }
     }
 
-    /// Adds what was read of a segment to the fold. What a later segment began with is free in
-    /// every fold: it is taken out of the sums.
+    /// Adds what was read since to the fold.
     fn end_part(&mut self) {
         if self.part_rows > 0 {
             let part = Gram::of(&self.tiles, self.rows.width(), self.part_rows);
-            self.fold.add(&if self.is_first { part } else { part.without(self.decays.clone()) });
+            match &mut self.later {
+                None => self.folds[self.at].add(&part),
+                Some(segment) => segment.add(self.at, part),
+            }
         }
         self.tiles.fill(Tile::default());
         self.part_rows = 0;
@@ -176,16 +169,35 @@ impl Accumulator {
 
     fn end_fold(&mut self) {
         self.end_part();
-        let empty = Gram::empty(self.rows.width());
-        self.folds.push(std::mem::replace(&mut self.fold, empty));
-        self.ends.push(self.rows.states());
+        let mut states = self.rows.states();
+        states[self.design.decays().end] = 1.0;
+        self.ends.push(states);
+        if let Some(segment) = &mut self.later {
+            segment.end_fold(self.at);
+        }
+        self.at += 1;
+    }
+
+    fn end_segment(&mut self) {
+        self.end_part();
+        if let Some(segment) = self.later.take() {
+            segment.finish(&mut self.folds, &mut self.ends);
+        }
     }
 
     /// The folds, and the states behind each of them.
     pub fn finish(mut self) -> (Vec<Gram>, Vec<Vec<f64>>) {
-        while self.folds.len() <= self.borders.len() {
+        while self.at < self.folds.len() {
             self.end_fold();
         }
+        self.end_segment();
+        // The decays of later segments are no columns of the design that was given.
+        let (end, count) = (self.design.decays().end, self.starts);
+        for fold in &mut self.folds {
+            let sums = std::mem::replace(&mut fold.sums, DMatrix::zeros(0, 0));
+            fold.sums = sums.remove_columns(end - count, count).remove_rows(end - count, count);
+        }
+        self.ends.iter_mut().for_each(|states| drop(states.drain(end - count..end)));
         (self.folds, self.ends)
     }
 }
@@ -235,7 +247,7 @@ mod tests {
             outputs: 1,
         };
         let blocks = blocks();
-        let mut accumulator = Accumulator::new(&design, 1.0, 370, 3, &[20.0]);
+        let mut accumulator = Accumulator::new(&design, &[], 1.0, 370, 3, &[20.0]);
         blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
         let (folds, ends) = accumulator.finish();
         assert_eq!(ends.len(), 3);
@@ -273,16 +285,16 @@ mod tests {
     #[test]
     fn a_column_that_every_row_has_counts_them() {
         let design = RegressionDesign { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: 1 };
-        let mut accumulator = Accumulator::new(&design, 1.0, 377, 1, &[20.0]);
+        let mut accumulator = Accumulator::new(&design, &[], 1.0, 377, 1, &[20.0]);
         blocks().iter().for_each(|block| accumulator.push(block, GasSource::Column));
         assert_eq!(accumulator.finish().0[0].sums[(0, 0)], 377.0);
     }
 
-    /// A later segment's initial decays and its rows that lack an output: least squares of all rows
-    /// with decays of its own.
+    /// Of a later segment, the rest of least squares on decays and an offset of its own, fold by
+    /// fold; rows that lack an output count for nothing.
     #[test]
     fn a_later_segment_begins_with_anything_and_rows_without_output_count_for_nothing() {
-        let rates = [0.05, 0.5];
+        let (rates, starts) = ([0.05, 0.5], [0.02, 0.1, 0.4]);
         let design = RegressionDesign {
             banks: vec![bank(BankDrive::Input(0), &rates, 0, false)],
             initial_rad_s: rates.to_vec(),
@@ -291,31 +303,44 @@ mod tests {
         let mut blocks = blocks();
         blocks[1].begins_segment = true;
         blocks[1].missing = vec![0, 30, 31];
-        let mut accumulator = Accumulator::new(&design, 1.0, 377, 1, &[20.0]);
-        blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
-        let (folds, _) = accumulator.finish();
+        // The second fold begins in the second segment.
+        let mut accumulator = Accumulator::new(&design, &starts, 1.0, 660, 2, &[20.0]);
+        blocks.iter().for_each(|block| accumulator.push(block, GasSource::Constant(0.0)));
+        let (folds, ends) = accumulator.finish();
+        assert_eq!(folds[0].sums.ncols(), design.width());
 
-        // Columns: x, decays of the first segment, offset, y; and decays of the second one.
-        let mut all = DMatrix::<f64>::zeros(8, 8);
-        for (segment, block) in blocks.iter().enumerate() {
-            for n in 0..block.len() {
-                if segment == 1 && [0, 30, 31].contains(&n) {
-                    continue;
-                }
-                let mut row = nalgebra::DVector::zeros(8);
-                for (k, &rate) in rates.iter().enumerate() {
-                    row[k] = state(rate, &block.inputs[0], n);
-                    row[if segment == 0 { 2 + k } else { 6 + k }] = (-rate * n as f64).exp();
-                }
-                (row[4], row[5]) = (1.0, block.outputs[0][n] - 20.0);
-                all += &row * row.transpose();
+        // Columns: x, decays of the first segment, offset, y.
+        let row = |segment: usize, n: usize| {
+            let (mut row, block) = (nalgebra::DVector::zeros(6), &blocks[segment]);
+            for (k, &rate) in rates.iter().enumerate() {
+                row[k] = state(rate, &block.inputs[0], n);
+                row[2 + k] = if segment == 0 { (-rate * n as f64).exp() } else { 0.0 };
             }
+            row[4] = if segment == 0 { 1.0 } else { 0.0 };
+            row[5] = block.outputs[0].get(n).map_or(0.0, |y| y - 20.0);
+            row
+        };
+        let start =
+            |n: usize| nalgebra::DVector::from_fn(4, |k, _| starts.get(k).map_or(1.0, |rate| (-rate * n as f64).exp()));
+        let seen: Vec<usize> = (0..77).filter(|n| ![0, 30, 31].contains(n)).collect();
+        let (mut own, mut beside) = (DMatrix::<f64>::zeros(4, 4), DMatrix::<f64>::zeros(4, 6));
+        for &n in &seen {
+            own += start(n) * start(n).transpose();
+            beside += start(n) * row(1, n).transpose();
         }
-        let own = all.view((6, 6), (2, 2)).into_owned();
-        let beside = all.view((0, 6), (6, 2)).into_owned();
-        let expected = all.view((0, 0), (6, 6)) - &beside * own.try_inverse().unwrap() * beside.transpose();
-        // What holds the decays is a billionth of their squares.
-        assert!((&folds[0].sums - &expected).amax() < 1e-6, "{}", (&folds[0].sums - &expected).amax());
-        assert_eq!(folds[0].rows, 300 + 77 - 3 - 2);
+        let explained = own.try_inverse().unwrap() * beside;
+        let left = |n: usize| row(1, n) - explained.tr_mul(&start(n));
+        let sum = |rows: &mut dyn Iterator<Item = nalgebra::DVector<f64>>| {
+            rows.fold(DMatrix::zeros(6, 6), |sum, row| sum + &row * row.transpose())
+        };
+        let first = sum(&mut (0..300).map(|n| row(0, n)).chain(seen.iter().filter(|n| **n < 30).map(|&n| left(n))));
+        let second = sum(&mut seen.iter().filter(|n| **n >= 30).map(|&n| left(n)));
+        for (fold, expected) in folds.iter().zip([first, second]) {
+            assert!((&fold.sums - &expected).amax() < 1e-8, "{}", (&fold.sums - &expected).amax());
+        }
+        // Four shapes of 74 rows; 29 of them in the first fold.
+        assert_eq!([folds[0].rows, folds[1].rows], [300 + 29 - 2, 45 - 2]);
+        let end = left(77);
+        assert!((0..5).all(|column| (ends[1][column] - end[column]).abs() < 1e-9), "{:?} for {end}", ends[1]);
     }
 }

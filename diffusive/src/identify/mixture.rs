@@ -53,7 +53,7 @@ pub struct Mixture {
 }
 
 impl CandidateSet<'_> {
-    fn columns(&self, mesh: usize) -> PoleColumns {
+    pub fn columns(&self, mesh: usize) -> PoleColumns {
         PoleColumns::of(&self.reading.plan.designs[mesh], self.reading.plan.survey.sample_period_s)
     }
 

@@ -93,6 +93,7 @@ mod quiet_start;
 mod residual_pass;
 mod residuals;
 mod rows;
+mod segment;
 mod spread;
 mod support;
 mod tied;

@@ -116,7 +116,12 @@ pub fn warnings(
             let effects = own.iter().filter_map(|pair| Some((pair, pair.classes.get(label)?)));
             let all = effects.map(|(pair, class)| class.steady_gain_k_per_w.abs() * drive(pair)).sum::<f64>();
             let all = if drive(pair) > 0.0 { all / drive(pair) } else { gain.abs() };
-            if se > 0.25 * all && spread > 0.0 {
+            if let Some([up, down]) = cancelling(pair, class, duration_s) {
+                warnings.push(format!(
+                    "{subject}: slow resistances cancel, {} against {}, each beyond its errors, for a steady gain of {}: that is a drift or an input that is missing, and no body; record for longer, and beside it the temperature of the surroundings; where heater and sensor are in one place, hold the signs with --non-negative all",
+                    brief(up), brief(down), as_sure(gain, se)
+                ));
+            } else if se > 0.25 * all && spread > 0.0 {
                 let slowest_s = 1.0 / pair.mesh_rad_s[0];
                 warnings.push(format!(
                     "{subject}: the steady gain {} is known to ±{} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge",
@@ -177,6 +182,16 @@ fn as_sure(value: f64, se: f64) -> String {
     stated.split(" ± ").next().unwrap_or_default().trim_start_matches('(').to_owned()
 }
 
+/// Sums of what is beyond two standard errors at rates up to twice the thesis' lower edge 2π/T, one
+/// of each sign, where the smaller outweighs the steady gain.
+fn cancelling(pair: &Pair, class: &Class, duration_s: f64) -> Option<[f64; 2]> {
+    let slow_rad_s = 2.02 * std::f64::consts::TAU / duration_s;
+    let slow = pair.mesh_rad_s.iter().take_while(|rate| **rate <= slow_rad_s).count();
+    let sure = class.r_k_per_w.iter().zip(&class.se_k_per_w).take(slow).filter(|(r, se)| r.abs() > 2.0 * **se);
+    let sides = sure.fold([0.0_f64; 2], |[up, down], (r, _)| [up + r.max(0.0), down + r.min(0.0)]);
+    (sides[0].min(-sides[1]) > class.steady_gain_k_per_w.abs()).then_some(sides)
+}
+
 /// Whether most of the answer, and a quarter of the gain `all` of all inputs, stands at rates up to
 /// π/T, half the thesis' lower edge: decays that a record of length T shows little of. Of Σ|R| or
 /// of the steady gain, whichever is more: slow rates of both signs are no better known.
@@ -188,4 +203,27 @@ fn is_slow(pair: &Pair, class: &Class, duration_s: f64, all: f64) -> bool {
     let of_size = size(slow) / size(whole).max(f64::MIN_POSITIVE);
     let of_gain = slow.iter().sum::<f64>().abs() / class.steady_gain_k_per_w.abs().max(f64::MIN_POSITIVE);
     of_size.max(of_gain) > 0.5 && size(slow) > 0.25 * all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::testing;
+
+    #[test]
+    fn slow_resistances_of_both_signs_cancel_where_they_outweigh_the_gain() {
+        let of = |resistances: &[f64], se: f64| {
+            let pair = testing::model(&[0.002, 0.006, 0.02, 0.2], resistances).pairs.remove(0);
+            let class = Class { se_k_per_w: vec![se; 4], ..pair.classes["all"].clone() };
+            // Up to 2 · 2π/1600 s = 0.008 rad/s: two of four.
+            cancelling(&pair, &class, 1600.0)
+        };
+        assert_eq!(of(&[300.0, -260.0, 10.0, 5.0], 20.0), Some([300.0, -260.0]));
+        // One is no surer than noise.
+        assert_eq!(of(&[300.0, -260.0, 10.0, 5.0], 140.0), None);
+        // What a sensor beside the heater may show: a part of the answer comes late.
+        assert_eq!(of(&[-20.0, 80.0, 30.0, 5.0], 1.0), None);
+        // Faster than that, signs are the body's own.
+        assert_eq!(of(&[0.0, 10.0, 300.0, -290.0], 1.0), None);
+    }
 }

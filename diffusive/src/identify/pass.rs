@@ -6,6 +6,7 @@ use super::gas_source::GasSource;
 use super::gram::{Accumulator, Gram};
 use super::quiet_start::QuietStart;
 use super::record::{Block, RecordError, RecordSource, Survey};
+use super::segment::start_rates;
 use super::spread::{ValueSpread, deviation};
 use crate::model::Provenance;
 
@@ -222,13 +223,14 @@ pub fn pass(
     source.restart()?;
     let survey = source.survey();
     let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));
+    let starts_rad_s = start_rates(survey);
     let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
     while let Some(block) = source.next_block()? {
         if accumulators.is_empty() {
             output_shift = block.outputs.iter().map(|values| mean(values)).collect();
-            let of = |design| Accumulator::new(design, sample_period_s, expected, folds, &output_shift);
+            let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
             accumulators = designs.iter().map(of).collect();
         }
         // In this order, rows come from memory while there is much to do with those before.

@@ -3,19 +3,21 @@
 //! Outputs that share a design share a reading.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::design::RegressionDesign;
 use super::drift::ChosenDrift;
 use super::drift_tracker::DriftTracker;
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
-use super::gram;
 use super::options::{FitObserver, Progress};
 use super::panels::{BATCH, LANES, Lanes, panels};
 use super::record::{RecordError, RecordSource, copy_row};
 use super::residuals::{FitRow, Residuals};
 use super::rows::RegressionRows;
+use super::segment;
 use crate::model::RecordEnd;
 
 /// Residuals of every output, and where the record ended.
@@ -57,29 +59,42 @@ impl ResidualPass {
         source.restart()?;
         let survey = source.survey();
         let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
-        let design = fitted[alike[0]].design;
-        let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
-        let weights: Vec<Vec<Lanes>> = alike.iter().map(|&output| in_lanes(&fitted[output].weights())).collect();
+        let (given, starts_rad_s) = (fitted[alike[0]].design, segment::start_rates(survey));
+        let design = segment::with_starts(given, &starts_rad_s);
+        let (own, longest) =
+            (design.decays().end - starts_rad_s.len()..design.decays().end + 1, design.longest_delay());
+        let mut rows = RegressionRows::new(&design, period_s, &vec![0.0; outputs]);
+        // The decays of later segments are not among the model's.
+        let weights_of = |&output: &usize| {
+            let mut weights = fitted[output].weights();
+            weights.splice(own.start..own.start, starts_rad_s.iter().map(|_| 0.0));
+            weights
+        };
+        let of_model: Vec<Vec<f64>> = alike.iter().map(weights_of).collect();
         let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
         let (mut input_row, mut output_row, mut predicted) =
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
         let (mut drift, mut drift_se) = (vec![0.0; outputs], vec![0.0; outputs]);
         let mut levels: Vec<DriftTracker> = fitted.iter().map(|fitted| DriftTracker::new(fitted, period_s)).collect();
         let (mut count, mut segment_row, mut segment) = (0, 0, 0);
-        let longest = design.longest_delay();
         // What later segments began with, output by output.
-        let starts = if survey.segments > 1 { segment_starts(source, gas, fitted, alike)? } else { Vec::new() };
+        let starts = match starts_rad_s.is_empty() {
+            true => Vec::new(),
+            false => segment_starts(source, gas, fitted, alike, &of_model, &design, own.clone())?,
+        };
         source.restart()?;
-        let mut weights = weights;
+        let mut weights: Vec<Vec<Lanes>> = of_model.iter().map(|weights| in_lanes(weights)).collect();
         // The last inputs and their classes, oldest first.
         let mut pending = VecDeque::with_capacity(longest + 1);
         while let Some(block) = source.next_block()? {
             if block.begins_segment && count > 0 {
                 rows.restart();
+                levels.iter_mut().for_each(DriftTracker::restart);
                 pending.clear();
                 for (weights, starts) in weights.iter_mut().zip(&starts) {
-                    let decays = design.decays();
-                    weights.as_flattened_mut()[decays].copy_from_slice(&starts[segment]);
+                    let weights = weights.as_flattened_mut();
+                    weights[design.decays()].fill(0.0);
+                    weights[own.clone()].copy_from_slice(&starts[segment]);
                 }
                 (segment, segment_row) = (segment + 1, 0);
             }
@@ -137,9 +152,15 @@ impl ResidualPass {
         }
         source.restart()?;
         let states = rows.states();
-        for (&output, weights) in alike.iter().zip(&weights) {
-            self.end.decays[output] = fitted[output].decays(&states, weights.as_flattened());
+        for ((&output, weights), of_model) in alike.iter().zip(&weights).zip(&of_model) {
+            let weights = weights.as_flattened();
+            self.end.decays[output] = design.decays_of(&states, weights);
             self.end.decays[output].extend(fitted[output].drift.map(ChosenDrift::end));
+            if segment > 0 {
+                // The last segment's own offset, over the model's.
+                let offset = own.end - 1;
+                self.end.decays[output].push((0.0, weights[offset] - of_model[offset]));
+            }
         }
         if pending.len() >= self.end.pending_class.len() {
             let of = |input: usize| pending.iter().map(|(inputs, _)| inputs[input]).collect();
@@ -150,31 +171,32 @@ impl ResidualPass {
     }
 }
 
-/// For every output in `alike`, what each segment but the first began with: the decays that explain
-/// best what its model leaves there.
+/// For every output in `alike`, what each segment but the first began with: the decays and the
+/// offset that explain best what its model leaves there.
 fn segment_starts(
     source: &mut dyn RecordSource,
     gas: GasSource,
     fitted: &[FittedOutput<'_>],
     alike: &[usize],
+    of_model: &[Vec<f64>],
+    design: &RegressionDesign,
+    own: Range<usize>,
 ) -> Result<Vec<Vec<Vec<f64>>>, RecordError> {
     let (outputs, period_s) = (source.survey().outputs.len(), source.survey().sample_period_s);
-    let design = fitted[alike[0]].design;
-    let decays = design.decays();
-    let columns = |output: usize| {
-        let mut weights = fitted[output].weights();
-        weights[decays.clone()].fill(0.0);
+    let without_starts = |weights: &Vec<f64>| {
+        let mut weights = weights.clone();
+        weights[design.decays().start..own.end].fill(0.0);
         weights
     };
-    let weights: Vec<Vec<f64>> = alike.iter().map(|&output| columns(output)).collect();
+    let weights: Vec<Vec<f64>> = of_model.iter().map(without_starts).collect();
     let mut rows = RegressionRows::new(design, period_s, &vec![0.0; outputs]);
     let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
     let mut starts = vec![Vec::new(); alike.len()];
-    let (count, mut is_first) = (decays.len(), true);
+    let (count, mut is_first) = (own.len(), true);
     let mut squares = DMatrix::<f64>::zeros(count, count);
     let mut products = vec![DVector::<f64>::zeros(count); alike.len()];
     let mut end = |squares: &mut DMatrix<f64>, products: &mut [DVector<f64>], is_first: bool| {
-        let held = DMatrix::from_diagonal(&squares.diagonal().map(gram::held));
+        let held = DMatrix::from_diagonal(&squares.diagonal().map(segment::held));
         let factor = Cholesky::new(&*squares + held);
         for (starts, products) in starts.iter_mut().zip(products.iter_mut()) {
             if !is_first {
@@ -202,12 +224,12 @@ fn segment_starts(
                 continue;
             }
             let value = |column: usize| batch[column / LANES][n][column % LANES];
-            let decay = DVector::from_fn(count, |k, _| value(decays.start + k));
-            squares.ger(1.0, &decay, &decay, 1.0);
+            let start = DVector::from_fn(count, |k, _| value(own.start + k));
+            squares.ger(1.0, &start, &start, 1.0);
             for ((&output, weights), products) in alike.iter().zip(&weights).zip(&mut products) {
                 let explained: f64 = weights.iter().enumerate().map(|(column, weight)| weight * value(column)).sum();
                 let rest = block.outputs[output][at] - explained - fitted[output].shift;
-                products.axpy(rest, &decay, 1.0);
+                products.axpy(rest, &start, 1.0);
             }
         }
     }

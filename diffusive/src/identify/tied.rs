@@ -15,20 +15,20 @@
 //! elements at once.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidates::terms;
-use super::choose::{Choice, ScoredCandidate};
+use super::choose::{CandidateSet, Choice, ScoredCandidate};
 use super::design::Role;
-use super::folds::{FoldedEquations, Score, change};
+use super::folds::{FoldedEquations, Score, borders, change, geometric_mean};
 use super::normal_equations::{ModelTerm, NormalEquations, PenalisedSolution};
 use super::options::IdentifyOptions;
 use super::record::{RecordError, Survey};
 use super::symbol::plan::{BankPart, SymbolReading};
 use crate::model::Structure;
 
-/// From what ratio of mean squared cross-validated errors on the record speaks against the ties.
+/// From what ratio of mean squared errors on the record speaks against the ties.
 const WORSE: f64 = 1.1;
 
 /// The choices with shared resistances, why, and what speaks against it.
@@ -74,10 +74,10 @@ enum TiedParameter {
 }
 
 /// Solves all outputs together; `choices` are what each would be alone.
-pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
+pub fn tie(reading: &SymbolReading, options: &IdentifyOptions, choices: &[Choice]) -> Tied {
     let mean_log = |scores: &[Score]| scores.iter().map(|score| score.overall().max(1e-300).ln()).sum::<f64>();
     let candidates = choices.iter().map(|choice| {
-        let parts = parts_for(reading, &choice.trial, choices);
+        let parts = parts_for(reading, options, &choice.trial, choices);
         let scores: Vec<Score> = parts.iter().map(|part| part.equations.score(&part.penalty, None)).collect();
         (&choice.trial, parts, scores)
     });
@@ -104,25 +104,21 @@ pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
         variances = solved.iter().map(|solution| solution.noise_variance).collect();
     }
     floor(&mut variances);
-    let singles = held_out(&parts, &variances, held);
-    let log_ratio = |(tied, alone): (&Vec<f64>, &Score)| {
-        let mean = tied.iter().sum::<f64>() / tied.len().max(1) as f64;
-        (mean.max(1e-300) / alone.mean_single().max(1e-300)).ln()
-    };
-    let ratio = (singles.iter().zip(&scores).map(log_ratio).sum::<f64>() / parts.len() as f64).exp();
-    let reason = format!("pairs tied, R(i → j) = R(j → i): cross-validated error {} against untied", change(ratio));
-    let warning = (ratio > WORSE).then(|| {
+    let own = scores_of(&parts, &variances, held);
+    let (held_out, ahead) = (
+        ratio(own.iter().map(Score::mean_single), scores.iter().map(Score::mean_single)),
+        ratio(own.iter().map(Score::mean_ahead), choices.iter().map(|choice| choice.score.mean_ahead())),
+    );
+    let figures = format!("error of what comes after {}, of held-out blocks {}", change(ahead), change(held_out));
+    let reason = format!("pairs tied, R(i → j) = R(j → i); against untied: {figures}");
+    let warning = (ahead > WORSE || held_out > WORSE).then(|| {
         format!(
-            "the record speaks against tied pairs (cross-validated error {}): are inputs and outputs in the same order and unit, and do the conditions hold for all elements? Else leave out --tie",
-            change(ratio)
+            "the record speaks against tied pairs ({figures}): are inputs and outputs in the same order and unit, and do the conditions hold for all elements? Else leave out --tie"
         )
     });
     let trial = trial.clone();
     let mut tied = Vec::with_capacity(parts.len());
-    for ((((part, solution), single), score), choice) in
-        parts.into_iter().zip(solved).zip(singles).zip(scores).zip(choices)
-    {
-        let score = Score { single, ..score };
+    for (((part, solution), score), choice) in parts.into_iter().zip(solved).zip(own).zip(choices) {
         tied.push(Choice {
             trial: ScoredCandidate { score: score.clone(), ..trial.clone() },
             score,
@@ -140,15 +136,18 @@ pub fn tie(reading: &SymbolReading, choices: &[Choice]) -> Tied {
 }
 
 /// Every output's part for one trial.
-fn parts_for(reading: &SymbolReading, trial: &ScoredCandidate, choices: &[Choice]) -> Vec<TiedOutput> {
-    let SymbolReading { plan, passed, scales, first_drives } = reading;
-    let roles = plan.designs[trial.mesh].roles();
+fn parts_for(
+    reading: &SymbolReading,
+    options: &IdentifyOptions,
+    trial: &ScoredCandidate,
+    choices: &[Choice],
+) -> Vec<TiedOutput> {
+    let SymbolReading { plan, passed, scales, .. } = reading;
     let mut known: HashMap<TiedParameter, usize> = HashMap::new();
     let mut parts = Vec::new();
     for (output, choice) in choices.iter().enumerate() {
-        let all = terms(&roles, trial.initial_state, trial.feed_through, first_drives);
-        let seen = |term: &ModelTerm| term.role.bank().is_none_or(|bank| plan.parts[bank].is_seen_by(output));
-        let terms: Vec<ModelTerm> = all.into_iter().filter(seen).collect();
+        let own = CandidateSet { reading, options, output };
+        let terms = own.terms(trial.mesh, trial.initial_state, trial.feed_through);
         let shared = |bank: usize, k| {
             let BankPart { input, class, .. } = plan.parts[bank];
             TiedParameter::Shared(input.min(output), input.max(output), class, k)
@@ -232,18 +231,42 @@ fn split(parts: &[TiedOutput], variances: &[f64], joint: &PenalisedSolution) -> 
     parts.iter().zip(variances).map(of).collect()
 }
 
-/// Mean squared errors on single held-out folds, by output.
-fn held_out(parts: &[TiedOutput], variances: &[f64], held: Option<&[bool]>) -> Vec<Vec<f64>> {
+/// All questions of cross-validation ([`super::folds`]), asked of the joint solution, by output.
+fn scores_of(parts: &[TiedOutput], variances: &[f64], held: Option<&[bool]>) -> Vec<Score> {
     let (total, penalty) = joint(parts, variances, |part| &part.equations.total);
-    let mut errors = vec![Vec::new(); parts.len()];
-    for fold in 1..parts[0].equations.folds.len() {
-        let (left_out, _) = joint(parts, variances, |part| &part.equations.folds[fold]);
-        let theta = total.minus(&left_out).estimate(&penalty, held);
-        for (part, errors) in parts.iter().zip(&mut errors) {
+    let folds = parts[0].equations.folds.len();
+    let by_fold: Vec<NormalEquations> =
+        (0..folds).map(|fold| joint(parts, variances, |part| &part.equations.folds[fold]).0).collect();
+    let left_out =
+        |tests: &Range<usize>| by_fold[tests.clone()].iter().fold(total.clone(), |sum, fold| sum.minus(fold));
+    let errors = |training: &NormalEquations, tests: Range<usize>| {
+        let theta = training.estimate(&penalty, held);
+        let of = |part: &TiedOutput| {
             let own = DVector::from_iterator(part.index.len(), part.index.iter().map(|&at| theta[at]));
-            let problem = &part.equations.folds[fold];
-            errors.push(problem.squared_error(&own) / problem.rows.max(1.0));
-        }
-    }
-    errors
+            let tests = &part.equations.folds[tests.clone()];
+            let rows: f64 = tests.iter().map(|test| test.rows).sum();
+            tests.iter().map(|test| test.squared_error(&own)).sum::<f64>() / rows.max(1.0)
+        };
+        parts.iter().map(of).collect::<Vec<f64>>()
+    };
+    let unseen = |tests: Range<usize>| errors(&left_out(&tests), tests);
+    let single: Vec<_> = (1..folds).map(|fold| unseen(fold..fold + 1)).collect();
+    let double: Vec<_> = (1..folds - 1).step_by(2).map(|fold| unseen(fold..fold + 2)).collect();
+    let ahead: Vec<_> =
+        borders(folds).map(|seen| errors(&NormalEquations::total(&by_fold[..seen]), seen..folds)).collect();
+    let begin = errors(&total, 0..1);
+    let of = |errors: &[Vec<f64>], output: usize| errors.iter().map(|of| of[output]).collect::<Vec<f64>>();
+    let of_output = |output: usize| Score {
+        single: of(&single, output),
+        double: double.iter().map(|of| of[output]).sum::<f64>() / double.len().max(1) as f64,
+        ahead: of(&ahead, output),
+        begin: begin[output],
+    };
+    (0..parts.len()).map(of_output).collect()
+}
+
+/// The geometric mean of ratios of errors.
+fn ratio(own: impl Iterator<Item = f64>, other: impl Iterator<Item = f64>) -> f64 {
+    let ratios: Vec<f64> = own.zip(other).map(|(own, other)| own.max(1e-300) / other.max(1e-300)).collect();
+    geometric_mean(&ratios)
 }

@@ -29,6 +29,10 @@ impl PoleColumns {
         Self { roles: design.roles(), output_banks: (0..design.outputs).filter_map(bank).collect(), sample_period_s }
     }
 
+    pub fn sample_period_s(&self) -> f64 {
+        self.sample_period_s
+    }
+
     /// The place of an output's column.
     pub fn output(&self, output: usize) -> usize {
         self.roles.len() + output
@@ -143,10 +147,7 @@ impl PoleColumns {
     pub fn level(&self, residual: &[(usize, f64)], filter: &NoiseFilter, next: &[f64]) -> f64 {
         let mut past = self.innovations(residual, filter);
         past.extend(residual.iter().map(|&(column, weight)| (column, -weight)));
-        let value = |column: usize| match self.roles.get(column) {
-            Some(Role::Offset) => 1.0,
-            _ => next.get(column).copied().unwrap_or(0.0),
-        };
+        let value = |column: usize| next.get(column).copied().unwrap_or(0.0);
         -gathered(past).into_iter().map(|(column, weight)| weight * value(column)).sum::<f64>()
     }
 }
@@ -207,12 +208,12 @@ mod tests {
             class: vec![0; to - from],
             ..Block::default()
         };
-        let mut whole = Accumulator::new(&design, PERIOD_S, count as u64, 1, &[shift]);
+        let mut whole = Accumulator::new(&design, &[], PERIOD_S, count as u64, 1, &[shift]);
         whole.push(&block(0, count), GasSource::Constant(0.0));
         let (folds, ends) = whole.finish();
         // The offset's column is one: products with it are the columns themselves.
         let offset = design.roles().len() - 1;
-        let mut single = Accumulator::new(&design, PERIOD_S, count as u64, count, &[shift]);
+        let mut single = Accumulator::new(&design, &[], PERIOD_S, count as u64, count, &[shift]);
         single.push(&block(0, count), GasSource::Constant(0.0));
         let columns = single.finish().0.iter().map(|gram| gram.sums.column(offset).as_slice().to_vec()).collect();
         (columns, folds[0].clone(), ends[0].clone())

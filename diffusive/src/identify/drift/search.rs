@@ -29,6 +29,8 @@ pub struct DriftCase<'a> {
     pub output: usize,
     pub scales: &'a Scales,
     pub priors: &'a [Prior],
+    /// Rates of what later segments begin with.
+    pub starts_rad_s: &'a [f64],
     /// Poles that filters may have, ascending.
     pub poles_rad_s: &'a [f64],
 }
@@ -61,9 +63,16 @@ impl DriftCase<'_> {
 
     /// Evidence of a filter, at its best prior.
     pub fn evidence(&self, filter: Option<&NoiseFilter>) -> f64 {
+        self.by_prior(filter).into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Evidence of a filter with each of the priors.
+    pub fn by_prior(&self, filter: Option<&NoiseFilter>) -> Vec<f64> {
         let (terms, problem) = self.columns.problem(self.gram, self.terms, self.output, filter);
-        let of = |prior: &Prior| problem.evidence(&self.scales.penalty(*prior, &terms, &problem));
-        self.priors.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+        let of_starts = |filter| self.gram.starts.evidence(self.starts_rad_s, filter, self.columns.sample_period_s());
+        let starts = filter.map_or(0.0, of_starts);
+        let of = |prior: &Prior| problem.evidence(&self.scales.penalty(*prior, &terms, &problem)) + starts;
+        self.priors.iter().map(of).collect()
     }
 
     fn weighed(&self, filters: impl Iterator<Item = NoiseFilter>) -> Vec<(NoiseFilter, f64)> {

@@ -3,8 +3,8 @@
 //! A written time may be off its place by half a period; a row that comes later than that stands
 //! behind a gap. The place of the next row follows from a running mean of the rows before, so that
 //! neither jitter nor a rounded period adds up. A gap of a hundred periods at most keeps the grid
-//! if the row behind it is near a place of that; behind a longer one, and in another file, a new
-//! grid begins: a run.
+//! if the row behind it is near a place of that; behind a longer one, and in a file that does not go
+//! on where another ended, a new grid begins: a run.
 
 /// Jitter up to this part of the period is left as it is.
 pub(super) const NEGLIGIBLE: f64 = 0.1;
@@ -48,9 +48,15 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Begins a file whose first times are given, and which usual step they have.
-    pub(super) fn begin_file(&mut self, head: &[f64], step_s: f64) {
-        let Some(&first_s) = head.iter().find(|time_s| time_s.is_finite()) else { return };
+    /// Begins a file whose first times are given, and which usual step they have. Whether it goes
+    /// on where the one before ended, on the same grid: a logger that begins a new file every hour
+    /// loses no row by it.
+    pub(super) fn begin_file(&mut self, head: &[f64], step_s: f64) -> bool {
+        let Some(&first_s) = head.iter().find(|time_s| time_s.is_finite()) else { return false };
+        let apart_s = (step_s - self.step_s).abs() * head.len() as f64;
+        if self.last_s.is_some() && (first_s - self.due_s).abs().max(apart_s) <= 0.5 * step_s {
+            return true;
+        }
         (self.step_s, self.last_s, self.seen) = (step_s, None, 0);
         self.runs += 1;
         // The first row may be off its place itself: the mean of where the others are on the
@@ -60,6 +66,7 @@ impl Clock {
         let turns = turns.map(|time_s| std::f64::consts::TAU * ((time_s - first_s) / step_s).fract());
         let (sin, cos) = turns.fold((0.0, 0.0), |(sin, cos), turn| (sin + turn.sin(), cos + turn.cos()));
         self.due_s = first_s + sin.atan2(cos) / std::f64::consts::TAU * step_s;
+        false
     }
 
     /// The usual step, s.

@@ -167,8 +167,8 @@ impl Sieve {
             ));
         }
         self.steps_s.push(step_s);
-        self.clock.begin_file(&raw.time_s, step_s);
-        self.is_broken = true;
+        let goes_on = self.clock.begin_file(&raw.time_s, step_s);
+        self.is_broken |= !goes_on;
         Ok(())
     }
 

@@ -21,7 +21,7 @@ pub struct DriftOutcome {
     pub offset_c: f64,
     /// Whether the record supports the model.
     pub is_supported: bool,
-    /// Whether the model has a drift whose level is held.
+    /// Whether the model has a drift.
     pub has_drift: bool,
 }
 
@@ -76,6 +76,6 @@ fn identified(room: RoomDrift, seed: u64) -> Result<DriftOutcome, RecordError> {
         known_error_k_per_w: known.as_ref().map_or(f64::NAN, |model| of(model).0),
         offset_c: model.offset_c,
         is_supported: model.supported,
-        has_drift: model.end.as_ref().is_some_and(|end| end.decays[0].iter().any(|(rate, _)| *rate < 1e-9)),
+        has_drift: model.outputs[0].drift.as_ref().is_some_and(|drift| !drift.is_average()),
     })
 }

@@ -58,7 +58,8 @@ pub fn identify(
             return Ok(model);
         }
     }
-    let tied = if options.tie { tie(&reading, &choices) } else { Tied { choices, reason: None, warning: None } };
+    let tied =
+        if options.tie { tie(&reading, options, &choices) } else { Tied { choices, reason: None, warning: None } };
     let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
     let fitted: Vec<FittedOutput> =
         choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();

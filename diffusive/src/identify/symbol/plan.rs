@@ -61,7 +61,6 @@ fn meshes_besides(
     let has_rates = given.order.is_some() || given.edges_rad_s.is_some();
     let is_plain = options.drift == DriftGiven::None
         || options.drift == DriftGiven::Auto && (classes > 1 || has_rates)
-        || survey.segments > 1
         || options.tie
         || options.free_poles.is_some()
         || options.cross.is_some();

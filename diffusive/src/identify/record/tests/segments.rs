@@ -152,6 +152,34 @@ fn several_files_are_segments_of_one_record() {
     assert_eq!(labelled("calm", "gust"), (vec![0, 0, 1, 2, 2, 1], names(&["calm", "both", "gust"])));
 }
 
+/// A logger that begins a new file every so many rows, with times that run on.
+#[test]
+fn files_that_go_on_where_another_ended_are_one_segment() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = |name: &str, rows: std::ops::Range<usize>, from_s: f64| {
+        // Times jitter by a fifth of the period.
+        let time_s = |n: usize| from_s + n as f64 + ((n * 37) % 91) as f64 / 227.0 - 0.2;
+        let line = |n| format!("{:.3},{},{}\n", time_s(n), n % 7, n as f64 / 2.0);
+        std::fs::write(folder.path().join(name), "t,u,y\n".to_owned() + &rows.map(line).collect::<String>()).unwrap();
+        folder.path().join(name)
+    };
+    let parts = [part("1.csv", 0..300, 0.0), part("2.csv", 300..320, 0.0), part("3.csv", 320..900, 0.0)];
+    let whole = segments(&[part("whole.csv", 0..900, 0.0)]).unwrap();
+    let (survey, begins, all) = segments(&parts).unwrap();
+    assert_eq!((survey.segments, begins.len(), survey.rows), (1, 1, 900));
+    assert!((survey.sample_period_s / whole.0.sample_period_s - 1.0).abs() < 1e-9);
+    for (n, (y, of_whole)) in all.outputs[0].iter().zip(&whole.2.outputs[0]).enumerate() {
+        // At the seams a row has no neighbour in its file, and keeps its value: 0.2 s of 0.5 a second.
+        assert!(
+            (y - of_whole).abs() < if [299, 300, 319, 320].contains(&n) { 0.11 } else { 1e-3 },
+            "{n}: {y}, {of_whole}"
+        );
+    }
+    // A second file of another day begins a segment, and so does one with a row too few.
+    let later = |rows| segments(&[part("1.csv", 0..300, 0.0), part("4.csv", rows, 0.0)]).unwrap().0.segments;
+    assert_eq!([later(0..300), later(301..600), later(300..600)], [2, 2, 1]);
+}
+
 #[test]
 fn a_record_that_is_too_long_to_be_kept_reads_as_one_that_is() {
     // 1.6 million rows of three columns: more than are kept.

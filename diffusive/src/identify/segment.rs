@@ -1,0 +1,161 @@
+//! What a later segment of a record begins with: anything.
+//!
+//! ```text
+//! c̃ = c − D M_c,     M_c = (DᵀD)⁻¹ Dᵀ c over all rows of the segment
+//! ```
+//!
+//! Of every column c, outputs included, only that is left in the sums which D does not explain: the
+//! segment's own offset, and decays so dense that any other is a sum of them. These are least
+//! squares with a start of its own for every segment; a drift, whose filter maps decays to decays,
+//! may begin there with any level and slope as well. A segment that reaches over several folds has
+//! one start, which all of its rows tell.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+use dr_core::model::mesh;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::design::RegressionDesign;
+use super::drift::{NoiseFilter, PoleColumns};
+use super::gram::Gram;
+use super::record::Survey;
+
+/// Decays of which any between the first and the last is a sum within 3e-5, and which are told
+/// apart with half of the digits.
+const PER_DECADE: f64 = 4.0;
+
+/// Rates of the decays in D; none of a record of one segment.
+pub fn start_rates(survey: &Survey) -> Vec<f64> {
+    if survey.segments < 2 {
+        return Vec::new();
+    }
+    let (first, last) = (0.5 * TAU / survey.duration_s(), PI / survey.sample_period_s);
+    let order = (PER_DECADE * (last / first).log10()).ceil() as usize + 1;
+    (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect()
+}
+
+/// A design with D: its decays stand behind the initial ones, and before the offset.
+pub fn with_starts(design: &RegressionDesign, rates_rad_s: &[f64]) -> RegressionDesign {
+    let initial_rad_s = [&design.initial_rad_s, rates_rad_s].concat();
+    RegressionDesign { initial_rad_s, ..design.clone() }
+}
+
+/// What was taken out of sums for later segments.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Starts {
+    pub segments: f64,
+    /// Rows of all of them.
+    pub rows: f64,
+}
+
+impl Starts {
+    /// What a filter is worth where the starts are averaged out of a likelihood: −½ (ln|(FD)ᵀFD| −
+    /// ln|DᵀD|), by which likelihoods of the same rows are compared (H. D. Patterson and R.
+    /// Thompson, *Biometrika* 58 (1971) 545). All segments count as of the same length.
+    pub fn evidence(self, rates_rad_s: &[f64], filter: &NoiseFilter, sample_period_s: f64) -> f64 {
+        if self.segments == 0.0 {
+            return 0.0;
+        }
+        let poles: Vec<f64> = filter.sections.iter().map(|section| section.pole_rad_s).collect();
+        let design = RegressionDesign { banks: Vec::new(), initial_rad_s: [rates_rad_s, &poles].concat(), outputs: 0 };
+        let (columns, width) = (PoleColumns::of(&design, sample_period_s), design.width());
+        let (offset, rows) = (width - 1, self.rows / self.segments);
+        // Σ_n e^(−(ξ + ζ) n Ts)
+        let rate = |column: usize| design.initial_rad_s.get(column).copied().unwrap_or(0.0);
+        let sum = |i: usize, j: usize| {
+            let both = (rate(i) + rate(j)) * sample_period_s;
+            if both > 0.0 { (-both * rows).exp_m1() / (-both).exp_m1() } else { rows }
+        };
+        let sums = DMatrix::from_fn(width, width, sum);
+        let own: Vec<usize> = (0..rates_rad_s.len()).chain([offset]).collect();
+        let mut map = DMatrix::zeros(width, own.len());
+        for (k, &column) in own.iter().enumerate() {
+            for (at, weight) in columns.innovations(&[(column, 1.0)], filter) {
+                map[(at, k)] += weight;
+            }
+        }
+        let plain = DMatrix::from_fn(own.len(), own.len(), |i, j| sums[(own[i], own[j])]);
+        let held = DMatrix::from_diagonal(&plain.diagonal().map(held));
+        let log = |sums: DMatrix<f64>| {
+            let factor = Cholesky::new(sums + &held);
+            factor.map_or(0.0, |factor| factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>())
+        };
+        self.segments * (log(plain) - log(map.tr_mul(&(sums * &map))))
+    }
+}
+
+/// The sums of a segment, fold by fold, until its last row is read.
+pub struct Segment {
+    /// Columns of initial decays, those of D, and the offset behind them.
+    initial: Range<usize>,
+    own: Range<usize>,
+    /// Fold and sums.
+    parts: Vec<(usize, Gram)>,
+    /// Folds that ended in it.
+    ended: Vec<usize>,
+}
+
+impl Segment {
+    /// `design` is one with the `starts` decays of D.
+    pub fn new(design: &RegressionDesign, starts: usize) -> Self {
+        let decays = design.decays();
+        let own = decays.end - starts..decays.end + 1;
+        Self { initial: decays.start..own.start, own, parts: Vec::new(), ended: Vec::new() }
+    }
+
+    pub fn add(&mut self, fold: usize, sums: Gram) {
+        self.parts.push((fold, sums));
+    }
+
+    /// Notes that a fold ends behind the rows so far.
+    pub fn end_fold(&mut self, fold: usize) {
+        self.ended.push(fold);
+    }
+
+    /// Hands what its start leaves to the folds, and to the states behind those that ended in it.
+    pub fn finish(self, folds: &mut [Gram], ends: &mut [Vec<f64>]) {
+        if self.parts.is_empty() {
+            return;
+        }
+        let whole = Gram::total(self.parts.iter().map(|(_, part)| part));
+        let (first, count) = (self.own.start, self.own.len());
+        let own = whole.sums.view((first, first), (count, count)).into_owned();
+        let Some(factor) = Cholesky::new(&own + DMatrix::from_diagonal(&own.diagonal().map(held))) else { return };
+        let explained = factor.solve(&whole.sums.rows(first, count).into_owned());
+        // A start costs as many rows as it has shapes that can be told apart.
+        let shapes = explained.columns(first, count).trace();
+        for (fold, part) in &self.parts {
+            let share = part.rows as f64 / whole.rows as f64;
+            folds[*fold].add(&Gram {
+                rows: part.rows.saturating_sub((shapes * share).round() as u64).max(1),
+                sums: self.left(&part.sums, &explained),
+                starts: Starts { segments: share, rows: part.rows as f64 },
+            });
+        }
+        for fold in &self.ended {
+            let end = DVector::from_column_slice(&ends[*fold]);
+            let mut left = &end - explained.tr_mul(&end.rows(first, count));
+            left.rows_mut(self.initial.start, self.own.end - self.initial.start).fill(0.0);
+            ends[*fold] = left.as_slice().to_vec();
+        }
+    }
+
+    /// Sums of c − D M for sums of c. What the record began with is nothing here.
+    fn left(&self, sums: &DMatrix<f64>, explained: &DMatrix<f64>) -> DMatrix<f64> {
+        let (first, count) = (self.own.start, self.own.len());
+        let own = sums.view((first, first), (count, count));
+        let cross = sums.columns(first, count) * explained;
+        let mut left = sums - &cross - cross.transpose() + explained.tr_mul(&(own * explained));
+        let (start, width) = (self.initial.start, self.own.end - self.initial.start);
+        left.columns_mut(start, width).fill(0.0);
+        left.rows_mut(start, width).fill(0.0);
+        left
+    }
+}
+
+/// What is added to the sum of squares of a column that may begin with anything, some ten thousand
+/// times the noise.
+pub fn held(squares: f64) -> f64 {
+    1e-9 + 1e-12 * squares
+}
