@@ -1,7 +1,10 @@
 //! A heater of known gain in a room that moves, identified without options: fifty records of every
 //! kind of drift. `anemo benchmark drift` has a thousand.
 
-use diffusive::identify::rig::room::{SAMPLE_PERIOD_S, record_and_room};
+use std::fmt::Write as _;
+
+use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
+use diffusive::identify::rig::room::{SAMPLE_PERIOD_S, record_and_room, true_gain_k_per_w};
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use diffusive::identify::{FitRow, IdentifyOptions, identify};
 
@@ -23,6 +26,48 @@ fn two_standard_errors_hold_the_gain_in_every_room() {
     // A room that stands still costs nothing: the gain of 213 K/W is right to some 1e-5.
     let still = &report.kinds[0];
     assert!(still.median_error_k_per_w < 0.01 && still.found_percent <= 20.0, "{still:?}");
+}
+
+/// A logger that stopped for five minutes, and began another file: nothing is known of what the body
+/// and the room did meanwhile.
+#[test]
+fn two_standard_errors_hold_the_gain_of_a_record_with_a_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut within = 0;
+    for seed in 1..=12 {
+        let (mut record, _) = record_and_room(RoomDrift::RandomWalk, seed).unwrap();
+        let (mut files, mut row) = (["time_s,power_w,temperature_c\n".to_owned(), String::new()], 0_u32);
+        files[1] = files[0].clone();
+        record.restart().unwrap();
+        while let Some(block) = record.next_block().unwrap() {
+            for (power_w, temperature_c) in block.inputs[0].iter().zip(&block.outputs[0]) {
+                let file = match row {
+                    ..50_000 => Some(0),
+                    56_000.. => Some(1),
+                    _ => None,
+                };
+                if let Some(file) = file {
+                    let time_s = f64::from(row) * SAMPLE_PERIOD_S;
+                    writeln!(files[file], "{time_s:.2},{power_w},{temperature_c:.5}").unwrap();
+                }
+                row += 1;
+            }
+        }
+        let paths = ["morning.csv", "afternoon.csv"].map(|name| folder.path().join(name));
+        paths.iter().zip(&files).for_each(|(path, text)| std::fs::write(path, text).unwrap());
+        let mut stream = RecordStream::open_all(&paths, &Selection::default()).unwrap();
+        assert_eq!(stream.survey().segments, 2);
+        let model = identify(&mut stream, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        let class = &model.pairs[0].classes["all"];
+        let (error, se) = (class.steady_gain_k_per_w - true_gain_k_per_w(), class.se_steady_gain_k_per_w);
+        println!("{error:.2} ± {se:.2} K/W");
+        assert!(model.outputs[0].drift.is_some(), "{seed}");
+        // A record without the gap has 2.
+        assert!(se < 4.0, "{seed}: {se}");
+        within += u32::from(error.abs() <= 2.0 * se);
+    }
+    // Of twelve, 95 % are 11.4 ± 0.8.
+    assert!(within >= 9, "{within} of 12");
 }
 
 #[test]

@@ -8,6 +8,8 @@
 mod report;
 mod run;
 mod start;
+#[cfg(test)]
+mod tests;
 
 pub use report::{ValidatedOutput, ValidationReport, ValidationStart};
 
@@ -17,7 +19,7 @@ use super::residuals::Residuals;
 use super::validate_options::LEAST_ROWS;
 use crate::model::{Forward, Model, RecordEnd};
 use run::{LossesBy, run};
-use start::{estimate, prior_widths};
+use start::{EstimatedStart, estimate, prior_widths};
 
 /// How often the offset is estimated where losses count from it: what is wrong with it shrinks by
 /// 2 b ΔT each time.
@@ -36,19 +38,16 @@ pub fn validate(
     start: ValidationStart,
     observer: &mut FitObserver<'_>,
 ) -> Result<ValidationReport, RecordError> {
-    let (rows, segments) = (source.survey().rows, source.survey().segments);
-    source.survey().refuse_if(
-        segments > 1,
-        format_args!(
-            "has {segments} segments with gaps between them, and a model runs over one: validate each part by itself"
-        ),
-    )?;
     check_columns(model, source.survey())?;
-    let (mut forward, offsets) = started(model, source, start)?;
+    let (rows, period_s) = (source.survey().rows, source.survey().sample_period_s);
+    let starts = starts(model, source, start)?;
     let mut residuals = vec![Residuals::default(); model.outputs.len()];
-    run(model, source, &mut forward, LossesBy::Predicted, &mut |seen| {
+    let mut begin = |segment: usize| starts[segment].forward(model, period_s);
+    run(model, source, &mut begin, LossesBy::Predicted, &mut |_, seen| {
         for ((residuals, measured), predicted) in residuals.iter_mut().zip(seen.measured).zip(seen.predicted) {
-            residuals.push(*measured, *predicted, 0.0);
+            if !measured.is_nan() && !predicted.is_nan() {
+                residuals.push(*measured, *predicted, 0.0);
+            }
         }
         observer(seen);
     })?;
@@ -57,7 +56,7 @@ pub fn validate(
         rmse: residuals[output].rms(),
         fit_percent: residuals[output].constant().is_none().then(|| residuals[output].fit_percent()),
         constant: residuals[output].constant(),
-        offset_c: offsets[output],
+        offset_c: starts[0].offset_c(model, output),
         whiteness: residuals[output].whiteness(),
     };
     let outputs: Vec<ValidatedOutput> = (0..model.outputs.len()).map(validated).collect();
@@ -68,7 +67,14 @@ pub fn validate(
             output.name
         )));
     }
-    let warnings = warnings(&outputs, rows);
+    let mut warnings = warnings(&outputs, rows);
+    let short = starts.iter().filter(|start| matches!(start, SegmentStart::TooShort)).count();
+    if short > 0 {
+        warnings.push(format!(
+            "{short} of {} segments left out: no more rows than what a segment begins with has numbers",
+            starts.len()
+        ));
+    }
     Ok(ValidationReport { outputs, rows, start, warnings })
 }
 
@@ -87,45 +93,91 @@ fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
     }
 }
 
-/// The model as it is before the first row, and the offsets of its outputs.
-fn started(
-    model: &Model,
-    source: &mut dyn RecordSource,
-    start: ValidationStart,
-) -> Result<(Forward, Vec<f64>), RecordError> {
-    let (period_s, rows) = (source.survey().sample_period_s, source.survey().rows);
-    let mut offsets: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
-    let mut forward = Forward::at_rest(model, period_s);
-    match start {
-        ValidationStart::Rest => {}
-        ValidationStart::Continue => {
-            let end = continued(model, source.survey())?;
-            forward = Forward::going_on(model, end);
-        }
-        ValidationStart::Estimate => {
-            let unknowns = (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max();
-            let unknowns = unknowns.unwrap_or(1);
-            source.survey().refuse_if(
-                rows <= unknowns as u64,
-                format_args!("has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"),
-            )?;
-            // Growing losses count from the offset, which is the day's: once more with what was
-            // found, as it moves them a little.
-            let mut found = Vec::new();
-            for _ in 0..if model.losses.is_some() { OFFSETS } else { 1 } {
-                found = estimate(model, source, &mut forward)?;
-                forward = Forward::at_rest(model, period_s);
-                for (output, estimated) in found.iter().enumerate() {
-                    offsets[output] += estimated.offset_k;
-                    forward.set_offset(output, offsets[output]);
+/// How the model begins a segment.
+enum SegmentStart<'m> {
+    Rest,
+    Continue(&'m RecordEnd),
+    Estimate {
+        offset_c: Vec<f64>,
+        decays: Vec<Vec<(f64, f64)>>,
+    },
+    /// Too short to tell.
+    TooShort,
+}
+
+impl SegmentStart<'_> {
+    fn forward(&self, model: &Model, period_s: f64) -> Option<Forward> {
+        match self {
+            Self::Rest => Some(Forward::at_rest(model, period_s)),
+            Self::Continue(end) => Some(Forward::going_on(model, end)),
+            Self::Estimate { offset_c, decays } => {
+                let mut forward = Forward::at_rest(model, period_s);
+                for (output, (&offset_c, decays)) in offset_c.iter().zip(decays).enumerate() {
+                    forward.set_offset(output, offset_c);
+                    forward.add_decays(output, decays, period_s);
                 }
+                Some(forward)
             }
-            for (output, estimated) in found.iter().enumerate() {
-                forward.add_decays(output, &estimated.decays, period_s);
-            }
+            Self::TooShort => None,
         }
     }
-    Ok((forward, offsets))
+
+    fn offset_c(&self, model: &Model, output: usize) -> f64 {
+        match self {
+            Self::Estimate { offset_c, .. } => offset_c[output],
+            Self::Rest | Self::Continue(_) | Self::TooShort => model.outputs[output].offset_c,
+        }
+    }
+}
+
+/// How the model begins every segment: the first as `start` says, the others as they tell.
+fn starts<'m>(
+    model: &'m Model,
+    source: &mut dyn RecordSource,
+    start: ValidationStart,
+) -> Result<Vec<SegmentStart<'m>>, RecordError> {
+    let first = match start {
+        ValidationStart::Rest => Some(SegmentStart::Rest),
+        ValidationStart::Continue => Some(SegmentStart::Continue(continued(model, source.survey())?)),
+        ValidationStart::Estimate => None,
+    };
+    match first {
+        Some(first) if source.survey().segments == 1 => Ok(vec![first]),
+        Some(first) => Ok(std::iter::once(first).chain(estimated(model, source)?.into_iter().skip(1)).collect()),
+        None => estimated(model, source),
+    }
+}
+
+/// What the outputs of every segment tell of its beginning.
+fn estimated<'m>(model: &'m Model, source: &mut dyn RecordSource) -> Result<Vec<SegmentStart<'m>>, RecordError> {
+    let (period_s, rows) = (source.survey().sample_period_s, source.survey().rows);
+    let unknowns = (0..model.outputs.len()).map(|output| prior_widths(model, output).len() + 1).max().unwrap_or(1);
+    source.survey().refuse_if(
+        rows <= unknowns as u64,
+        format_args!("has {rows} rows, from which {unknowns} numbers would be estimated before anything is left to compare: give a longer record, or say --start rest"),
+    )?;
+    // Growing losses count from the offset, which is the day's: once more with what was found, as
+    // it moves them a little.
+    let given: Vec<f64> = model.outputs.iter().map(|output| output.offset_c).collect();
+    let (mut offsets, mut found) = (Vec::<Vec<f64>>::new(), Vec::new());
+    for _ in 0..if model.losses.is_some() { OFFSETS } else { 1 } {
+        let mut begin = |segment: usize| {
+            let mut forward = Forward::at_rest(model, period_s);
+            let own = offsets.get(segment).unwrap_or(&given);
+            own.iter().enumerate().for_each(|(output, &offset_c)| forward.set_offset(output, offset_c));
+            Some(forward)
+        };
+        found = estimate(model, source, &mut begin)?;
+        offsets.resize(found.len(), given.clone());
+        for (offsets, found) in offsets.iter_mut().zip(&found) {
+            offsets.iter_mut().zip(&found.offset_k).for_each(|(offset, more)| *offset += more);
+        }
+    }
+    let start = |(found, offset_c): (EstimatedStart, Vec<f64>)| match found.rows > unknowns as u64 {
+        true => SegmentStart::Estimate { offset_c, decays: found.decays },
+        false => SegmentStart::TooShort,
+    };
+    Ok(found.into_iter().zip(offsets).map(start).collect())
 }
 
 /// Where the identified record ended, if this one goes on with the next row.

@@ -11,13 +11,15 @@ pub(super) enum LossesBy {
     Measured,
 }
 
-/// Runs the model over the record from its first row.
+/// Runs the model over the record, over every segment from what `begin` makes of it. `seen` hears
+/// of each row and the segment that it is of; outputs that are missing are NaN, and so is what is
+/// predicted where there is no beginning.
 pub(super) fn run(
     model: &Model,
     source: &mut dyn RecordSource,
-    forward: &mut Forward,
+    begin: &mut dyn FnMut(usize) -> Option<Forward>,
     losses: LossesBy,
-    seen: &mut dyn FnMut(&FitRow<'_>),
+    seen: &mut dyn FnMut(usize, &FitRow<'_>),
 ) -> Result<(), RecordError> {
     source.restart()?;
     let event_column = source.survey().event_column.clone().unwrap_or_default();
@@ -28,7 +30,8 @@ pub(super) fn run(
         Some(ModelGas::Column(_)) | None => 0.0,
     };
     let (mut input_row, mut measured, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
-    let mut row = 0;
+    let (mut row, mut segment) = (0, 0);
+    let mut forward = begin(segment);
     // Which of the model's classes each of the record's is.
     let mut classes: Vec<usize> = Vec::new();
     while let Some(block) = source.next_block()?.cloned() {
@@ -42,16 +45,30 @@ pub(super) fn run(
             }
             classes.push(known.unwrap_or(0));
         }
+        if block.begins_segment && row > 0 {
+            segment += 1;
+            forward = begin(segment);
+        }
+        let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
         for at in 0..block.len() {
             copy_row(&block.inputs, at, &mut input_row);
             copy_row(&block.outputs, at, &mut measured);
             let class = classes[block.class[at] as usize];
             let gas_c = block.gas.get(at).copied().unwrap_or(constant_gas_c);
-            match losses {
-                LossesBy::Predicted => forward.row(&input_row, class, gas_c, &mut predicted),
-                LossesBy::Measured => forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted),
+            match (&mut forward, losses) {
+                (None, _) => predicted.fill(f64::NAN),
+                (Some(forward), LossesBy::Predicted) => forward.row(&input_row, class, gas_c, &mut predicted),
+                (Some(forward), LossesBy::Measured) => {
+                    forward.row_of_measured(&input_row, class, gas_c, &measured, &mut predicted);
+                }
             }
-            seen(&FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[], drift_se: &[] });
+            if missing.next_if_eq(&at).is_some() {
+                measured.fill(f64::NAN);
+            }
+            seen(
+                segment,
+                &FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[], drift_se: &[] },
+            );
             row += 1;
         }
     }

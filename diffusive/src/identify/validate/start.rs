@@ -1,5 +1,5 @@
-//! What a record began with, as far as its outputs tell: one offset, and one decay a rate with a
-//! prior as wide as the inputs ever moved the model, c_k ~ N(0, (R_k · range of u)²).
+//! What each segment of a record began with, as far as its outputs tell: one offset, and one decay
+//! a rate with a prior as wide as the inputs ever moved the model, c_k ~ N(0, (R_k · range of u)²).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,42 +8,41 @@ use super::super::record::{RecordError, RecordSource};
 use super::run::{LossesBy, run};
 use crate::model::{Forward, Model};
 
-/// What an output's record began with.
+/// What a segment began with, output by output; as many rows told it.
+#[derive(Debug, Clone, Default)]
 pub(super) struct EstimatedStart {
-    /// To be added to the model's offset.
-    pub(super) offset_k: f64,
+    /// To be added to the offsets with which the model ran.
+    pub(super) offset_k: Vec<f64>,
     /// (rate in rad/s, amplitude in K at the first row)
-    pub(super) decays: Vec<(f64, f64)>,
+    pub(super) decays: Vec<Vec<(f64, f64)>>,
+    pub(super) rows: u64,
 }
 
-/// What a model at rest leaves of the record, as offsets and decays.
-///
-/// The wind takes heat by the measured temperatures here, as in identification: then what is left
-/// is linear in offsets and decays, and one problem of least squares has the answer. By the
-/// predicted ones, the loss would follow the decays that are sought.
-pub(super) fn estimate(
-    model: &Model,
-    source: &mut dyn RecordSource,
-    forward: &mut Forward,
-) -> Result<Vec<EstimatedStart>, RecordError> {
-    let period_s = source.survey().sample_period_s;
-    let widths: Vec<Vec<(f64, f64)>> = (0..model.outputs.len()).map(|output| prior_widths(model, output)).collect();
-    let mut columns: Vec<Vec<f64>> = widths.iter().map(|rates| vec![1.0; rates.len() + 1]).collect();
-    let factors: Vec<Vec<f64>> = widths
-        .iter()
-        .map(|rates| rates.iter().map(|(rate, _)| 1.0 - dr_core::model::mesh::gain(*rate, period_s)).collect())
-        .collect();
-    let empty = |count: usize| NormalEquations {
-        g: DMatrix::zeros(count, count),
-        b: DVector::zeros(count),
-        yy: 0.0,
-        rows: 0.0,
-    };
-    let mut problems: Vec<NormalEquations> = columns.iter().map(|columns| empty(columns.len())).collect();
-    run(model, source, forward, LossesBy::Measured, &mut |seen| {
-        for (output, problem) in problems.iter_mut().enumerate() {
-            let rest = seen.measured[output] - seen.predicted[output];
-            let column = &mut columns[output];
+/// The problem of one segment, row by row.
+struct StartProblem {
+    /// By output: decays in this row, and 1.
+    columns: Vec<Vec<f64>>,
+    equations: Vec<NormalEquations>,
+}
+
+impl StartProblem {
+    fn of(widths: &[Vec<(f64, f64)>]) -> Self {
+        let empty = |count: usize| NormalEquations {
+            g: DMatrix::zeros(count, count),
+            b: DVector::zeros(count),
+            yy: 0.0,
+            rows: 0.0,
+        };
+        Self {
+            columns: widths.iter().map(|rates| vec![1.0; rates.len() + 1]).collect(),
+            equations: widths.iter().map(|rates| empty(rates.len() + 1)).collect(),
+        }
+    }
+
+    /// Takes a row of one output; `rest` is NaN where it is missing.
+    fn add(&mut self, output: usize, rest: f64, factors: &[f64]) {
+        let (column, problem) = (&mut self.columns[output], &mut self.equations[output]);
+        if rest.is_finite() {
             for (i, &left) in column.iter().enumerate() {
                 problem.b[i] += left * rest;
                 for (j, right) in column.iter().enumerate().take(i + 1) {
@@ -52,26 +51,54 @@ pub(super) fn estimate(
             }
             problem.yy += rest * rest;
             problem.rows += 1.0;
-            for (value, factor) in column.iter_mut().zip(&factors[output]) {
-                *value *= factor;
+        }
+        column.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+    }
+
+    fn solved(mut self, model: &Model, widths: &[Vec<(f64, f64)>]) -> EstimatedStart {
+        let mut start = EstimatedStart::default();
+        for ((problem, widths), output) in self.equations.iter_mut().zip(widths).zip(&model.outputs) {
+            problem.g.fill_upper_triangle_with_lower_triangle();
+            let variance = output.residual_rms.powi(2);
+            let mut penalty = DMatrix::zeros(problem.b.len(), problem.b.len());
+            for (i, (_, width)) in widths.iter().enumerate() {
+                penalty[(i, i)] = variance / (width * width).max(f64::MIN_POSITIVE);
             }
+            let theta = problem.estimate(&penalty, None);
+            start.offset_k.push(theta[widths.len()]);
+            start
+                .decays
+                .push(widths.iter().zip(theta.iter()).map(|(&(rate, _), &amplitude)| (rate, amplitude)).collect());
+            start.rows = problem.rows as u64;
+        }
+        start
+    }
+}
+
+/// What a model leaves of the record's segments, as offsets and decays.
+///
+/// The wind takes heat by the measured temperatures here, as in identification: then what is left
+/// is linear in offsets and decays, and one problem of least squares has the answer. By the
+/// predicted ones, the loss would follow the decays that are sought.
+pub(super) fn estimate(
+    model: &Model,
+    source: &mut dyn RecordSource,
+    begin: &mut dyn FnMut(usize) -> Option<Forward>,
+) -> Result<Vec<EstimatedStart>, RecordError> {
+    let period_s = source.survey().sample_period_s;
+    let widths: Vec<Vec<(f64, f64)>> = (0..model.outputs.len()).map(|output| prior_widths(model, output)).collect();
+    let factor = |(rate, _): &(f64, f64)| 1.0 - dr_core::model::mesh::gain(*rate, period_s);
+    let factors: Vec<Vec<f64>> = widths.iter().map(|rates| rates.iter().map(factor).collect()).collect();
+    let mut problems: Vec<StartProblem> = Vec::new();
+    run(model, source, begin, LossesBy::Measured, &mut |segment, seen| {
+        if problems.len() <= segment {
+            problems.push(StartProblem::of(&widths));
+        }
+        for (output, factors) in factors.iter().enumerate() {
+            problems[segment].add(output, seen.measured[output] - seen.predicted[output], factors);
         }
     })?;
-    let mut initial_states = Vec::new();
-    for (output, problem) in problems.iter_mut().enumerate() {
-        problem.g.fill_upper_triangle_with_lower_triangle();
-        let variance = model.outputs[output].residual_rms.powi(2);
-        let mut penalty = DMatrix::zeros(problem.b.len(), problem.b.len());
-        for (i, (_, width)) in widths[output].iter().enumerate() {
-            penalty[(i, i)] = variance / (width * width).max(f64::MIN_POSITIVE);
-        }
-        let theta = problem.estimate(&penalty, None);
-        initial_states.push(EstimatedStart {
-            offset_k: theta[widths[output].len()],
-            decays: widths[output].iter().zip(theta.iter()).map(|(&(rate, _), &amplitude)| (rate, amplitude)).collect(),
-        });
-    }
-    Ok(initial_states)
+    Ok(problems.into_iter().map(|problem| problem.solved(model, &widths)).collect())
 }
 
 /// For every rate of an output, how much its stored heat may amount to, K.
