@@ -46,7 +46,8 @@ Examples:
 
 A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {
-    /// The record: .parquet or .csv files; several are segments of one record.
+    /// The record: .parquet or .csv files; several are segments of one record, or one segment where
+    /// each goes on where the one before ended.
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
     /// Write the model to this .json file.

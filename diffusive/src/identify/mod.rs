@@ -33,7 +33,7 @@
 //! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
-//! | `panels`, `gram`, `pass` | one reading of the record: normal equations, fold by fold |
+//! | `panels`, `gram`, `pass`, `moves`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
 //! | `candidates`, `delay` | the models that are tried |
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
 //! | [`drift`] | an offset that moves: its kind and size, and sums without it |
@@ -42,7 +42,7 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `fitted`, `residual_pass`, `drift_tracker`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
 //! | [`validate`](mod@validate) | a model against another record |
@@ -80,12 +80,12 @@ mod advice;
 mod choose;
 mod conductance;
 mod delay;
-mod drift_tracker;
 mod drifting;
 mod fitted;
 mod labels;
 mod losses;
 mod mixture;
+mod moves;
 mod outcome;
 mod panels;
 mod prior;

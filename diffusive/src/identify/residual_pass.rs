@@ -8,8 +8,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::design::RegressionDesign;
-use super::drift::ChosenDrift;
-use super::drift_tracker::DriftTracker;
+use super::drift::{ChosenDrift, DriftTracker};
 use super::fitted::FittedOutput;
 use super::gas_source::GasSource;
 use super::options::{FitObserver, Progress};

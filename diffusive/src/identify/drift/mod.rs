@@ -37,10 +37,12 @@ mod chosen;
 pub mod columns;
 pub mod filter;
 pub mod search;
+mod tracker;
 
 pub use chosen::ChosenDrift;
 pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
+pub use tracker::DriftTracker;
 
 /// Poles a decade that filters may have.
 const POLES_PER_DECADE: f64 = 2.0;

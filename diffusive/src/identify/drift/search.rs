@@ -108,7 +108,7 @@ impl DriftCase<'_> {
                 let coarse = self.weighed(pairs.map(section));
                 let between = self.between(&coarse);
                 let mut all = [coarse, between].concat();
-                let worth = (zeros.len() as f64).min(12.0).ln();
+                let worth = (zeros.len() as f64).ln();
                 all.iter_mut().for_each(|(_, evidence)| *evidence -= worth);
                 all
             }

@@ -11,9 +11,9 @@
 
 use nalgebra::DVector;
 
-use super::design::Role;
-use super::drift::RunningFilter;
-use super::fitted::FittedOutput;
+use super::RunningFilter;
+use crate::identify::design::Role;
+use crate::identify::fitted::FittedOutput;
 
 /// The drift of one output; it stands at 0 where the model has none.
 pub struct DriftTracker<'a> {
