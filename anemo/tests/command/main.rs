@@ -1,5 +1,6 @@
 //! The command from outside.
 
+mod ambient;
 mod cli;
 mod examples;
 mod export;
