@@ -28,8 +28,8 @@ fn two_standard_errors_hold_the_gain_in_every_room() {
     assert!(still.median_error_k_per_w < 0.01 && still.found_percent <= 20.0, "{still:?}");
 }
 
-/// A logger that stopped for five minutes, and began another file: nothing is known of what the body
-/// and the room did meanwhile.
+/// A logger that stopped for five minutes, and began another file: nothing is known of what the
+/// body and the room did meanwhile.
 #[test]
 fn two_standard_errors_hold_the_gain_of_a_record_with_a_gap() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,10 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
+use super::accumulator::Accumulator;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
-use super::gram::{Accumulator, Gram};
+use super::gram::Gram;
 use super::moves::InputMoves;
 use super::quiet_start::QuietStart;
 use super::record::{Block, RecordError, RecordSource, Survey};

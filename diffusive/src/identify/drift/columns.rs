@@ -168,10 +168,10 @@ fn gathered(mut sum: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::accumulator::Accumulator;
     use crate::identify::design::RelaxationBank;
     use crate::identify::drift::Section;
     use crate::identify::gas_source::GasSource;
-    use crate::identify::gram::Accumulator;
     use crate::identify::record::Block;
 
     const PERIOD_S: f64 = 0.5;

@@ -37,6 +37,7 @@ mod chosen;
 pub mod columns;
 pub mod filter;
 pub mod search;
+mod starts;
 mod tracker;
 
 pub use chosen::ChosenDrift;

@@ -9,7 +9,7 @@
 
 use super::columns::PoleColumns;
 use super::filter::{NoiseFilter, Section};
-use super::{DriftGiven, DriftKind};
+use super::{DriftGiven, DriftKind, starts};
 use crate::identify::gram::Gram;
 use crate::identify::normal_equations::ModelTerm;
 use crate::identify::prior::{Prior, Scales};
@@ -69,7 +69,8 @@ impl DriftCase<'_> {
     /// Evidence of a filter with each of the priors.
     pub fn by_prior(&self, filter: Option<&NoiseFilter>) -> Vec<f64> {
         let (terms, problem) = self.columns.problem(self.gram, self.terms, self.output, filter);
-        let of_starts = |filter| self.gram.starts.evidence(self.starts_rad_s, filter, self.columns.sample_period_s());
+        let of_starts =
+            |filter| starts::evidence(self.gram.starts, self.starts_rad_s, filter, self.columns.sample_period_s());
         let starts = filter.map_or(0.0, of_starts);
         let of = |prior: &Prior| problem.evidence(&self.scales.penalty(*prior, &terms, &problem)) + starts;
         self.priors.iter().map(of).collect()

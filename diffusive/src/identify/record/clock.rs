@@ -3,8 +3,8 @@
 //! A written time may be off its place by half a period; a row that comes later than that stands
 //! behind a gap. The place of the next row follows from a running mean of the rows before, so that
 //! neither jitter nor a rounded period adds up. A gap of a hundred periods at most keeps the grid
-//! if the row behind it is near a place of that; behind a longer one, and in a file that does not go
-//! on where another ended, a new grid begins: a run.
+//! if the row behind it is near a place of that; behind a longer one, and in a file that does not
+//! go on where another ended, a new grid begins: a run.
 
 /// Jitter up to this part of the period is left as it is.
 pub(super) const NEGLIGIBLE: f64 = 0.1;

@@ -51,8 +51,8 @@ impl RecordStream {
         Self::open_all(&[path.to_owned()], selection)
     }
 
-    /// As [`RecordStream::open`], of several files with the same columns: each begins a segment, unless it
-    /// goes on where the one before ended.
+    /// As [`RecordStream::open`], of several files with the same columns: each begins a segment,
+    /// unless it goes on where the one before ended.
     ///
     /// # Errors
     /// As there; or if there is no file, or one of other columns or of another sample period.

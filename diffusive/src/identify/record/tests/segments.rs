@@ -169,7 +169,7 @@ fn files_that_go_on_where_another_ended_are_one_segment() {
     assert_eq!((survey.segments, begins.len(), survey.rows), (1, 1, 900));
     assert!((survey.sample_period_s / whole.0.sample_period_s - 1.0).abs() < 1e-9);
     for (n, (y, of_whole)) in all.outputs[0].iter().zip(&whole.2.outputs[0]).enumerate() {
-        // At the seams a row has no neighbour in its file, and keeps its value: 0.2 s of 0.5 a second.
+        // At the seams a row has no neighbour in its file, and keeps its value: 0.2 s at 0.5 1/s.
         assert!(
             (y - of_whole).abs() < if [299, 300, 319, 320].contains(&n) { 0.11 } else { 1e-3 },
             "{n}: {y}, {of_whole}"
