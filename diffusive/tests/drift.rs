@@ -3,10 +3,13 @@
 
 use std::fmt::Write as _;
 
-use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
+use diffusive::identify::record::{RecordSource as _, RecordStream, RecordTable, Selection};
 use diffusive::identify::rig::room::{SAMPLE_PERIOD_S, record_and_room, true_gain_k_per_w};
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use diffusive::identify::{FitRow, IdentifyOptions, identify};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+use rand_distr::{Distribution as _, StandardNormal};
 
 const RECORDS: u64 = 50;
 
@@ -68,6 +71,58 @@ fn two_standard_errors_hold_the_gain_of_a_record_with_a_gap() {
     }
     // Of twelve, 95 % are 11.4 ± 0.8.
     assert!(within >= 9, "{within} of 12");
+}
+
+/// Two conditions in turn, ten minutes each, in which the heater has other resistances; and the room
+/// walks by 0.15 K in an hour, or stands.
+fn in_turn(seed: u64, room_k: f64) -> RecordTable {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let (mut x, mut room, mut power_w) = ([[0.0; 3]; 2], 0.0, 0.012);
+    let (mut powers_w, mut temperatures_c, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..ROWS_IN_TURN {
+        let class = row / 6000 % 2;
+        if row >= 600 && row % 4 == 0 {
+            power_w = if normal() > 0.0 { 0.12 } else { 0.012 };
+        }
+        let rise_k: f64 = IN_TURN.iter().zip(&x).flat_map(|(of, x)| of.iter().zip(x)).map(|((r, _), x)| r * x).sum();
+        temperatures_c.push(22.0 + rise_k + room + 0.008 * normal());
+        powers_w.push(power_w);
+        labels.push(["calm", "gust"][class]);
+        room += room_k / (ROWS_IN_TURN as f64).sqrt() * normal();
+        for (at, (of, x)) in IN_TURN.iter().zip(&mut x).enumerate() {
+            let heat_w = if at == class { power_w } else { 0.0 };
+            of.iter().zip(x).for_each(|((_, time_s), x)| *x += (heat_w - *x) * -(-0.1 / time_s).exp_m1());
+        }
+    }
+    let column = |name: &str, values| vec![(name.to_owned(), values)];
+    let table = RecordTable::new(0.1, column("power_w", powers_w), column("temperature_c", temperatures_c)).unwrap();
+    table.with_events(&labels).unwrap()
+}
+
+const ROWS_IN_TURN: usize = 36_000;
+/// Resistances, K/W, and time constants, s.
+const IN_TURN: [[(f64, f64); 3]; 2] =
+    [[(18.0, 0.8), (55.0, 14.0), (100.0, 120.0)], [(14.0, 0.8), (40.0, 12.0), (60.0, 90.0)]];
+
+#[test]
+fn two_standard_errors_hold_the_gain_of_every_condition() {
+    let (mut within, mut all) = (0, 0);
+    for (seed, room_k) in (1..=5).flat_map(|seed| [(seed, 0.15), (seed, 0.0)]) {
+        let mut record = in_turn(seed, room_k);
+        let model = identify(&mut record, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        assert_eq!(model.outputs[0].drift.is_some(), room_k > 0.0, "{seed}");
+        for (label, gain) in [("calm", 173.0), ("gust", 114.0)] {
+            let class = &model.pairs[0].classes[label];
+            let (error, se) = (class.steady_gain_k_per_w - gain, class.se_steady_gain_k_per_w);
+            println!("room {room_k} K, {label}: {error:.2} ± {se:.2} K/W");
+            assert!(se < if room_k > 0.0 { 8.0 } else { 0.5 }, "{se}");
+            within += u32::from(error.abs() <= 2.0 * se);
+            all += 1;
+        }
+    }
+    // Of twenty, 95 % are 19 ± 1.
+    assert!(within >= 16, "{within} of {all}");
 }
 
 #[test]

@@ -80,6 +80,9 @@ def main():
     print(f"{rows} rows, {order} rates and an offset, one thread; answers agree to {apart:.1e}")
     print(f"numpy/scipy           {theirs_ns:8.1f} ns a row")
     print(f"anemo                 {ours_ns:8.1f} ns a row    {theirs_ns / ours_ns:6.1f} times faster")
+    drift_ns = min(report["drift_ns_per_row"] for report in reports)
+    columns = f"sums for drifts of every size, {best['drift_columns']} columns for {order + 2}"
+    print(f"anemo, drift          {drift_ns:8.1f} ns a row    {theirs_ns / drift_ns:6.1f} times faster; {columns}")
     print(f"limit, floating point {flops_ns:8.1f} ns a row    {best['flops_per_row']:.0f} flop")
     print(f"limit, memory         {bytes_ns:8.1f} ns a row    {best['bytes_per_row']:.0f} bytes")
     print(f"anemo takes {ours_ns / limit_ns:.1f} times what {limit} allows")

@@ -24,7 +24,11 @@ fn main() {
     let mut limits = (speed::flops_a_second(), speed::bytes_a_second());
     let least_s = speed::least_s(runs, || theta = speed::solve(&mut table, &design));
     limits = (limits.0.max(speed::flops_a_second()), limits.1.max(speed::bytes_a_second()));
+    let drifting = speed::drift_design(order, rows);
+    let drift_s = speed::least_s(runs.min(10), || drop(speed::read(&mut table, &drifting)));
     let report = serde_json::json!({
+        "drift_ns_per_row": 1e9 * drift_s / rows as f64,
+        "drift_columns": drifting.width(),
         "rows": rows,
         "order": order,
         "ns_per_row": 1e9 * least_s / rows as f64,

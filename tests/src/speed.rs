@@ -7,11 +7,12 @@ use std::time::Instant;
 use diffusive::identify::InitialState;
 use diffusive::identify::candidates::terms;
 use diffusive::identify::design::{BankDrive, RegressionDesign, RelaxationBank};
+use diffusive::identify::drift;
 use diffusive::identify::folds::FOLDS;
 use diffusive::identify::gas_source::GasSource;
 use diffusive::identify::gram::Gram;
 use diffusive::identify::normal_equations::NormalEquations;
-use diffusive::identify::pass::pass;
+use diffusive::identify::pass::{Passed, pass};
 use diffusive::identify::record::RecordTable;
 use nalgebra::{DMatrix, DVector};
 
@@ -73,11 +74,32 @@ pub fn design(order: usize, inputs: usize, classes: usize) -> RegressionDesign {
     RegressionDesign { banks: drives.map(bank).collect(), initial_rad_s: Vec::new(), outputs: 1 }
 }
 
+/// The same regression with all columns that drifts of every size need.
+pub fn drift_design(order: usize, rows: usize) -> RegressionDesign {
+    let plain = design(order, 1, 1);
+    let rates = &plain.banks[0].rates_rad_s;
+    let poles = drift::poles(rates, rows as f64 * SAMPLE_PERIOD_S, SAMPLE_PERIOD_S);
+    let bank = |drive, rates_rad_s| RelaxationBank { drive, rates_rad_s, delay: 0, feed_through: false };
+    RegressionDesign {
+        banks: vec![
+            bank(BankDrive::Input(0), [&rates[..], &poles].concat()),
+            bank(BankDrive::Output(0), poles.clone()),
+        ],
+        initial_rad_s: poles,
+        outputs: 1,
+    }
+}
+
+/// One reading of a record in memory, for one design.
+pub fn read(table: &mut RecordTable, design: &RegressionDesign) -> Passed {
+    let designs = std::slice::from_ref(design);
+    pass(table, designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut |_| {}).expect("a table is read")
+}
+
 /// States, normal equations and solution: plain least squares on a record in memory. Resistances in
 /// K/W, and the offset behind them.
 pub fn solve(table: &mut RecordTable, design: &RegressionDesign) -> DVector<f64> {
-    let designs = std::slice::from_ref(design);
-    let passed = pass(table, designs, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut |_| {}).expect("a table is read");
+    let passed = read(table, design);
     let terms = terms(&design.roles(), InitialState::Rest, false, &vec![0.0; design.banks.len()]);
     let problem = NormalEquations::of(&Gram::total(&passed.folds[0]), &terms, 1, 0);
     let mut theta = problem.solve(&DMatrix::zeros(terms.len(), terms.len()), None).theta;

@@ -133,7 +133,8 @@ impl CandidateSet<'_> {
         };
         let state = states.iter().position(|state| *state == best.initial_state)?;
         let of_best = greatest(&case(state).by_prior(best.filter.as_ref()));
-        let lead = if is_white(left) { WORTH_OF_WHITE } else { WORTH };
+        let is_dear = is_white(left) || self.reading.plan.is_gated();
+        let lead = if is_dear { WORTH_OF_WHITE } else { WORTH };
         let is_worth = evidence > WORTH && of_best - of_ordinary.evidence(None) > lead;
         if self.options.drift == DriftGiven::Auto && !is_worth {
             return None;
