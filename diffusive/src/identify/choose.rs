@@ -27,10 +27,6 @@ const PLAUSIBLE: f64 = 1.05;
 /// zero.
 const DEAR: f64 = 1.05;
 
-/// Candidates whose cross-validated error is at most that many times another's are as good but for
-/// chance.
-const CHANCE: f64 = 1.01;
-
 /// A candidate of one mesh, taken or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScoredCandidate {
@@ -152,10 +148,9 @@ impl CandidateSet<'_> {
         let mut trials: Vec<ScoredCandidate> = ordinary().filter(is_free).flat_map(|index| self.tried(index)).collect();
         let mut taken = best(&trials, self.meshes()).clone();
         let best = taken.score.clone();
-        let least = trials.iter().map(|trial| trial.score.overall()).fold(f64::INFINITY, f64::min);
         for index in ordinary().filter(|index| !is_free(index)) {
             let tried = self.tried(index);
-            self.prefer_slow(&tried, &best, least, &mut taken);
+            self.prefer_slow(&tried, &best, &mut taken);
             trials.extend(tried);
         }
         self.settle(taken, trials)
@@ -172,13 +167,12 @@ impl CandidateSet<'_> {
         trials
     }
 
-    /// Takes a candidate of a slow mesh in place of what is `taken`, if it is clearly better, and
-    /// as good as more rates on an ordinary mesh would be. `ordinary` is the score of the best
-    /// other mesh, `least` that of any other trial.
+    /// Takes a candidate of a slow mesh in place of what is `taken`, if it is clearly better.
+    /// `ordinary` is the score of the best other mesh.
     ///
     /// Poles far slower than the record are told from drift only if the initial state is known: if,
     /// on such a mesh, rest (or settled) predicts as well as an initial state that may be anything.
-    fn prefer_slow(&self, tried: &[ScoredCandidate], ordinary: &Score, least: f64, taken: &mut ScoredCandidate) {
+    fn prefer_slow(&self, tried: &[ScoredCandidate], ordinary: &Score, taken: &mut ScoredCandidate) {
         let free = tried.iter().filter(|trial| trial.initial_state == InitialState::Free);
         let free = free.min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()));
         let halves = |own: &Score, other: &Score| own.overall() <= 0.25 * other.overall();
@@ -190,7 +184,6 @@ impl CandidateSet<'_> {
                 halves(&slow.score, ordinary) && !free.is_some_and(|free| halves(&free.score, &slow.score));
             let is_better =
                 slow.score.overall() < taken.score.overall() && !taken.score.is_as_good_as(&slow.score, 1.1);
-            let is_better = is_better && slow.score.overall() <= CHANCE * CHANCE * least;
             if (is_evident || is_known && !self.meshes()[slow.mesh].fine) && is_better {
                 *taken = slow.clone();
             }
@@ -208,7 +201,7 @@ impl CandidateSet<'_> {
     pub fn best_rival(&self, choice: &Choice) -> Option<Choice> {
         let fit = || choice.rivals.iter().filter(|trial| self.is_fit(trial));
         let best = fit().min_by(|a, b| a.score.overall().total_cmp(&b.score.overall()))?;
-        let best = fit().find(|trial| trial.score.is_as_good_as(&best.score, CHANCE)).unwrap_or(best);
+        let best = fit().find(|trial| trial.score.is_as_good_as(&best.score, 1.01)).unwrap_or(best);
         let is_other = best.score.overall() < choice.trial.score.overall();
         is_other.then(|| self.settle(best.clone(), choice.rivals.clone()))
     }
@@ -382,7 +375,7 @@ fn best<'t>(trials: &'t [ScoredCandidate], meshes: &[CandidateMesh]) -> &'t Scor
     let good = trials.iter().filter(|trial| is_of(trial, 0.0) && trial.score.overall() <= bar);
     let edge = good.map(|trial| meshes[trial.mesh].factor).fold(0.0, f64::max);
     let best = least(edge);
-    let cautious = |trial: &&ScoredCandidate| is_of(trial, edge) && trial.score.is_as_good_as(&best.score, CHANCE);
+    let cautious = |trial: &&ScoredCandidate| is_of(trial, edge) && trial.score.is_as_good_as(&best.score, 1.01);
     trials.iter().find(cautious).unwrap_or(best)
 }
 

@@ -26,10 +26,8 @@ use super::residuals::Residuals;
 use super::segment::start_rates;
 use super::whiteness::is_white;
 
-/// Moves of an input from which on evidence is trusted.
-const MOVES: u64 = 100;
-/// Moves up to which a record is poorly excited.
-const SELDOM: u64 = 50;
+/// Moves of an input from which on evidence is trusted; with fewer a record is poorly excited.
+const MOVES: u64 = 50;
 /// Evidence, in nats, within which another candidate counts.
 const COUNTS: f64 = 6.0;
 /// Candidates of a drift that are averaged at the most.
@@ -55,9 +53,6 @@ impl CandidateSet<'_> {
             let drifting = self.drifting(ordinary, left)?;
             let is_far_worse = drifting.score.mean_ahead() > FAR_WORSE * ordinary.score.mean_ahead();
             return (!is_far_worse).then_some(drifting);
-        }
-        if moves >= SELDOM {
-            return None;
         }
         let average = self.averaged(ordinary, moves)?;
         // What leaves white noise is left alone, unless it is clearly worse at carrying on.
@@ -133,8 +128,7 @@ impl CandidateSet<'_> {
         };
         let state = states.iter().position(|state| *state == best.initial_state)?;
         let of_best = greatest(&case(state).by_prior(best.filter.as_ref()));
-        let is_dear = is_white(left) || self.reading.plan.is_gated();
-        let lead = if is_dear { WORTH_OF_WHITE } else { WORTH };
+        let lead = if is_white(left) { WORTH_OF_WHITE } else { WORTH };
         let is_worth = evidence > WORTH && of_best - of_ordinary.evidence(None) > lead;
         if self.options.drift == DriftGiven::Auto && !is_worth {
             return None;

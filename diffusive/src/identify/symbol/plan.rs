@@ -56,10 +56,11 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
-    // What rates leave that were given looks like a drift.
+    // What a spectrum a class leaves where winds change looks like a drift, and so does what rates
+    // leave that were given.
     let has_rates = given.order.is_some() || given.edges_rad_s.is_some();
     let is_plain = options.drift == DriftGiven::None
-        || options.drift == DriftGiven::Auto && has_rates
+        || options.drift == DriftGiven::Auto && (classes > 1 || has_rates)
         || options.tie
         || options.free_poles.is_some()
         || options.cross.is_some();
@@ -67,7 +68,7 @@ fn meshes_besides(
     if !is_plain {
         meshes.push(candidates::drifting(duration_s, period_s, &ordinary[0], given));
     }
-    if !is_plain && !has_rates && classes == 1 && given.ridge.is_none() && options.structure.is_none() {
+    if !is_plain && !has_rates && given.ridge.is_none() && options.structure.is_none() {
         meshes.extend(candidates::averaged(duration_s, period_s));
     }
     let width =
