@@ -73,8 +73,8 @@ fn two_standard_errors_hold_the_gain_of_a_record_with_a_gap() {
     assert!(within >= 9, "{within} of 12");
 }
 
-/// Two conditions in turn, ten minutes each, in which the heater has other resistances; and the room
-/// walks by 0.15 K in an hour, or stands.
+/// Two conditions in turn, ten minutes each, in which the heater has other resistances; and the
+/// room walks by 0.15 K in an hour, or stands.
 fn in_turn(seed: u64, room_k: f64) -> RecordTable {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -110,7 +110,7 @@ fn two_standard_errors_hold_the_gain_of_every_condition() {
     let (mut within, mut all) = (0, 0);
     for (seed, room_k) in (1..=5).flat_map(|seed| [(seed, 0.15), (seed, 0.0)]) {
         let mut record = in_turn(seed, room_k);
-        // Unasked, none is sought: what a spectrum a condition leaves of a real body looks like a drift.
+        // Unasked, none is sought: what a spectrum a condition leaves of a body looks like a drift.
         let drift = if room_k > 0.0 { DriftGiven::Kind(DriftKind::RandomWalk) } else { DriftGiven::Auto };
         let options = IdentifyOptions { drift, ..IdentifyOptions::default() };
         let model = identify(&mut record, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
