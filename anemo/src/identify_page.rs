@@ -68,7 +68,7 @@ fn record(model: &Model) -> String {
 fn gains(model: &Model) -> String {
     let row = |(pair, label, class): (&Pair, &String, &Class)| {
         let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(" {unit}"));
-        let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+        let gain = estimate(class.steady_gain_k_per_w, model.inflation(&pair.output) * class.se_steady_gain_k_per_w);
         let late_s = pair.dead_time_samples as f64 * model.sample_period_s;
         [subject(model, pair, label), format!("{gain}{unit}"), format!("{} s", brief(late_s))]
     };
@@ -76,15 +76,16 @@ fn gains(model: &Model) -> String {
 }
 
 fn resistances(model: &Model, pair: &Pair, label: &str, class: &Class) -> String {
+    let by = model.inflation(&pair.output);
     let rates = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
     let mut rows: Vec<[String; 3]> = Vec::new();
     for (k, ((&rate, &resistance), &se)) in rates.enumerate() {
-        let se_rate = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k)).copied().unwrap_or(0.0);
+        let se_rate = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k)).map_or(0.0, |se| by * se);
         let time_s = estimate(1.0 / rate, se_rate / (rate * rate));
-        rows.push([estimate(rate, se_rate), time_s, estimate(resistance, se)]);
+        rows.push([estimate(rate, se_rate), time_s, estimate(resistance, by * se)]);
     }
     if class.feed_through_k_per_w != 0.0 {
-        let at_once = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+        let at_once = estimate(class.feed_through_k_per_w, by * class.se_feed_through_k_per_w);
         rows.push(["at once".to_owned(), "0".to_owned(), at_once]);
     }
     let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(", {unit}"));
@@ -97,7 +98,7 @@ fn conductances(model: &Model, wind: &ModelWind) -> String {
         let element: &std::collections::BTreeMap<String, diffusive::model::Estimate> = element;
         let others = element.iter().filter(|(label, _)| **label != wind.reference);
         let row = |(label, value): (&String, &diffusive::model::Estimate)| {
-            [output.name.clone(), label.clone(), format!("{} W/K", estimate(value.value, value.se))]
+            [output.name.clone(), label.clone(), format!("{} W/K", estimate(value.value, output.inflation() * value.se))]
         };
         others.map(row).collect::<Vec<_>>()
     };
@@ -124,7 +125,7 @@ fn fit(model: &Model) -> String {
             brief(output.residual_rms),
             size(output.spread_rms),
             size(output.forecast_rms),
-            estimate(output.offset_c, output.se_offset_c),
+            estimate(output.offset_c, output.inflation() * output.se_offset_c),
         ]
     };
     let head = ["output", "fit", "residual, rms", "spread, rms", "error ahead, rms", "offset"];

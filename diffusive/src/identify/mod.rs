@@ -129,6 +129,7 @@ pub fn identify(
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);
+    model.warnings.extend(support::undrifted(&model, options));
     model.advice = advice::advice(&model, options.losses == Losses::Growing);
     Ok(model)
 }

@@ -41,6 +41,22 @@ impl IdentifyOptions {
         is_state && !given.mesh_is_fixed() && self.free_poles.is_none() && !self.tie
     }
 
+    /// Why no drift is searched in a record of so many classes, if none is.
+    pub fn no_drift_for(&self, classes: usize) -> Option<&'static str> {
+        let (given, is_auto) = (&self.constraints, self.drift == DriftGiven::Auto);
+        let reasons = [
+            (self.tie, "with tied pairs"),
+            (self.free_poles.is_some(), "with free poles"),
+            (self.structure == Some(Structure::Conductance), "with structure `conductance`"),
+            (self.cross.is_some(), "with a mesh of their own for cross pairs"),
+            // What one spectrum a class leaves where winds change looks like a drift, and so does
+            // what rates leave that were given.
+            (is_auto && classes > 1, "by itself with several event classes"),
+            (is_auto && (given.order.is_some() || given.edges_rad_s.is_some()), "by itself on a mesh that is given"),
+        ];
+        reasons.into_iter().find_map(|(holds, reason)| holds.then_some(reason))
+    }
+
     /// The same with any initial state.
     #[must_use]
     pub fn with_any_initial_state(&self) -> Self {

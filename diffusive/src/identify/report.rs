@@ -109,7 +109,8 @@ fn subject(model: &Model, pair: &Pair, label: &str) -> String {
 }
 
 fn steady_gain(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, class: &Class) -> fmt::Result {
-    let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+    let by = model.inflation(&pair.output);
+    let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
     writeln!(f, "  {:<50} {gain}", subject(model, pair, label))
 }
 
@@ -117,18 +118,19 @@ fn resistances(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, c
     writeln!(f, "\n{}", subject(model, pair, label))?;
     let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(" {unit}"));
     writeln!(f, "  {:>11} {:>11}   R{unit} ± standard error", "rate rad/s", "1/rate s")?;
+    let by = model.inflation(&pair.output);
     let rows = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).zip(&class.se_k_per_w);
     for (k, ((rate, resistance), se)) in rows.enumerate() {
         let fitted = pair.se_rate_rad_s.as_ref().and_then(|se| se.get(k));
-        let fitted = fitted.map_or(String::new(), |se| format!("   at {} rad/s", estimate(*rate, *se)));
-        let resistance = estimate(*resistance, *se);
+        let fitted = fitted.map_or(String::new(), |se| format!("   at {} rad/s", estimate(*rate, by * *se)));
+        let resistance = estimate(*resistance, by * *se);
         writeln!(f, "  {:>11} {:>11}   {resistance}{fitted}", brief(*rate), brief(1.0 / rate))?;
     }
     if class.feed_through_k_per_w != 0.0 {
-        let at_once = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+        let at_once = estimate(class.feed_through_k_per_w, by * class.se_feed_through_k_per_w);
         writeln!(f, "  {:>11} {:>11}   {at_once}", "at once", "0")?;
     }
-    let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+    let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
     writeln!(f, "  steady gain {gain}")
 }
 
@@ -142,7 +144,7 @@ fn conductances(f: &mut Formatter<'_>, model: &Model, wind: &ModelWind) -> fmt::
     for (element, output) in wind.elements.iter().zip(&model.outputs) {
         let of = if model.outputs.len() > 1 { format!("  {}", output.name) } else { String::new() };
         for (label, value) in element.iter().filter(|(label, _)| **label != wind.reference) {
-            writeln!(f, "  {label:<12} {}{of}", estimate(value.value, value.se))?;
+            writeln!(f, "  {label:<12} {}{of}", estimate(value.value, output.inflation() * value.se))?;
         }
     }
     Ok(())
@@ -151,7 +153,7 @@ fn conductances(f: &mut Formatter<'_>, model: &Model, wind: &ModelWind) -> fmt::
 fn following(f: &mut Formatter<'_>, model: &Model) -> fmt::Result {
     let what = model.ambient.as_ref().map_or("the gas".to_owned(), |ambient| format!("`{}`", ambient.column));
     for (followed, output) in model.following().iter().flat_map(|of| of.outputs.iter().zip(&model.outputs)) {
-        let gain = estimate(followed.steady_gain_k_per_k, followed.se_steady_gain_k_per_k);
+        let gain = estimate(followed.steady_gain_k_per_k, output.inflation() * followed.se_steady_gain_k_per_k);
         writeln!(f, "{} follows {what}, in the end by {gain} K/K", output.name)?;
     }
     Ok(())
@@ -164,7 +166,7 @@ fn fit(f: &mut Formatter<'_>, output: &ModelOutput) -> fmt::Result {
         output.name,
         output.fit_percent,
         brief(output.residual_rms),
-        estimate(output.offset_c, output.se_offset_c)
+        estimate(output.offset_c, output.inflation() * output.se_offset_c)
     )?;
     if let Some(verdict) = whiteness_verdict(output) {
         write!(f, "; {verdict}")?;
@@ -185,10 +187,10 @@ pub fn whiteness_verdict(output: &ModelOutput) -> Option<String> {
         format!("residuals white (p = {:.2})", white.p_value)
     } else if output.drift.as_ref().is_some_and(OutputDrift::is_average) {
         "residuals coloured: standard errors hold how far candidates differ".to_owned()
-    } else if white.inflation < 1.2 {
+    } else if output.inflation() == 1.0 {
         "residuals all but white".to_owned()
     } else {
-        format!("residuals coloured: standard errors are {:.1} times those stated", white.inflation)
+        format!("residuals coloured: standard errors are stated {:.1} times as large as for white ones", white.inflation)
     })
 }
 

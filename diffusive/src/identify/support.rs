@@ -1,6 +1,8 @@
 //! Whether a record supports its model, and what it lacks if not.
 
+use super::drift::DriftGiven;
 use super::folds::FOLDS;
+use super::options::IdentifyOptions;
 use super::pass::Facts;
 use super::record::{RecordError, Survey};
 use crate::model::{Model, ModelOutput};
@@ -120,6 +122,24 @@ pub fn disturbed(model: &Model) -> Vec<String> {
         )
     };
     model.outputs.iter().filter(is_disturbed).map(sentence).collect()
+}
+
+/// Share of the output beyond which what its inputs leave moves no figure, %.
+const ALL_BUT_PERCENT: f64 = 99.8;
+
+/// Outputs whose residuals look as a drift leaves them, where none was searched.
+pub fn undrifted(model: &Model, options: &IdentifyOptions) -> Vec<String> {
+    let unsought = options.no_drift_for(model.classes.len()).filter(|_| options.drift == DriftGiven::Auto);
+    let Some(reason) = unsought else { return Vec::new() };
+    let sentence = |output: &ModelOutput| {
+        format!(
+            "`{}`: what is left of it remembers, as a room that moves leaves it, and widens standard errors {:.1} times; no drift is searched {reason}: identify without, or with --drift where that can be asked for, or record the temperature of the surroundings, for --ambient",
+            output.name,
+            output.inflation()
+        )
+    };
+    let is_moved = |output: &&ModelOutput| output.inflation() > MEMORY && output.fit_percent < ALL_BUT_PERCENT;
+    model.outputs.iter().filter(is_moved).map(sentence).collect()
 }
 
 /// Refuses as many unknowns as there are rows, or more.

@@ -392,14 +392,24 @@ impl Model {
         });
         of_wind.or(of_losses).or(self.ambient.as_ref().map(|ambient| &ambient.column)).map(String::as_str)
     }
+
+    /// By how much standard errors of what leads to an output are too small.
+    pub fn inflation(&self, output: &str) -> f64 {
+        self.outputs.iter().find(|known| known.name == output).map_or(1.0, ModelOutput::inflation)
+    }
 }
 
+/// Memory of residuals, as the factor by which it widens standard errors, from which on they are
+/// called coloured.
+const COLOURED: f64 = 1.2;
+
 impl ModelOutput {
-    /// By how much standard errors are too small, 1 at least: residuals that are not white make
-    /// them so, unless the model is an average, whose errors hold how far its candidates differ.
+    /// By how much standard errors are too small: coloured residuals make them so, unless the model
+    /// is an average, whose errors hold how far its candidates differ. Else 1.
     pub fn inflation(&self) -> f64 {
         let is_average = self.drift.as_ref().is_some_and(OutputDrift::is_average);
-        self.whiteness.as_ref().filter(|_| !is_average).map_or(1.0, |white| white.inflation.max(1.0))
+        let coloured = self.whiteness.as_ref().filter(|white| !white.is_white() && white.inflation >= COLOURED);
+        coloured.filter(|_| !is_average).map_or(1.0, |white| white.inflation)
     }
 }
 

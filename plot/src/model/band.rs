@@ -3,7 +3,6 @@
 use crate::engine::extent::extent;
 use crate::engine::reduce::Bin;
 use diffusive::model::certainty::NORMAL_95;
-use diffusive::model::{Model, ModelOutput};
 
 /// Where the standard error is not known there is a curve without a band.
 pub const NO_BAND: &str = "no band: the model file has no covariance";
@@ -32,11 +31,6 @@ pub fn log_band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
     let logarithms: Vec<_> = curve.iter().map(|&(x, value, se)| (x, value.ln(), se)).collect();
     let exp = |bin: Bin| Bin { least: bin.least.exp(), most: bin.most.exp(), mean: bin.mean.exp(), ..bin };
     band(&logarithms, by).into_iter().map(exp).collect()
-}
-
-/// By how much standard errors that take an output's residuals for white are too small.
-pub fn inflation(model: &Model, output: &str) -> f64 {
-    model.outputs.iter().find(|known| known.name == output).map_or(1.0, ModelOutput::inflation)
 }
 
 #[cfg(test)]

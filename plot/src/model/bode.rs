@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use dr_core::model::mesh;
 
-use super::band::{NO_BAND, band, inflation, log_band};
+use super::band::{NO_BAND, band, log_band};
 use super::naming::{CURVES, gain_unit, label, left_out, of};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
@@ -39,7 +39,7 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
         chart.shading(slowest / TAU, nyquist / TAU, 5, "band of the record")
     };
     let (mut magnitude, mut phase) = (axes("Magnitude", &unit).y(Scale::Log), axes("Phase", "°"));
-    let by = inflation(model, output);
+    let by = model.inflation(output);
     let (mut curves, mut cut, mut bands) = (0, false, 0);
     for (pair, class) in pairs.iter().flat_map(|pair| model.classes.iter().map(move |class| (pair, class))) {
         let at = |omega: &f64| response_in_class(model, pair, class, *omega).map(|value| (*omega, value.re, value.im));

@@ -9,7 +9,7 @@
 
 use dr_core::model::mesh;
 
-use super::band::{NO_BAND, band, inflation};
+use super::band::{NO_BAND, band};
 use super::naming::{CURVES, gain_unit, label, left_out, of, parts};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
@@ -33,7 +33,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     let unit = gain_unit(model, output);
     let several = model.structure == Structure::Conductance && model.classes.len() > 1;
     let reference = model.wind.as_ref().map_or("", |wind| &wind.reference);
-    let by = inflation(model, output);
+    let by = model.inflation(output);
     let is_log = hides(parts.iter().flat_map(|(_, _, class)| &class.r_k_per_w));
     let mut chart = Chart::new(format!("Time-constant spectrum{}", of(model, output)), &unit)
         .y_title(if unit == "K/W" { "Thermal resistance" } else { "Weight" })
@@ -45,11 +45,11 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
         .notes((by > COLOURED).then(|| format!("{} times as wide as for white residuals", brief(by))))
         .notes((parts.len() > 1).then(|| "steady gains beside the names".to_owned()));
     for (number, (pair, class_label, class)) in parts.iter().take(CURVES).enumerate() {
-        let gain = estimate(class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+        let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
         let mut name = label(model, pair, class_label);
         if class.feed_through_k_per_w != 0.0 {
             let own = if name.is_empty() { String::new() } else { format!(" {name}") };
-            let feed_through = estimate(class.feed_through_k_per_w, class.se_feed_through_k_per_w);
+            let feed_through = estimate(class.feed_through_k_per_w, by * class.se_feed_through_k_per_w);
             chart = chart.note(format!("feed-through{own} {feed_through}"));
         }
         if parts.len() == 1 {
@@ -82,9 +82,9 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     {
         let others = element.iter().filter(|(class, _)| **class != wind.reference);
         let followed = wind.following.as_ref().and_then(|following| following.outputs.get(place));
-        chart = chart.notes(others.map(|(class, of)| format!("ΔG {class} {} W/K", estimate(of.value, of.se)))).notes(
+        chart = chart.notes(others.map(|(class, of)| format!("ΔG {class} {} W/K", estimate(of.value, by * of.se)))).notes(
             followed.map(|of| {
-                format!("follows the gas by {} K/K", estimate(of.steady_gain_k_per_k, of.se_steady_gain_k_per_k))
+                format!("follows the gas by {} K/K", estimate(of.steady_gain_k_per_k, by * of.se_steady_gain_k_per_k))
             }),
         );
     }
@@ -103,7 +103,7 @@ fn hides<'r>(resistances: impl Iterator<Item = &'r f64>) -> bool {
 pub fn impedances(model: &Model, output: &str) -> Chart {
     let parts = parts(model, output);
     let unit = gain_unit(model, output);
-    let by = inflation(model, output);
+    let by = model.inflation(output);
     let what = if unit == "K/W" { "Thermal impedance" } else { "Step response" };
     let rates = || parts.iter().flat_map(|(pair, ..)| pair.mesh_rad_s.iter().copied());
     let (slowest, fastest) = (rates().fold(f64::INFINITY, f64::min), rates().fold(0.0, f64::max));

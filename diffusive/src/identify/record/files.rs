@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 
+use super::bridge::{BridgedColumn, bridge};
 use super::columns::shown;
 use super::error::RecordError;
 use super::roles::Roles;
@@ -36,6 +37,9 @@ pub(super) struct RecordFiles {
     /// Of a table without times.
     period_s: Option<f64>,
     event: Option<usize>,
+    /// Columns whose missing values may be told, and how many were.
+    bridged: Vec<(usize, BridgedColumn)>,
+    filled: Vec<u64>,
     /// The columns that are read, each once; the time first, if it has one.
     columns: Vec<usize>,
     names: Vec<String>,
@@ -59,7 +63,15 @@ impl RecordFiles {
                 columns.push(column);
             }
         }
+        let bridged: Vec<(usize, BridgedColumn)> = roles
+            .inputs
+            .iter()
+            .map(|&input| (input, BridgedColumn::Input))
+            .chain(roles.gas.filter(|gas| !roles.outputs.contains(gas)).map(|gas| (gas, BridgedColumn::Gas)))
+            .collect();
         let mut files = Self {
+            filled: vec![0; bridged.len()],
+            bridged,
             paths: paths.to_vec(),
             given: selection.columns.clone(),
             time_column: String::new(),
@@ -88,6 +100,12 @@ impl RecordFiles {
         Ok(files)
     }
 
+    /// Names of columns in which missing values were told, and how many.
+    pub(super) fn told(&self) -> impl Iterator<Item = (&str, u64)> {
+        let told = self.bridged.iter().zip(&self.filled).filter(|(_, filled)| **filled > 0);
+        told.map(|((column, _), &filled)| (self.names[*column].as_str(), filled))
+    }
+
     /// What the first file says of itself.
     pub(super) fn metadata(&self) -> Result<Metadata, RecordError> {
         Ok(RecordingReader::open_named(&self.paths[0], &self.given)?.metadata())
@@ -105,6 +123,9 @@ impl RecordFiles {
     /// Begins again.
     pub(super) fn restart(&mut self) {
         (self.next, self.row, self.reader) = (0, 0, None);
+        if !self.is_whole {
+            self.filled.fill(0);
+        }
         if !self.is_whole {
             self.kept.clear();
             self.cells = 0;
@@ -159,7 +180,13 @@ impl RecordFiles {
             };
             self.reader = Some(reader);
             let columns = chunk.into_iter().map(|column| column.values).collect();
-            let rows = self.raw(columns)?;
+            let mut rows = self.raw(columns)?;
+            for (&(column, how), filled) in self.bridged.iter().zip(&mut self.filled) {
+                let slot = self.columns.iter().position(|&read| read == column).unwrap_or_default();
+                if let ColumnValues::Numbers(values) = &mut rows.columns[slot] {
+                    *filled += bridge(values, how);
+                }
+            }
             self.row += rows.time_s.len() as u64;
             self.cells += rows.time_s.len() * self.columns.len();
             self.is_kept &= self.cells <= MOST_CELLS;

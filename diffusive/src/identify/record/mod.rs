@@ -22,6 +22,7 @@
 //! Limits: the time written in a row may be off its place t_n by half a period; an output whose
 //! time is off by more than 10 % of it is interpolated; an event column has 64 labels at most.
 
+mod bridge;
 mod classes;
 mod clock;
 mod columns;

@@ -132,10 +132,16 @@ fn remarks(files: &RecordFiles, roles: &Roles, tally: &Tally, period_s: f64) -> 
             tidy(period_s)
         ));
     }
+    for (name, filled) in files.told() {
+        notes.push(format!("`{name}` is missing in {}, and follows from those beside", several(filled, "row")));
+    }
     if let Some((file, row, name)) = &tally.first_dropped {
         let rows = several(tally.dropped, "row");
         let file = if *file == 0 { String::new() } else { format!(" of {}", files.paths[*file].display()) };
         notes.push(format!("{rows} left out, in which a value is missing, first `{name}` in row {row}{file}"));
+    }
+    if tally.segments > 1 {
+        notes.push(format!("{} segments, each with offset and stored heat of its own", tally.segments));
     }
     for (output, &missing) in roles.outputs.iter().zip(&tally.missing).filter(|(_, missing)| **missing > 0) {
         notes.push(format!(

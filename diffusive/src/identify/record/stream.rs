@@ -60,6 +60,11 @@ impl RecordStream {
         let Some(path) = paths.first() else {
             return Err(RecordError::content(Path::new("the record"), "has no file: name one at least"));
         };
+        for (number, path) in paths.iter().enumerate() {
+            if paths[..number].contains(path) {
+                return Err(RecordError::content(path, "is named twice: its rows would count as two measurements"));
+            }
+        }
         let roles = Roles::choose(path, selection)?;
         let mut files = RecordFiles::new(paths, &roles, selection)?;
         let scan = Scan::of(&mut files, &roles)?;

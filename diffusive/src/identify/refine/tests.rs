@@ -2,6 +2,7 @@
 
 use dr_core::model::mesh;
 
+use super::super::drift::DriftGiven;
 use super::super::identify;
 use super::super::record::RecordTable;
 use super::super::validate::{ValidationStart, validate};
@@ -55,6 +56,22 @@ fn made(rows: usize, poles: &[(f64, f64)], initial: f64, noise_k: f64, seed: u64
     let mut noise = random(seed + 7777);
     let y = answer(&u, poles, initial).into_iter().map(|y| 20.0 + y + noise_k * 12_f64.sqrt() * noise()).collect();
     SimulatedRecord { u, y }
+}
+
+/// Free poles in a room that walks: their errors hold it, and it is said that no drift was searched.
+#[test]
+fn a_room_that_moves_is_said_where_no_drift_is_searched() {
+    let mut record = made(3000, &THREE, 0.0, 0.01, 4);
+    let (mut draw, mut room_k) = (random(9), 0.0);
+    for y in &mut record.y {
+        room_k += 0.1 * draw();
+        *y += room_k;
+    }
+    let of = |drift| fitted(&record, 3, IdentifyOptions { drift, ..IdentifyOptions::default() }).unwrap().warnings;
+    let sentence = "; no drift is searched with free poles: ";
+    assert!(of(DriftGiven::Auto).iter().any(|warning| warning.contains(sentence)));
+    // Who wants none has been told.
+    assert!(!of(DriftGiven::None).iter().any(|warning| warning.contains(sentence)));
 }
 
 fn fitted(made: &SimulatedRecord, poles: usize, options: IdentifyOptions) -> Result<Model, RecordError> {

@@ -56,14 +56,8 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
-    // What a spectrum a class leaves where winds change looks like a drift, and so does what rates
-    // leave that were given.
     let has_rates = given.order.is_some() || given.edges_rad_s.is_some();
-    let is_plain = options.drift == DriftGiven::None
-        || options.drift == DriftGiven::Auto && (classes > 1 || has_rates)
-        || options.tie
-        || options.free_poles.is_some()
-        || options.cross.is_some();
+    let is_plain = options.drift == DriftGiven::None || options.no_drift_for(classes).is_some();
     let mut meshes = Vec::new();
     if !is_plain {
         meshes.push(candidates::drifting(duration_s, period_s, &ordinary[0], given));

@@ -17,7 +17,8 @@ use super::options::FitObserver;
 use super::record::{RecordError, RecordSource, Survey};
 use super::residuals::Residuals;
 use super::validate_options::LEAST_ROWS;
-use crate::model::{Forward, Model, RecordEnd};
+use crate::model::{Forward, Model, ModelOutput, RecordEnd};
+use recording::text::short;
 use run::{LossesBy, run};
 use start::{EstimatedStart, estimate, prior_widths};
 
@@ -27,6 +28,10 @@ const OFFSETS: usize = 6;
 
 /// Fit below which a model is said not to hold, %.
 const POOR_PERCENT: f64 = 50.0;
+
+/// Times the error that is to be expected beyond which conditions are other ones: 80 % of measured
+/// records are within two.
+const BEYOND: f64 = 2.5;
 
 /// Predicts the record. Its inputs and outputs are the model's, in order.
 ///
@@ -68,6 +73,7 @@ pub fn validate(
         )));
     }
     let mut warnings = warnings(&outputs, rows);
+    warnings.extend(model.outputs.iter().zip(&outputs).filter_map(|(known, scored)| beyond(known, scored)));
     let short = starts.iter().filter(|start| matches!(start, SegmentStart::TooShort)).count();
     if short > 0 {
         warnings.push(format!(
@@ -75,7 +81,8 @@ pub fn validate(
             starts.len()
         ));
     }
-    Ok(ValidationReport { outputs, rows, start, warnings })
+    let Survey { segments, notes, .. } = source.survey().clone();
+    Ok(ValidationReport { outputs, rows, segments, notes, start, warnings })
 }
 
 fn check_columns(model: &Model, survey: &Survey) -> Result<(), RecordError> {
@@ -217,6 +224,20 @@ fn warnings(outputs: &[ValidatedOutput], rows: u64) -> Vec<String> {
         warnings.push(format!("{rows} rows say next to nothing of a model: give a record of {LEAST_ROWS} at least"));
     }
     warnings
+}
+
+/// An error that is much larger than what the model's own record lets expect.
+fn beyond(known: &ModelOutput, scored: &ValidatedOutput) -> Option<String> {
+    let expected = known.forecast_rms?;
+    let is_poor = scored.fit_percent.is_some_and(|fit| fit < POOR_PERCENT);
+    (scored.rmse > BEYOND * expected && !is_poor).then(|| {
+        format!(
+            "`{}` is predicted with {:.1} times the error that the model's record lets expect ({}): this record has other conditions, or a disturbance, that the model has not seen",
+            scored.name,
+            scored.rmse / expected,
+            short(expected, 2)
+        )
+    })
 }
 
 /// A time without the digits that come of adding periods up.

@@ -27,6 +27,10 @@ pub struct ValidationReport {
     pub outputs: Vec<ValidatedOutput>,
     /// Rows of the record.
     pub rows: u64,
+    /// Parts of it between gaps.
+    pub segments: u64,
+    /// What the record's reader decided by default, and what it found remarkable.
+    pub notes: Vec<String>,
     /// What the model started from.
     pub start: ValidationStart,
     /// Why the figures say little, if they do: sentences for the user.
@@ -60,6 +64,7 @@ impl Serialize for ValidationReport {
             fit_percent: first.and_then(|output| output.fit_percent),
             offset_c: first.map(|output| output.offset_c),
             n: self.rows,
+            segments: self.segments,
             start: self.start,
             warnings: &self.warnings,
             outputs: &self.outputs,
@@ -76,9 +81,15 @@ impl Display for ValidationReport {
             ValidationStart::Rest => "from rest, with the model's offset",
         };
         writeln!(f, "{} rows, {from}", self.rows)?;
+        self.notes.iter().try_for_each(|note| writeln!(f, "  {note}"))?;
         for output in &self.outputs {
             let fit = output.fit_percent.map_or("no fit".to_owned(), |percent| format!("fit {percent:.2} %"));
-            writeln!(f, "{}: {fit}, rmse {}, offset {}", output.name, brief(output.rmse), brief(output.offset_c))?;
+            write!(f, "{}: {fit}, rmse {}, offset {}", output.name, brief(output.rmse), brief(output.offset_c))?;
+            let white = output.whiteness.as_ref().map_or("", |white| match white.is_white() {
+                true => "; residuals white",
+                false => "; residuals coloured",
+            });
+            writeln!(f, "{white}")?;
         }
         self.warnings.iter().try_for_each(|warning| writeln!(f, "\nwarning: {warning}"))
     }

@@ -80,3 +80,24 @@ fn behind_a_gap_offset_and_stored_heat_are_those_of_the_segment() {
     let report = validate(&model, &mut other, ValidationStart::Rest, &mut |_| {}).unwrap();
     assert!(report.outputs[0].rmse > 2.0 * NOISE_K, "{report}");
 }
+
+#[test]
+fn an_error_beyond_what_the_record_lets_expect_is_said() {
+    let (power_w, temperature_c) = record(8000);
+    let table = |rows: std::ops::Range<usize>, more: &dyn Fn(usize) -> f64| {
+        let output = rows.clone().map(|row| temperature_c[row] + more(row)).collect();
+        let inputs = vec![("power_w".to_owned(), power_w[rows].to_vec())];
+        RecordTable::new(PERIOD_S, inputs, vec![("temperature_c".to_owned(), output)]).unwrap()
+    };
+    let mut own = table(0..4000, &|_| 0.0);
+    let model = identify(&mut own, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}).unwrap();
+    let of = |more: &dyn Fn(usize) -> f64| {
+        validate(&model, &mut table(4000..8000, more), ValidationStart::Estimate, &mut |_| {}).unwrap()
+    };
+    assert!(of(&|_| 0.0).warnings.is_empty());
+    // A room that swings by 0.2 K in five minutes.
+    let swung = of(&|row| 0.2 * (row as f64 / 100.0).sin());
+    let warning = &swung.warnings[0];
+    assert!(warning.contains("times the error that the model's record lets expect"), "{warning}");
+    assert!(swung.to_string().contains("; residuals coloured\n"), "{swung}");
+}

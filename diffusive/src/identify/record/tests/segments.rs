@@ -77,9 +77,36 @@ fn a_missing_input_begins_a_segment_and_a_missing_output_is_marked() {
         survey.notes[1..],
         [
             "2 rows left out, in which a value is missing, first `y` in row 1",
+            "2 segments, each with offset and stored heat of its own",
             "`y` is missing in 2 rows, which count by their inputs only"
         ]
     );
+}
+
+#[test]
+fn a_missing_input_that_stood_is_told_by_the_rows_beside_it() {
+    let (survey, begins, all) = of(&table(|n| {
+        let [t, _, y] = plain(n);
+        Some([t, if [20, 21].contains(&n) { String::new() } else { (n / 10 % 3 / 2).to_string() }, y])
+    }));
+    assert_eq!((begins, all.len()), (vec![0.0, 44.0], 98));
+    let (survey_told, begins, all) = of(&table(|n| {
+        let [t, _, y] = plain(n);
+        Some([t, if [23, 24].contains(&n) { String::new() } else { (n / 10 % 3 / 2).to_string() }, y])
+    }));
+    assert_eq!((begins, all.len(), all.inputs[0][24]), (vec![0.0], 100, 1.0));
+    assert!(survey.notes.iter().any(|note| note.starts_with("2 segments,")), "{:?}", survey.notes);
+    let told = "`u` is missing in 2 rows, and follows from those beside";
+    assert!(survey_told.notes.iter().any(|note| note == told), "{:?}", survey_told.notes);
+}
+
+#[test]
+fn a_file_is_no_second_measurement_of_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("day.csv");
+    std::fs::write(&path, table(|n| Some(plain(n)))).unwrap();
+    let refused = segments(&[path.clone(), path]).unwrap_err();
+    assert!(refused.ends_with("is named twice: its rows would count as two measurements"), "{refused}");
 }
 
 #[test]
