@@ -6,6 +6,7 @@
 
 use crate::output::Failure;
 use diffusive::identify::report::{IdentifyReport, moving_offset, whiteness_verdict};
+use diffusive::model::certainty::steady_gain_error;
 use diffusive::model::{Class, Model, ModelOutput, ModelWind, Pair, gain_unit};
 use plot::Figure;
 use recording::template::fill;
@@ -68,7 +69,7 @@ fn record(model: &Model) -> String {
 fn gains(model: &Model) -> String {
     let row = |(pair, label, class): (&Pair, &String, &Class)| {
         let unit = gain_unit(model, &pair.output).map_or(String::new(), |unit| format!(" {unit}"));
-        let gain = estimate(class.steady_gain_k_per_w, model.inflation(&pair.output) * class.se_steady_gain_k_per_w);
+        let gain = estimate(class.steady_gain_k_per_w, steady_gain_error(model, pair, class));
         let late_s = pair.dead_time_samples as f64 * model.sample_period_s;
         [subject(model, pair, label), format!("{gain}{unit}"), format!("{} s", brief(late_s))]
     };

@@ -7,6 +7,7 @@ use recording::text::{brief, estimate, short};
 use serde::Serialize;
 
 use super::drift::DriftKind;
+use crate::model::certainty::steady_gain_error;
 use crate::model::{Class, Model, ModelGas, ModelOutput, ModelWind, OutputDrift, Pair, gain_unit};
 
 /// Tables of resistances that are read; more than that are a file's matter.
@@ -109,8 +110,7 @@ fn subject(model: &Model, pair: &Pair, label: &str) -> String {
 }
 
 fn steady_gain(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, class: &Class) -> fmt::Result {
-    let by = model.inflation(&pair.output);
-    let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
+    let gain = estimate(class.steady_gain_k_per_w, steady_gain_error(model, pair, class));
     writeln!(f, "  {:<50} {gain}", subject(model, pair, label))
 }
 
@@ -130,7 +130,7 @@ fn resistances(f: &mut Formatter<'_>, model: &Model, pair: &Pair, label: &str, c
         let at_once = estimate(class.feed_through_k_per_w, by * class.se_feed_through_k_per_w);
         writeln!(f, "  {:>11} {:>11}   {at_once}", "at once", "0")?;
     }
-    let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
+    let gain = estimate(class.steady_gain_k_per_w, steady_gain_error(model, pair, class));
     writeln!(f, "  steady gain {gain}")
 }
 
@@ -190,7 +190,7 @@ pub fn whiteness_verdict(output: &ModelOutput) -> Option<String> {
     } else if output.inflation() == 1.0 {
         "residuals all but white".to_owned()
     } else {
-        format!("residuals coloured: standard errors are stated {:.1} times as large as for white ones", white.inflation)
+        format!("residuals coloured, which makes ± {:.1} times as large", white.inflation)
     })
 }
 

@@ -67,28 +67,38 @@ pub fn impedance(model: &Model, pair: &Pair, class: &Class, time_s: f64) -> (f64
     (shares().zip(weights).map(|(share, weight)| share * weight).sum(), standard_error(class, &gradient))
 }
 
+/// Standard error of the steady gain in which coloured residuals count: they widen what C makes of
+/// noise, and not how far models differ that predict as well.
+pub fn steady_gain_error(model: &Model, pair: &Pair, class: &Class) -> f64 {
+    let all = class.se_steady_gain_k_per_w.powi(2);
+    let ones = vec![1.0; class.r_k_per_w.len() + 1];
+    let of_noise = class.covariance.as_ref().map_or(all, |triangle| variance(triangle, &ones).min(all));
+    (all + (model.inflation(&pair.output).powi(2) - 1.0) * of_noise).sqrt()
+}
+
+/// gᵀ C g of the parameters that `gradient` has.
+fn variance(triangle: &[f64], gradient: &[f64]) -> f64 {
+    let rows = (0..gradient.len()).filter_map(|i| triangle.get(i * (i + 1) / 2..=i * (i + 3) / 2));
+    let of_row = |(i, row): (usize, &[f64])| {
+        let twice = |j: usize| if i == j { 1.0 } else { 2.0 };
+        row.iter().enumerate().map(|(j, covariance)| twice(j) * covariance * gradient[i] * gradient[j]).sum::<f64>()
+    };
+    rows.enumerate().map(of_row).sum::<f64>().max(0.0)
+}
+
 /// √(gᵀ C g), and what the steady gain has beyond C at the first parameter. `gradient` goes on
 /// beyond the parameters where rates are given.
 fn standard_error(class: &Class, gradient: &[f64]) -> Option<f64> {
     let triangle = class.covariance.as_ref()?;
-    let rates = class.r_k_per_w.len();
-    let (mut variance, mut of_gain, mut at) = (0.0, 0.0, 0);
-    for i in 0.. {
-        let Some(row) = triangle.get(at..=at + i) else { break };
-        for (j, covariance) in row.iter().enumerate() {
-            let twice = if i == j { 1.0 } else { 2.0 };
-            variance += twice * covariance * gradient[i] * gradient[j];
-            of_gain += if i <= rates { twice * covariance } else { 0.0 };
-        }
-        at += i + 1;
-    }
+    let of_gain = variance(triangle, &vec![1.0; class.r_k_per_w.len() + 1]);
     let beyond = (class.se_steady_gain_k_per_w.powi(2) - of_gain).max(0.0);
-    Some((variance.max(0.0) + beyond * gradient[0].powi(2)).sqrt())
+    Some((variance(triangle, gradient) + beyond * gradient[0].powi(2)).sqrt())
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::export::response_in_class;
+    use super::super::content::Whiteness;
     use super::super::testing;
     use super::*;
 
@@ -159,5 +169,17 @@ mod tests {
         plain.pairs[0].classes.get_mut("still").unwrap().covariance = Some(vec![0.01, 0.0, 0.0]);
         assert!(response_error(&plain, &plain.pairs[0], "still", 1.0).is_some());
         assert_eq!(response_error(&plain, &plain.pairs[0], "gust", 1.0), None);
+    }
+
+    #[test]
+    fn coloured_residuals_widen_what_noise_makes_of_the_steady_gain_alone() {
+        let mut model = model(0.0);
+        let of = |model: &Model| steady_gain_error(model, &model.pairs[0], &model.pairs[0].classes["all"]);
+        assert!((of(&model) - 0.1).abs() < 1e-9);
+        let whiteness = Whiteness { autocorrelation: vec![0.8], q: 1e4, p_value: 0.0, inflation: 3.0 };
+        model.outputs[0].whiteness = Some(whiteness);
+        assert!((of(&model) - 0.3).abs() < 1e-9);
+        model.pairs[0].classes.get_mut("all").unwrap().se_steady_gain_k_per_w = 0.1_f64.hypot(2.0);
+        assert!((of(&model) - 0.3_f64.hypot(2.0)).abs() < 1e-9);
     }
 }

@@ -16,7 +16,7 @@ use crate::engine::chart::Chart;
 use crate::engine::pen::{Marker, Pen};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, estimate};
-use diffusive::model::certainty::{NORMAL_95, impedance};
+use diffusive::model::certainty::{NORMAL_95, impedance, steady_gain_error};
 use diffusive::model::{Class, Model, Structure};
 
 /// Residuals that inflate standard errors by more are worth a word.
@@ -45,7 +45,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
         .notes((by > COLOURED).then(|| format!("{} times as wide as for white residuals", brief(by))))
         .notes((parts.len() > 1).then(|| "steady gains beside the names".to_owned()));
     for (number, (pair, class_label, class)) in parts.iter().take(CURVES).enumerate() {
-        let gain = estimate(class.steady_gain_k_per_w, by * class.se_steady_gain_k_per_w);
+        let gain = estimate(class.steady_gain_k_per_w, steady_gain_error(model, pair, class));
         let mut name = label(model, pair, class_label);
         if class.feed_through_k_per_w != 0.0 {
             let own = if name.is_empty() { String::new() } else { format!(" {name}") };
