@@ -93,7 +93,7 @@ impl Accumulator {
             rows = if is_missing { 1 } else { rows.min(until) };
             self.rows.fill(block, gas, from, rows, &mut self.panels);
             if !is_lead && !is_missing {
-                panels::add_products(&self.panels, self.rows.width(), rows, &mut self.tiles);
+                panels::add_products(&self.panels, self.rows.is_live(), self.rows.width(), rows, &mut self.tiles);
                 self.part_rows += rows as u64;
             }
             from += rows;

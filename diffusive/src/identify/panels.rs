@@ -38,13 +38,15 @@ pub fn tiles(count: usize) -> usize {
     count * (count + 1) / 2
 }
 
-/// Adds the products of the first `rows` rows to the tiles.
-pub fn add_products(panels: &[Panel], width: usize, rows: usize, tiles: &mut [Tile]) {
-    pulp::Arch::new().dispatch(Products { panels, width, rows, tiles });
+/// Adds the products of the first `rows` rows to the tiles. Panels that are not live are 0 in all of
+/// them, and add nothing; the last is live.
+pub fn add_products(panels: &[Panel], is_live: &[bool], width: usize, rows: usize, tiles: &mut [Tile]) {
+    pulp::Arch::new().dispatch(Products { panels, is_live, width, rows, tiles });
 }
 
 struct Products<'a> {
     panels: &'a [Panel],
+    is_live: &'a [bool],
     width: usize,
     rows: usize,
     tiles: &'a mut [Tile],
@@ -55,35 +57,45 @@ impl WithSimd for Products<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { panels, width, rows, mut tiles } = self;
+        let Self { panels, is_live, width, rows, mut tiles } = self;
         let Some((last, full)) = panels.split_last() else { return };
         for (p, left) in full.iter().enumerate() {
-            tiles = products::<4>(left, &full[p..], rows, tiles);
+            let (row, others) = tiles.split_at_mut(full.len() - p);
+            if is_live[p] {
+                products::<4>(left, &full[p..], &is_live[p..full.len()], rows, row);
+            }
+            tiles = others;
         }
         match width - LANES * full.len() {
-            1 => products::<1>(last, panels, rows, tiles),
-            2 => products::<2>(last, panels, rows, tiles),
-            3 => products::<3>(last, panels, rows, tiles),
-            _ => products::<4>(last, panels, rows, tiles),
-        };
+            1 => products::<1>(last, panels, is_live, rows, tiles),
+            2 => products::<2>(last, panels, is_live, rows, tiles),
+            3 => products::<3>(last, panels, is_live, rows, tiles),
+            _ => products::<4>(last, panels, is_live, rows, tiles),
+        }
     }
 }
 
-/// The tiles of `USED` columns of one panel with several, and those of `tiles` that are left.
+/// The tiles of `USED` columns of one panel with several, run by run of those that are live.
 #[inline(always)]
-fn products<'a, const USED: usize>(
+fn products<const USED: usize>(
     left: &Panel,
-    right: &[Panel],
+    mut right: &[Panel],
+    is_live: &[bool],
     rows: usize,
-    tiles: &'a mut [Tile],
-) -> &'a mut [Tile] {
-    // Several tiles at a time: sums that stand side by side need not wait for each other. Three
-    // full ones would be more than sixteen registers hold.
-    let (row, tiles) = tiles.split_at_mut(right.len());
-    let (right, row) = if USED < LANES { in_groups::<USED, 3>(left, right, rows, row) } else { (right, row) };
-    let (right, row) = in_groups::<USED, 2>(left, right, rows, row);
-    in_groups::<USED, 1>(left, right, rows, row);
-    tiles
+    mut tiles: &mut [Tile],
+) {
+    for run in is_live.chunk_by(|one, next| one == next) {
+        let (own, others) = right.split_at(run.len());
+        let (row, left_over) = tiles.split_at_mut(run.len());
+        if run[0] {
+            // Several tiles at a time: sums that stand side by side need not wait for each other.
+            // Three full ones would be more than sixteen registers hold.
+            let (own, row) = if USED < LANES { in_groups::<USED, 3>(left, own, rows, row) } else { (own, row) };
+            let (own, row) = in_groups::<USED, 2>(left, own, rows, row);
+            in_groups::<USED, 1>(left, own, rows, row);
+        }
+        (right, tiles) = (others, left_over);
+    }
 }
 
 #[inline(always)]

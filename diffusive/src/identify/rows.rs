@@ -23,6 +23,9 @@ use super::record::Block;
 /// numbers, with which processors are slow, and no sum has digits for them.
 const NOTHING: f64 = 1e-100;
 
+/// The same of initial decays, which begin with 1: their panels cost no products from there on.
+const DECAYED: f64 = 1e-30;
+
 /// The state between two rows.
 pub struct RegressionRows {
     lanes: Vec<States>,
@@ -37,6 +40,9 @@ pub struct RegressionRows {
     output_shift: Vec<f64>,
     /// The states with which a segment begins.
     first: Vec<Lanes>,
+    /// Which panels are all of decays, and which of those have not decayed in the batch.
+    decays: Vec<bool>,
+    is_live: Vec<bool>,
 }
 
 /// The states of a panel of columns.
@@ -103,8 +109,13 @@ impl RegressionRows {
             },
         };
         let first = lanes.iter().map(|states| states.x).collect();
+        let decays: Vec<bool> = (lanes.iter().zip(remembers.chunks(LANES)))
+            .map(|(states, remembers)| remembers == [true; LANES] && states.gain == [0.0; LANES])
+            .collect();
         Self {
             first,
+            is_live: vec![true; decays.len()],
+            decays,
             lanes,
             banks: design.banks.iter().map(source).collect(),
             drives: vec![[0.0; BATCH]; design.banks.len().max(1)],
@@ -118,6 +129,11 @@ impl RegressionRows {
     pub fn restart(&mut self) {
         self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
         self.banks.iter_mut().for_each(|bank| bank.late.fill(0.0));
+    }
+
+    /// For every panel whether it has another value than 0 in the batch that was written last.
+    pub fn is_live(&self) -> &[bool] {
+        &self.is_live
     }
 
     pub fn width(&self) -> usize {
@@ -136,6 +152,12 @@ impl RegressionRows {
         let to = from + rows;
         for (bank, values) in self.banks.iter_mut().zip(&mut self.drives) {
             bank.drive(block, gas, from, &mut values[..rows]);
+        }
+        for ((is_live, is_decay), states) in self.is_live.iter_mut().zip(&self.decays).zip(&mut self.lanes) {
+            if *is_decay {
+                states.x = states.x.map(|x| if x < DECAYED { 0.0 } else { x });
+            }
+            *is_live = !is_decay || states.x != [0.0; LANES];
         }
         pulp::Arch::new().dispatch(BatchSteps { lanes: &mut self.lanes, drives: &self.drives, rows, panels });
         for &(column, bank) in &self.feed_through {
