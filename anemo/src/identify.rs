@@ -21,10 +21,10 @@ use plot::model::figure;
 /// (diffusive mesh), with standard errors.
 ///
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
-/// first column. Gaps and missing values end a segment, across which nothing is taken. Options not
-/// given are chosen by block cross-validation, and the reasons printed.
-/// The picture shows time-constant spectrum (diffusive symbol), fit, the offset's drift if it has
-/// one, residuals, frequency response and structure function.
+/// first column. Gaps end a segment, across which nothing is taken. Options not given are chosen by
+/// block cross-validation, and the reasons printed. The picture shows time-constant spectrum
+/// (diffusive symbol), fit, the offset's drift if it has one, residuals, frequency response and
+/// structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

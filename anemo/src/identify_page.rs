@@ -99,7 +99,11 @@ fn conductances(model: &Model, wind: &ModelWind) -> String {
         let element: &std::collections::BTreeMap<String, diffusive::model::Estimate> = element;
         let others = element.iter().filter(|(label, _)| **label != wind.reference);
         let row = |(label, value): (&String, &diffusive::model::Estimate)| {
-            [output.name.clone(), label.clone(), format!("{} W/K", estimate(value.value, output.inflation() * value.se))]
+            [
+                output.name.clone(),
+                label.clone(),
+                format!("{} W/K", estimate(value.value, output.inflation() * value.se)),
+            ]
         };
         others.map(row).collect::<Vec<_>>()
     };

@@ -38,8 +38,8 @@ pub fn tiles(count: usize) -> usize {
     count * (count + 1) / 2
 }
 
-/// Adds the products of the first `rows` rows to the tiles. Panels that are not live are 0 in all of
-/// them, and add nothing; the last is live.
+/// Adds the products of the first `rows` rows to the tiles. Panels that are not live are 0 in all
+/// of them, and add nothing; the last is live.
 pub fn add_products(panels: &[Panel], is_live: &[bool], width: usize, rows: usize, tiles: &mut [Tile]) {
     pulp::Arch::new().dispatch(Products { panels, is_live, width, rows, tiles });
 }

@@ -97,8 +97,8 @@ fn standard_error(class: &Class, gradient: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::export::response_in_class;
     use super::super::content::Whiteness;
+    use super::super::export::response_in_class;
     use super::super::testing;
     use super::*;
 

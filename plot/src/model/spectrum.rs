@@ -82,11 +82,11 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     {
         let others = element.iter().filter(|(class, _)| **class != wind.reference);
         let followed = wind.following.as_ref().and_then(|following| following.outputs.get(place));
-        chart = chart.notes(others.map(|(class, of)| format!("ΔG {class} {} W/K", estimate(of.value, by * of.se)))).notes(
-            followed.map(|of| {
+        chart = chart
+            .notes(others.map(|(class, of)| format!("ΔG {class} {} W/K", estimate(of.value, by * of.se))))
+            .notes(followed.map(|of| {
                 format!("follows the gas by {} K/K", estimate(of.steady_gain_k_per_k, by * of.se_steady_gain_k_per_k))
-            }),
-        );
+            }));
     }
     left_out(chart, parts.len())
 }

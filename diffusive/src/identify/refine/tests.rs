@@ -58,7 +58,7 @@ fn made(rows: usize, poles: &[(f64, f64)], initial: f64, noise_k: f64, seed: u64
     SimulatedRecord { u, y }
 }
 
-/// Free poles in a room that walks: their errors hold it, and it is said that no drift was searched.
+/// Free poles in a room that walks: it is said that no drift was searched.
 #[test]
 fn a_room_that_moves_is_said_where_no_drift_is_searched() {
     let mut record = made(3000, &THREE, 0.0, 0.01, 4);
