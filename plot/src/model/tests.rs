@@ -189,7 +189,7 @@ fn coloured_residuals_are_said_beside_the_intervals() {
     let mut model = single(8);
     model.outputs[0].whiteness = Some(whiteness());
     assert!(!figure(&model, &[]).svg().contains("white residuals"));
-    model.outputs[0].whiteness = Some(Whiteness { inflation: 2.5, ..whiteness() });
+    model.outputs[0].whiteness = Some(Whiteness { inflation: 2.5, p_value: 0.0, ..whiteness() });
     assert!(figure(&model, &[]).svg().contains("2.5 times as wide as for white residuals"));
 }
 
