@@ -190,7 +190,7 @@ fn write_winds(folder: &Path) {
     std::fs::write(folder.join("winds.csv"), text).unwrap();
 }
 
-/// Live pages keep pace with time, of which tests have little.
+/// Live pages keep pace with time, and tests have little.
 fn hurried(example: &str) -> String {
     example.replace("--speed 10\n", "--speed 1000\n").replace("--speed 20\n", "--speed 1000\n")
 }

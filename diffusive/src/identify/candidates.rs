@@ -136,9 +136,8 @@ const DRIFTING: (f64, f64) = (1.0, 4.0);
 
 /// The mesh for records whose offset moves.
 pub fn drifting(duration_s: f64, sample_period_s: f64, ordinary: &CandidateMesh, given: &Constraints) -> CandidateMesh {
-    let is_given = given.order.is_some() || given.edges_rad_s.is_some();
     let (factor, per_decade) = DRIFTING;
-    let own = if is_given { ordinary.clone() } else { dense(duration_s, sample_period_s, factor, per_decade) };
+    let own = if given.has_mesh() { ordinary.clone() } else { dense(duration_s, sample_period_s, factor, per_decade) };
     let poles_rad_s = drift::poles(&own.rates_rad_s, duration_s, sample_period_s);
     CandidateMesh { part: MeshPart::Drifting, poles_rad_s, ..own }
 }

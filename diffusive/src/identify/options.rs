@@ -52,7 +52,7 @@ impl IdentifyOptions {
             // What one spectrum a class leaves where winds change looks like a drift, and so does
             // what rates leave that were given.
             (is_auto && classes > 1, "by itself with several event classes"),
-            (is_auto && (given.order.is_some() || given.edges_rad_s.is_some()), "by itself on a mesh that is given"),
+            (is_auto && given.has_mesh(), "by itself on a mesh that is given"),
         ];
         reasons.into_iter().find_map(|(holds, reason)| holds.then_some(reason))
     }
@@ -107,6 +107,11 @@ pub struct Constraints {
 }
 
 impl Constraints {
+    /// Whether the user gives the mesh, or a part of it.
+    pub fn has_mesh(&self) -> bool {
+        self.order.is_some() || self.edges_rad_s.is_some()
+    }
+
     /// Whether the user knows the mesh, so that least squares is left as plain as the record
     /// allows.
     pub fn mesh_is_fixed(&self) -> bool {

@@ -133,7 +133,7 @@ pub fn undrifted(model: &Model, options: &IdentifyOptions) -> Vec<String> {
     let Some(reason) = unsought else { return Vec::new() };
     let sentence = |output: &ModelOutput| {
         format!(
-            "`{}`: what is left of it remembers, as a room that moves leaves it, and widens standard errors {:.1} times; no drift is searched {reason}: identify without, or with --drift where that can be asked for, or record the temperature of the surroundings, for --ambient",
+            "`{}`: what is left of it remembers, as a room that moves leaves it, and widens standard errors {:.1} times; no drift is searched {reason}: identify without, or with a --drift of your own where that is possible, or record the temperature of the surroundings, for --ambient",
             output.name,
             output.inflation()
         )

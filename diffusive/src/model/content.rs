@@ -399,16 +399,16 @@ impl Model {
     }
 }
 
-/// Memory of residuals, as the factor by which it widens standard errors, from which on they are
-/// called coloured.
-const COLOURED: f64 = 1.2;
+/// Memory of residuals, as the factor by which it widens standard errors, below which they are all
+/// but white.
+const ALL_BUT_WHITE: f64 = 1.2;
 
 impl ModelOutput {
     /// By how much standard errors are too small: coloured residuals make them so, unless the model
     /// is an average, whose errors hold how far its candidates differ. Else 1.
     pub fn inflation(&self) -> f64 {
         let is_average = self.drift.as_ref().is_some_and(OutputDrift::is_average);
-        let coloured = self.whiteness.as_ref().filter(|white| !white.is_white() && white.inflation >= COLOURED);
+        let coloured = self.whiteness.as_ref().filter(|white| !white.is_white() && white.inflation >= ALL_BUT_WHITE);
         coloured.filter(|_| !is_average).map_or(1.0, |white| white.inflation)
     }
 }

@@ -19,8 +19,6 @@ use crate::engine::words::{brief, estimate};
 use diffusive::model::certainty::{NORMAL_95, impedance, steady_gain_error};
 use diffusive::model::{Class, Model, Structure};
 
-/// Residuals that inflate standard errors by more are worth a word.
-const COLOURED: f64 = 1.2;
 /// A resistance so many times the median one hides the others on a linear axis.
 const HIDES: f64 = 20.0;
 /// Points of an impedance, which begins and ends so far beyond the fastest and the slowest rate.
@@ -42,7 +40,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
         .height(36.0)
         .notes(several.then(|| format!("of class {reference}")))
         .note(if is_log { "|R| with intervals of 95 %" } else { "R with intervals of 95 %" })
-        .notes((by > COLOURED).then(|| format!("{} times as wide as for white residuals", brief(by))))
+        .notes((by > 1.0).then(|| format!("{} times as wide as for white residuals", brief(by))))
         .notes((parts.len() > 1).then(|| "steady gains beside the names".to_owned()));
     for (number, (pair, class_label, class)) in parts.iter().take(CURVES).enumerate() {
         let gain = estimate(class.steady_gain_k_per_w, steady_gain_error(model, pair, class));

@@ -8,7 +8,7 @@ use super::super::prior::Prior;
 use super::super::record::Survey;
 
 pub(super) fn meshes(duration_s: f64, sample_period_s: f64, options: &IdentifyOptions) -> Vec<CandidateMesh> {
-    if options.constraints.order.is_some() || options.constraints.edges_rad_s.is_some() {
+    if options.constraints.has_mesh() {
         return candidates::meshes(duration_s, sample_period_s, 1, &options.constraints);
     }
     // The wind is in the input, so that the structure's own slow poles show: denser and slower than

@@ -1,25 +1,26 @@
-//! Missing values that the rows around them tell.
+//! Missing values that follow from the rows around them.
 //!
 //! | column | is filled |
 //! |---|---|
 //! | input | in ten rows at most, where it is the same before and behind |
 //! | gas | in a hundred rows at most, on a straight line |
 //!
-//! A row that is left out costs more than itself: behind it begins a segment, of which nothing is
-//! known. Both neighbours must have been read at once with what is missing between them.
+//! A row that is left out costs more than itself: behind it begins a segment whose offset and
+//! stored heat are unknown. Both neighbours must have been read at once with what is missing
+//! between them.
 
 /// Consecutive rows that are filled at most.
 const MOST_OF_INPUT: usize = 10;
 const MOST_OF_GAS: usize = 100;
 
-/// How a column's missing values are told.
+/// How a column's missing values follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BridgedColumn {
     Input,
     Gas,
 }
 
-/// Fills what can be told; how many values that were.
+/// Fills what follows, and returns how many values that were.
 pub(super) fn bridge(values: &mut [f64], column: BridgedColumn) -> u64 {
     // Without a branch in the loop: this runs over every value of every record.
     if values.iter().fold(true, |all, value| all & !value.is_nan()) {
@@ -32,11 +33,11 @@ pub(super) fn bridge(values: &mut [f64], column: BridgedColumn) -> u64 {
         }
         if let Some(last) = last.replace(at).filter(|last| at - last > 1) {
             let (before, behind, missing) = (values[last], values[at], at - last - 1);
-            let is_told = match column {
+            let follows = match column {
                 BridgedColumn::Input => missing <= MOST_OF_INPUT && before == behind,
                 BridgedColumn::Gas => missing <= MOST_OF_GAS,
             };
-            if is_told {
+            if follows {
                 let step = (behind - before) / (missing + 1) as f64;
                 (1..=missing).for_each(|n| values[last + n] = before + n as f64 * step);
                 filled += missing as u64;

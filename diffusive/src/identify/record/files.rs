@@ -37,7 +37,7 @@ pub(super) struct RecordFiles {
     /// Of a table without times.
     period_s: Option<f64>,
     event: Option<usize>,
-    /// Columns whose missing values may be told, and how many were.
+    /// Columns whose missing values may be filled, and how many were.
     bridged: Vec<(usize, BridgedColumn)>,
     filled: Vec<u64>,
     /// The columns that are read, each once; the time first, if it has one.
@@ -100,10 +100,10 @@ impl RecordFiles {
         Ok(files)
     }
 
-    /// Names of columns in which missing values were told, and how many.
-    pub(super) fn told(&self) -> impl Iterator<Item = (&str, u64)> {
-        let told = self.bridged.iter().zip(&self.filled).filter(|(_, filled)| **filled > 0);
-        told.map(|((column, _), &filled)| (self.names[*column].as_str(), filled))
+    /// Names of columns in which missing values were filled, and how many.
+    pub(super) fn filled(&self) -> impl Iterator<Item = (&str, u64)> {
+        let filled = self.bridged.iter().zip(&self.filled).filter(|(_, filled)| **filled > 0);
+        filled.map(|((column, _), &filled)| (self.names[*column].as_str(), filled))
     }
 
     /// What the first file says of itself.
@@ -125,8 +125,6 @@ impl RecordFiles {
         (self.next, self.row, self.reader) = (0, 0, None);
         if !self.is_whole {
             self.filled.fill(0);
-        }
-        if !self.is_whole {
             self.kept.clear();
             self.cells = 0;
         }
@@ -181,10 +179,10 @@ impl RecordFiles {
             self.reader = Some(reader);
             let columns = chunk.into_iter().map(|column| column.values).collect();
             let mut rows = self.raw(columns)?;
-            for (&(column, how), filled) in self.bridged.iter().zip(&mut self.filled) {
-                let slot = self.columns.iter().position(|&read| read == column).unwrap_or_default();
-                if let ColumnValues::Numbers(values) = &mut rows.columns[slot] {
-                    *filled += bridge(values, how);
+            for at in 0..self.bridged.len() {
+                let (column, how) = self.bridged[at];
+                if let ColumnValues::Numbers(values) = &mut rows.columns[self.slot(column)] {
+                    self.filled[at] += bridge(values, how);
                 }
             }
             self.row += rows.time_s.len() as u64;

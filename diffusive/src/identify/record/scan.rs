@@ -132,7 +132,7 @@ fn remarks(files: &RecordFiles, roles: &Roles, tally: &Tally, period_s: f64) -> 
             tidy(period_s)
         ));
     }
-    for (name, filled) in files.told() {
+    for (name, filled) in files.filled() {
         notes.push(format!("`{name}` is missing in {}, and follows from those beside", several(filled, "row")));
     }
     if let Some((file, row, name)) = &tally.first_dropped {

@@ -70,7 +70,7 @@ fn a_room_that_moves_is_said_where_no_drift_is_searched() {
     let of = |drift| fitted(&record, 3, IdentifyOptions { drift, ..IdentifyOptions::default() }).unwrap().warnings;
     let sentence = "; no drift is searched with free poles: ";
     assert!(of(DriftGiven::Auto).iter().any(|warning| warning.contains(sentence)));
-    // Who wants none has been told.
+    // Who wants none needs no warning.
     assert!(!of(DriftGiven::None).iter().any(|warning| warning.contains(sentence)));
 }
 

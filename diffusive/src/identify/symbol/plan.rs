@@ -56,13 +56,12 @@ fn meshes_besides(
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
     let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
-    let has_rates = given.order.is_some() || given.edges_rad_s.is_some();
     let is_plain = options.drift == DriftGiven::None || options.no_drift_for(classes).is_some();
     let mut meshes = Vec::new();
     if !is_plain {
         meshes.push(candidates::drifting(duration_s, period_s, &ordinary[0], given));
     }
-    if !is_plain && !has_rates && given.ridge.is_none() && options.structure.is_none() {
+    if !is_plain && !given.has_mesh() && given.ridge.is_none() && options.structure.is_none() {
         meshes.extend(candidates::averaged(duration_s, period_s));
     }
     let width =

@@ -84,20 +84,20 @@ fn a_missing_input_begins_a_segment_and_a_missing_output_is_marked() {
 }
 
 #[test]
-fn a_missing_input_that_stood_is_told_by_the_rows_beside_it() {
+fn a_missing_input_that_stood_follows_from_the_rows_beside_it() {
     let (survey, begins, all) = of(&table(|n| {
         let [t, _, y] = plain(n);
         Some([t, if [20, 21].contains(&n) { String::new() } else { (n / 10 % 3 / 2).to_string() }, y])
     }));
     assert_eq!((begins, all.len()), (vec![0.0, 44.0], 98));
-    let (survey_told, begins, all) = of(&table(|n| {
+    let (survey_filled, begins, all) = of(&table(|n| {
         let [t, _, y] = plain(n);
         Some([t, if [23, 24].contains(&n) { String::new() } else { (n / 10 % 3 / 2).to_string() }, y])
     }));
     assert_eq!((begins, all.len(), all.inputs[0][24]), (vec![0.0], 100, 1.0));
     assert!(survey.notes.iter().any(|note| note.starts_with("2 segments,")), "{:?}", survey.notes);
-    let told = "`u` is missing in 2 rows, and follows from those beside";
-    assert!(survey_told.notes.iter().any(|note| note == told), "{:?}", survey_told.notes);
+    let filled = "`u` is missing in 2 rows, and follows from those beside";
+    assert!(survey_filled.notes.iter().any(|note| note == filled), "{:?}", survey_filled.notes);
 }
 
 #[test]
