@@ -5,6 +5,7 @@ use std::path::Path;
 use dr_core::control::GuardConfig;
 use dr_core::sensor::Channel;
 
+use super::body::Body;
 use super::calibration::checked::Calibration;
 use super::element::{HeadAdc, HeadElement, element};
 use super::error::CurrentsError;
@@ -22,13 +23,19 @@ pub struct Head {
     pub source: TomlSource,
     /// Name of the head.
     pub name: String,
-    /// Name of the simulated sensor; without it, only a real sensor can be run.
+    /// Name of the project's sensor that simulates it.
     pub sensor: Option<String>,
+    /// What simulates it in place of such a sensor; without either, only a real sensor can be run.
+    pub body: Option<Body>,
     /// Compass direction in which its x axis points where it is mounted, degrees clockwise from
     /// north.
     pub heading_deg: Option<f64>,
     /// Voltage of one code, V.
     pub volt_per_code: f64,
+    /// Voltage of the highest code, V.
+    pub full_scale_v: f64,
+    /// Voltage that the current sources can give, V.
+    pub compliance_v: Option<f64>,
     /// When readings trip.
     pub guard: GuardTable,
     /// Its elements.
@@ -59,6 +66,9 @@ impl Head {
         source.within("adc.bits", f64::from(table.adc.bits), 8.0..=24.0, "bit")?;
         let half_range = f64::from(1_u32 << (table.adc.bits - 1));
         let adc = HeadAdc { volt_per_code: full_scale_v / half_range, code_max: half_range as i32 - 1 };
+        if let Some(compliance_v) = table.adc.compliance_v {
+            source.positive("adc.compliance_v", compliance_v, "V")?;
+        }
         source.positive("guard.unreachable_limit_s", table.guard.unreachable_limit_s, "s")?;
 
         if table.elements.is_empty() || table.elements.len() > MOST_ELEMENTS {
@@ -85,13 +95,22 @@ impl Head {
         if let Some(sentence) = recording::shared_column(elements.iter().map(|element| element.name.as_str())) {
             return Err(source.refuse("elements", format!("do not fit: {sentence}")));
         }
+        if table.sensor.is_some() && table.body.is_some() {
+            let sentence =
+                "is given besides [body]: a head is simulated by one of the project's sensors or by its own body";
+            return Err(source.refuse("sensor", sentence));
+        }
+        let body = table.body.map(|body| Body::from_table(&source, &body, &elements)).transpose()?;
         let calibration =
             table.calibration.map(|table| Calibration::from_table(&source, table, &elements)).transpose()?;
         Ok(Self {
             name: table.name,
             sensor: table.sensor,
             heading_deg: table.heading_deg,
+            body,
             volt_per_code: adc.volt_per_code,
+            full_scale_v,
+            compliance_v: table.adc.compliance_v,
             guard: table.guard,
             calibration,
             elements,
@@ -177,7 +196,7 @@ mod tests {
             assert!((x - expected).abs() < 1e-15);
         }
         assert_eq!(head.elements[4].kind.as_deref(), Some("core"));
-        assert_eq!(head.sensor.as_deref(), Some("sphere-b"));
+        assert_eq!((head.sensor.as_deref(), head.body.as_ref().map(|body| body.nodes.len())), (None, Some(18)));
         assert_eq!(head.kinds(), ["core", "sector"]);
     }
 

@@ -5,27 +5,29 @@
 //! | table | keys |
 //! |---|---|
 //! | top | `name`, optionally `sensor` ("sphere-a", "sphere-b" or "rems"): the simulation of this head |
-//! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24) |
+//! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24), optionally `compliance_v` (of the current sources) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s`, `stuck_limit_ticks` |
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
 //! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, optionally `layers` (0 … 3, between element and surface) |
+//! | `[body]` | optional, in place of `sensor`, see [`body`] |
 //! | `[calibration]` | optional, see [`calibration`] |
 //!
 //! One code is full_scale_v / 2^(bits−1) V. Elements of a simulated head are those of its sensor,
 //! by name and in order; a sphere's may be followed by one more, `reference`. Numbers are checked
 //! by dr-core's own constructors, as the board will.
-
 //!
 //! | file | holds |
 //! |---|---|
 //! | [`mod@file`] | a head file, checked |
 //! | [`element`], [`nominal`] | an element of it, and its data sheet |
+//! | [`body`] | the table `[body]`: what simulates it |
 //! | [`calibration`] | the table `[calibration]`, read and written |
 //! | [`output`] | bandwidth and interval of wind estimates |
 //! | [`setup`] | a calibration as commands of the board's anemometer |
 //! | [`table`] | the file as it is written |
 //! | [`error`] | what is refused beside the file |
 
+pub mod body;
 pub mod calibration;
 pub mod element;
 pub mod error;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::body::table::BodyTable;
 use super::calibration::table::CalibrationTable;
 use super::nominal::PlatinumKind;
 
@@ -20,6 +21,7 @@ pub(super) struct HeadTable {
     pub kinds: BTreeMap<String, ElementTable>,
     #[serde(default)]
     pub elements: Vec<ElementTable>,
+    pub body: Option<BodyTable>,
     pub calibration: Option<CalibrationTable>,
 }
 
@@ -28,6 +30,7 @@ pub(super) struct HeadTable {
 pub(super) struct AdcTable {
     pub full_scale_v: f64,
     pub bits: u8,
+    pub compliance_v: Option<f64>,
 }
 
 /// When readings trip.

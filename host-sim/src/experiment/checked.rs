@@ -153,10 +153,10 @@ impl Experiment {
     }
 
     fn windless_config(&self) -> Result<SensorConfig, FileError> {
-        let construction = self.construction.ok_or_else(|| {
+        let construction = self.construction.clone().ok_or_else(|| {
             let names = Construction::NAMES.map(|name| format!("\"{name}\"")).join(", ");
             let sentence = format!(
-                "is `{}`, which says nothing of what simulates it: give it a `sensor`, one of {names}",
+                "is `{}`, which says nothing of what simulates it: give it a [body], or a `sensor`, one of {names}",
                 self.head.name
             );
             self.source.refuse("head", sentence)

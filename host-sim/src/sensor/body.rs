@@ -1,13 +1,15 @@
 //! A body that takes heat and loses it: a thermal network with the elements that heat it and the
 //! surfaces that the wind cools.
 //!
-//! The bodies themselves are in [`sphere`](super::sphere) and [`rems`](super::rems); they build the
-//! network and name what is in it. Everything after that is the same for all of them and is here:
-//! wind into conductances, powers into temperatures, and the account of where the heat went.
+//! [`assembly`](super::assembly) makes one of a head file's `[body]`. Everything after that is the
+//! same for all of them and is here: wind into conductances, powers into temperatures, and the
+//! account of where the heat went.
+
+use std::ops::Range;
 
 use super::convection::BodyConvection;
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
-use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
+use anemometry::gas::{IdealGas, TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -23,10 +25,33 @@ pub struct Surface {
     pub node: usize,
     pub emissivity: f64,
     pub area_m2: f64,
+    /// Its area over that of its shape: it loses that much more than the law has it.
+    pub factor: f64,
     /// What hangs on it: nodes whose heat counts as the surface's own, beside its node.
     pub carries: Vec<usize>,
     /// The element that heats it, by its number.
     pub element: Option<usize>,
+}
+
+/// A gap between two nodes that is filled with the gas.
+#[derive(Clone, Copy, Debug)]
+pub struct GasGap {
+    pub link: usize,
+    pub ends: [usize; 2],
+    /// Area over width, m.
+    pub area_over_width_m: f64,
+}
+
+/// What a network is joined to: everything that makes a body of it.
+#[derive(Clone, Debug, Default)]
+pub struct BodyParts {
+    /// Node of every element.
+    pub elements: Vec<usize>,
+    pub surfaces: Vec<Surface>,
+    pub supports: Vec<BoundaryId>,
+    pub gaps: Vec<GasGap>,
+    /// A law, and which surfaces lose heat by it.
+    pub convection: Vec<(BodyConvection, Range<usize>)>,
 }
 
 /// Mean heat flows over an interval, W.
@@ -55,15 +80,12 @@ struct Balance {
 #[derive(Clone, Debug)]
 pub struct ThermalBody {
     network: ThermalNetwork,
-    convection: BodyConvection,
+    parts: BodyParts,
     /// As the convection has it: the temperature of the links may be a little ahead.
     gas: IdealGas,
-    /// Node of every element.
-    elements: Vec<usize>,
-    surfaces: Vec<Surface>,
+    wind_m_s: [f64; 3],
     gas_links: Vec<BoundaryId>,
     radiators: Vec<RadiatorId>,
-    support: BoundaryId,
     /// Bound of the fastest rate without convection, 1/s.
     own_rate_per_s: f64,
     /// What convection may add to it, 1/s.
@@ -71,53 +93,50 @@ pub struct ThermalBody {
     flows: Flows,
     // Work space, kept so that a tick allocates nothing.
     node_power_w: Vec<f64>,
+    surface_k: Vec<f64>,
     conductance_w_k: Vec<f64>,
     before: Vec<Balance>,
 }
 
 impl ThermalBody {
-    /// Gives a network its surfaces, in a gas and among surroundings of its temperature. They are
-    /// in the order in which `convection` counts them.
-    pub fn new(
-        mut network: ThermalNetwork,
-        elements: Vec<usize>,
-        surfaces: Vec<Surface>,
-        support: BoundaryId,
-        convection: BodyConvection,
-        gas: &IdealGas,
-    ) -> ThermalBody {
+    /// Gives a network its surfaces, in a gas and among surroundings of its temperature.
+    pub fn new(mut network: ThermalNetwork, parts: BodyParts, gas: &IdealGas) -> ThermalBody {
         let gas_k = gas.temperature_k;
+        // Gaps conduct most in the hottest gas.
+        let hottest_w_m_k = gas.at(*TEMPERATURE_RANGE_K.end()).conductivity_w_m_k;
+        parts.gaps.iter().for_each(|gap| network.set_link(gap.link, gap.area_over_width_m * hottest_w_m_k));
         let own_rate_per_s = network.stiffest_rate_per_s();
+        let surfaces = &parts.surfaces;
         let gas_links = surfaces.iter().map(|surface| network.link_to_fixed(surface.node, 0.0, gas_k)).collect();
         let radiate = |surface: &Surface| {
-            assert!((0.0..=1.0).contains(&surface.emissivity), "an emissivity is 0 to 1");
             let coefficient_w_k4 = surface.emissivity * STEFAN_BOLTZMANN * surface.area_m2;
             network.radiate(surface.node, coefficient_w_k4, gas_k)
         };
         let radiators = surfaces.iter().map(radiate).collect();
         let each = vec![0.0; surfaces.len()];
-        ThermalBody {
-            convection,
+        let mut body = ThermalBody {
             gas: *gas,
+            wind_m_s: [0.0; 3],
             gas_links,
             radiators,
-            support,
             own_rate_per_s,
             convection_rate_per_s: 0.0,
             flows: Flows {
-                power_w: vec![0.0; elements.len()],
+                power_w: vec![0.0; parts.elements.len()],
                 convection_w: each.clone(),
                 radiation_w: each.clone(),
                 conduction_w: each.clone(),
                 support_w: 0.0,
             },
             node_power_w: vec![0.0; network.len()],
+            surface_k: each.clone(),
             conductance_w_k: each,
             before: vec![Balance::default(); surfaces.len()],
             network,
-            elements,
-            surfaces,
-        }
+            parts,
+        };
+        body.fill_gaps();
+        body
     }
 
     /// The gas's temperature from now on, at the same pressure; the next [`ThermalBody::set_wind`]
@@ -128,13 +147,20 @@ impl ThermalBody {
         }
         if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
             self.gas = self.gas.at(temperature_k);
-            self.convection.follow(&self.gas);
+            self.parts.convection.iter_mut().for_each(|(law, _)| law.follow(&self.gas));
         }
     }
 
     /// The wind from now on, m/s.
     pub fn set_wind(&mut self, wind_m_s: [f64; 3]) {
-        self.convection.conductance_w_k(wind_m_s, &mut self.conductance_w_k);
+        self.wind_m_s = wind_m_s;
+        for (surface, surface_k) in self.parts.surfaces.iter().zip(&mut self.surface_k) {
+            *surface_k = self.network.temperature_k(surface.node);
+        }
+        for (law, surfaces) in &self.parts.convection {
+            let (surfaces, conductances) = (surfaces.clone(), &mut self.conductance_w_k);
+            law.conductance_w_k(wind_m_s, &self.surface_k[surfaces.clone()], &mut conductances[surfaces]);
+        }
         self.apply_conductance();
     }
 
@@ -142,47 +168,66 @@ impl ThermalBody {
         // It widens the circles of the surfaces only, which are slow; the sum of both rates bounds
         // all.
         self.convection_rate_per_s = 0.0;
-        for ((surface, link), &conductance) in self.surfaces.iter().zip(&self.gas_links).zip(&self.conductance_w_k) {
-            self.network.boundary_mut(*link).conductance_w_k = conductance;
-            let rate_per_s = conductance / self.network.capacity_j_k(surface.node);
+        let surfaces = self.parts.surfaces.iter().zip(&self.gas_links);
+        for ((surface, link), conductance) in surfaces.zip(&mut self.conductance_w_k) {
+            *conductance *= surface.factor;
+            self.network.boundary_mut(*link).conductance_w_k = *conductance;
+            let rate_per_s = *conductance / self.network.capacity_j_k(surface.node);
             self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
+        }
+    }
+
+    /// Conductances of the gaps, at the temperatures between their ends.
+    fn fill_gaps(&mut self) {
+        for gap in &self.parts.gaps {
+            let middle_k = 0.5 * gap.ends.iter().map(|&node| self.network.temperature_k(node)).sum::<f64>();
+            let known_k = middle_k.clamp(*TEMPERATURE_RANGE_K.start(), *TEMPERATURE_RANGE_K.end());
+            let conductivity_w_m_k = self.gas.at(known_k).conductivity_w_m_k;
+            self.network.set_link(gap.link, gap.area_over_width_m * conductivity_w_m_k);
         }
     }
 
     /// Whether convection in this wind is an extrapolation.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        self.convection.extrapolated(wind_m_s)
+        let laws = self.parts.convection.iter();
+        laws.into_iter().any(|(law, surfaces)| law.extrapolated(wind_m_s, &self.surface_k[surfaces.clone()]))
     }
 
     /// Integrates over `interval_s`. `power_w` gives the heat of an element from its number and
     /// temperature in °C and is asked at the start of every substep.
     pub fn advance(&mut self, interval_s: f64, power_w: impl Fn(usize, f64) -> f64) {
-        for i in 0..self.surfaces.len() {
+        self.fill_gaps();
+        for i in 0..self.parts.surfaces.len() {
             self.before[i] = self.balance(i);
         }
-        let support_before_j = self.network.boundary_heat_j(self.support);
+        let support_before_j = self.support_j();
         self.flows.power_w.fill(0.0);
         let substeps = ThermalNetwork::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s);
         let step_s = interval_s / substeps as f64;
         for _ in 0..substeps {
-            for (i, &node) in self.elements.iter().enumerate() {
+            for (i, &node) in self.parts.elements.iter().enumerate() {
                 let power = power_w(i, self.network.temperature_k(node) - ZERO_CELSIUS_K);
                 self.node_power_w[node] = power;
                 self.flows.power_w[i] += power * step_s / interval_s;
             }
             self.network.step(step_s, &self.node_power_w);
         }
-        for i in 0..self.surfaces.len() {
+        for i in 0..self.parts.surfaces.len() {
             let (before, after) = (self.before[i], self.balance(i));
             let convection_w = (after.convection_j - before.convection_j) / interval_s;
             let radiation_w = (after.radiation_j - before.radiation_j) / interval_s;
             let stored_w = (after.stored_j - before.stored_j) / interval_s;
-            let given_w = self.surfaces[i].element.map_or(0.0, |element| self.flows.power_w[element]);
+            let given_w = self.parts.surfaces[i].element.map_or(0.0, |element| self.flows.power_w[element]);
             self.flows.convection_w[i] = convection_w;
             self.flows.radiation_w[i] = radiation_w;
             self.flows.conduction_w[i] = given_w - convection_w - radiation_w - stored_w;
         }
-        self.flows.support_w = (self.network.boundary_heat_j(self.support) - support_before_j) / interval_s;
+        self.flows.support_w = (self.support_j() - support_before_j) / interval_s;
+    }
+
+    /// Heat that has left to the support, J.
+    fn support_j(&self) -> f64 {
+        self.parts.supports.iter().map(|&support| self.network.boundary_heat_j(support)).sum()
     }
 
     /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on
@@ -190,10 +235,15 @@ impl ThermalBody {
     pub fn settle(&mut self, power_w: impl Fn(usize, f64) -> f64) {
         // A resistor's power changes by 0.4 % a kelvin: each round gains two digits at least.
         for _ in 0..10 {
-            for (i, &node) in self.elements.iter().enumerate() {
+            for (i, &node) in self.parts.elements.iter().enumerate() {
                 self.node_power_w[node] = power_w(i, self.element_temperature_c(i));
             }
             self.network.settle(&self.node_power_w);
+            // What depends on temperatures follows them.
+            if self.follows_temperature() {
+                self.fill_gaps();
+                self.set_wind(self.wind_m_s);
+            }
         }
         // The present rates, without letting time pass.
         let mut ahead = self.clone();
@@ -207,16 +257,16 @@ impl ThermalBody {
     }
 
     pub fn element_temperature_c(&self, element: usize) -> f64 {
-        self.network.temperature_k(self.elements[element]) - ZERO_CELSIUS_K
+        self.network.temperature_k(self.parts.elements[element]) - ZERO_CELSIUS_K
     }
 
     pub fn surface_temperature_c(&self, surface: usize) -> f64 {
-        self.network.temperature_k(self.surfaces[surface].node) - ZERO_CELSIUS_K
+        self.network.temperature_k(self.parts.surfaces[surface].node) - ZERO_CELSIUS_K
     }
 
     /// Names of the surfaces, in the order of their temperatures and flows.
     pub fn surface_names(&self) -> impl Iterator<Item = &str> {
-        self.surfaces.iter().map(|surface| surface.name.as_str())
+        self.parts.surfaces.iter().map(|surface| surface.name.as_str())
     }
 
     /// Heat stored in the whole body and its rod, J, up to a constant.
@@ -227,17 +277,25 @@ impl ThermalBody {
 
     fn balance(&self, surface: usize) -> Balance {
         let network = &self.network;
-        let heat = |node: usize| network.capacity_j_k(node) * network.temperature_k(node);
-        let Surface { node, carries, .. } = &self.surfaces[surface];
+        let Surface { node, carries, .. } = &self.parts.surfaces[surface];
         Balance {
             convection_j: network.boundary_heat_j(self.gas_links[surface]),
             radiation_j: network.radiator_heat_j(self.radiators[surface]),
-            stored_j: heat(*node) + carries.iter().map(|&node| heat(node)).sum::<f64>(),
+            stored_j: network.heat_j(*node) + carries.iter().map(|&node| network.heat_j(node)).sum::<f64>(),
         }
     }
 
+    /// Whether a conductance depends on temperatures, so that a steady state takes some rounds.
+    fn follows_temperature(&self) -> bool {
+        !self.parts.gaps.is_empty() || self.parts.convection.iter().any(|(law, _)| law.follows_surface())
+    }
+
+    /// How many elements there are.
+    pub fn elements(&self) -> usize {
+        self.parts.elements.len()
+    }
+
     /// Conductance of every surface to the gas, W/K.
-    #[cfg(test)]
     pub fn conductance_w_k(&self) -> &[f64] {
         &self.conductance_w_k
     }

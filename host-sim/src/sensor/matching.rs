@@ -1,20 +1,21 @@
 //! Whether the elements of a head are those of the sensor that is to simulate it.
 
 use anemometry::head::Head;
+use anemometry::head::body::BodyElement;
 use recording::REFERENCE;
 use recording::text::suggest;
 use recording::toml_file::FileError;
 
 use super::construction::Construction;
-use super::element::SensorElement;
 
-/// The sensor that simulates a head; none where the head names none.
+/// The sensor that simulates a head: its own body, or the sensor that it names; none where it has
+/// neither.
 ///
 /// # Errors
 /// If there is no sensor of that name, or it has other elements.
 pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
     let (source, elements) = (&head.source, &head.elements);
-    let Some(name) = head.sensor.as_deref() else { return Ok(None) };
+    let Some(name) = head.sensor.as_deref() else { return Ok(Construction::of(head)) };
     let construction = Construction::named(name).ok_or_else(|| {
         let sentence = format!("is `{name}`, which cannot be simulated; {}", suggest(name, Construction::NAMES));
         source.refuse("sensor", sentence)
@@ -22,7 +23,7 @@ pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
     // One more than the sensor's own may measure the gas beside it.
     let own = construction.elements().len();
     let extended = construction.with_reference();
-    let construction = match (elements.get(own), extended) {
+    let construction = match (elements.get(own), extended.clone()) {
         (Some(element), Some(extended)) if element.name == REFERENCE => extended,
         _ => construction,
     };
@@ -50,7 +51,7 @@ pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
 }
 
 /// What is wrong with the normal of an element, if it is not that of the sensor's.
-fn other_normal(sensor: &str, part: &SensorElement, normal: [f64; 3]) -> Option<String> {
+fn other_normal(sensor: &str, part: &BodyElement, normal: [f64; 3]) -> Option<String> {
     match part.normal {
         Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => None,
         Some(axis) => {
@@ -74,8 +75,18 @@ mod tests {
         TomlSource::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads").join(name)).unwrap()
     }
 
+    /// A user's head, which names a sensor of the project where that sensor's own file has a body.
+    fn naming(name: &str) -> TomlSource {
+        let mut source = file(&format!("{name}.toml"));
+        if let Some((elements, _)) = source.text.split_once("# What simulates it") {
+            let line = format!("name = \"{name}\"");
+            source.text = elements.replacen(&line, &format!("{line}\nsensor = \"{name}\""), 1);
+        }
+        source
+    }
+
     fn refused(name: &str, from: &str, to: &str) -> String {
-        let mut source = file(name);
+        let mut source = naming(name);
         assert!(source.text.contains(from), "{from}");
         source.text = source.text.replacen(from, to, 1);
         source.path = "h.toml".into();
@@ -83,10 +94,13 @@ mod tests {
     }
 
     #[test]
-    fn every_head_of_the_project_is_its_sensors() {
+    fn a_head_that_names_a_sensor_of_the_project_is_the_head_of_that_sensor() {
         for name in Construction::NAMES {
-            let head = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            let head = Head::from_source(naming(name)).unwrap();
+            assert_eq!((head.sensor.as_deref(), &head.body), (Some(name), &None));
             let sensor = construction_of(&head).unwrap().unwrap();
+            let own = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            assert_eq!(construction_of(&own).unwrap(), Some(sensor.clone()));
             assert_eq!((sensor.name(), head.name.as_str()), (name, name));
             for (element, part) in head.elements.iter().zip(sensor.elements()) {
                 assert_eq!(element.name, part.name);
@@ -108,7 +122,7 @@ mod tests {
             let plain = Head::from_source(file(&format!("{name}.toml"))).unwrap();
             assert_eq!(head.elements[..count - 1], plain.elements);
         }
-        let file = "sphere-b-reference.toml";
+        let file = "sphere-b-reference";
         let sentence = refused(file, "name = \"reference\"", "name = \"gas\"");
         assert!(sentence.contains("`elements[6].name` is `gas`, which `sphere-b` has not"), "{sentence}");
         assert!(sentence.ends_with("; one more may be its `reference`"), "{sentence}");
@@ -118,7 +132,7 @@ mod tests {
             "{sentence}"
         );
         let boom = "[[elements]]\nname = \"boom\"\nkind = \"boom\"";
-        let sentence = refused("rems.toml", boom, &format!("{boom}\n\n{}", boom.replacen("boom", "reference", 1)));
+        let sentence = refused("rems", boom, &format!("{boom}\n\n{}", boom.replacen("boom", "reference", 1)));
         assert!(
             sentence.contains("is `reference`, which `rems` has not: it has 13 elements and the head 14"),
             "{sentence}"
@@ -165,15 +179,15 @@ mod tests {
                 "`elements[4].normal` is given for `core1`, which lies inside `sphere-b`",
             ),
         ] {
-            let sentence = refused("sphere-b.toml", from, to);
+            let sentence = refused("sphere-b", from, to);
             assert!(sentence.starts_with("h.toml, line ") && sentence.contains(expected), "{to}: {sentence}");
             assert!(!sentence.contains('\n'));
         }
     }
 
     #[test]
-    fn a_head_that_names_no_sensor_may_be_anything() {
-        let mut source = file("sphere-b.toml");
+    fn a_head_without_sensor_and_body_may_be_anything() {
+        let mut source = naming("sphere-b");
         source.text = source.text.replace("sensor = \"sphere-b\"", "").replace("\"core2\"", "\"inside\"");
         let head = Head::from_source(source).unwrap();
         assert_eq!((construction_of(&head).unwrap(), head.names()[5]), (None, "inside"));

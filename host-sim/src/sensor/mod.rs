@@ -4,13 +4,11 @@
 //! |---|---|
 //! | [`convection`] | conductance of every surface to the gas, for any wind vector |
 //! | `network` | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
-//! | `sphere`, `rems` | the sensors of the thesis as such networks |
-//! | `sphere_a`, `sphere_b` | what two of them are made of: geometry and materials |
-//! | `rod` | what holds them |
-//! | `reference`(mod@reference) | what measures the gas beside a sphere |
+//! | `construction` | what a head is made of: its own `[body]`, or one of the project's heads by name |
+//! | `assembly`, `rod` | a network of it |
+//! | `specimen` | one of many, where the file states tolerances |
 //! | `body` | what all of them do: take heat, lose it and account for it |
-//! | `construction` | one of them, by its name |
-//! | `element` | a body's elements |
+//! | `matching` | whether a head is the sensor that it names |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
 //! | `gas_swing` | a gas whose temperature swings |
@@ -34,30 +32,25 @@
 //! # Ok::<(), host_sim::sensor::SensorError>(())
 //! ```
 
+mod assembly;
 mod body;
 mod config;
 mod construction;
 pub mod convection;
-mod element;
 mod error;
 mod front_end;
 mod gas_swing;
 mod matching;
 mod network;
-mod reference;
-mod rems;
 mod rod;
 mod simulated;
-mod sphere;
-mod sphere_a;
-mod sphere_b;
+mod specimen;
 mod truth;
 pub mod wind;
 
 pub use body::Flows;
 pub use config::{SensorConfig, TimedFault};
 pub use construction::Construction;
-pub use element::SensorElement;
 pub use error::SensorError;
 pub use front_end::{Imperfections, ResistorFault};
 pub use gas_swing::GasSwing;

@@ -16,8 +16,16 @@
 //! expression, and the heat that leaves is summed with the weights of the method itself, so energy
 //! is kept to rounding whatever the substep.
 //!
-//! Limits: constant capacities, conductances and fixed temperatures within a step; nodes without
-//! gradient inside.
+//! A capacity may depend on the node's temperature, C = C_0 (1 + s T) with T in °C; then energy is
+//! kept to the order of the method. Limits: constant conductances and fixed temperatures within a
+//! step; nodes without gradient inside.
+
+use std::ops::RangeInclusive;
+
+use anemometry::gas::ZERO_CELSIUS_K;
+
+/// Temperatures in which a capacity that depends on them is bounded, K.
+const CAPACITY_RANGE_K: RangeInclusive<f64> = 100.0..=700.0;
 
 /// Largest product of substep and stiffest rate: the method then misses some 0.5⁵/120 = 3e-4 of
 /// what the fastest transient moves in a substep, and much less of all slower ones.
@@ -94,6 +102,8 @@ pub struct ThermalNetwork {
     temperature_k: Vec<f64>,
     capacity_j_k: Vec<f64>,
     inverse_capacity_k_j: Vec<f64>,
+    /// Nodes whose capacity depends on their temperature, and its slope in 1/K.
+    capacity_slopes: Vec<(usize, f64)>,
     paths: Paths,
     // Work space of a step, kept so that a step allocates nothing.
     stage_k: Vec<f64>,
@@ -115,10 +125,28 @@ impl ThermalNetwork {
         self.temperature_k.len() - 1
     }
 
-    pub fn link(&mut self, a: usize, b: usize, conductance_w_k: f64) {
+    /// Lets the last node's capacity, so far that of 0 °C, depend on its temperature.
+    pub fn slope_last_capacity(&mut self, slope_per_k: f64) {
+        if slope_per_k != 0.0 && !self.is_empty() {
+            self.capacity_slopes.push((self.len() - 1, slope_per_k));
+        }
+    }
+
+    /// Joins two nodes, and returns the number of the link.
+    pub fn link(&mut self, a: usize, b: usize, conductance_w_k: f64) -> usize {
         assert!(a != b && a.max(b) < self.len(), "a link joins two nodes");
         assert!(conductance_w_k > 0.0, "a link conducts");
         self.paths.links.push(ThermalLink { a, b, conductance_w_k });
+        self.paths.links.len() - 1
+    }
+
+    /// A link has another conductance from now on.
+    pub fn set_link(&mut self, link: usize, conductance_w_k: f64) {
+        self.paths.links[link].conductance_w_k = conductance_w_k;
+    }
+
+    fn is_empty(&self) -> bool {
+        self.temperature_k.is_empty()
     }
 
     /// Joins a node to a body of fixed temperature.
@@ -153,10 +181,18 @@ impl ThermalNetwork {
         self.capacity_j_k[node]
     }
 
-    /// Σ C T, J, up to a constant.
+    /// Heat in a node, J, up to a constant: C T, or the integral of C.
+    pub fn heat_j(&self, node: usize) -> f64 {
+        let (capacity_j_k, temperature_k) = (self.capacity_j_k[node], self.temperature_k[node]);
+        let slope = self.capacity_slopes.iter().find(|(sloping, _)| *sloping == node);
+        let rise = slope.map_or(0.0, |(_, slope)| 0.5 * slope * (temperature_k - ZERO_CELSIUS_K).powi(2));
+        capacity_j_k * (temperature_k + rise)
+    }
+
+    /// Heat in all nodes, J, up to a constant.
     #[cfg(test)]
     pub fn stored_heat_j(&self) -> f64 {
-        self.capacity_j_k.iter().zip(&self.temperature_k).map(|(c, t)| c * t).sum()
+        (0..self.len()).map(|node| self.heat_j(node)).sum()
     }
 
     /// Heat that has left through a boundary since the network was made, J.
@@ -173,11 +209,16 @@ impl ThermalNetwork {
     /// which has the rates as eigenvalues. A small capacity on a large one is bounded closely;
     /// circles of C⁻¹ G would give twice its rate.
     pub fn stiffest_rate_per_s(&self) -> f64 {
-        let mut circle: Vec<f64> =
-            self.total_conductance_w_k().iter().zip(&self.inverse_capacity_k_j).map(|(g, c)| g * c).collect();
+        let mut inverse_k_j: Vec<f64> = self.capacity_j_k.iter().map(|capacity_j_k| 1.0 / capacity_j_k).collect();
+        for &(node, slope_per_k) in &self.capacity_slopes {
+            let ends = [*CAPACITY_RANGE_K.start(), *CAPACITY_RANGE_K.end()];
+            let least = ends.map(|end_k| factor(slope_per_k, end_k)).into_iter().fold(f64::MAX, f64::min);
+            inverse_k_j[node] /= least;
+        }
+        let mut circle: Vec<f64> = self.total_conductance_w_k().iter().zip(&inverse_k_j).map(|(g, c)| g * c).collect();
         for link in &self.paths.links {
             let (a, b) = (link.a, link.b);
-            let coupling = link.conductance_w_k * (self.inverse_capacity_k_j[a] * self.inverse_capacity_k_j[b]).sqrt();
+            let coupling = link.conductance_w_k * (inverse_k_j[a] * inverse_k_j[b]).sqrt();
             circle[a] += coupling;
             circle[b] += coupling;
         }
@@ -218,6 +259,10 @@ impl ThermalNetwork {
             self.heat_w.copy_from_slice(power_w);
             let weighted_s = weight * step_s;
             self.paths.flow(&self.stage_k, &mut self.heat_w, weighted_s);
+            for &(node, slope_per_k) in &self.capacity_slopes {
+                self.inverse_capacity_k_j[node] =
+                    1.0 / (self.capacity_j_k[node] * factor(slope_per_k, self.stage_k[node]));
+            }
             let ahead_s = ahead * step_s;
             let (change, stage) = (&mut self.change_k[..n], &mut self.stage_k[..n]);
             let (start, inverse) = (&self.temperature_k[..n], &self.inverse_capacity_k_j[..n]);
@@ -260,6 +305,12 @@ impl ThermalNetwork {
         }
         matrix
     }
+}
+
+/// Capacity at a temperature over that at 0 °C.
+fn factor(slope_per_k: f64, temperature_k: f64) -> f64 {
+    let bounded_k = temperature_k.clamp(*CAPACITY_RANGE_K.start(), *CAPACITY_RANGE_K.end());
+    1.0 + slope_per_k * (bounded_k - ZERO_CELSIUS_K)
 }
 
 /// Solves a small dense system by Gaussian elimination with partial pivoting.
@@ -374,6 +425,22 @@ mod tests {
         let balance = given - left - (network.stored_heat_j() - stored);
         // Rounding only: half a million sums of f64 on 52 J given and 50 J stored.
         assert!((balance / given).abs() < 1e-10, "{balance} J of {given} J");
+    }
+
+    #[test]
+    fn a_capacity_that_grows_with_temperature_takes_the_heat_of_its_integral() {
+        // 1 J/K at 0 °C and 0.4 % more a kelvin, insulated but for a link to nothing cold: 10 W for
+        // 5 s from 0 °C are 50 J = T + 0.002 T², T = 45.9 K.
+        let mut network = ThermalNetwork::default();
+        network.add_node(1.0, ZERO_CELSIUS_K);
+        network.slope_last_capacity(4e-3);
+        let before = network.stored_heat_j();
+        for _ in 0..500 {
+            network.step(0.01, &[10.0]);
+        }
+        let rise = network.temperature_k(0) - ZERO_CELSIUS_K;
+        assert!((rise + 0.002 * rise * rise - 50.0).abs() < 1e-6, "{rise}");
+        assert!((network.stored_heat_j() - before - 50.0).abs() < 1e-6);
     }
 
     #[test]

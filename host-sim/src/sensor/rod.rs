@@ -1,45 +1,48 @@
-//! A rod between a sensor and its support: the stem of a sphere, the boom of REMS.
+//! A rod between a sensor and its support: the stem of a sphere, the boom of REMS, the prong of a
+//! wire.
 //!
 //! Cells of equal length: whole conductances between them, half a cell (so twice the conductance)
 //! at either end.
 
+use std::ops::Range;
+
 use super::network::{BoundaryId, ThermalNetwork};
 
-/// A rod as a whole.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SupportRod {
-    /// From one end to the other.
-    pub conductance_w_k: f64,
-    pub capacity_j_k: f64,
-    pub cells: usize,
+/// Where a rod ends.
+pub enum FarEnd {
+    Node(usize),
+    /// Of this temperature, K.
+    Support(f64),
 }
 
-impl SupportRod {
-    /// Adds it, at temperatures between `near_k` and that of the support. The nodes of `near` share
-    /// its near end; without any it is free there. Returns the cells from there to the support, and
-    /// the way into the support.
-    pub fn add(
-        &self,
-        network: &mut ThermalNetwork,
-        near: &[usize],
-        near_k: f64,
-        support_k: f64,
-    ) -> (Vec<usize>, BoundaryId) {
-        let count = self.cells;
-        let cell_w_k = self.conductance_w_k * count as f64;
-        let cells: Vec<usize> = (0..count)
-            .map(|k| {
-                let position = (k as f64 + 0.5) / count as f64;
-                network.add_node(self.capacity_j_k / count as f64, near_k + position * (support_k - near_k))
-            })
-            .collect();
-        for &node in near {
-            network.link(node, cells[0], 2.0 * cell_w_k / near.len() as f64);
-        }
-        for pair in cells.windows(2) {
-            network.link(pair[0], pair[1], cell_w_k);
-        }
-        let support = network.link_to_fixed(cells[count - 1], 2.0 * cell_w_k, support_k);
-        (cells, support)
+/// Joins the cells of a rod. The nodes of `near` share its near end; without any it is free there.
+/// Returns the way into the support, if it leads there.
+pub fn join(
+    network: &mut ThermalNetwork,
+    near: &[usize],
+    cells: Range<usize>,
+    far: &FarEnd,
+    conductance_w_k: f64,
+) -> Option<BoundaryId> {
+    let cell_w_k = conductance_w_k * cells.len() as f64;
+    for &node in near {
+        network.link(node, cells.start, 2.0 * cell_w_k / near.len() as f64);
     }
+    for cell in cells.clone().skip(1) {
+        network.link(cell - 1, cell, cell_w_k);
+    }
+    let last = cells.end - 1;
+    match far {
+        FarEnd::Node(node) => {
+            network.link(last, *node, 2.0 * cell_w_k);
+            None
+        }
+        FarEnd::Support(support_k) => Some(network.link_to_fixed(last, 2.0 * cell_w_k, *support_k)),
+    }
+}
+
+/// Temperature of cell `k` of `count` between the ends, K.
+pub fn cell_k(k: usize, count: usize, [near_k, far_k]: [f64; 2]) -> f64 {
+    let position = (k as f64 + 0.5) / count as f64;
+    near_k + position * (far_k - near_k)
 }

@@ -63,7 +63,7 @@ impl Sensor {
             stream(1),
             stream(2),
         )?;
-        let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
+        let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
         if let Some(swing) = &config.gas_swing {
             swing.check(sample_period_s)?;
             check_range(&gas, swing, config)?;
@@ -196,7 +196,7 @@ fn check_range(gas: &IdealGas, swing: &GasSwing, config: &SensorConfig) -> Resul
             let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";
             SensorError::out_of_range("gas.swing.amplitude_k", swing.amplitude_k, expected)
         })?;
-        config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K)?;
+        config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
     }
     Ok(())
 }

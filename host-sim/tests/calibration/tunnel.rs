@@ -8,8 +8,8 @@ use rand_distr::{Distribution as _, StandardNormal};
 
 use anemometry::calibrate::{DrawnSphere, DrawnSurface, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
-use host_sim::sensor::convection::BodyConvection;
-use host_sim::sensor::convection::sphere_surfaces::{SphereDivision, SphereSurfaces};
+use anemometry::vector::unit;
+use host_sim::sensor::convection::sphere_surfaces::SphereSurfaces;
 
 pub const DIAMETER_M: f64 = 0.01;
 const SURFACE_K: f64 = 250.0;
@@ -61,8 +61,12 @@ impl Tunnel {
 
     fn conductance_w_k(&self, gas_k: f64, wind_m_s: Vector3<f64>) -> Vec<f64> {
         let gas = IdealGas::new(Species::CarbonDioxide, PRESSURE_PA, gas_k).unwrap();
-        let division = if self.sectors { SphereDivision::Sectors } else { SphereDivision::Hemispheres };
-        let convection = BodyConvection::Sphere(SphereSurfaces::new(&gas, DIAMETER_M, division).unwrap());
+        let axes: &[[f64; 3]] = match self.sectors {
+            true => &[[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
+            false => &[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+        };
+        let axes: Vec<[f64; 3]> = axes.iter().map(|&axis| unit(axis)).collect();
+        let convection = SphereSurfaces::new(&gas, DIAMETER_M, &axes).unwrap();
         let mut conductances = vec![0.0; self.gains.len()];
         convection.conductance_w_k((self.rotation * wind_m_s).into(), &mut conductances);
         conductances

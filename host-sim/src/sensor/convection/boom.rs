@@ -29,7 +29,7 @@
 //! Churchill and Chu 1975, at 5 K of overheat. Free and forced together: Churchill's blend with the
 //! exponent 4 of a stream across. 4/√π k a: a square on a plane into a half-space, within 1 %. The
 //! two cosine laws are the simplest that tell front, side and rear apart; their sizes are assumed
-//! (`rems` has the reasons).
+//! (`heads/rems.toml` has the reasons).
 //!
 //! *Limits.* Laminar up to a Reynolds number of 5·10⁵ on a card; beyond, `extrapolated` says so.
 //! h_cylinder is correlated for Re·Pr > 0.2, which on the head of 10 mm in air of 240 mbar is 2
@@ -39,9 +39,14 @@
 
 use std::f64::consts::PI;
 
-use super::flow::{continuum, plate_nusselt};
+use super::flow::{
+    continuum, cylinder_factor, cylinder_nusselt, free_cylinder_nusselt, free_plate_nusselt, joined, plate_nusselt,
+    rayleigh,
+};
+use super::plate::LAMINAR_REYNOLDS;
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
+pub use anemometry::head::body::BoomShape;
 use anemometry::vector::{dot, length};
 
 /// Cards around the boom.
@@ -51,8 +56,6 @@ pub const DICE_PER_CARD: usize = 4;
 /// All dice.
 pub const DICE: usize = CARDS * DICE_PER_CARD;
 
-/// End of the laminar boundary layer.
-const HIGHEST_REYNOLDS: f64 = 5e5;
 const GRAVITY_M_S2: f64 = 9.81;
 /// Overheat at which free convection is taken.
 const STILL_OVERHEAT_K: f64 = 5.0;
@@ -65,44 +68,6 @@ const FACING: f64 = 0.5;
 /// 1 and 3, 2 and 4 are diagonal.
 const PLACES: [[f64; 2]; DICE_PER_CARD] = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
 
-/// What the wind sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoomShape {
-    /// Side of a square die, m.
-    pub die_side_m: f64,
-    /// Thickness of a die, m.
-    pub die_thickness_m: f64,
-    /// Length of a card along the boom, m.
-    pub card_length_m: f64,
-    /// Width of a card, m.
-    pub card_width_m: f64,
-    /// Diameter of the boom's head, m.
-    pub head_diameter_m: f64,
-    /// Length of the boom's head, m.
-    pub head_length_m: f64,
-    /// Diameter of the boom's shank, m.
-    pub shank_diameter_m: f64,
-    /// Length of the boom's shank, m.
-    pub shank_length_m: f64,
-    /// Share of the speed that is left where the wind comes from behind, over what carries the
-    /// boom.
-    pub shade: f64,
-    /// By how much more than the mean a die loses that lies upstream.
-    pub front_to_rear: f64,
-}
-
-impl BoomShape {
-    /// Area of one side of a card, m².
-    pub fn card_area_m2(&self) -> f64 {
-        self.card_length_m * self.card_width_m
-    }
-
-    /// Face and four sides.
-    fn die_area_m2(&self) -> f64 {
-        self.die_side_m * (self.die_side_m + 4.0 * self.die_thickness_m)
-    }
-}
-
 /// Convection of dice, cards and boom in one gas.
 #[derive(Clone, Debug)]
 pub struct Boom {
@@ -111,7 +76,7 @@ pub struct Boom {
     /// Of a length of 1 m in 1 m/s.
     reynolds: f64,
     prandtl_third: f64,
-    /// 0.62 Pr^⅓ / (1 + (0.4/Pr)^⅔)^¼.
+    /// Of a cylinder's √Re.
     cylinder: f64,
     card_still_w_m2_k: f64,
     head_still_w_m2_k: f64,
@@ -128,29 +93,22 @@ struct BoomStream {
 impl Boom {
     /// Refuses a gas so thin that it is no continuum around a die.
     pub fn new(gas: &IdealGas, shape: &BoomShape) -> Result<Boom, SensorError> {
-        assert!((0.0..=1.0).contains(&shape.shade), "a shade is a share");
-        // A die in the corner has twice that less, which must leave some cooling.
-        assert!((0.0..0.5).contains(&shape.front_to_rear), "every die is cooled");
         continuum(gas, shape.die_side_m)?;
         Ok(Boom::of(gas, shape))
     }
 
     fn of(gas: &IdealGas, shape: &BoomShape) -> Boom {
         let prandtl = gas.prandtl();
-        let viscosity_m2_s = gas.viscosity_pa_s / gas.density_kg_m3;
-        let rayleigh = |length_m: f64| {
-            GRAVITY_M_S2 / gas.temperature_k * STILL_OVERHEAT_K * length_m.powi(3) * prandtl / viscosity_m2_s.powi(2)
-        };
-        let laminar = |constant: f64| (1.0 + (constant / prandtl).powf(9.0 / 16.0)).powf(4.0 / 9.0);
-        let plate = |length_m: f64| 0.68 + 0.670 * rayleigh(length_m).powf(0.25) / laminar(0.492);
-        let cylinder = |diameter_m: f64| 0.36 + 0.518 * rayleigh(diameter_m).powf(0.25) / laminar(0.559);
+        let rayleigh = |length_m: f64| rayleigh(gas, length_m, STILL_OVERHEAT_K, GRAVITY_M_S2);
+        let plate = |length_m: f64| free_plate_nusselt(rayleigh(length_m), prandtl);
+        let cylinder = |diameter_m: f64| free_cylinder_nusselt(rayleigh(diameter_m), prandtl);
         let k = gas.conductivity_w_m_k;
         Boom {
             shape: *shape,
             conductivity_w_m_k: k,
             reynolds: gas.reynolds(1.0, 1.0),
             prandtl_third: prandtl.cbrt(),
-            cylinder: 0.62 * prandtl.cbrt() / (1.0 + (0.4 / prandtl).powf(2.0 / 3.0)).powf(0.25),
+            cylinder: cylinder_factor(prandtl),
             card_still_w_m2_k: plate(shape.card_width_m) * k / shape.card_width_m,
             head_still_w_m2_k: cylinder(shape.head_diameter_m) * k / shape.head_diameter_m,
             shank_still_w_m2_k: cylinder(shape.shank_diameter_m) * k / shape.shank_diameter_m,
@@ -162,9 +120,14 @@ impl Boom {
         *self = Boom::of(gas, &self.shape);
     }
 
+    /// Radiating area of a surface, m²: only the outside of a card has one.
+    pub fn area_m2(&self, surface: usize) -> f64 {
+        if (DICE..DICE + CARDS).contains(&surface) { card_area_m2(&self.shape) } else { 0.0 }
+    }
+
     /// Whether the flow over a card would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        self.reynolds * self.shape.card_length_m * length(wind_m_s) > HIGHEST_REYNOLDS
+        self.reynolds * self.shape.card_length_m * length(wind_m_s) > LAMINAR_REYNOLDS
     }
 
     /// Conductances to the gas, W/K: of all dice, of the cards, of the boom's head, of the cells of
@@ -179,13 +142,13 @@ impl Boom {
         for (i, card) in cards.iter_mut().enumerate() {
             let stream = self.over_card(wind_m_s, i);
             mean_m_s += stream.speed_m_s / CARDS as f64;
-            let layer_w_k = self.plate_w_m2_k(stream.speed_m_s, die_side_m) * self.shape.die_area_m2();
+            let layer_w_k = self.plate_w_m2_k(stream.speed_m_s, die_side_m) * die_area_m2(&self.shape);
             for (die, [p, q]) in dice[DICE_PER_CARD * i..].iter_mut().zip(PLACES) {
                 let upstream = 1.0 - front_to_rear * (stream.along * p + stream.around * q);
                 *die = die_still_w_k + layer_w_k * upstream;
             }
             let outside = joined(self.card_still_w_m2_k, self.plate_w_m2_k(stream.speed_m_s, card_length_m));
-            *card = self.shape.card_area_m2() * (self.card_still_w_m2_k + outside);
+            *card = card_area_m2(&self.shape) * (self.card_still_w_m2_k + outside);
         }
         let BoomShape { head_diameter_m, head_length_m, shank_diameter_m, shank_length_m, .. } = self.shape;
         let shank_cells = shank.len();
@@ -230,19 +193,23 @@ impl Boom {
             return 0.0;
         }
         let reynolds = self.reynolds * diameter_m * speed_m_s;
-        let nusselt = 0.3 + self.cylinder * reynolds.sqrt() * (1.0 + (reynolds / 282_000.0).powf(0.625)).powf(0.8);
-        nusselt * self.conductivity_w_m_k / diameter_m
+        cylinder_nusselt(reynolds, self.cylinder) * self.conductivity_w_m_k / diameter_m
     }
 }
 
-/// Free and forced convection together.
-fn joined(still_w_m2_k: f64, forced_w_m2_k: f64) -> f64 {
-    (still_w_m2_k.powi(4) + forced_w_m2_k.powi(4)).sqrt().sqrt()
+/// Of one side of a card, m².
+fn card_area_m2(shape: &BoomShape) -> f64 {
+    shape.card_length_m * shape.card_width_m
+}
+
+/// Face and four sides, m².
+fn die_area_m2(shape: &BoomShape) -> f64 {
+    shape.die_side_m * (shape.die_side_m + 4.0 * shape.die_thickness_m)
 }
 
 /// Outward normal of card `i`: across the boom, which lies along x with its tip at +x; the first
 /// looks up, the others 120° on.
-pub fn card_normal(i: usize) -> [f64; 3] {
+fn card_normal(i: usize) -> [f64; 3] {
     let angle = PI * (0.5 + 2.0 * i as f64 / CARDS as f64);
     [0.0, angle.cos(), angle.sin()]
 }
@@ -352,7 +319,7 @@ mod tests {
     fn only_a_storm_at_high_pressure_is_beyond_the_laminar_layer() {
         let boom = Boom::new(&air(), &SHAPE).unwrap();
         assert!(!boom.extrapolated([100.0, 0.0, 0.0]));
-        let speed = HIGHEST_REYNOLDS / air().reynolds(1.0, 45e-3);
+        let speed = LAMINAR_REYNOLDS / air().reynolds(1.0, 45e-3);
         assert!(boom.extrapolated([0.0, 1.001 * speed, 0.0]));
     }
 }

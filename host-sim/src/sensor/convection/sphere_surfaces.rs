@@ -1,8 +1,8 @@
-//! Forced convection from the surfaces of a sphere, four sectors or two hemispheres, for any wind
-//! vector.
+//! Forced convection from the surfaces of a sphere for any wind vector: four sectors, two
+//! hemispheres, or [cells](super::sphere_cells) around any other normals.
 //!
 //! ```text
-//! G_i   = Nu_i k π d / N                conductance of surface i of N to the gas, W/K
+//! G_i   = Nu_i k π d s_i          conductance of surface i, a share s_i of the whole, to the gas, W/K
 //! ```
 //!
 //! **Means.** With z = n·w (n the surface's axis, w the direction the wind comes *from*), the
@@ -26,6 +26,7 @@
 
 use std::f64::consts::PI;
 
+use super::sphere_cells::SphereCells;
 use super::sphere_stream::{Coefficients, ORDERS, SphereStream, legendre};
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
@@ -44,41 +45,17 @@ const SECTOR_MEAN: [f64; ORDERS] = [
 /// Threefold parts of the sector means, d_n of the head of this file, for n = 3, 4, 5.
 const SECTOR_THREEFOLD: [f64; 3] = [0.002_683_336_850_257_382, 0.001_283_451_524_664_488_5, 0.000_364_693_038_667_524];
 
-/// Outward axes of the sectors, not normalised (each has length √3).
-const SECTOR_AXES: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-
-/// Outward unit axes of the hemispheres.
-const HEMISPHERE_AXES: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
+/// Of the whole sphere.
+const WHOLE_MEAN: [f64; ORDERS] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Means of P_n over a hemisphere about its own axis (c_n of the head of this file).
 const HEMISPHERE_MEAN: [f64; ORDERS] = [1.0, 0.5, 0.0, -0.125, 0.0, 0.0625];
 
-/// Into which surfaces a sphere is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SphereDivision {
-    /// Two.
-    Hemispheres,
-    /// Four, as the faces of a tetrahedron.
-    Sectors,
-}
-
-impl SphereDivision {
-    /// What one of them is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hemispheres => "hemisphere",
-            Self::Sectors => "sector",
-        }
-    }
-
-    /// Outward unit axes of the surfaces.
-    pub fn axes(self) -> Vec<[f64; 3]> {
-        match self {
-            Self::Hemispheres => HEMISPHERE_AXES.to_vec(),
-            Self::Sectors => SECTOR_AXES.iter().map(|axis| axis.map(|v| v / 3.0_f64.sqrt())).collect(),
-        }
-    }
-}
+/// Cosine of the angle between two sectors, and between two hemispheres; a difference that is the
+/// rounding of a head file's axes.
+const BETWEEN_SECTORS: f64 = -1.0 / 3.0;
+const BETWEEN_HEMISPHERES: f64 = -1.0;
+const ROUNDING: f64 = 1e-9;
 
 /// Frame of a surface: its axis, the direction across it towards a corner, and the third; the last
 /// two are zero where there is no corner.
@@ -93,26 +70,40 @@ struct SurfaceFrame {
 #[derive(Clone, Debug)]
 pub struct SphereSurfaces {
     stream: SphereStream,
-    conductance_per_nusselt_w_k: f64,
-    frames: Vec<SurfaceFrame>,
-    /// c_n and d_n.
-    mean: [f64; ORDERS],
-    threefold: [f64; 3],
+    division: SphereDivision,
+    /// Of every surface.
+    conductance_per_nusselt_w_k: Vec<f64>,
+}
+
+/// Into which surfaces a sphere is divided.
+#[derive(Clone, Debug)]
+enum SphereDivision {
+    /// All alike: the frame of each, c_n and d_n.
+    Alike { frames: Vec<SurfaceFrame>, mean: [f64; ORDERS], threefold: [f64; 3] },
+    /// Any others.
+    Cells(SphereCells),
 }
 
 impl SphereSurfaces {
-    /// Refuses a gas so thin that it is no continuum around the sphere.
-    pub fn new(gas: &IdealGas, diameter_m: f64, division: SphereDivision) -> Result<Self, SensorError> {
-        let axes = division.axes();
+    /// Surfaces around outward unit vectors; without any, one that is the whole sphere. Refuses a
+    /// gas so thin that it is no continuum around the sphere.
+    pub fn new(gas: &IdealGas, diameter_m: f64, normals: &[[f64; 3]]) -> Result<Self, SensorError> {
         let round = |&axis: &[f64; 3]| SurfaceFrame { axis, corner: [0.0; 3], third: [0.0; 3] };
-        let (frames, mean, threefold) = match division {
-            SphereDivision::Hemispheres => (axes.iter().map(round).collect(), HEMISPHERE_MEAN, [0.0; 3]),
-            SphereDivision::Sectors => {
-                ((0..axes.len()).map(|i| frame(&axes, i)).collect(), SECTOR_MEAN, SECTOR_THREEFOLD)
+        let apart = |cosine: f64| {
+            let pairs = (0..normals.len()).flat_map(|i| (0..i).map(move |j| dot(normals[i], normals[j])));
+            pairs.into_iter().all(|found| (found - cosine).abs() < ROUNDING)
+        };
+        let alike = |frames, mean, threefold| SphereDivision::Alike { frames, mean, threefold };
+        let division = match normals.len() {
+            0 | 1 => alike(vec![round(&[1.0, 0.0, 0.0])], WHOLE_MEAN, [0.0; 3]),
+            2 if apart(BETWEEN_HEMISPHERES) => alike(normals.iter().map(round).collect(), HEMISPHERE_MEAN, [0.0; 3]),
+            4 if apart(BETWEEN_SECTORS) => {
+                alike((0..normals.len()).map(|i| frame(normals, i)).collect(), SECTOR_MEAN, SECTOR_THREEFOLD)
             }
+            _ => SphereDivision::Cells(SphereCells::new(normals)),
         };
         let stream = SphereStream::new(gas, diameter_m)?;
-        let mut surfaces = Self { stream, conductance_per_nusselt_w_k: 0.0, frames, mean, threefold };
+        let mut surfaces = Self { stream, division, conductance_per_nusselt_w_k: Vec::new() };
         surfaces.follow(gas);
         Ok(surfaces)
     }
@@ -120,8 +111,20 @@ impl SphereSurfaces {
     /// The same in another gas.
     pub fn follow(&mut self, gas: &IdealGas) {
         self.stream.follow(gas);
-        self.conductance_per_nusselt_w_k =
-            gas.conductivity_w_m_k * PI * self.stream.diameter_m() / self.frames.len() as f64;
+        let whole_w_k = gas.conductivity_w_m_k * PI * self.stream.diameter_m();
+        self.conductance_per_nusselt_w_k = match &self.division {
+            SphereDivision::Alike { frames, .. } => vec![whole_w_k / frames.len() as f64; frames.len()],
+            SphereDivision::Cells(cells) => cells.shares().iter().map(|share| whole_w_k * share).collect(),
+        };
+    }
+
+    /// Area of a surface, m².
+    pub fn area_m2(&self, surface: usize) -> f64 {
+        let diameter_m = self.stream.diameter_m();
+        match &self.division {
+            SphereDivision::Alike { frames, .. } => PI * diameter_m * diameter_m / frames.len() as f64,
+            SphereDivision::Cells(cells) => PI * diameter_m * diameter_m * cells.shares()[surface],
+        }
     }
 
     /// The stream around the sphere.
@@ -130,28 +133,43 @@ impl SphereSurfaces {
     }
 
     /// Mean Nusselt number of every surface; the wind vector points where the air goes *to*.
-    pub fn nusselt(&self, wind_m_s: [f64; 3]) -> impl Iterator<Item = f64> {
+    pub fn nusselt(&self, wind_m_s: [f64; 3], each: impl FnMut(f64)) {
         let (a, from) = self.stream.around(wind_m_s);
-        self.frames.iter().map(move |frame| from.map_or(a[0], |from| self.mean(&a, frame, from)))
+        match (&self.division, from) {
+            (_, None) => self.conductance_per_nusselt_w_k.iter().map(|_| a[0]).for_each(each),
+            (SphereDivision::Alike { frames, mean, threefold }, Some(from)) => {
+                frames.iter().map(|frame| surface_mean(&a, frame, from, mean, threefold)).for_each(each);
+            }
+            (SphereDivision::Cells(cells), Some(from)) => cells.means(&a, from).for_each(each),
+        }
     }
 
     /// Conductance of every surface to the gas, W/K.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], conductance_w_k: &mut [f64]) {
-        for (conductance_w_k, nusselt) in conductance_w_k.iter_mut().zip(self.nusselt(wind_m_s)) {
-            *conductance_w_k = nusselt * self.conductance_per_nusselt_w_k;
-        }
+        let mut surfaces = conductance_w_k.iter_mut().zip(&self.conductance_per_nusselt_w_k);
+        self.nusselt(wind_m_s, |nusselt| {
+            if let Some((conductance_w_k, per_nusselt_w_k)) = surfaces.next() {
+                *conductance_w_k = nusselt * per_nusselt_w_k;
+            }
+        });
     }
+}
 
-    /// Mean of Σ a_n P_n(cos θ) over a surface; `from` is the unit vector towards the front
-    /// stagnation point.
-    fn mean(&self, a: &Coefficients, frame: &SurfaceFrame, from: [f64; 3]) -> f64 {
-        let [z, x, y] = [frame.axis, frame.corner, frame.third].map(|axis| dot(from, axis));
-        let legendre = legendre(z);
-        let axisymmetric: f64 = (0..ORDERS).map(|n| a[n] * self.mean[n] * legendre[n]).sum();
-        let third_derivative = [15.0, 105.0 * z, 472.5 * (z * z) - 52.5];
-        let threefold: f64 = (0..3).map(|j| a[j + 3] * self.threefold[j] * third_derivative[j]).sum();
-        axisymmetric + threefold * x * (x * x - 3.0 * y * y)
-    }
+/// Mean of Σ a_n P_n(cos θ) over a surface; `from` is the unit vector towards the front stagnation
+/// point.
+fn surface_mean(
+    a: &Coefficients,
+    frame: &SurfaceFrame,
+    from: [f64; 3],
+    mean: &[f64; ORDERS],
+    threefold: &[f64; 3],
+) -> f64 {
+    let [z, x, y] = [frame.axis, frame.corner, frame.third].map(|axis| dot(from, axis));
+    let legendre = legendre(z);
+    let axisymmetric: f64 = (0..ORDERS).map(|n| a[n] * mean[n] * legendre[n]).sum();
+    let third_derivative = [15.0, 105.0 * z, 472.5 * (z * z) - 52.5];
+    let threefold: f64 = (0..3).map(|j| a[j + 3] * threefold[j] * third_derivative[j]).sum();
+    axisymmetric + threefold * x * (x * x - 3.0 * y * y)
 }
 
 /// Orthonormal frame of sector `i`.
@@ -175,19 +193,41 @@ mod tests {
     const HEMISPHERES: usize = 2;
 
     fn sectors(gas: &IdealGas) -> SphereSurfaces {
-        SphereSurfaces::new(gas, 0.01, SphereDivision::Sectors).unwrap()
+        let axes: [[f64; 3]; SECTORS] = std::array::from_fn(sector_axis);
+        SphereSurfaces::new(gas, 0.01, &axes).unwrap()
     }
 
     fn hemispheres() -> SphereSurfaces {
-        SphereSurfaces::new(&mars(), 0.01, SphereDivision::Hemispheres).unwrap()
+        SphereSurfaces::new(&mars(), 0.01, &[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]).unwrap()
     }
 
     fn sector_axis(i: usize) -> [f64; 3] {
-        SphereDivision::Sectors.axes()[i]
+        [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]][i].map(|v: f64| v / 3.0_f64.sqrt())
+    }
+
+    fn all_of(convection: &SphereSurfaces, wind_m_s: [f64; 3]) -> Vec<f64> {
+        let mut all = Vec::new();
+        convection.nusselt(wind_m_s, |nusselt| all.push(nusselt));
+        all
     }
 
     fn of_all<const N: usize>(convection: &SphereSurfaces, wind_m_s: [f64; 3]) -> [f64; N] {
-        convection.nusselt(wind_m_s).collect::<Vec<_>>().try_into().unwrap()
+        all_of(convection, wind_m_s).try_into().unwrap()
+    }
+
+    #[test]
+    fn sectors_of_a_tetrahedron_are_the_cells_around_their_axes() {
+        let sectors = sectors(&mars());
+        let axes: [[f64; 3]; SECTORS] = std::array::from_fn(sector_axis);
+        let division = SphereDivision::Cells(SphereCells::new(&axes));
+        let mut cells = SphereSurfaces { division, ..sectors.clone() };
+        cells.follow(&mars());
+        for direction in directions(50) {
+            let wind = direction.map(|v| 11.0 * v);
+            for (cell, sector) in all_of(&cells, wind).iter().zip(all_of(&sectors, wind)) {
+                assert!((cell / sector - 1.0).abs() < 5e-4, "{cell} for {sector}");
+            }
+        }
     }
 
     fn order(n: usize, z: f64) -> f64 {
@@ -277,7 +317,7 @@ mod tests {
         for speed in [0.01, 1.0, 6.0, 13.0, 40.0] {
             for direction in directions(500) {
                 let wind = direction.map(|v| v * speed);
-                let mean = convection.nusselt(wind).sum::<f64>() / 4.0;
+                let mean = all_of(&convection, wind).iter().sum::<f64>() / 4.0;
                 let expected = convection.stream.coefficients(convection.stream.reynolds(wind))[0];
                 // Rounding of the constants of the sector means, of which P_n''' makes up to 400
                 // times as much.
@@ -346,7 +386,7 @@ mod tests {
         for direction in directions(200) {
             let wind = direction.map(|v| 7.0 * v);
             let sphere = convection.stream.coefficients(convection.stream.reynolds(wind))[0];
-            let mean = 0.5 * convection.nusselt(wind).sum::<f64>();
+            let mean = 0.5 * all_of(&convection, wind).iter().sum::<f64>();
             assert!((mean / sphere - 1.0).abs() < 1e-13, "{mean} {sphere}");
         }
     }

@@ -1,0 +1,34 @@
+//! The body of a head: what its simulation is made of, as a table `[body]` of its file.
+//!
+//! ```text
+//!   gas ── surface … node ── link ── node … rod ══ support at a fixed temperature
+//!                     │
+//!                  element: heat goes in here
+//! ```
+//!
+//! | key | holds |
+//! |---|---|
+//! | `nodes` | lumps of one temperature, with their heat capacity |
+//! | `links` | ways between nodes: a conductance, a contact, a gap of gas, or a rod in cells, to a node or the `support` |
+//! | `elements` | the node of every element whose name is not that of a node |
+//! | `[[body.convection]]` | a [correlation](Correlation), and the surfaces that lose heat by it |
+//! | `gas` | the gas that the head is meant for, where a command is given none |
+//! | `tolerances` | how much a specimen differs from the file |
+//!
+//! A name may stand for several: `chip[1-4]` is four of them, `core1,core2` two. Links between
+//! several join the first with the first and so on, or each with one.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`table`] | the table as it is written |
+//! | [`correlation`] | what the wind takes, by name |
+//! | [`names`] | names that stand for several |
+//! | [`checked`] | the same with every name resolved and every number found possible |
+
+pub mod checked;
+pub mod correlation;
+pub mod names;
+pub mod table;
+
+pub use checked::{Body, BodyElement, BodyLink, BodyNode, BodySurface, Convection};
+pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
