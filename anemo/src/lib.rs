@@ -119,7 +119,7 @@ enum Subcommands {
     Merge(merge::Arguments),
     Head(head::Arguments),
     #[command(hide = true)]
-    Network(head::IdentifyArguments),
+    Network(head::identify::IdentifyArguments),
     Calibrate(calibrate::Arguments),
     Wind(wind::Arguments),
     Validate(validate::Arguments),
@@ -202,7 +202,7 @@ pub fn main() -> ExitCode {
         Subcommands::Identify(arguments) => identify::execute(&arguments),
         Subcommands::Merge(arguments) => merge::execute(&arguments),
         Subcommands::Head(arguments) => head::execute(&arguments),
-        Subcommands::Network(arguments) => head::identify_network(&arguments),
+        Subcommands::Network(arguments) => head::identify::identify_network(&arguments),
         Subcommands::Calibrate(arguments) => calibrate::execute(&arguments),
         Subcommands::Wind(arguments) => wind::execute(&arguments),
         Subcommands::Validate(arguments) => validate::execute(&arguments),

@@ -30,6 +30,7 @@
 //! | [`self_test`] | self-tests: started, waited for, reported |
 
 pub mod experiment;
+pub mod head_check;
 pub mod instrument;
 pub mod run;
 pub mod self_test;

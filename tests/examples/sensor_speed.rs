@@ -2,7 +2,8 @@
 //! turbulence and noise.
 //!
 //! ```text
-//! cargo run --release -p anemo-tests --example sensor_speed
+//! cargo run --release -p anemo-tests --example sensor_speed [HEAD]
+//! valgrind --tool=callgrind target/release/examples/sensor_speed sphere-b
 //! ```
 
 use std::time::Instant;
@@ -20,6 +21,9 @@ fn main() {
         ("rems", 0.025, Species::Air, 24_000.0, 21.0, 0.3),
         ("rems", 1.0, Species::Air, 24_000.0, 21.0, 0.3),
     ] {
+        if std::env::args().nth(1).is_some_and(|only| only != name) {
+            continue;
+        }
         let head = Head::read(&anemo_tests::file(&format!("heads/{name}.toml"))).expect("the head is right");
         let wind = WindEntry {
             start_s: 0.0,

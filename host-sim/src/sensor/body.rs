@@ -233,22 +233,44 @@ impl ThermalBody {
     /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on
     /// temperature a little, and its heat flows.
     pub fn settle(&mut self, power_w: impl Fn(usize, f64) -> f64) {
+        self.find_steady_state(&power_w, &[]);
+        // The present rates, without letting time pass.
+        let mut ahead = self.clone();
+        ahead.advance(1e-3, power_w);
+        self.flows = ahead.flows;
+    }
+
+    /// Sets the steady state of the present wind with some elements held at temperatures, °C, and
+    /// the others under `power_w`; returns the power of every element, W.
+    pub fn hold(&mut self, held_c: &[Option<f64>], power_w: impl Fn(usize, f64) -> f64) -> Vec<f64> {
+        let held: Vec<(usize, f64)> = held_c
+            .iter()
+            .zip(&self.parts.elements)
+            .filter_map(|(held_c, &node)| held_c.map(|held_c| (node, held_c + ZERO_CELSIUS_K)))
+            .collect();
+        let mut needed_w = self.find_steady_state(&power_w, &held).into_iter();
+        let power = |(i, held_c): (usize, &Option<f64>)| match held_c {
+            Some(_) => needed_w.next().unwrap_or(f64::NAN),
+            None => power_w(i, self.element_temperature_c(i)),
+        };
+        held_c.iter().enumerate().map(power).collect()
+    }
+
+    fn find_steady_state(&mut self, power_w: &impl Fn(usize, f64) -> f64, held_k: &[(usize, f64)]) -> Vec<f64> {
+        let mut needed_w = Vec::new();
         // A resistor's power changes by 0.4 % a kelvin: each round gains two digits at least.
         for _ in 0..10 {
             for (i, &node) in self.parts.elements.iter().enumerate() {
                 self.node_power_w[node] = power_w(i, self.element_temperature_c(i));
             }
-            self.network.settle(&self.node_power_w);
+            needed_w = self.network.hold(&self.node_power_w, held_k);
             // What depends on temperatures follows them.
             if self.follows_temperature() {
                 self.fill_gaps();
                 self.set_wind(self.wind_m_s);
             }
         }
-        // The present rates, without letting time pass.
-        let mut ahead = self.clone();
-        ahead.advance(1e-3, power_w);
-        self.flows = ahead.flows;
+        needed_w
     }
 
     /// Heat flows of the last interval, or of the steady state.
@@ -290,12 +312,24 @@ impl ThermalBody {
         !self.parts.gaps.is_empty() || self.parts.convection.iter().any(|(law, _)| law.follows_surface())
     }
 
+    /// Time constants at the present wind and temperatures, s, from the slowest.
+    pub fn time_constants_s(&self) -> Vec<f64> {
+        self.network.time_constants_s()
+    }
+
+    /// Capacity of the node of an element at 0 °C, J/K.
+    pub fn element_capacity_j_k(&self, element: usize) -> f64 {
+        self.network.capacity_j_k(self.parts.elements[element])
+    }
+
     /// How many elements there are.
+    #[cfg(test)]
     pub fn elements(&self) -> usize {
         self.parts.elements.len()
     }
 
     /// Conductance of every surface to the gas, W/K.
+    #[cfg(test)]
     pub fn conductance_w_k(&self) -> &[f64] {
         &self.conductance_w_k
     }

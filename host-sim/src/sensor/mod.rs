@@ -8,6 +8,7 @@
 //! | `assembly`, `rod` | a network of it |
 //! | `specimen` | one of many, where the file states tolerances |
 //! | `body` | what all of them do: take heat, lose it and account for it |
+//! | `survey` | steady powers, gains and time constants, without letting time pass |
 //! | `matching` | whether a head is the sensor that it names |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
@@ -45,6 +46,7 @@ mod network;
 mod rod;
 mod simulated;
 mod specimen;
+mod survey;
 mod truth;
 pub mod wind;
 
@@ -56,6 +58,7 @@ pub use front_end::{Imperfections, ResistorFault};
 pub use gas_swing::GasSwing;
 pub use matching::construction_of;
 pub use simulated::Sensor;
+pub use survey::{BodySurvey, OperatingPoint};
 pub use truth::SensorTruth;
 pub use wind::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, Turbulence, WindEntry};
 

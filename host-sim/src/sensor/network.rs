@@ -277,13 +277,25 @@ impl ThermalNetwork {
         }
     }
 
-    /// Sets all temperatures to the steady state under `power_w`, by Newton's method (one step
-    /// would do without radiation).
+    /// Sets all temperatures to the steady state under `power_w`.
+    #[cfg(test)]
     pub fn settle(&mut self, power_w: &[f64]) {
+        self.hold(power_w, &[]);
+    }
+
+    /// Sets all temperatures to the steady state under `power_w`, with some nodes held at
+    /// temperatures, K, by Newton's method (one step would do without radiation); returns the heat
+    /// that each of these needs, W.
+    pub fn hold(&mut self, power_w: &[f64], held_k: &[(usize, f64)]) -> Vec<f64> {
+        held_k.iter().for_each(|&(node, temperature_k)| self.temperature_k[node] = temperature_k);
         for _ in 0..20 {
-            let mut residual_w = power_w.to_vec();
-            self.paths.flow(&self.temperature_k, &mut residual_w, 0.0);
-            let correction = solve(self.jacobian_w_k(), residual_w);
+            let mut residual_w = self.net_heat_w(power_w);
+            let mut matrix = self.jacobian_w_k();
+            for &(node, _) in held_k {
+                matrix[node].fill(0.0);
+                (matrix[node][node], residual_w[node]) = (1.0, 0.0);
+            }
+            let correction = solve(matrix, residual_w);
             for (temperature, correction) in self.temperature_k.iter_mut().zip(&correction) {
                 *temperature += correction;
             }
@@ -291,6 +303,30 @@ impl ThermalNetwork {
                 break;
             }
         }
+        let net_w = self.net_heat_w(power_w);
+        held_k.iter().map(|&(node, _)| power_w[node] - net_w[node]).collect()
+    }
+
+    /// Heat that flows into every node at the present temperatures, W.
+    fn net_heat_w(&mut self, power_w: &[f64]) -> Vec<f64> {
+        let mut net_w = power_w.to_vec();
+        self.paths.flow(&self.temperature_k, &mut net_w, 0.0);
+        net_w
+    }
+
+    /// Time constants of all nodes together at the present conductances and temperatures, s, from
+    /// the slowest: eigenvalues of C^−½ G C^−½.
+    pub fn time_constants_s(&self) -> Vec<f64> {
+        let mut matrix = self.jacobian_w_k();
+        let root: Vec<f64> = self.capacity_j_k.iter().map(|capacity_j_k| capacity_j_k.sqrt()).collect();
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row.iter_mut().zip(&root).for_each(|(entry, other)| *entry /= root[i] * other);
+        }
+        let n = matrix.len();
+        let rates = nalgebra::DMatrix::from_fn(n, n, |i, j| matrix[i][j]).symmetric_eigenvalues();
+        let mut time_constants_s: Vec<f64> = rates.iter().map(|rate| 1.0 / rate).collect();
+        time_constants_s.sort_by(|a, b| b.total_cmp(a));
+        time_constants_s
     }
 
     /// Conductance matrix at the present temperatures, −∂(net heat)/∂T.
@@ -428,6 +464,21 @@ mod tests {
     }
 
     #[test]
+    fn time_constants_are_those_by_hand() {
+        // Two nodes of 1 and 2 J/K joined by 1 W/K, the second to a wall by 1 W/K: G C⁻¹ has the
+        // trace 2 and the determinant ½.
+        let mut network = ThermalNetwork::default();
+        network.add_node(1.0, 300.0);
+        network.add_node(2.0, 300.0);
+        network.link(0, 1, 1.0);
+        network.link_to_fixed(1, 1.0, 300.0);
+        let rates = network.time_constants_s().into_iter().map(|time_s| 1.0 / time_s);
+        for (rate, expected) in rates.zip([1.0 - 0.5_f64.sqrt(), 1.0 + 0.5_f64.sqrt()]) {
+            assert!((rate - expected).abs() < 1e-12, "{rate} for {expected}");
+        }
+    }
+
+    #[test]
     fn a_capacity_that_grows_with_temperature_takes_the_heat_of_its_integral() {
         // 1 J/K at 0 °C and 0.4 % more a kelvin, insulated but for a link to nothing cold: 10 W for
         // 5 s from 0 °C are 50 J = T + 0.002 T², T = 45.9 K.
@@ -455,6 +506,11 @@ mod tests {
         for i in 0..settled.len() {
             assert!((settled.temperature_k(i) - stepped.temperature_k(i)).abs() < 1e-9, "node {i}");
         }
+        // Holding the chip where it settled needs the power that it settled under.
+        let mut held = with_radiation();
+        let needed_w = held.hold(&[0.0, 0.0, 0.01], &[(0, settled.temperature_k(0))]);
+        assert!((needed_w[0] - 0.042).abs() < 1e-9, "{needed_w:?}");
+        assert!((held.temperature_k(2) - settled.temperature_k(2)).abs() < 1e-8);
         // All heat leaves through the two boundaries and by radiation.
         let left = 5e-4 * (settled.temperature_k(1) - 220.0)
             + 1.2e-3 * (settled.temperature_k(2) - 230.0)

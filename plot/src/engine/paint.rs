@@ -63,7 +63,10 @@ impl ChartLayout<'_> {
             self.error_bars(svg, trace, pen.colour, shifts[i]);
             match trace.style {
                 TraceStyle::Line | TraceStyle::Dashed => self.curve(svg, trace, &bins[i], pen),
-                TraceStyle::Points | TraceStyle::Stems => self.dots(svg, trace, pen, shifts[i]),
+                TraceStyle::Points | TraceStyle::Stems => {
+                    self.dots(svg, trace, pen, shifts[i]);
+                    self.names(svg, trace);
+                }
                 TraceStyle::Band => {}
                 TraceStyle::Bars => self.bars(svg, i, pen.colour),
             }
@@ -75,6 +78,13 @@ impl ChartLayout<'_> {
             }
         }
         self.marks(svg);
+    }
+
+    /// Names beside dots.
+    fn names(&self, svg: &mut Svg, trace: &Trace) {
+        for (name, &(x, y)) in trace.names.iter().zip(&trace.points) {
+            svg.text(name, (self.x(x) + 4.0, self.y(y)), LABEL, INK, Anchor::Start);
+        }
     }
 
     /// What the grounds are: in the middle of a strip, at the top of other charts if there is room.

@@ -31,6 +31,8 @@ pub struct Trace {
     pub(crate) points: Vec<(f64, f64)>,
     /// Half the length of each point's error bar.
     pub(crate) errors: Vec<f64>,
+    /// The name beside each point.
+    pub(crate) names: Vec<String>,
     pub(crate) bins: Vec<Bin>,
     /// Of the line, points.
     pub(crate) width: f64,
@@ -41,7 +43,17 @@ pub struct Trace {
 impl Trace {
     pub(crate) fn new(label: impl Into<String>, style: TraceStyle, points: Vec<(f64, f64)>) -> Self {
         let label = label.into();
-        Self { label, style, pen: None, points, errors: Vec::new(), bins: Vec::new(), width: CURVE, band: 0.25 }
+        Self {
+            label,
+            style,
+            pen: None,
+            points,
+            errors: Vec::new(),
+            names: Vec::new(),
+            bins: Vec::new(),
+            width: CURVE,
+            band: 0.25,
+        }
     }
 
     /// Points (x, y) that a line joins; it is broken where a value is missing (NaN).
@@ -87,6 +99,12 @@ impl Trace {
     /// Error bars: each reaches so far above its point, and below.
     pub fn errors(mut self, half_lengths: Vec<f64>) -> Self {
         self.errors = half_lengths;
+        self
+    }
+
+    /// Names: each stands at the right of its dot.
+    pub fn names(mut self, names: Vec<String>) -> Self {
+        self.names = names;
         self
     }
 

@@ -18,6 +18,7 @@ use recording::toml_file::{FileError, TomlSource};
 const SUPPORT: &str = "support";
 /// More nodes take too long.
 const MOST_NODES: usize = 1000;
+const MOST_LINKS: usize = 10_000;
 /// Cells of a rod.
 const CELLS: std::ops::RangeInclusive<f64> = 1.0..=100.0;
 /// W/K, J/K, W/(m²·K), W: beyond, somebody mistook a unit.
@@ -204,7 +205,7 @@ impl Body {
     }
 
     /// Ends of every link: nodes, or none for the support.
-    fn ways(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
+    pub fn ways(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
         ways(&self.links)
     }
 
@@ -373,6 +374,9 @@ impl BodyReader<'_> {
             let (Some(from), false) = (from, from == to) else {
                 return refuse("leads from a node to itself, or from the `support`: write that end as `to`");
             };
+            if links.len() == MOST_LINKS {
+                return refuse("is one too many: a body has at most 10 000 links");
+            }
             links.push(self.of_kind(key, table, from, to)?);
         }
         Ok(())

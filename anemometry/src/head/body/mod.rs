@@ -32,3 +32,6 @@ pub mod table;
 
 pub use checked::{Body, BodyElement, BodyLink, BodyNode, BodySurface, Convection};
 pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,4 @@
-//! `anemo head`: what is identified of a head itself.
+//! `anemo head identify`: the thermal network of a head, from records.
 
 use std::path::PathBuf;
 
@@ -10,18 +10,6 @@ use anemometry::network::from_model::checked;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
 use recording::toml_file::TomlSource;
-
-/// Identify a head: the thermal network of its elements in quiescent gas.
-#[derive(clap::Args)]
-pub struct Arguments {
-    #[command(subcommand)]
-    command: HeadCommand,
-}
-
-#[derive(clap::Subcommand)]
-enum HeadCommand {
-    Identify(IdentifyArguments),
-}
 
 /// Identify how all elements of a head heat themselves and each other in quiescent gas.
 ///
@@ -68,11 +56,6 @@ pub struct IdentifyArguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-}
-
-pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let HeadCommand::Identify(arguments) = &arguments.command;
-    identify_network(arguments)
 }
 
 pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {

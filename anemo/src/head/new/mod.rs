@@ -1,0 +1,128 @@
+//! `anemo head new`: a folder to begin with, a head file of some kind and its first experiments.
+
+use std::path::{Path, PathBuf};
+
+use anemometry::head::Head;
+use anemometry::head::body::BodyLink;
+use host_sim::head_check::{GivenConditions, check};
+use recording::text::short;
+use recording::toml_file::TomlSource;
+
+use crate::choice::choice;
+use crate::output::Failure;
+
+/// The head of every kind, with comments for whoever changes it.
+const WIRE: &str = include_str!("wire.toml");
+const CYLINDER: &str = include_str!("cylinder.toml");
+const SPHERE: &str = include_str!("sphere.toml");
+const PLATE: &str = include_str!("plate.toml");
+
+/// Overheat of the experiments, K.
+const OVERHEAT_K: f64 = 20.0;
+
+/// Begin a head: a folder with a commented head file that can be simulated at once, and its first
+/// experiments.
+///
+/// `head.toml` has the elements, their limits, and the body that simulates them; `held.toml` holds
+/// all elements in winds; an `identify-….toml` for every element is a record for `anemo head
+/// identify`. Change the numbers to those of the head at hand, then check it.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  anemo head new tube --kind cylinder
+  anemo head check tube/head.toml --overheat 20
+  anemo run tube/held.toml --on sim -o held.parquet --plot held.svg")]
+pub struct NewArguments {
+    /// The folder, which must not be there yet; its name becomes the head's.
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// What is heated in the stream.
+    #[arg(long, value_parser = choice([
+        ("wire", "one hot film needle and a reference", WIRE),
+        ("cylinder", "three sectors around a tube", CYLINDER),
+        ("sphere", "four sectors of a sphere on two cores, with a reference", SPHERE),
+        ("plate", "one film on a plate and a reference", PLATE),
+    ]))]
+    kind: &'static str,
+}
+
+/// Writes the folder.
+pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    let name = folder.file_name().and_then(|name| name.to_str()).filter(|name| is_name(name)).ok_or_else(|| {
+        Failure::usage(format!(
+            "{}: a folder of letters, digits and hyphens belongs here: its name becomes the head's",
+            folder.display()
+        ))
+    })?;
+    let text = arguments.kind.replacen("NAME", name, 1);
+    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.clone() })?;
+    let experiments = experiments(&head)?;
+    if folder.exists() {
+        let sentence = format!("{}: is there already; nothing was written", folder.display());
+        return Err(Failure::usage(sentence));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
+    crate::output::write_text(&folder.join("head.toml"), &text)?;
+    for (file, text) in &experiments {
+        crate::output::write_text(&folder.join(file), text)?;
+    }
+    let files: Vec<&str> = experiments.iter().map(|(file, _)| file.as_str()).collect();
+    let folder = Path::display(folder);
+    crate::output::print(&format!(
+        "{folder}/head.toml and {} are there. Next:\n  anemo head check {folder}/head.toml --overheat {OVERHEAT_K}\n  \
+         anemo run {folder}/held.toml --on sim -o held.parquet --plot held.svg\n",
+        files.join(", ")
+    ))
+}
+
+fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}
+
+/// Names and texts of the experiments of a head: long enough for its slowest and its usual time
+/// constants.
+fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
+    let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = OVERHEAT_K)?;
+    let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
+    let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
+    let conditions = report.conditions;
+    let set_point_c = short(conditions.set_point_c(), 4);
+    let start = |title: &str, duration_s: f64, seed: u64| {
+        format!(
+            "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = 0.01\nduration_s = {duration_s:.1}\n\
+             seed = {seed} # of noise, and of the specimen where head.toml states tolerances\n\n[gas]\nspecies = \"{}\"\n\
+             pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n[drives]\n",
+            head.name,
+            conditions.species.name(),
+            conditions.pressure_pa,
+            conditions.temperature_c
+        )
+    };
+    let rods = head.body.iter().flat_map(|body| &body.links).any(|link| matches!(link, BodyLink::Rod { .. }));
+    let warm_s = (if rods { 2.0 } else { 5.0 } * slowest_s / 60.0).ceil() * 60.0;
+    let winds = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
+    let each_s = 60.0;
+    let mut text = start("held in winds", warm_s + each_s * winds.len() as f64, 1);
+    held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+    for (i, speed) in winds.iter().enumerate() {
+        let start_s = if i == 0 { 0.0 } else { warm_s + each_s * i as f64 };
+        text += &format!(
+            "\n[[wind]]\nstart_s = {start_s:.1}\nlabel = \"{speed} m/s\"\nspeed_m_s = {speed:.1}\nazimuth_deg = 200.0\n"
+        );
+    }
+    let mut all = vec![("held.toml".to_owned(), text)];
+    let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
+    for (i, name) in held.iter().enumerate() {
+        // Bits as long as a fifth of the loop's own time: the fastest that a record resolves.
+        let mut text = start(&format!("what {name} heats, in quiescent gas"), record_s, 41);
+        text += &format!(
+            "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
+             start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\
+             [[wind]]\nstart_s = 0.0\nlabel = \"still\"\nspeed_m_s = 0.0\n",
+            5 + i
+        );
+        all.push((format!("identify-{name}.toml"), text));
+    }
+    Ok(all)
+}

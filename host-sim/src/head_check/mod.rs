@@ -1,0 +1,20 @@
+//! Whether a head can do what it is meant for, from its file alone: `anemo head check`.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`conditions`] | gas, overheat, sample period and noise that it is judged in |
+//! | [`winds`] | needed powers by wind speed, the range of winds, the resolution |
+//! | [`warnings`] | what would go wrong |
+//! | [`report`] | all of it as text and as JSON |
+
+pub mod conditions;
+pub mod report;
+pub mod warnings;
+pub mod winds;
+
+pub use conditions::{GivenConditions, HeadConditions};
+pub use report::{HeadCheckReport, check};
+pub use winds::WindNeeds;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+//! What would go wrong with a head at its set-point: a sentence each.
+
+use anemometry::head::{Head, HeadElement};
+use dr_core::sensor::Level;
+
+use super::conditions::HeadConditions;
+use super::winds::WindRange;
+use recording::text::{brief, short};
+
+/// The same sentence about several elements, with their names.
+type Sentences = Vec<(String, Vec<String>)>;
+
+/// All of it.
+pub fn warnings(head: &Head, conditions: &HeadConditions, range: &WindRange) -> Vec<String> {
+    let mut sentences: Sentences = Vec::new();
+    for (i, element) in head.elements.iter().enumerate() {
+        of_element(head, element, range.held[i], conditions, &mut sentences);
+        let low_w = element.power_w(conditions.set_point_c(), Level::Low);
+        if range.held[i] && range.at_rest_w[i] < low_w {
+            let what = "needs less in quiescent gas than its low level gives: it stays above the set-point there";
+            add(&mut sentences, element, what.to_owned());
+        }
+    }
+    if let Some(strongest) = range.winds.last() {
+        for (i, element) in head.elements.iter().enumerate().filter(|(i, _)| range.held[*i]) {
+            let needed_w = strongest.power_w[i][1];
+            let Some(energy) = element.config.limits.energy else { continue };
+            if f64::from(energy.sustained_power_w) < needed_w {
+                let what = format!(
+                    "`sustained_power_w` is {} W, and {} m/s takes up to {} W: it trips there once `energy_j` is used up",
+                    energy.sustained_power_w,
+                    short(strongest.speed_m_s, 2),
+                    short(needed_w, 2)
+                );
+                add(&mut sentences, element, what);
+            }
+        }
+    }
+    let mut all: Vec<String> =
+        sentences.into_iter().map(|(what, names)| format!("{}: {what}", names.join(", "))).collect();
+    if !range.held.contains(&true) {
+        let overheat_k = conditions.overheat_k;
+        all.push(format!("no element can be held {overheat_k} K above this gas: more current, or less overheat"));
+    }
+    all
+}
+
+/// Adds an element to the sentence about it.
+fn add(sentences: &mut Sentences, element: &HeadElement, what: String) {
+    match sentences.iter_mut().find(|(known, _)| *known == what) {
+        Some((_, names)) => names.push(element.name.clone()),
+        None => sentences.push((what, vec![element.name.clone()])),
+    }
+}
+
+fn of_element(head: &Head, element: &HeadElement, held: bool, conditions: &HeadConditions, sentences: &mut Sentences) {
+    let mut say = |what: String| add(sentences, element, what);
+    let hottest_c = if held { conditions.set_point_c() } else { conditions.temperature_c };
+    let resistance_ohm = f64::from(element.config.channel.platinum().resistance_ohm(hottest_c as f32));
+    let limits = &element.config.limits;
+    let current_a = if held { element.nominal.current_high_a } else { element.nominal.current_low_a };
+    let at = format!("at {} °C", brief(hottest_c));
+    if resistance_ohm > f64::from(limits.resistance_max_ohm) {
+        let most = limits.resistance_max_ohm;
+        say(format!(
+            "has {} Ω {at}, above its `resistance_max_ohm` of {most} Ω: it trips as open",
+            brief(resistance_ohm)
+        ));
+    }
+    if resistance_ohm < f64::from(limits.resistance_min_ohm) {
+        let least = limits.resistance_min_ohm;
+        say(format!(
+            "has {} Ω {at}, below its `resistance_min_ohm` of {least} Ω: it trips as shorted",
+            brief(resistance_ohm)
+        ));
+    }
+    if hottest_c > f64::from(limits.temperature_max_c) {
+        say(format!(
+            "its `temperature_max_c` of {} °C is below the set-point of {} °C",
+            limits.temperature_max_c,
+            brief(hottest_c)
+        ));
+    }
+    let volt = current_a * resistance_ohm;
+    if volt > head.full_scale_v {
+        say(format!("has {} V {at}, above the converter's `full_scale_v` of {} V", brief(volt), head.full_scale_v));
+    }
+    if let Some(compliance_v) = head.compliance_v.filter(|compliance_v| volt > *compliance_v) {
+        say(format!("has {} V {at}, above the `compliance_v` of its current source, {compliance_v} V", brief(volt)));
+    }
+}
