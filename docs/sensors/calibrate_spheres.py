@@ -89,7 +89,7 @@ B_PARAMETERS = [
 
 
 def sphere_b(**changed):
-    """host-sim/src/sensor/sphere.rs as it is."""
+    """The body of heads/sphere-b.toml."""
     p = {name: value for name, value, _, _ in B_PARAMETERS} | changed
     s = Sphere()
     sectors = [s.node(f"sector{i + 1}", p["sector"]) for i in range(4)]

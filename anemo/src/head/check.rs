@@ -9,8 +9,8 @@ use anemometry::gas::Species;
 use anemometry::head::Head;
 use host_sim::head_check::{GivenConditions, HeadConditions, check};
 
-/// Report what a head comes to, from its file alone: time constants and gains of its body, the power
-/// that each element needs by wind, the range of winds, and what noise leaves of the speed.
+/// Report what a head comes to, from its file alone: time constants and gains of its body, the
+/// power that each element needs by wind, the range of winds, and what noise leaves of the speed.
 ///
 /// All elements are held at the overheat; those that their high level cannot bring there only
 /// sense. Powers are the least and the greatest over 26 directions. Warnings name what would trip,

@@ -66,8 +66,8 @@ fn powers_gains_and_time_constants_are_those_by_hand() {
 #[test]
 fn the_resolution_is_that_of_the_formula() {
     let report = checked(&[]);
-    // A step of 108 − 1.08 mW rounded at 100 bits a second: 2/12 of (1.069 mW)², so 0.436 mW. Noise of
-    // a code, 0.48 µV, is 0.04 mK and adds nothing. dP/dU at 1 m/s is b ΔT / 2 = 15 mW/(m/s).
+    // A step of 108 − 1.08 mW rounded at 100 bits a second: 2/12 of (1.069 mW)², so 0.436 mW. Noise
+    // of a code, 0.48 µV, is 0.04 mK and adds nothing. dP/dU at 1 m/s is b ΔT / 2 = 15 mW/(m/s).
     let needs = report.range.near(1.0).unwrap();
     let expected = 1.069e-3 / 6.0_f64.sqrt() / 15e-3;
     assert!((needs.resolution_m_s / expected - 1.0).abs() < 0.02, "{} for {expected}", needs.resolution_m_s);

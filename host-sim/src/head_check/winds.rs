@@ -6,11 +6,11 @@
 //! σ_U  = √Σσ_P² / (dΣP/dU)
 //! ```
 //!
-//! ΔP is the step between the levels, T the sample period, τ the second that is averaged over, C the
-//! element's own capacity and G its conductance to all else: rounding of a mean of bits at either
-//! end, heat that noise in the two last readings leaves or takes, and noise of the held temperature.
-//! The sum of all powers gives the speed, as a mean over directions. Drift, gas temperature and
-//! calibration come on top, and weigh more.
+//! ΔP is the step between the levels, T the sample period, τ the second that is averaged over, C
+//! the element's own capacity and G its conductance to all else: rounding of a mean of bits at
+//! either end, heat that noise in the two last readings leaves or takes, and noise of the held
+//! temperature. The sum of all powers gives the speed, as a mean over directions. Drift, gas
+//! temperature and calibration come on top, and weigh more.
 
 use anemometry::head::HeadElement;
 use dr_core::sensor::Level;
@@ -54,8 +54,8 @@ pub struct WindRange {
     pub winds: Vec<WindNeeds>,
     /// Least wind whose power exceeds that of quiescent gas in a second, m/s.
     pub least_m_s: Option<f64>,
-    /// Greatest wind in which all held elements stay held, m/s; none if even quiescent gas takes too
-    /// much.
+    /// Greatest wind in which all held elements stay held, m/s; none if even quiescent gas takes
+    /// too much.
     pub greatest_m_s: Option<f64>,
     /// The element that ends it there.
     pub limited_by: Option<usize>,

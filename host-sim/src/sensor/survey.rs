@@ -1,5 +1,5 @@
-//! What a head's body needs and how fast it is, without letting time pass: powers that hold set-points
-//! in a steady wind, gains, time constants.
+//! What a head's body needs and how fast it is, without letting time pass: powers that hold
+//! set-points in a steady wind, gains, time constants.
 
 use dr_core::sensor::Level;
 
@@ -41,8 +41,8 @@ impl BodySurvey {
         Ok(Self { body, elements: elements.to_vec() })
     }
 
-    /// Power that each element takes in a wind, those with a set-point in °C as it needs, the others
-    /// at their low level.
+    /// Power that each element takes in a wind, those with a set-point in °C as it needs, the
+    /// others at their low level.
     pub fn operating_point(&mut self, wind_m_s: [f64; 3], held_c: &[Option<f64>]) -> OperatingPoint {
         self.body.set_wind(wind_m_s);
         let elements = &self.elements;

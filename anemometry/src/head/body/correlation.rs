@@ -16,7 +16,8 @@ pub enum Correlation {
     /// A cylinder in crossflow: one surface without normal has the mean by Churchill and Bernstein,
     /// several are sectors around the axis.
     Cylinder(CylinderShape),
-    /// A flat plate along whatever wind there is: Pohlhausen's laminar layer on a disc's conduction.
+    /// A flat plate along whatever wind there is: Pohlhausen's laminar layer on a disc's
+    /// conduction.
     Plate(PlateShape),
     /// A fine wire.
     Wire(WireShape),

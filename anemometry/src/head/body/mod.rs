@@ -24,11 +24,16 @@
 //! | [`correlation`] | what the wind takes, by name |
 //! | [`names`] | names that stand for several |
 //! | [`checked`] | the same with every name resolved and every number found possible |
+//! | `reader`, `convection` | how it is read: nodes, links and elements; laws and surfaces |
+//! | `ways` | which nodes links join |
 
 pub mod checked;
+mod convection;
 pub mod correlation;
 pub mod names;
+mod reader;
 pub mod table;
+mod ways;
 
 pub use checked::{Body, BodyElement, BodyLink, BodyNode, BodySurface, Convection};
 pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};

@@ -4,11 +4,25 @@
 /// More names than a body can use.
 const MOST_NAMES: usize = 4096;
 
+/// Why a pattern stands for nothing: the rest of a sentence about its key.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NamesError {
+    /// It is no word.
+    #[error("has the name {0:?}: a word without brackets, `:` and quotation marks belongs here")]
+    Word(String),
+    /// There are too many.
+    #[error("stands for more than {MOST_NAMES} names")]
+    TooMany,
+    /// What stands in brackets.
+    #[error("has `[{0}`, which is no range: write `[1-4]` for the numbers 1 to 4")]
+    Range(String),
+}
+
 /// All that a pattern stands for, in order.
 ///
 /// # Errors
-/// The rest of a sentence about the key.
-pub fn all(pattern: &str) -> Result<Vec<String>, String> {
+/// If a part of it is no word or no range, or stands for too many.
+pub fn all(pattern: &str) -> Result<Vec<String>, NamesError> {
     let mut names = Vec::new();
     for part in pattern.split(',').map(str::trim) {
         expand(part, String::new(), &mut names)?;
@@ -16,7 +30,7 @@ pub fn all(pattern: &str) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), String> {
+fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), NamesError> {
     let Some((plain, behind)) = rest.split_once('[') else {
         let name = before + rest;
         if name.is_empty() || name.contains(|c: char| c.is_whitespace() || "[]:\"".contains(c)) {
@@ -25,7 +39,7 @@ fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), Str
             ));
         }
         if names.len() == MOST_NAMES {
-            return Err(format!("stands for more than {MOST_NAMES} names"));
+            return Err(NamesError::TooMany);
         }
         names.push(name);
         return Ok(());
@@ -38,7 +52,7 @@ fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), Str
         Some((first, last, behind)) if first <= last => {
             (first..=last).try_for_each(|number| expand(behind, format!("{before}{plain}{number}"), names))
         }
-        _ => Err(format!("has `[{behind}`, which is no range: write `[1-4]` for the numbers 1 to 4")),
+        _ => Err(NamesError::Range(behind.to_owned())),
     }
 }
 
@@ -63,7 +77,7 @@ mod tests {
             ("", "has the name \"\""),
             ("a[0-9][0-9][0-9][0-9]", "stands for more than 4096 names"),
         ] {
-            let sentence = all(pattern).unwrap_err();
+            let sentence = all(pattern).unwrap_err().to_string();
             assert!(sentence.contains(expected), "{pattern}: {sentence}");
         }
     }

@@ -74,13 +74,13 @@ pub struct ConvectionTable {
     /// By what law.
     pub correlation: Correlation,
     /// What loses heat by it.
-    pub surfaces: Vec<SurfaceTable>,
+    pub surfaces: Vec<BodySurfaceTable>,
 }
 
 /// An entry of `surfaces`
 #[derive(Deserialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
-pub struct SurfaceTable {
+pub struct BodySurfaceTable {
     /// One name, or several.
     pub name: String,
     /// Its node; by default the one of that name.

@@ -6,7 +6,7 @@ use anemometry::head::body::{Convection, Correlation, KingLaw};
 use super::boom::Boom;
 use super::cylinder::Cylinder;
 use super::king;
-use super::nusselt_table::NusseltTable;
+use super::nusselt_table::TableConvection;
 use super::plate::Plate;
 use super::sphere_surfaces::SphereSurfaces;
 use super::wire::Wire;
@@ -28,7 +28,7 @@ pub enum BodyConvection {
     /// King's law.
     King(KingLaw),
     /// By a table.
-    Table(NusseltTable),
+    Table(TableConvection),
 }
 
 impl BodyConvection {
@@ -46,7 +46,7 @@ impl BodyConvection {
             Correlation::King(law) => Self::King(*law),
             Correlation::Table(grid) => {
                 let normals = of.surfaces.iter().map(|surface| surface.normal).collect();
-                Self::Table(NusseltTable::new(gas, grid.clone(), normals)?)
+                Self::Table(TableConvection::new(gas, grid.clone(), normals)?)
             }
             Correlation::Boom(shape) => Self::Boom(Boom::new(gas, shape)?),
         })

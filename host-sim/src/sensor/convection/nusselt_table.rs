@@ -2,8 +2,8 @@
 //!
 //! The angle is that between the surface's normal and the direction the wind comes from. Between
 //! the rows the table is straight in ln Re, between the columns in the angle; below the first row
-//! Nu goes as √Re from its value at rest, above the last as the power of the last two rows, which is
-//! `extrapolated`. Limits: one gas (no Prandtl number); a continuum around the length.
+//! Nu goes as √Re from its value at rest, above the last as the power of the last two rows, which
+//! is `extrapolated`. Limits: one gas (no Prandtl number); a continuum around the length.
 
 use super::flow::{continuum, speed_m_s};
 use crate::sensor::error::SensorError;
@@ -13,14 +13,14 @@ use anemometry::vector::dot;
 
 /// Convection by a table in one gas.
 #[derive(Clone, Debug)]
-pub struct NusseltTable {
+pub struct TableConvection {
     grid: NusseltGrid,
     normals: Vec<Option<[f64; 3]>>,
     reynolds_per_speed: f64,
     conductance_per_nusselt_w_k: f64,
 }
 
-impl NusseltTable {
+impl TableConvection {
     /// Refuses a gas so thin that it is no continuum around the length.
     pub fn new(gas: &IdealGas, grid: NusseltGrid, normals: Vec<Option<[f64; 3]>>) -> Result<Self, SensorError> {
         continuum(gas, grid.length_m)?;
@@ -94,7 +94,7 @@ mod tests {
             nusselt: vec![vec![10.0, 6.0, 4.0], vec![20.0, 12.0, 8.0], vec![40.0, 24.0, 16.0]],
             nusselt_at_rest: 2.0,
         };
-        let table = NusseltTable::new(&gas, grid, vec![Some([1.0, 0.0, 0.0]), None]).unwrap();
+        let table = TableConvection::new(&gas, grid, vec![Some([1.0, 0.0, 0.0]), None]).unwrap();
         let per_speed = gas.reynolds(1.0, 0.01);
         let nusselt = |reynolds: f64, degrees: f64| {
             let speed = reynolds / per_speed;

@@ -2,7 +2,8 @@
 //! than to any other.
 //!
 //! ```text
-//! P_n(w·r) = Σ_m (2 − δ_m0) (n−m)!/(n+m)! P_n⁽ᵐ⁾(w_z) P_n⁽ᵐ⁾(r_z) Re[(w_x + i w_y)ᵐ (r_x − i r_y)ᵐ]
+//! P_n(w·r) = Σ_m (2 − δ_m0) (n−m)!/(n+m)! P_n⁽ᵐ⁾(w_z) P_n⁽ᵐ⁾(r_z) Re[(w_x + i w_y)ᵐ (r_x − i
+//! r_y)ᵐ]
 //! ```
 //!
 //! (addition theorem, P_n⁽ᵐ⁾ the m-th derivative; w, r of length 1) splits the mean over r into

@@ -2,7 +2,7 @@
 //! hemispheres, or [cells](super::sphere_cells) around any other normals.
 //!
 //! ```text
-//! G_i   = Nu_i k π d s_i          conductance of surface i, a share s_i of the whole, to the gas, W/K
+//! G_i   = Nu_i k π d s_i          conductance of surface i, a share s_i of all, to the gas, W/K
 //! ```
 //!
 //! **Means.** With z = n·w (n the surface's axis, w the direction the wind comes *from*), the

@@ -15,8 +15,8 @@
 //! *Sources.* Kramers 1946, Physica 12, 61: Re 0.01 … 10⁴. Collis and Williams 1959, J. Fluid Mech.
 //! 6, 357: air, Re 0.02 … 140, overheat ratios up to 1.1; below, buoyancy decides.
 //!
-//! *Limits.* Above the ranges, and where T_f is beyond the known gases: `extrapolated`. Kn ≤ 0.1. No
-//! conduction into prongs (that is for links and rods), no free convection.
+//! *Limits.* Above the ranges, and where T_f is beyond the known gases: `extrapolated`. Kn ≤ 0.1.
+//! No conduction into prongs (that is for links and rods), no free convection.
 
 use std::f64::consts::PI;
 
