@@ -15,6 +15,9 @@ const NAMED: usize = 16;
 /// What an axis of a view shows: a normal has the length 1, and a name stands behind its tip.
 const REACH: f64 = 1.3;
 
+/// Speed in m/s, and the least and greatest power over directions, mW.
+pub type NeededPower = (f64, f64, f64);
+
 /// What is drawn of a head.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeadSketch {
@@ -28,8 +31,8 @@ pub struct HeadSketch {
     pub nodes: Vec<String>,
     /// Ends of every link; none is the support.
     pub links: Vec<(usize, Option<usize>)>,
-    /// Power of every held element, mW: by speed in m/s, least and greatest over directions.
-    pub powers_mw: Vec<(String, Vec<(f64, f64, f64)>)>,
+    /// Of every held element.
+    pub powers_mw: Vec<(String, Vec<NeededPower>)>,
     /// Power of the lowest high level, mW.
     pub high_mw: Option<f64>,
 }
@@ -139,7 +142,7 @@ fn powers(sketch: &HeadSketch) -> Chart {
         .x_title("Wind speed")
         .height(45.0);
     // Elements that need the same, as sectors do, share their curves.
-    let mut alike: Vec<(Vec<&str>, &[(f64, f64, f64)])> = Vec::new();
+    let mut alike: Vec<(Vec<&str>, &[NeededPower])> = Vec::new();
     for (name, points) in &sketch.powers_mw {
         match alike.iter_mut().find(|(_, other)| same(other, points)) {
             Some((names, _)) => names.push(name),
@@ -159,7 +162,7 @@ fn powers(sketch: &HeadSketch) -> Chart {
 }
 
 /// Whether two elements need the same within what a line is wide.
-fn same(one: &[(f64, f64, f64)], other: &[(f64, f64, f64)]) -> bool {
+fn same(one: &[NeededPower], other: &[NeededPower]) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 0.02 * a.abs();
     one.iter().zip(other).all(|(a, b)| near(a.1, b.1) && near(a.2, b.2))
 }

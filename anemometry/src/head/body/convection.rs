@@ -1,8 +1,8 @@
 //! What the wind sees of a body, read from its table: laws with possible sizes, surfaces with the
 //! normals that a law needs.
 
-use super::checked::{BodyLink, BodySurface, Convection};
 use super::correlation::Correlation;
+use super::parts::{BodyLink, BodySurface, Convection};
 use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
 use super::table::{BodySurfaceTable, ConvectionTable};
 use super::ways::way;

@@ -23,6 +23,7 @@
 //! | [`table`] | the table as it is written |
 //! | [`correlation`] | what the wind takes, by name |
 //! | [`names`] | names that stand for several |
+//! | [`parts`] | what it consists of: nodes, links, surfaces by number |
 //! | [`checked`] | the same with every name resolved and every number found possible |
 //! | `reader`, `convection` | how it is read: nodes, links and elements; laws and surfaces |
 //! | `ways` | which nodes links join |
@@ -31,12 +32,14 @@ pub mod checked;
 mod convection;
 pub mod correlation;
 pub mod names;
+pub mod parts;
 mod reader;
 pub mod table;
 mod ways;
 
-pub use checked::{Body, BodyElement, BodyLink, BodyNode, BodySurface, Convection};
+pub use checked::Body;
 pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
+pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection};
 
 #[cfg(test)]
 mod tests;

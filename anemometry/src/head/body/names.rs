@@ -34,9 +34,7 @@ fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), Nam
     let Some((plain, behind)) = rest.split_once('[') else {
         let name = before + rest;
         if name.is_empty() || name.contains(|c: char| c.is_whitespace() || "[]:\"".contains(c)) {
-            return Err(format!(
-                "has the name {name:?}: a word without brackets, `:` and quotation marks belongs here"
-            ));
+            return Err(NamesError::Word(name));
         }
         if names.len() == MOST_NAMES {
             return Err(NamesError::TooMany);

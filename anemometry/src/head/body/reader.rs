@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::checked::{BodyLink, BodyNode};
 use super::names;
+use super::parts::{BodyLink, BodyNode};
 use super::table::{BodyTable, LinkTable};
 use crate::head::element::HeadElement;
 use recording::text::suggest;
@@ -24,6 +24,9 @@ pub(super) const LEAST: f64 = 1e-12;
 const SLOPE_PER_K: std::ops::RangeInclusive<f64> = -1e-3..=5e-3;
 /// A length, m.
 pub(super) const LONGEST_M: f64 = 10.0;
+
+/// A node, or none for the support.
+type End = Option<usize>;
 
 /// A body on the way from its table.
 pub struct BodyReader<'a> {
@@ -100,7 +103,7 @@ impl<'a> BodyReader<'a> {
     }
 
     /// Nodes by name; none stands for the support.
-    fn ends(&self, key: &str, pattern: &str) -> Result<Vec<Option<usize>>, FileError> {
+    fn ends(&self, key: &str, pattern: &str) -> Result<Vec<End>, FileError> {
         let end = |name: String| if name == SUPPORT { Ok(None) } else { self.node(key, &name).map(Some) };
         self.all(key, pattern)?.into_iter().map(end).collect()
     }
@@ -145,7 +148,7 @@ impl<'a> BodyReader<'a> {
         Ok(())
     }
 
-    fn pairs(&self, key: &str, table: &LinkTable) -> Result<Vec<(Option<usize>, Option<usize>)>, FileError> {
+    fn pairs(&self, key: &str, table: &LinkTable) -> Result<Vec<(End, End)>, FileError> {
         match (&table.from, &table.to, &table.among) {
             (Some(from), Some(to), None) => {
                 let (from, to) = (self.ends(&format!("{key}.from"), from)?, self.ends(&format!("{key}.to"), to)?);

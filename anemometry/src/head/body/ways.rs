@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::checked::BodyLink;
+use super::parts::BodyLink;
 
 /// Ends of every link.
 pub fn ways(links: &[BodyLink]) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {

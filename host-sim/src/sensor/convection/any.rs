@@ -22,7 +22,7 @@ pub enum BodyConvection {
     /// A plate on its own.
     Plate(Plate),
     /// A cylinder, whole or in sectors.
-    Cylinder(Cylinder),
+    Cylinder(Box<Cylinder>),
     /// A fine wire.
     Wire(Wire),
     /// King's law.
@@ -40,7 +40,7 @@ impl BodyConvection {
         let normals: Vec<[f64; 3]> = of.surfaces.iter().filter_map(|surface| surface.normal).collect();
         Ok(match &of.correlation {
             Correlation::Sphere { diameter_m } => Self::Sphere(SphereSurfaces::new(gas, *diameter_m, &normals)?),
-            Correlation::Cylinder(shape) => Self::Cylinder(Cylinder::new(gas, shape, &normals)?),
+            Correlation::Cylinder(shape) => Self::Cylinder(Box::new(Cylinder::new(gas, shape, &normals)?)),
             Correlation::Plate(shape) => Self::Plate(Plate::new(gas, shape)?),
             Correlation::Wire(shape) => Self::Wire(Wire::new(gas, shape)?),
             Correlation::King(law) => Self::King(*law),

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A sector is the part of the surface that is nearer to its normal than to any other's; its mean
-//! is taken from the Fourier series of Nu(φ), exactly but for what [`HARMONICS`] leave out (under
+//! is taken from the Fourier series of Nu(φ), exactly but for what `HARMONICS` leave out (under
 //! 0.3 % of Nu for a sector of 60° or more). What the wind along the axis adds has no front.
 //!
 //! *Sources.* Mean: Churchill and Bernstein 1977, Re·Pr > 0.2, within some 20 %. Front: the laminar

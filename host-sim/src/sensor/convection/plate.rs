@@ -8,7 +8,7 @@
 //! meets, a the radius of a disc of its area. 4 k a is conduction from a face of an isothermal disc
 //! into gas at rest; h_plate is the laminar layer of a plate, `plate_nusselt`. Their sum is the
 //! form of most correlations of small bodies. With gravity, free convection of an upright plate
-//! (Churchill and Chu 1975) joins the layer by [`joined`].
+//! (Churchill and Chu 1975) joins the layer by `joined`.
 //!
 //! Limits: edge-on to whatever wind there is, so that direction does not matter; the layer of a
 //! plate is that of Reynolds numbers well above 1, and here adds to conduction from 0 on; laminar

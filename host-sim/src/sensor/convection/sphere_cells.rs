@@ -84,8 +84,8 @@ fn functions([x, y, z]: [f64; 3]) -> Moments {
     let mut power = [1.0, 0.0];
     let mut functions = [[[0.0; 2]; ORDERS]; ORDERS];
     for m in 0..ORDERS {
-        for n in m..ORDERS {
-            functions[n][m] = power.map(|part| derivative[n] * part);
+        for (n, order) in functions.iter_mut().enumerate().skip(m) {
+            order[m] = power.map(|part| derivative[n] * part);
         }
         let mut next = [0.0; ORDERS];
         for n in 1..ORDERS {
