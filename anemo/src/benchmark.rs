@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 use crate::progress::announce;
+use anemometry::head::Head;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use recording::utc;
 use studies::benchmark::measured;
+use studies::benchmark::modes;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
 /// Measure what instrument and identification have to reach, on simulated sensors.
@@ -22,16 +24,21 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 ///
 /// `measured`: the beginning of every record in a folder is identified without options and the rest
 /// predicted, and what was said of the error held against what came.
+///
+/// `modes`: constant temperature (CTA), current (CCA) and power (CPA) on one head: how fast each
+/// follows a step of the wind, how much creeps after, and what a gas or support 10 K warmer does to
+/// the speed. Numbers that the head's file marks as unknown are varied over their range.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo benchmark wind
   anemo benchmark wind -o out --heads out/heads --json
   anemo benchmark drift --records 50
-  anemo benchmark measured --tables records")]
+  anemo benchmark measured --tables records
+  anemo benchmark modes --head heads/sphere-b.toml -o out")]
 pub struct Arguments {
     /// What is measured.
-    #[arg(value_name = "wind|drift|measured")]
+    #[arg(value_name = "wind|drift|measured|modes")]
     name: BenchmarkName,
     /// Records of each kind of drift.
     #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -45,6 +52,15 @@ pub struct Arguments {
     /// The folder with measured records as CSV tables, the time first and the output last.
     #[arg(long, value_name = "FOLDER", required_if_eq("name", "measured"))]
     tables: Option<PathBuf>,
+    /// A head whose modes are compared, as often as there are heads.
+    #[arg(long, value_name = "FILE", required_if_eq("name", "modes"))]
+    head: Vec<PathBuf>,
+    /// Their elements over the gas, K.
+    #[arg(long, value_name = "K", default_value_t = 30.0)]
+    overheat: f64,
+    /// Heads within the ranges of its unknown numbers, where it has any.
+    #[arg(long, value_name = "COUNT", default_value_t = 8)]
+    draws: usize,
     /// Also write the calibrated heads into this folder.
     #[arg(long, value_name = "FOLDER")]
     heads: Option<PathBuf>,
@@ -58,6 +74,7 @@ enum BenchmarkName {
     Wind,
     Drift,
     Measured,
+    Modes,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -65,6 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         BenchmarkName::Wind => wind_benchmark(arguments),
         BenchmarkName::Drift => drift_benchmark(arguments),
         BenchmarkName::Measured => measured_benchmark(arguments),
+        BenchmarkName::Modes => modes_benchmark(arguments),
     }
 }
 
@@ -90,6 +108,18 @@ fn measured_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     }
     let report = measured::measured(&tables, &|path| announce(&path.display().to_string())).map_err(unread)?;
     dated(&arguments.output, "measured.md", &|day| report.page(day))?;
+    crate::output::print_report(&report, arguments.json)
+}
+
+fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    let overheat_k = arguments.overheat;
+    if !(overheat_k.is_finite() && overheat_k > 0.0) {
+        return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
+    }
+    let heads = arguments.head.iter().map(|path| Head::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let compared = |head| modes::compare(head, overheat_k, arguments.draws, &announce).map_err(Failure::work);
+    let report = modes::ModesReport { heads: heads.iter().map(compared).collect::<Result<_, _>>()? };
+    dated(&arguments.output, "modes.md", &|day| report.page(day))?;
     crate::output::print_report(&report, arguments.json)
 }
 

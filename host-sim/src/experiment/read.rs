@@ -32,6 +32,18 @@ impl Experiment {
     /// # Errors
     /// File, line and what is wrong.
     pub fn from_source(source: TomlSource) -> Result<Self, FileError> {
+        Self::with_head(source, None)
+    }
+
+    /// The same with a head that is at hand, whatever file the experiment names.
+    ///
+    /// # Errors
+    /// As [`from_source`](Self::from_source).
+    pub fn of_head(source: TomlSource, head: Head) -> Result<Self, FileError> {
+        Self::with_head(source, Some(head))
+    }
+
+    fn with_head(source: TomlSource, head: Option<Head>) -> Result<Self, FileError> {
         let table: ExperimentTable = source.parse()?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
         // A file that is not there is the experiment's mistake; one that is wrong is its own.
@@ -42,7 +54,8 @@ impl Experiment {
                 Some(_) => error,
             }
         };
-        let mut head = Head::read(&folder.join(&table.head)).map_err(place("head"))?;
+        let read = || Head::read(&folder.join(&table.head)).map_err(place("head"));
+        let mut head = head.map_or_else(read, Ok)?;
         let mut currents = Vec::with_capacity(table.currents.len());
         for (name, levels) in &table.currents {
             let place = head

@@ -50,6 +50,13 @@ impl BodySurvey {
         OperatingPoint { power_w, extrapolated: self.body.extrapolated(wind_m_s) }
     }
 
+    /// Temperatures of all elements in a wind under powers that may depend on them, °C.
+    pub fn temperatures_c(&mut self, wind_m_s: [f64; 3], power_w: impl Fn(usize, f64) -> f64) -> Vec<f64> {
+        self.body.set_wind(wind_m_s);
+        self.body.hold(&vec![None; self.elements.len()], power_w);
+        (0..self.elements.len()).map(|i| self.body.element_temperature_c(i)).collect()
+    }
+
     /// Rise of every element by a watt of its own, K/W.
     pub fn own_gains_k_per_w(&mut self, wind_m_s: [f64; 3]) -> Vec<f64> {
         self.body.set_wind(wind_m_s);

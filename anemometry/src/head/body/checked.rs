@@ -3,9 +3,10 @@
 
 use std::collections::VecDeque;
 
-use super::parts::{BodyLink, BodyNode, BodySurface, Convection};
+use super::parts::{BodyLink, BodyNode, BodySurface, Convection, UnknownNumber};
 use super::reader::BodyReader;
 use super::table::{BodyGas, BodyTable, Tolerances};
+use super::unknown;
 use super::ways::{neighbours, ways};
 use crate::gas::{IdealGas, ZERO_CELSIUS_K};
 use crate::head::element::HeadElement;
@@ -29,6 +30,8 @@ pub struct Body {
     pub gas: Option<BodyGas>,
     /// How much a specimen differs.
     pub tolerances: Option<Tolerances>,
+    /// Numbers that nobody has published.
+    pub unknown: Vec<UnknownNumber>,
 }
 
 impl Body {
@@ -52,6 +55,7 @@ impl Body {
             convection,
             gas: table.gas,
             tolerances: table.tolerances,
+            unknown: unknown::found(source, &table.unknown)?,
         };
         checked.check(source)?;
         Ok(checked)

@@ -14,6 +14,7 @@
 //! | `[[body.convection]]` | a [correlation](Correlation), and the surfaces that lose heat by it |
 //! | `gas` | the gas that the head is meant for, where a command is given none |
 //! | `tolerances` | how much a specimen differs from the file |
+//! | `unknown` | numbers that nobody has published, and their ranges |
 //!
 //! A name may stand for several: `chip[1-4]` is four of them, `core1,core2` two. Links between
 //! several join the first with the first and so on, or each with one.
@@ -25,6 +26,7 @@
 //! | [`names`] | names that stand for several |
 //! | [`parts`] | what it consists of: nodes, links, surfaces by number |
 //! | [`checked`] | the same with every name resolved and every number found possible |
+//! | [`unknown`] | numbers that nobody has published, and other values of them |
 //! | `reader`, `convection` | how it is read: nodes, links and elements; laws and surfaces |
 //! | `ways` | which nodes links join |
 
@@ -35,11 +37,12 @@ pub mod names;
 pub mod parts;
 mod reader;
 pub mod table;
+pub mod unknown;
 mod ways;
 
 pub use checked::Body;
 pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
-pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection};
+pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection, UnknownNumber};
 
 #[cfg(test)]
 mod tests;

@@ -88,3 +88,16 @@ pub struct BodySurface {
     /// Nodes on the way from it to its element, which count as its own: their heat is stored in it.
     pub carries: Vec<usize>,
 }
+
+/// A number that nobody has published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnknownNumber {
+    /// Where it stands in the file.
+    pub of: String,
+    /// What the file has.
+    pub value: f64,
+    /// Least that it can be.
+    pub least: f64,
+    /// Most that it can be.
+    pub most: f64,
+}

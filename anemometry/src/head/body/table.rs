@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::correlation::Correlation;
+use super::unknown::UnknownTable;
 use crate::gas::Species;
 
 /// `[body]`
@@ -26,6 +27,9 @@ pub struct BodyTable {
     pub gas: Option<BodyGas>,
     /// How much a specimen differs from the file.
     pub tolerances: Option<Tolerances>,
+    /// Numbers that nobody has published.
+    #[serde(default)]
+    pub unknown: Vec<UnknownTable>,
 }
 
 /// An entry of `nodes`

@@ -132,3 +132,34 @@ fn laws_refuse_what_they_cannot_be_for() {
     let sentence = refused("rems.toml", "  { name = \"shank[1-3]\" },\n", "");
     assert!(sentence.contains("are 16: twelve dice, three cards, the head and cells of the shank"), "{sentence}");
 }
+
+#[test]
+fn an_unknown_number_has_a_range_and_other_values_make_another_head() {
+    let end = "gas = { species = \"co2\", pressure_pa = 1000.0, temperature_c = -53.15 }";
+    let with = |entry: &str| {
+        let mut source = source("sphere-b.toml");
+        source.text = source.text.replacen(end, &format!("{end}\nunknown = [ {entry} ]"), 1);
+        source.path = "h.toml".into();
+        Head::from_source(source)
+    };
+    let head = with(
+        "{ of = \"body.nodes[2].capacity_j_k\", least = 0.05, most = 0.1 }, { of = \"body.links[3].conductance_w_k\", least = 5e-5, most = 5e-4 }",
+    )
+    .unwrap();
+    let unknown = &head.body.as_ref().unwrap().unknown;
+    assert_eq!((unknown[0].value, unknown[1].value), (0.075, 1e-4));
+    let other = head.with_unknown(&[0.06, 2e-4]).unwrap().body.unwrap();
+    assert_eq!(other.nodes[8].capacity_j_k, 0.06);
+    let BodyLink::Solid { conductance_w_k, .. } = other.links[8] else { panic!("a pair of sectors") };
+    assert_eq!(conductance_w_k, 2e-4);
+    // All else is as it was.
+    assert_eq!(other.nodes[0], head.body.as_ref().unwrap().nodes[0]);
+    for (entry, expected) in [
+        ("{ of = \"body.nodes[9].capacity_j_k\", least = 0.05, most = 0.1 }", "`body.unknown[0]` names `body.nodes[9]"),
+        ("{ of = \"name\", least = 0.05, most = 0.1 }", "where no number stands"),
+        ("{ of = \"body.nodes[2].capacity_j_k\", least = 0.1, most = 0.2 }", "above 0, and around its 0.075"),
+    ] {
+        let sentence = with(entry).unwrap_err().to_string();
+        assert!(sentence.starts_with("h.toml, line ") && sentence.contains(expected), "{sentence}");
+    }
+}

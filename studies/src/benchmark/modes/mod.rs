@@ -1,0 +1,254 @@
+//! Constant temperature, current and power on one head: `anemo benchmark modes`.
+//!
+//! ```text
+//! r = Σ P_i / (T_i − T_gas)       the reading of all three: a conductance
+//! ```
+//!
+//! In constant-current (CCA) and constant-power (CPA) operation the temperature moves with the
+//! wind, and the whole structure with it; in constant-temperature operation (CTA, the thermal
+//! sigma-delta loop) the power does. How fast r follows a step of the wind, how much of it creeps,
+//! and what a gas or a support that is 10 K warmer than believed does to it differs by the mode, and
+//! by numbers of a head that nobody has published: these are varied over their range.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`jump`] | a run with a step of the wind, in one mode |
+//! | [`warmer`] | steady states in a warmer gas, and on a warmer support |
+//! | [`report`] | the figures as text, as JSON and as a page |
+
+pub mod jump;
+pub mod report;
+pub mod warmer;
+
+use anemometry::head::Head;
+use host_sim::head_check::{GivenConditions, HeadConditions, check};
+use host_sim::sensor::{BodySurvey, construction_of};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Uniform};
+use recording::toml_file::FileError;
+use serde::Serialize;
+
+pub use report::{HeadModes, ModesReport};
+
+/// The wind before and after the step, m/s along −x.
+pub const WINDS_M_S: [f64; 2] = [3.0, 6.0];
+/// How much of the slowest time constant a run lasts before and after its step.
+const TIME_CONSTANTS: f64 = 6.0;
+/// Longest that it lasts, s.
+const LONGEST_S: f64 = 7200.0;
+
+/// How the elements are operated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum OperatingMode {
+    /// Constant temperature, by the thermal sigma-delta loop.
+    Cta,
+    /// Constant current.
+    Cca,
+    /// Constant mean power.
+    Cpa,
+}
+
+impl OperatingMode {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::Cta, Self::Cca, Self::Cpa];
+
+    /// As anemometry calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cta => "CTA",
+            Self::Cca => "CCA",
+            Self::Cpa => "CPA",
+        }
+    }
+}
+
+/// What one mode comes to on one head.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ModeFigures {
+    /// The mode.
+    pub mode: OperatingMode,
+    /// Until r has made nine tenths of its change, s.
+    pub response_s: f64,
+    /// What is left of the change ten times as long after that of CTA, %.
+    pub creep_percent: f64,
+    /// Error of the speed by a gas 10 K warmer than believed, %.
+    pub gas_percent: f64,
+    /// Error of the speed by a support 10 K warmer, %.
+    pub support_percent: f64,
+}
+
+/// Why a head cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum ModesError {
+    /// Its file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A run.
+    #[error("{mode} at {overheat_k} K: {sentence}")]
+    Run {
+        /// In which mode.
+        mode: &'static str,
+        /// Elements over the gas, K.
+        overheat_k: f64,
+        /// Why.
+        sentence: String,
+    },
+}
+
+/// A head with the same elements held in every mode.
+pub struct ComparedHead {
+    /// The head.
+    pub head: Head,
+    /// Gas and overheat.
+    pub conditions: HeadConditions,
+    /// Places of the elements that are heated.
+    pub held: Vec<usize>,
+    /// Power of every element at the first wind and the set-point, W.
+    pub power_w: Vec<f64>,
+    /// How long a run lasts before and after its step, s.
+    pub settle_s: f64,
+    survey: BodySurvey,
+}
+
+impl ComparedHead {
+    /// # Errors
+    /// If the head cannot be simulated.
+    pub fn new(head: Head, overheat_k: f64) -> Result<Self, FileError> {
+        let report = check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
+        let held: Vec<usize> = (0..head.elements.len()).filter(|&i| report.range.held[i]).collect();
+        let refuse = |error: String| head.source.refuse("body", format!("cannot be surveyed: {error}"));
+        let construction = construction_of(&head)?.ok_or_else(|| refuse("there is none".to_owned()))?;
+        let gas = report.conditions.gas().map_err(|error| refuse(error.to_string()))?;
+        let survey = BodySurvey::new(&construction, &head.elements, &gas, report.conditions.temperature_c)
+            .map_err(|error| refuse(error.to_string()))?;
+        let mut compared = Self {
+            conditions: report.conditions,
+            power_w: Vec::new(),
+            settle_s: (TIME_CONSTANTS * report.time_constants_s[0]).clamp(60.0, LONGEST_S).ceil(),
+            held,
+            survey,
+            head,
+        };
+        compared.power_w = compared.needed_w(WINDS_M_S[0]);
+        Ok(compared)
+    }
+
+    /// Power of every element that holds the set-points in a wind, W.
+    fn needed_w(&mut self, speed_m_s: f64) -> Vec<f64> {
+        let set_point_c = self.conditions.set_point_c();
+        let held = |i| self.held.contains(&i).then_some(set_point_c);
+        let held_c: Vec<Option<f64>> = (0..self.head.elements.len()).map(held).collect();
+        self.survey.operating_point([-speed_m_s, 0.0, 0.0], &held_c).power_w
+    }
+}
+
+/// The figures of all modes on one head.
+///
+/// # Errors
+/// If it cannot be simulated, or a run trips.
+pub fn figures(head: &Head, overheat_k: f64) -> Result<Vec<ModeFigures>, ModesError> {
+    let mut compared = ComparedHead::new(head.clone(), overheat_k)?;
+    let mut all = Vec::new();
+    let mut of_cta_s = None;
+    for mode in OperatingMode::ALL {
+        let course = jump::course(&compared, mode)?;
+        let response_s = course.response_s();
+        let warmer = warmer::errors(&mut compared, mode);
+        all.push(ModeFigures {
+            mode,
+            response_s,
+            creep_percent: course.left_percent(10.0 * *of_cta_s.get_or_insert(response_s)),
+            gas_percent: warmer.gas_percent,
+            support_percent: warmer.support_percent,
+        });
+    }
+    Ok(all)
+}
+
+/// The figures of a head as its file is, and of so many others within the ranges of its unknown
+/// numbers: all at their least, all at their most, and log-uniform draws between.
+///
+/// # Errors
+/// As [`figures`].
+pub fn compare(head: &Head, overheat_k: f64, draws: usize, progress: &dyn Fn(&str)) -> Result<HeadModes, ModesError> {
+    progress(&head.name);
+    let nominal = figures(head, overheat_k)?;
+    let unknown = head.body.as_ref().map_or(&[][..], |body| &body.unknown);
+    let mut others = Vec::new();
+    if !unknown.is_empty() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let uniform = Uniform::new(0.0, 1.0).unwrap_or_else(|_| unreachable!("0 is below 1"));
+        for draw in 0..draws {
+            let mut share = |_: usize| match draw {
+                0 => 0.0,
+                1 => 1.0,
+                _ => uniform.sample(&mut rng),
+            };
+            let values = unknown.iter().enumerate().map(|(i, of)| of.least * (of.most / of.least).powf(share(i)));
+            let values: Vec<f64> = values.collect();
+            progress(&format!("{}, draw {} of {draws}", head.name, draw + 1));
+            others.push(figures(&head.with_unknown(&values)?, overheat_k)?);
+        }
+    }
+    Ok(HeadModes::new(head, overheat_k, nominal, &others))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recording::toml_file::TomlSource;
+
+    /// One film of 50 mJ/K that obeys King's law and has nothing behind it.
+    const TEXT: &str = "name = \"king\"
+[adc]
+full_scale_v = 4.0
+bits = 24
+[guard]
+missing_limit_ticks = 1
+unreachable_limit_s = 1000.0
+[[elements]]
+name = \"film\"
+platinum = { characteristic = \"linear\", resistance_0c_ohm = 100.0, coefficient_per_c = 0.004 }
+current_low_a = 0.003
+current_high_a = 0.032
+resistance_min_ohm = 50.0
+resistance_max_ohm = 150.0
+temperature_max_c = 90.0
+[body]
+nodes = [ { name = \"film\", capacity_j_k = 0.05 } ]
+unknown = [ { of = \"body.nodes[0].capacity_j_k\", least = 0.02, most = 0.08 } ]
+[[body.convection]]
+correlation = { kind = \"king\", a_w_k = 1e-3, b_w_k = 1e-3, exponent = 0.5 }
+surfaces = [ { name = \"film\" } ]
+";
+
+    #[test]
+    fn modes_of_a_known_film_are_as_fast_and_as_wrong_as_theory_has_them() {
+        let head = Head::from_source(TomlSource { path: "h.toml".into(), text: TEXT.to_owned() }).unwrap();
+        let report = compare(&head, 30.0, 2, &|_| {}).unwrap();
+        let [cta, cca, cpa] = report.nominal[..] else { panic!("three modes") };
+        // The loop reads the wind from the power of the next second.
+        assert!(cta.response_s <= 1.5, "{cta:?}");
+        // CPA: the rise goes from P/G1 to P/G2 with C/G2, G 2.73 and 3.45 mW/K: r = P/rise has made
+        // nine tenths of its change where rise is 1.0265 of its end, ln(0.264/0.0213) · 14.5 s = 34 s.
+        let rise = |t: f64| 1.0 + (3.449 / 2.732 - 1.0) * (-t * 3.449e-3 / 0.05_f64).exp();
+        let there = 2.732 + 0.9 * (3.449 - 2.732);
+        let expected_s = (0..1000).map(|k| 0.1 * f64::from(k)).find(|&t| 3.449 / rise(t) >= there).unwrap();
+        // Half the steps of the means, and bits, which make them noisy.
+        assert!((cpa.response_s - expected_s).abs() < 2.0, "{cpa:?} for {expected_s}");
+        assert!(cca.response_s > 0.9 * expected_s, "{cca:?}");
+        // A gas 10 K warmer takes a third less of the power: r is 2/3, and a wind of r² in what is
+        // beyond a; by the slope between the winds it is (2/3)^(1/0.336).
+        let slope = (3.449_f64 / 2.732).ln() / 2.0_f64.ln();
+        let expected = 100.0 * ((2.0_f64 / 3.0).powf(1.0 / slope) - 1.0);
+        assert!((cta.gas_percent - expected).abs() < 0.5, "{cta:?} for {expected}");
+        // Nothing leads to the support.
+        assert!(cta.support_percent.abs() < 1e-6 && cca.support_percent.abs() < 1e-6);
+        // Over the range of its capacity CPA is as slow as that, from 0.4 to 1.6 times.
+        let [least, most] = report.ranges[2];
+        assert!((least.response_s / expected_s - 0.4).abs() < 0.1, "{least:?}");
+        assert!((most.response_s / expected_s - 1.6).abs() < 0.1, "{most:?}");
+    }
+}

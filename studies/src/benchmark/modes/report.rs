@@ -1,0 +1,148 @@
+//! The figures of the modes as text, as JSON and as a page.
+
+use std::fmt;
+
+use anemometry::head::Head;
+use recording::text::short;
+use serde::Serialize;
+
+use super::{ModeFigures, OperatingMode, WINDS_M_S};
+
+/// What `anemo benchmark modes` reports.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModesReport {
+    /// Head by head.
+    pub heads: Vec<HeadModes>,
+}
+
+/// The modes on one head.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeadModes {
+    /// Name of the head.
+    pub head: String,
+    /// Elements over the gas, K.
+    pub overheat_k: f64,
+    /// With the numbers of its file.
+    pub nominal: Vec<ModeFigures>,
+    /// Over the ranges of its unknown numbers: least and greatest.
+    pub ranges: Vec<[ModeFigures; 2]>,
+    /// How many others there were.
+    pub draws: usize,
+    /// How many numbers are unknown.
+    pub unknown: usize,
+}
+
+/// The columns: what they are called, and where they stand.
+const COLUMNS: [(&str, fn(&ModeFigures) -> f64); 4] = [
+    ("response (s)", |of| of.response_s),
+    ("left after 10 x (%)", |of| of.creep_percent),
+    ("gas +10 K (%)", |of| of.gas_percent),
+    ("support +10 K (%)", |of| of.support_percent),
+];
+
+impl HeadModes {
+    /// Of one head, and of others within its ranges.
+    pub fn new(head: &Head, overheat_k: f64, nominal: Vec<ModeFigures>, others: &[Vec<ModeFigures>]) -> Self {
+        let range = |m: usize| {
+            let all = || others.iter().map(|of| of[m]).chain([nominal[m]]);
+            let end = |of: fn(&ModeFigures) -> f64, pick: fn(f64, f64) -> f64| {
+                all().map(|figures| of(&figures)).reduce(pick).unwrap_or(f64::NAN)
+            };
+            let ends = |pick: fn(f64, f64) -> f64| ModeFigures {
+                mode: nominal[m].mode,
+                response_s: end(|of| of.response_s, pick),
+                creep_percent: end(|of| of.creep_percent, pick),
+                gas_percent: end(|of| of.gas_percent, pick),
+                support_percent: end(|of| of.support_percent, pick),
+            };
+            [ends(f64::min), ends(f64::max)]
+        };
+        Self {
+            head: head.name.clone(),
+            overheat_k,
+            ranges: (0..nominal.len()).map(range).collect(),
+            nominal,
+            draws: others.len(),
+            unknown: head.body.as_ref().map_or(0, |body| body.unknown.len()),
+        }
+    }
+
+    /// The cells of a mode's row.
+    fn row(&self, m: usize) -> Vec<String> {
+        let [least, most] = &self.ranges[m];
+        let cell = |of: fn(&ModeFigures) -> f64| {
+            let value = short(of(&self.nominal[m]), 3);
+            match self.draws {
+                0 => value,
+                _ => format!("{value} ({} … {})", short(of(least), 3), short(of(most), 3)),
+            }
+        };
+        COLUMNS.iter().map(|(_, of)| cell(*of)).collect()
+    }
+
+    fn modes(&self) -> impl Iterator<Item = OperatingMode> {
+        self.nominal.iter().map(|of| of.mode)
+    }
+
+    /// Its part of a page.
+    fn page(&self) -> String {
+        let mut page = format!(
+            "\n## {}\n\n{} K over the gas; {}.\n\n| mode | {} |\n|---|---|---|---|---|\n",
+            self.head,
+            self.overheat_k,
+            self.basis(),
+            COLUMNS.map(|(title, _)| title).join(" | ")
+        );
+        for (m, mode) in self.modes().enumerate() {
+            page += &format!("| {} | {} |\n", mode.name(), self.row(m).join(" | "));
+        }
+        page
+    }
+
+    fn basis(&self) -> String {
+        match self.draws {
+            0 => "no number of it is free".to_owned(),
+            draws => format!("in brackets the range of {draws} draws of its {} unknown numbers", self.unknown),
+        }
+    }
+}
+
+impl fmt::Display for HeadModes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}, {} K over the gas; {}", self.head, self.overheat_k, self.basis())?;
+        write!(f, "\n{:<6}", "mode")?;
+        COLUMNS.iter().try_for_each(|(title, _)| write!(f, "{title:>28}"))?;
+        writeln!(f)?;
+        for (m, mode) in self.modes().enumerate() {
+            write!(f, "{:<6}", mode.name())?;
+            self.row(m).iter().try_for_each(|cell| write!(f, "{cell:>28}"))?;
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl ModesReport {
+    /// The page of a day.
+    pub fn page(&self, day: &str) -> String {
+        let parts: String = self.heads.iter().map(HeadModes::page).collect();
+        format!("# Operating modes\n\nBy `anemo benchmark modes`, {day}. {}\n{parts}", legend())
+    }
+}
+
+impl fmt::Display for ModesReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.heads.iter().try_for_each(|of| writeln!(f, "{of}"))?;
+        writeln!(f, "{}", legend())
+    }
+}
+
+/// What the columns are.
+fn legend() -> String {
+    let [from, to] = WINDS_M_S;
+    format!(
+        "Constant temperature (CTA, the thermal sigma-delta loop), constant current (CCA) and constant power (CPA) at the same point of \
+         {from} m/s. Response: until the sum of P/(T − T_gas) has made nine tenths of its change from {from} to {to} m/s. Left: of that \
+         change, ten responses of CTA later. Gas, support: error of the speed where nobody knows that it is 10 K warmer."
+    )
+}
