@@ -25,6 +25,7 @@
 //! | [`output`] | bandwidth and interval of wind estimates |
 //! | [`setup`] | a calibration as commands of the board's anemometer |
 //! | [`table`] | the file as it is written |
+//! | `variant` | a head with other values of its unknown numbers |
 //! | [`error`] | what is refused beside the file |
 
 pub mod body;
@@ -36,6 +37,7 @@ pub mod nominal;
 pub mod output;
 pub mod setup;
 pub mod table;
+mod variant;
 
 pub use element::HeadElement;
 pub use file::Head;

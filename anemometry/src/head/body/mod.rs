@@ -26,7 +26,7 @@
 //! | [`names`] | names that stand for several |
 //! | [`parts`] | what it consists of: nodes, links, surfaces by number |
 //! | [`checked`] | the same with every name resolved and every number found possible |
-//! | [`unknown`] | numbers that nobody has published, and other values of them |
+//! | [`unknown`] | numbers that nobody has published |
 //! | `reader`, `convection` | how it is read: nodes, links and elements; laws and surfaces |
 //! | `ways` | which nodes links join |
 

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::correlation::Correlation;
-use super::unknown::UnknownTable;
 use crate::gas::Species;
 
 /// `[body]`
@@ -124,4 +123,16 @@ pub struct Tolerances {
     pub area_percent: f64,
     /// Of the direction in which a surface looks, about either axis across it, °.
     pub normal_deg: f64,
+}
+
+/// An entry of `unknown`
+#[derive(Deserialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct UnknownTable {
+    /// Where it stands in the file: dotted, with `[n]` for the n-th of an array.
+    pub of: String,
+    /// Least that it can be.
+    pub least: f64,
+    /// Most that it can be.
+    pub most: f64,
 }

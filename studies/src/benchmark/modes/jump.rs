@@ -8,7 +8,7 @@ use host_sim::instrument::in_process::InProcess;
 use host_sim::run::run;
 use recording::toml_file::TomlSource;
 
-use super::{ComparedHead, ModesError, OperatingMode, WINDS_M_S};
+use super::compared::{ComparedHead, ModesError, OperatingMode, WINDS_M_S};
 
 /// Averaged over, s: bits are no reading.
 const MEAN_S: f64 = 0.5;
@@ -16,8 +16,8 @@ const MEAN_S: f64 = 0.5;
 const NOISE_CODES: f64 = 4.0;
 /// Share of the change that counts as there.
 const THERE: f64 = 0.9;
-/// Means on either side of a time that are averaged again, as a share of the time: bits are noisy, and
-/// what is slow can wait.
+/// Means on either side of a time that are averaged again, as a share of the time: bits are noisy,
+/// and what is slow can wait.
 const EITHER_SIDE: f64 = 0.1;
 
 /// r after the step, and at its ends.

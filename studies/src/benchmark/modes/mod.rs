@@ -7,142 +7,28 @@
 //! In constant-current (CCA) and constant-power (CPA) operation the temperature moves with the
 //! wind, and the whole structure with it; in constant-temperature operation (CTA, the thermal
 //! sigma-delta loop) the power does. How fast r follows a step of the wind, how much of it creeps,
-//! and what a gas or a support that is 10 K warmer than believed does to it differs by the mode, and
-//! by numbers of a head that nobody has published: these are varied over their range.
+//! and what a gas or a support that is 10 K warmer than believed does to it differs by the mode,
+//! and by numbers of a head that nobody has published: these are varied over their range.
 //!
 //! | file | what |
 //! |---|---|
+//! | [`compared`] | a head with the same elements heated in every mode |
 //! | [`jump`] | a run with a step of the wind, in one mode |
 //! | [`warmer`] | steady states in a warmer gas, and on a warmer support |
 //! | [`report`] | the figures as text, as JSON and as a page |
 
+pub mod compared;
 pub mod jump;
 pub mod report;
 pub mod warmer;
 
 use anemometry::head::Head;
-use host_sim::head_check::{GivenConditions, HeadConditions, check};
-use host_sim::sensor::{BodySurvey, construction_of};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
-use recording::toml_file::FileError;
-use serde::Serialize;
 
+pub use compared::{ComparedHead, ModeFigures, ModesError, OperatingMode};
 pub use report::{HeadModes, ModesReport};
-
-/// The wind before and after the step, m/s along −x.
-pub const WINDS_M_S: [f64; 2] = [3.0, 6.0];
-/// How much of the slowest time constant a run lasts before and after its step.
-const TIME_CONSTANTS: f64 = 6.0;
-/// Longest that it lasts, s.
-const LONGEST_S: f64 = 7200.0;
-
-/// How the elements are operated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub enum OperatingMode {
-    /// Constant temperature, by the thermal sigma-delta loop.
-    Cta,
-    /// Constant current.
-    Cca,
-    /// Constant mean power.
-    Cpa,
-}
-
-impl OperatingMode {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Cta, Self::Cca, Self::Cpa];
-
-    /// As anemometry calls it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cta => "CTA",
-            Self::Cca => "CCA",
-            Self::Cpa => "CPA",
-        }
-    }
-}
-
-/// What one mode comes to on one head.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ModeFigures {
-    /// The mode.
-    pub mode: OperatingMode,
-    /// Until r has made nine tenths of its change, s.
-    pub response_s: f64,
-    /// What is left of the change ten times as long after that of CTA, %.
-    pub creep_percent: f64,
-    /// Error of the speed by a gas 10 K warmer than believed, %.
-    pub gas_percent: f64,
-    /// Error of the speed by a support 10 K warmer, %.
-    pub support_percent: f64,
-}
-
-/// Why a head cannot be compared.
-#[derive(Debug, thiserror::Error)]
-pub enum ModesError {
-    /// Its file.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// A run.
-    #[error("{mode} at {overheat_k} K: {sentence}")]
-    Run {
-        /// In which mode.
-        mode: &'static str,
-        /// Elements over the gas, K.
-        overheat_k: f64,
-        /// Why.
-        sentence: String,
-    },
-}
-
-/// A head with the same elements held in every mode.
-pub struct ComparedHead {
-    /// The head.
-    pub head: Head,
-    /// Gas and overheat.
-    pub conditions: HeadConditions,
-    /// Places of the elements that are heated.
-    pub held: Vec<usize>,
-    /// Power of every element at the first wind and the set-point, W.
-    pub power_w: Vec<f64>,
-    /// How long a run lasts before and after its step, s.
-    pub settle_s: f64,
-    survey: BodySurvey,
-}
-
-impl ComparedHead {
-    /// # Errors
-    /// If the head cannot be simulated.
-    pub fn new(head: Head, overheat_k: f64) -> Result<Self, FileError> {
-        let report = check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
-        let held: Vec<usize> = (0..head.elements.len()).filter(|&i| report.range.held[i]).collect();
-        let refuse = |error: String| head.source.refuse("body", format!("cannot be surveyed: {error}"));
-        let construction = construction_of(&head)?.ok_or_else(|| refuse("there is none".to_owned()))?;
-        let gas = report.conditions.gas().map_err(|error| refuse(error.to_string()))?;
-        let survey = BodySurvey::new(&construction, &head.elements, &gas, report.conditions.temperature_c)
-            .map_err(|error| refuse(error.to_string()))?;
-        let mut compared = Self {
-            conditions: report.conditions,
-            power_w: Vec::new(),
-            settle_s: (TIME_CONSTANTS * report.time_constants_s[0]).clamp(60.0, LONGEST_S).ceil(),
-            held,
-            survey,
-            head,
-        };
-        compared.power_w = compared.needed_w(WINDS_M_S[0]);
-        Ok(compared)
-    }
-
-    /// Power of every element that holds the set-points in a wind, W.
-    fn needed_w(&mut self, speed_m_s: f64) -> Vec<f64> {
-        let set_point_c = self.conditions.set_point_c();
-        let held = |i| self.held.contains(&i).then_some(set_point_c);
-        let held_c: Vec<Option<f64>> = (0..self.head.elements.len()).map(held).collect();
-        self.survey.operating_point([-speed_m_s, 0.0, 0.0], &held_c).power_w
-    }
-}
 
 /// The figures of all modes on one head.
 ///
@@ -232,7 +118,8 @@ surfaces = [ { name = \"film\" } ]
         // The loop reads the wind from the power of the next second.
         assert!(cta.response_s <= 1.5, "{cta:?}");
         // CPA: the rise goes from P/G1 to P/G2 with C/G2, G 2.73 and 3.45 mW/K: r = P/rise has made
-        // nine tenths of its change where rise is 1.0265 of its end, ln(0.264/0.0213) · 14.5 s = 34 s.
+        // nine tenths of its change where rise is 1.0265 of its end, ln(0.264/0.0213) · 14.5 s = 34
+        // s.
         let rise = |t: f64| 1.0 + (3.449 / 2.732 - 1.0) * (-t * 3.449e-3 / 0.05_f64).exp();
         let there = 2.732 + 0.9 * (3.449 - 2.732);
         let expected_s = (0..1000).map(|k| 0.1 * f64::from(k)).find(|&t| 3.449 / rise(t) >= there).unwrap();

@@ -6,7 +6,7 @@ use anemometry::head::Head;
 use recording::text::short;
 use serde::Serialize;
 
-use super::{ModeFigures, OperatingMode, WINDS_M_S};
+use super::compared::{ModeFigures, OperatingMode, WINDS_M_S};
 
 /// What `anemo benchmark modes` reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,8 +32,11 @@ pub struct HeadModes {
     pub unknown: usize,
 }
 
+/// A figure of a mode.
+type Figure = fn(&ModeFigures) -> f64;
+
 /// The columns: what they are called, and where they stand.
-const COLUMNS: [(&str, fn(&ModeFigures) -> f64); 4] = [
+const COLUMNS: [(&str, Figure); 4] = [
     ("response (s)", |of| of.response_s),
     ("left after 10 x (%)", |of| of.creep_percent),
     ("gas +10 K (%)", |of| of.gas_percent),
@@ -45,7 +48,7 @@ impl HeadModes {
     pub fn new(head: &Head, overheat_k: f64, nominal: Vec<ModeFigures>, others: &[Vec<ModeFigures>]) -> Self {
         let range = |m: usize| {
             let all = || others.iter().map(|of| of[m]).chain([nominal[m]]);
-            let end = |of: fn(&ModeFigures) -> f64, pick: fn(f64, f64) -> f64| {
+            let end = |of: Figure, pick: fn(f64, f64) -> f64| {
                 all().map(|figures| of(&figures)).reduce(pick).unwrap_or(f64::NAN)
             };
             let ends = |pick: fn(f64, f64) -> f64| ModeFigures {
@@ -70,7 +73,7 @@ impl HeadModes {
     /// The cells of a mode's row.
     fn row(&self, m: usize) -> Vec<String> {
         let [least, most] = &self.ranges[m];
-        let cell = |of: fn(&ModeFigures) -> f64| {
+        let cell = |of: Figure| {
             let value = short(of(&self.nominal[m]), 3);
             match self.draws {
                 0 => value,

@@ -6,7 +6,7 @@
 use dr_core::sensor::Level;
 use host_sim::sensor::{BodySurvey, construction_of};
 
-use super::{ComparedHead, OperatingMode, WINDS_M_S};
+use super::compared::{ComparedHead, OperatingMode, WINDS_M_S};
 use anemometry::gas::IdealGas;
 
 /// How much warmer, K.
