@@ -33,10 +33,10 @@ pub struct HeadModes {
 }
 
 /// A figure of a mode.
-type Figure = fn(&ModeFigures) -> f64;
+type ModeFigure = fn(&ModeFigures) -> f64;
 
 /// The columns: what they are called, and where they stand.
-const COLUMNS: [(&str, Figure); 4] = [
+const COLUMNS: [(&str, ModeFigure); 4] = [
     ("response (s)", |of| of.response_s),
     ("left after 10 x (%)", |of| of.creep_percent),
     ("gas +10 K (%)", |of| of.gas_percent),
@@ -48,7 +48,7 @@ impl HeadModes {
     pub fn new(head: &Head, overheat_k: f64, nominal: Vec<ModeFigures>, others: &[Vec<ModeFigures>]) -> Self {
         let range = |m: usize| {
             let all = || others.iter().map(|of| of[m]).chain([nominal[m]]);
-            let end = |of: Figure, pick: fn(f64, f64) -> f64| {
+            let end = |of: ModeFigure, pick: fn(f64, f64) -> f64| {
                 all().map(|figures| of(&figures)).reduce(pick).unwrap_or(f64::NAN)
             };
             let ends = |pick: fn(f64, f64) -> f64| ModeFigures {
@@ -73,7 +73,7 @@ impl HeadModes {
     /// The cells of a mode's row.
     fn row(&self, m: usize) -> Vec<String> {
         let [least, most] = &self.ranges[m];
-        let cell = |of: Figure| {
+        let cell = |of: ModeFigure| {
             let value = short(of(&self.nominal[m]), 3);
             match self.draws {
                 0 => value,
