@@ -24,7 +24,8 @@ temperature, drift and calibration come on top.
 Examples:
   anemo head check heads/sphere-b.toml
   anemo head check tube/head.toml --temperature 35 --overheat 20 --plot tube.svg
-  anemo head check heads/rems.toml --gas co2 --pressure 700 --temperature -53 --json")]
+  anemo head check heads/rems.toml --gas co2 --pressure 700 \\
+      --temperature -53 --json")]
 pub struct CheckArguments {
     /// The head: a .toml file with a [body], or a `sensor` of the project.
     head: PathBuf,

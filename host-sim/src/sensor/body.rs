@@ -202,7 +202,7 @@ impl ThermalBody {
         }
         let support_before_j = self.support_j();
         self.flows.power_w.fill(0.0);
-        let substeps = ThermalNetwork::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s);
+        let substeps = self.substeps(interval_s);
         let step_s = interval_s / substeps as f64;
         for _ in 0..substeps {
             for (i, &node) in self.parts.elements.iter().enumerate() {
@@ -223,6 +223,11 @@ impl ThermalBody {
             self.flows.conduction_w[i] = given_w - convection_w - radiation_w - stored_w;
         }
         self.flows.support_w = (self.support_j() - support_before_j) / interval_s;
+    }
+
+    /// Steps of the integration in an interval, at the present wind.
+    pub fn substeps(&self, interval_s: f64) -> usize {
+        ThermalNetwork::substeps(interval_s, self.own_rate_per_s + self.convection_rate_per_s)
     }
 
     /// Heat that has left to the support, J.

@@ -19,6 +19,9 @@ use super::truth::SensorTruth;
 use super::wind::SimulatedWind;
 use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
+/// More steps of the integration in a sample period would take for ever.
+const MOST_SUBSTEPS: usize = 20_000;
+
 /// A simulated sensor with its front end in the wind tunnel, advanced tick by tick.
 #[derive(Clone, Debug)]
 pub struct Sensor {
@@ -84,6 +87,14 @@ impl Sensor {
         };
         sensor.apply_faults();
         sensor.body.set_wind(wind_m_s);
+        let substeps = sensor.body.substeps(sample_period_s);
+        if substeps > MOST_SUBSTEPS {
+            let fastest_s = sensor.body.time_constants_s().last().copied().unwrap_or(0.0);
+            return Err(SensorError::Elements(format!(
+                "its fastest part has a time constant of {fastest_s:.1e} s, which takes {substeps} steps in every sample \
+                 period: join small nodes to what they sit on"
+            )));
+        }
         let front_end = &sensor.front_end;
         sensor.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
         sensor.sample(0);

@@ -5,6 +5,7 @@ use anemometry::head::Head;
 use dr_core::control::HardwareLimits;
 use dr_core::{Command, Instrument};
 use host_sim::experiment::models::Models;
+use host_sim::sensor::{Construction, Sensor, SensorConfig};
 use host_sim::settings::{file, of_head, rehearse};
 use recording::toml_file::TomlSource;
 use std::collections::BTreeMap;
@@ -17,6 +18,8 @@ static SPHERE: LazyLock<Head> =
 
 const NAME: &str = "tried.toml";
 const SAMPLE_PERIOD_S: f64 = 0.01;
+/// Larger bodies take too long for a target.
+const MOST_NODES: usize = 40;
 
 /// The target.
 ///
@@ -38,8 +41,25 @@ pub fn run(bytes: &[u8]) -> bool {
         Ok(head) => {
             is_taken(&head);
             is_kept(&head);
+            is_simulated(&head);
             true
         }
+    }
+}
+
+/// What has a body can be simulated, or its gas is refused.
+fn is_simulated(head: &Head) {
+    let small = head.body.as_ref().is_some_and(|body| body.nodes.len() <= MOST_NODES);
+    let Some(construction) = Construction::of(head).filter(|_| small) else { return };
+    let sensor = Sensor::new(&SensorConfig {
+        construction,
+        elements: head.elements.iter().map(|element| element.nominal).collect(),
+        volt_per_code: head.volt_per_code,
+        ..SensorConfig::default()
+    });
+    match sensor {
+        Err(error) => super::sentences::said(&error.to_string()),
+        Ok(mut sensor) => (0..3).for_each(|tick| sensor.advance(tick)),
     }
 }
 

@@ -120,6 +120,13 @@ fn heat_balances_in_a_body_of_everything_that_a_file_can_say() {
 }
 
 #[test]
+fn a_part_too_fast_for_the_sample_period_is_refused_before_it_takes_for_ever() {
+    let construction = built_in("sphere-b", &[("capacity_j_k = 4.7e-3", "capacity_j_k = 1e-9")]);
+    let refused = Sensor::new(&SensorConfig { construction, ..SensorConfig::default() }).unwrap_err().to_string();
+    assert!(refused.contains("its fastest part has a time constant of 5.0e-10 s"), "{refused}");
+}
+
+#[test]
 fn a_seed_draws_a_specimen_and_no_tolerances_draw_none() {
     let end = "gas = { species = \"co2\", pressure_pa = 1000.0, temperature_c = -53.15 }";
     let with = format!("{end}\ntolerances = {{ capacity_percent = 5.0, area_percent = 1.0, normal_deg = 0.7 }}");

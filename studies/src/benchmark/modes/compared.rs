@@ -82,6 +82,8 @@ pub struct ComparedHead {
     pub held: Vec<usize>,
     /// Power of every element at the first wind and the set-point, W.
     pub power_w: Vec<f64>,
+    /// At the second wind, W.
+    pub power_after_w: Vec<f64>,
     /// How long a run lasts before and after its step, s.
     pub settle_s: f64,
     survey: BodySurvey,
@@ -101,12 +103,14 @@ impl ComparedHead {
         let mut compared = Self {
             conditions: report.conditions,
             power_w: Vec::new(),
+            power_after_w: Vec::new(),
             settle_s: (TIME_CONSTANTS * report.time_constants_s[0]).clamp(60.0, LONGEST_S).ceil(),
             held,
             survey,
             head,
         };
         compared.power_w = compared.needed_w(WINDS_M_S[0]);
+        compared.power_after_w = compared.needed_w(WINDS_M_S[1]);
         Ok(compared)
     }
 

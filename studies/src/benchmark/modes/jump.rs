@@ -14,6 +14,8 @@ use super::compared::{ComparedHead, ModesError, OperatingMode, WINDS_M_S};
 const MEAN_S: f64 = 0.5;
 /// Noise of a reading, in codes of the converter.
 const NOISE_CODES: f64 = 4.0;
+/// What the high level has over what is needed.
+const TO_SPARE: f64 = 1.5;
 /// Share of the change that counts as there.
 const THERE: f64 = 0.9;
 /// Means on either side of a time that are averaged again, as a share of the time: bits are noisy,
@@ -23,7 +25,7 @@ const EITHER_SIDE: f64 = 0.1;
 /// r after the step, and at its ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JumpCourse {
-    /// Means of [`MEAN_S`] from the step on, W/K.
+    /// Means of `MEAN_S` from the step on, W/K.
     pub after_w_k: Vec<f64>,
     /// Before the step, W/K.
     pub before_w_k: f64,
@@ -106,7 +108,7 @@ pub fn course(compared: &ComparedHead, mode: OperatingMode) -> Result<JumpCourse
 
 /// The experiment.
 fn text(compared: &ComparedHead, mode: OperatingMode) -> String {
-    let ComparedHead { head, conditions, held, power_w, settle_s, .. } = compared;
+    let ComparedHead { head, conditions, held, power_w, power_after_w, settle_s, .. } = compared;
     let set_point_c = conditions.set_point_c();
     let mut text = format!(
         "title = \"{}\"\nhead = \"head.toml\"\nsample_period_s = {}\nduration_s = {}\n[gas]\nspecies = \"{}\"\n\
@@ -123,21 +125,28 @@ fn text(compared: &ComparedHead, mode: OperatingMode) -> String {
     let mut currents = String::from("[currents]\n");
     for &i in held {
         let (name, element) = (&head.elements[i].name, &head.elements[i]);
-        let _ = match mode {
-            OperatingMode::Cta => writeln!(text, "{name} = {{ temperature_c = {set_point_c} }}"),
+        let resistance_ohm = f64::from(element.config.channel.platinum().resistance_ohm(set_point_c as f32));
+        let current_a = |power_w: f64| (power_w / resistance_ohm).sqrt();
+        let (low_a, high_a) = (element.nominal.current_low_a, element.nominal.current_high_a);
+        let (drive, [low_a, high_a]) = match mode {
             OperatingMode::Cca => {
-                let resistance_ohm = f64::from(element.config.channel.platinum().resistance_ohm(set_point_c as f32));
-                let current_a = (power_w[i] / resistance_ohm).sqrt();
-                let low_a = element.nominal.current_low_a.min(0.5 * current_a);
-                let _ = writeln!(currents, "{name} = {{ low_a = {low_a}, high_a = {current_a} }}");
-                writeln!(text, "{name} = {{ level = \"high\" }}")
+                let own_a = current_a(power_w[i]);
+                ("{ level = \"high\" }".to_owned(), [low_a.min(0.5 * own_a), own_a])
             }
-            OperatingMode::Cpa => writeln!(text, "{name} = {{ power_w = {} }}", power_w[i]),
+            // A loop needs some power to spare in the stronger wind, whatever the head was made for.
+            OperatingMode::Cta => {
+                let enough_a = current_a(TO_SPARE * power_after_w[i]);
+                (format!("{{ temperature_c = {set_point_c} }}"), [low_a, high_a.max(enough_a)])
+            }
+            OperatingMode::Cpa => {
+                let enough_a = current_a(TO_SPARE * power_w[i]);
+                (format!("{{ power_w = {} }}", power_w[i]), [low_a, high_a.max(enough_a)])
+            }
         };
+        let _ = writeln!(text, "{name} = {drive}");
+        let _ = writeln!(currents, "{name} = {{ low_a = {low_a}, high_a = {high_a} }}");
     }
-    if mode == OperatingMode::Cca {
-        text += &currents;
-    }
+    text += &currents;
     for (start_s, speed_m_s) in [0.0, *settle_s].into_iter().zip(WINDS_M_S) {
         let _ = write!(
             text,

@@ -89,7 +89,7 @@ mod tests {
     /// One film of 50 mJ/K that obeys King's law and has nothing behind it.
     const TEXT: &str = "name = \"king\"
 [adc]
-full_scale_v = 4.0
+full_scale_v = 8.0
 bits = 24
 [guard]
 missing_limit_ticks = 1
