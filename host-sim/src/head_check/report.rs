@@ -190,6 +190,7 @@ impl HeadCheckReport {
                     range.limited_by.map(|i| format!("; more takes more than `{}` can give", self.elements[i].name));
                 writeln!(f, "winds          {} … {} m/s{}", speed(least), speed(most), limit.unwrap_or_default())?;
             }
+            _ if !range.held.contains(&true) => {}
             _ => writeln!(f, "winds          none takes more than quiescent gas does")?,
         }
         if range.known_to_m_s < range.greatest_m_s.unwrap_or(0.0) {
@@ -201,7 +202,7 @@ impl HeadCheckReport {
                 format!("{} at {}", short(needs.resolution_m_s), short((needs.speed_m_s * 10.0).round() / 10.0))
             })
             .collect();
-        if !resolution.is_empty() {
+        if !resolution.is_empty() && range.held.contains(&true) {
             writeln!(f, "resolution     {} m/s, by noise in 1 s, from the sum of all powers", resolution.join(", "))?;
         }
         Ok(())

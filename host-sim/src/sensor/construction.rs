@@ -89,13 +89,26 @@ impl Construction {
     /// # Errors
     /// If the support has no temperature, or the gas is too thin.
     pub(super) fn body(&self, gas: &IdealGas, support_k: f64, seed: u64) -> Result<ThermalBody, SensorError> {
-        let (possible, celsius) = (support_k.is_finite() && support_k > 0.0, support_k - ZERO_CELSIUS_K);
-        require(possible, "support.temperature_c", celsius, "above -273.15")?;
+        possible(support_k)?;
         match specimen::drawn(&self.bodies, seed) {
             Some(drawn) => assemble(&drawn, gas, support_k),
             None => assemble(&self.bodies, gas, support_k),
         }
     }
+
+    /// The same with the numbers of the file, whatever its tolerances.
+    ///
+    /// # Errors
+    /// As [`body`](Self::body).
+    pub(super) fn nominal_body(&self, gas: &IdealGas, support_k: f64) -> Result<ThermalBody, SensorError> {
+        possible(support_k)?;
+        assemble(&self.bodies, gas, support_k)
+    }
+}
+
+fn possible(support_k: f64) -> Result<(), SensorError> {
+    let is_possible = support_k.is_finite() && support_k > 0.0;
+    require(is_possible, "support.temperature_c", support_k - ZERO_CELSIUS_K, "above -273.15")
 }
 
 /// A head file of the project; all of them are read by its tests.

@@ -37,7 +37,7 @@ impl BodySurvey {
         gas: &IdealGas,
         support_c: f64,
     ) -> Result<Self, SensorError> {
-        let body = construction.body(gas, support_c + ZERO_CELSIUS_K, 0)?;
+        let body = construction.nominal_body(gas, support_c + ZERO_CELSIUS_K)?;
         Ok(Self { body, elements: elements.to_vec() })
     }
 

@@ -15,7 +15,9 @@
 //! *Sources.* Mean: Churchill and Bernstein 1977, Re·Pr > 0.2, within some 20 %. Front: the laminar
 //! stagnation line and its fall to the separation at 80° (Kreith, Principles of Heat Transfer, for
 //! air at Re 100 … 10⁵). Rear: uniform, from the mean; measured rears vary by a factor of two about
-//! it and rise above Re 10⁴. Free convection: a horizontal cylinder by Churchill and Chu 1975.
+//! it and rise above Re 10⁴. Below Re 5, where no layer is thin, what differs around the cylinder
+//! goes as Re from what it is there. Free convection: a horizontal cylinder by Churchill and Chu
+//! 1975.
 //!
 //! *Limits.* Above Re 10⁵ the layer becomes turbulent: `extrapolated`. No ends, no blockage;
 //! properties at the gas temperature; a continuum around the diameter.
@@ -32,6 +34,8 @@ use anemometry::vector::{across, cross, dot, length, unit};
 
 /// Cosines of the local Nusselt number.
 const HARMONICS: usize = 24;
+/// Where the law of the front begins.
+const LEAST_REYNOLDS: f64 = 5.0;
 /// End of the laminar layer.
 const HIGHEST_REYNOLDS: f64 = 1e5;
 /// Where it leaves the front, rad.
@@ -111,12 +115,13 @@ impl Cylinder {
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], surface_k: &[f64], conductance_w_k: &mut [f64]) {
         let reynolds = self.reynolds(wind_m_s);
         let mean = cylinder_nusselt(reynolds, self.factor);
-        let front = self.stagnation * reynolds.sqrt();
-        let behind = (mean - front * self.front[0]) / self.rear[0];
+        let known = reynolds.max(LEAST_REYNOLDS);
+        let front = self.stagnation * known.sqrt();
+        let behind = (cylinder_nusselt(known, self.factor) - front * self.front[0]) / self.rear[0];
         let across_m_s = across(wind_m_s, self.shape.axis);
         let seen_m_s = reynolds / self.reynolds_per_speed;
-        // Share of the wind that has a front.
-        let share = if seen_m_s > 0.0 { length(across_m_s) / seen_m_s } else { 0.0 };
+        // Share of the wind that has a front, and of the law of the front where it is slow.
+        let share = if seen_m_s > 0.0 { reynolds / known * length(across_m_s) / seen_m_s } else { 0.0 };
         let from = angle(self.frame, across_m_s.map(|v| -v));
         for (i, (conductance, surface_k)) in conductance_w_k.iter_mut().zip(surface_k).enumerate() {
             let mut nusselt = mean;
@@ -258,6 +263,17 @@ mod tests {
         let across = conductances(&SHAPE, 0, [1.0, 0.0, 0.0])[0];
         assert!((axial.iter().sum::<f64>() / across - 1.0).abs() < 1e-9);
         assert!((axial[0] / axial[1] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_front_loses_most_however_slow_the_wind() {
+        let per_speed = air().reynolds(1.0, 6e-3);
+        for reynolds in [0.01, 0.5, 4.9, 5.1, 20.0, 1e3, 9e4] {
+            let all = conductances(&SHAPE, 3, [-reynolds / per_speed, 0.0, 0.0]);
+            assert!(all[0] > all[1] && (all[1] / all[2] - 1.0).abs() < 1e-9, "Re {reynolds}: {all:?}");
+        }
+        let front = |reynolds: f64| conductances(&SHAPE, 3, [-reynolds / per_speed, 0.0, 0.0])[0];
+        assert!((front(5.0 - 1e-6) / front(5.0 + 1e-6) - 1.0).abs() < 1e-5);
     }
 
     #[test]

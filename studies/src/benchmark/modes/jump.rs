@@ -96,7 +96,8 @@ pub fn course(compared: &ComparedHead, mode: OperatingMode) -> Result<JumpCourse
     });
     let summary = summary.map_err(|error| refuse(error.to_string()))?;
     if let Some(trip) = summary.trips.first() {
-        return Err(refuse(format!("the run tripped: {trip:?}")));
+        let (time_s, cause, element) = (trip.time_s, trip.cause, &trip.element);
+        return Err(refuse(format!("the run tripped after {time_s:.0} s by `{cause}` of {element}")));
     }
     let (before, after): (Vec<_>, Vec<_>) = means.into_iter().partition(|(time_s, _)| *time_s < compared.settle_s);
     let tail = &before[before.len() - before.len() / 10 - 1..];

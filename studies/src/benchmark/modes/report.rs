@@ -74,7 +74,12 @@ impl HeadModes {
     fn row(&self, m: usize) -> Vec<String> {
         let [least, most] = &self.ranges[m];
         let cell = |of: ModeFigure| {
-            let value = short(of(&self.nominal[m]), 3);
+            let value = of(&self.nominal[m]);
+            // A gas as warm as the elements takes nothing, which is no wind.
+            if value.is_nan() {
+                return "none".to_owned();
+            }
+            let value = short(value, 3);
             match self.draws {
                 0 => value,
                 _ => format!("{value} ({} … {})", short(of(least), 3), short(of(most), 3)),
