@@ -123,12 +123,22 @@ fn a_head_without_a_body_is_refused() {
 
 #[test]
 fn every_head_of_the_project_is_held_without_a_fault_in_its_file() {
-    for name in ["sphere-a", "sphere-b", "rems", "sphere-a-reference", "sphere-b-reference"] {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../heads/{name}.toml"));
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut count = 0;
+    for path in files.filter(|path| path.extension().is_some_and(|end| end == "toml")) {
         let head = Head::read(&path).unwrap();
-        let report = check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = 20.0).unwrap();
+        // The wires of Pathfinder, made for a constant current, can be held a little above the gas.
+        let overheat_k = if head.name == "pathfinder" { 8.0 } else { OVERHEAT_K };
+        let report = check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k).unwrap();
+        let name = path.display();
         assert!(report.range.greatest_m_s.is_some_and(|most| most > 2.0), "{name}");
         // Strong winds take more than an element bears for long; nothing else is wrong.
         assert!(report.warnings.iter().all(|warning| warning.contains("sustained_power_w")), "{:?}", report.warnings);
+        // The ranges of unknown numbers make heads.
+        let unknown = head.body.as_ref().map_or(&[][..], |body| &body.unknown);
+        head.with_unknown(&unknown.iter().map(|of| of.least).collect::<Vec<_>>()).unwrap();
+        count += 1;
     }
+    assert!(count >= 10, "{count}");
 }

@@ -14,6 +14,8 @@ use super::compared::{ComparedHead, ModesError, OperatingMode, WINDS_M_S};
 const MEAN_S: f64 = 0.5;
 /// Noise of a reading, in codes of the converter.
 const NOISE_CODES: f64 = 4.0;
+/// Share of the converter's range that a reading at the high level takes at most.
+const CONVERTER: f64 = 0.95;
 /// What the high level has over what is needed.
 const TO_SPARE: f64 = 1.5;
 /// Share of the change that counts as there.
@@ -127,7 +129,9 @@ fn text(compared: &ComparedHead, mode: OperatingMode) -> String {
     for &i in held {
         let (name, element) = (&head.elements[i].name, &head.elements[i]);
         let resistance_ohm = f64::from(element.config.channel.platinum().resistance_ohm(set_point_c as f32));
-        let current_a = |power_w: f64| (power_w / resistance_ohm).sqrt();
+        // More than the converter can read would be refused.
+        let most_a = CONVERTER * head.full_scale_v / resistance_ohm;
+        let current_a = |power_w: f64| (power_w / resistance_ohm).sqrt().min(most_a);
         let (low_a, high_a) = (element.nominal.current_low_a, element.nominal.current_high_a);
         let (drive, [low_a, high_a]) = match mode {
             OperatingMode::Cca => {
