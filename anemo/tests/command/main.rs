@@ -4,6 +4,7 @@ mod ambient;
 mod cli;
 mod examples;
 mod export;
+mod head;
 mod long_record;
 mod losses;
 mod report;
