@@ -117,10 +117,19 @@ fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
     }
     let heads = arguments.head.iter().map(|path| Head::read(path)).collect::<Result<Vec<_>, _>>()?;
-    let compared = |head| modes::compare(head, overheat_k, arguments.draws, &announce).map_err(Failure::work);
-    let report = modes::ModesReport { heads: heads.iter().map(compared).collect::<Result<_, _>>()? };
-    dated(&arguments.output, "modes.md", &|day| report.page(day))?;
-    crate::output::print_report(&report, arguments.json)
+    // A head that cannot be compared does not take the figures of the others with it.
+    let (mut report, mut failed) = (modes::ModesReport { heads: Vec::new() }, Ok(()));
+    for head in &heads {
+        match modes::compare(head, overheat_k, arguments.draws, &announce) {
+            Ok(compared) => report.heads.push(compared),
+            Err(error) => failed = failed.and(Err(Failure::work(format!("{}: {error}", head.name)))),
+        }
+    }
+    if !report.heads.is_empty() {
+        dated(&arguments.output, "modes.md", &|day| report.page(day))?;
+        crate::output::print_report(&report, arguments.json)?;
+    }
+    failed
 }
 
 /// Writes a page of results that says the day.

@@ -12,7 +12,8 @@ use std::process::Command;
 use recording::Recording;
 
 /// Subcommands whose examples make files that others read, in order; all others come behind.
-const FIRST: [&str; 12] = [
+const FIRST: [&str; 13] = [
+    "head new",
     "run",
     "identify",
     "validate",
