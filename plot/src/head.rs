@@ -101,7 +101,9 @@ fn network(sketch: &HeadSketch) -> Chart {
         });
         reached.extend(next.map(|next| (next, depth + 1)));
     }
-    let column: Vec<usize> = column.into_iter().map(Option::unwrap_or_default).collect();
+    let mut column: Vec<usize> = column.into_iter().map(Option::unwrap_or_default).collect();
+    // Whatever leads there, the support is at the end.
+    column[support] = column[..support].iter().max().map_or(0, |last| last + 1);
     let of_column = |depth: usize| column.iter().filter(move |other| **other == depth).count();
     let place = |node: usize| {
         let before = column[..node].iter().filter(|other| **other == column[node]).count();
@@ -123,7 +125,7 @@ fn network(sketch: &HeadSketch) -> Chart {
     let dots = Trace::points("", all.iter().map(|&node| place(node)).collect())
         .names(all.iter().map(|&node| name(node)).collect())
         .colour(0);
-    Chart::new("Network", "")
+    let chart = Chart::new("Network", "")
         .note("from the surfaces that the wind cools, at the left, to the support")
         .height(NETWORK)
         .x(Scale::Linear, "")
@@ -131,7 +133,9 @@ fn network(sketch: &HeadSketch) -> Chart {
         .range(-1.0, 0.0)
         .bare()
         .traces(lines)
-        .trace(dots)
+        .trace(dots);
+    // Columns have no numbers.
+    Chart { x_labels: false, ..chart }
 }
 
 /// Needed power by wind, between the directions that take least and most.

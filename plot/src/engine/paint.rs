@@ -83,7 +83,8 @@ impl ChartLayout<'_> {
     /// Names beside dots.
     fn names(&self, svg: &mut Svg, trace: &Trace) {
         for (name, &(x, y)) in trace.names.iter().zip(&trace.points) {
-            svg.text(name, (self.x(x) + 4.0, self.y(y)), LABEL, INK, Anchor::Start);
+            // Above the line that may lead on from there.
+            svg.text(name, (self.x(x) + 3.5, self.y(y) - 5.0), LABEL, INK, Anchor::Start);
         }
     }
 

@@ -102,7 +102,7 @@ impl Trace {
         self
     }
 
-    /// Names: each stands at the right of its dot.
+    /// Names: each stands above its dot, at the right.
     pub fn names(mut self, names: Vec<String>) -> Self {
         self.names = names;
         self
