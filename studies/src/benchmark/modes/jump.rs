@@ -138,7 +138,8 @@ fn text(compared: &ComparedHead, mode: OperatingMode) -> String {
                 let own_a = current_a(power_w[i]);
                 ("{ level = \"high\" }".to_owned(), [low_a.min(0.5 * own_a), own_a])
             }
-            // A loop needs some power to spare in the stronger wind, whatever the head was made for.
+            // A loop needs some power to spare in the stronger wind, whatever the head was made
+            // for.
             OperatingMode::Cta => {
                 let enough_a = current_a(TO_SPARE * power_after_w[i]);
                 (format!("{{ temperature_c = {set_point_c} }}"), [low_a, high_a.max(enough_a)])
