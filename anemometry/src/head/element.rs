@@ -149,7 +149,7 @@ pub(super) fn element(
             Some((format!("kinds.{kind}"), table))
         }
     };
-    let normal = normal(source, &key, own.normal)?;
+    let normal = own.normal.map(|normal| direction(source, &format!("{key}.normal"), normal)).transpose()?;
     let keys = ElementKeys { source, key, own, shared };
 
     let (platinum_kind, platinum_key) = keys.get("platinum", |table| table.platinum)?;
@@ -186,12 +186,11 @@ fn characteristic(kind: PlatinumKind) -> Result<Platinum, ConfigError> {
     }
 }
 
-fn normal(source: &TomlSource, key: &str, normal: Option<[f64; 3]>) -> Result<Option<[f64; 3]>, FileError> {
-    let key = format!("{key}.normal");
-    let Some(normal) = normal else { return Ok(None) };
-    let length = length(normal);
+/// The unit vector along one that is long enough to have a direction.
+pub(super) fn direction(source: &TomlSource, key: &str, vector: [f64; 3]) -> Result<[f64; 3], FileError> {
+    let length = length(vector);
     if !(length.is_finite() && length > 1e-9) {
-        return Err(source.refuse(&key, "is no direction: three finite numbers that are not all 0 belong here"));
+        return Err(source.refuse(key, "is no direction: three finite numbers that are not all 0 belong here"));
     }
-    Ok(Some(normal.map(|x| x / length)))
+    Ok(vector.map(|x| x / length))
 }

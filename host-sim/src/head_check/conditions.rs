@@ -2,7 +2,10 @@
 
 use anemometry::gas::{GasError, IdealGas, Species, ZERO_CELSIUS_K};
 use anemometry::head::Head;
+use recording::toml_file::FileError;
 use serde::Serialize;
+
+use crate::sensor::{BodySurvey, Construction};
 
 /// Gas, overheat, sample period and noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -52,6 +55,17 @@ impl HeadConditions {
     /// If it is not known at that pressure or temperature.
     pub fn gas(&self) -> Result<IdealGas, GasError> {
         IdealGas::new(self.species, self.pressure_pa, self.temperature_c + ZERO_CELSIUS_K)
+    }
+
+    /// The body of a head in this gas, on a support of its temperature.
+    ///
+    /// # Errors
+    /// If the gas is none that the head can be simulated in.
+    pub fn survey(&self, head: &Head, construction: &Construction) -> Result<BodySurvey, FileError> {
+        let refuse = |error: String| head.source.refuse("body", format!("cannot be surveyed: {error}"));
+        let gas = self.gas().map_err(|error| refuse(error.to_string()))?;
+        BodySurvey::new(construction, &head.elements, &gas, self.temperature_c)
+            .map_err(|error| refuse(error.to_string()))
     }
 
     /// What elements are held at, °C.

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::conditions::{GivenConditions, HeadConditions};
 use super::warnings::warnings;
 use super::winds::WindRange;
-use crate::sensor::{BodySurvey, Construction, construction_of};
+use crate::sensor::{Construction, construction_of};
 
 /// Speeds whose needs are printed, m/s.
 const SHOWN_M_S: [f64; 5] = [0.1, 1.0, 3.162, 10.0, 31.62];
@@ -68,7 +68,7 @@ pub struct ElementCheck {
     pub level_w: [f64; 2],
 }
 
-/// Judges a head under conditions, of which `refine` may change any.
+/// Judges a head under conditions, after `refine` has changed those that it wants otherwise.
 ///
 /// # Errors
 /// If the head has nothing that simulates it, or the gas is none that it can be simulated in.
@@ -85,10 +85,7 @@ pub fn check(
     let gas = construction.bodies().iter().find_map(|body| body.gas);
     let mut conditions = HeadConditions::of(head, gas, given);
     refine(&mut conditions);
-    let refuse = |error: String| head.source.refuse("body", format!("cannot be surveyed: {error}"));
-    let gas = conditions.gas().map_err(|error| refuse(error.to_string()))?;
-    let mut survey = BodySurvey::new(&construction, &head.elements, &gas, conditions.temperature_c)
-        .map_err(|error| refuse(error.to_string()))?;
+    let mut survey = conditions.survey(head, &construction)?;
     let gains = survey.own_gains_k_per_w([0.0; 3]);
     let gains_in_wind = survey.own_gains_k_per_w(USUAL_M_S);
     let range = WindRange::of(&mut survey, &head.elements, &conditions);

@@ -13,6 +13,7 @@
 //! temperature and calibration come on top, and weigh more.
 
 use anemometry::head::HeadElement;
+use anemometry::vector::unit;
 use dr_core::sensor::Level;
 use serde::Serialize;
 
@@ -67,10 +68,7 @@ pub struct WindRange {
 fn directions() -> impl Iterator<Item = [f64; 3]> {
     let steps = || [-1.0, 0.0, 1.0].into_iter();
     let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
-    all.filter_map(|v: [f64; 3]| {
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        (length > 0.0).then(|| v.map(|x| x / length))
-    })
+    all.filter(|v| *v != [0.0; 3]).map(unit)
 }
 
 impl WindRange {

@@ -189,8 +189,8 @@ impl ThermalBody {
 
     /// Whether convection in this wind is an extrapolation.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        let laws = self.parts.convection.iter();
-        laws.into_iter().any(|(law, surfaces)| law.extrapolated(wind_m_s, &self.surface_k[surfaces.clone()]))
+        let mut laws = self.parts.convection.iter();
+        laws.any(|(law, surfaces)| law.extrapolated(wind_m_s, &self.surface_k[surfaces.clone()]))
     }
 
     /// Integrates over `interval_s`. `power_w` gives the heat of an element from its number and

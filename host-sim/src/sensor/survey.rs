@@ -12,7 +12,7 @@ use anemometry::head::HeadElement;
 /// Power of the step by which gains are measured, W: linear, and far above rounding.
 const GAIN_STEP_W: f64 = 1e-6;
 
-/// A body in its gas, asked for steady states.
+/// A body in its gas, for steady states.
 #[derive(Clone, Debug)]
 pub struct BodySurvey {
     body: ThermalBody,

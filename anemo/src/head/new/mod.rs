@@ -114,7 +114,6 @@ fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
     let mut all = vec![("held.toml".to_owned(), text)];
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
     for (i, name) in held.iter().enumerate() {
-        // Bits as long as a fifth of the loop's own time: the fastest that a record resolves.
         let mut text = start(&format!("what {name} heats, in quiescent gas"), record_s, 41);
         text += &format!(
             "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\

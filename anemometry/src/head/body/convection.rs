@@ -6,6 +6,7 @@ use super::parts::{BodyLink, BodySurface, Convection};
 use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
 use super::table::{BodySurfaceTable, ConvectionTable};
 use super::ways::way;
+use crate::head::element::direction;
 use crate::vector::{cross, length, unit};
 use recording::toml_file::FileError;
 
@@ -108,11 +109,7 @@ impl BodyReader<'_> {
     }
 
     fn direction(&self, key: &str, vector: [f64; 3]) -> Result<[f64; 3], FileError> {
-        let size = length(vector);
-        if size.is_finite() && size > 1e-9 {
-            return Ok(vector.map(|v| v / size));
-        }
-        Err(self.source.refuse(key, "is no direction: three finite numbers that are not all 0 belong here"))
+        direction(self.source, key, vector)
     }
 
     fn correlation(&self, key: &str, of: &Correlation) -> Result<(), FileError> {

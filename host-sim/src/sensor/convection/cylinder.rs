@@ -48,7 +48,7 @@ pub struct Cylinder {
     gas: IdealGas,
     /// Ends of every sector as angles around the axis, rad; none of a cylinder as a whole.
     sectors: Vec<[f64; 2]>,
-    /// Two directions across the axis, from the first of which angles are counted.
+    /// Two directions across the axis; angles count from the first.
     frame: [[f64; 3]; 2],
     /// Cosine coefficients of the front's law and of 1 behind it.
     front: [f64; HARMONICS],
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_sector_has_the_mean_of_the_law_over_itself() {
-        // Six sectors; the first faces the wind: φ from −30° to 30°, of which the law has the mean
+        // Six sectors; the first faces the wind: φ from −30° to 30°, where the law has the mean
         // 1 − (30/90)³/4. The one behind is all rear.
         let all = conductances(&SHAPE, 6, [-3.0, 0.0, 0.0]);
         let gas = air();

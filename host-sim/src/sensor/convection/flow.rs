@@ -2,7 +2,7 @@
 //! convection, and both together.
 
 use anemometry::gas::IdealGas;
-use anemometry::vector::{dot, length, unit};
+use anemometry::vector::{dot, unit};
 
 use crate::sensor::error::SensorError;
 
@@ -92,8 +92,3 @@ fn film_k(gas: &IdealGas, surface_k: f64) -> f64 {
 }
 
 const KNOWN_K: std::ops::RangeInclusive<f64> = anemometry::gas::TEMPERATURE_RANGE_K;
-
-/// Speed, m/s.
-pub(super) fn speed_m_s(wind_m_s: [f64; 3]) -> f64 {
-    length(wind_m_s)
-}

@@ -7,14 +7,15 @@
 //! King 1914 has n = ½; a calibrated wire has 0.4 … 0.5. A body that obeys it is what a calibration
 //! by King's law can be held against. Limits: no gas in it.
 
-use super::flow::{effective_speed_m_s, speed_m_s};
+use super::flow::effective_speed_m_s;
 use anemometry::head::body::KingLaw;
+use anemometry::vector::length;
 
 /// Conductance to the gas, W/K.
 pub fn conductance_w_k(law: &KingLaw, wind_m_s: [f64; 3]) -> f64 {
     let seen_m_s = match law.axis {
         Some(axis) => effective_speed_m_s(wind_m_s, axis, law.yaw_factor),
-        None => speed_m_s(wind_m_s),
+        None => length(wind_m_s),
     };
     law.a_w_k + law.b_w_k * seen_m_s.powf(law.exponent)
 }

@@ -5,11 +5,11 @@
 //! Nu goes as √Re from its value at rest, above the last as the power of the last two rows, which
 //! is `extrapolated`. Limits: one gas (no Prandtl number); a continuum around the length.
 
-use super::flow::{continuum, speed_m_s};
+use super::flow::continuum;
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
 use anemometry::head::body::NusseltGrid;
-use anemometry::vector::dot;
+use anemometry::vector::{dot, length};
 
 /// Convection by a table in one gas.
 #[derive(Clone, Debug)]
@@ -42,12 +42,12 @@ impl TableConvection {
 
     /// Whether this wind is beyond the last row.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        self.reynolds_per_speed * speed_m_s(wind_m_s) > self.grid.reynolds.last().copied().unwrap_or(f64::MAX)
+        self.reynolds_per_speed * length(wind_m_s) > self.grid.reynolds.last().copied().unwrap_or(f64::MAX)
     }
 
     /// Conductance of every surface to the gas, W/K.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], conductance_w_k: &mut [f64]) {
-        let speed = speed_m_s(wind_m_s);
+        let speed = length(wind_m_s);
         for (conductance, normal) in conductance_w_k.iter_mut().zip(&self.normals) {
             let cosine = normal.map_or(1.0, |normal| -dot(normal, wind_m_s) / speed.max(f64::MIN_POSITIVE));
             let angle_deg = cosine.clamp(-1.0, 1.0).acos().to_degrees();

@@ -16,10 +16,11 @@
 
 use std::f64::consts::PI;
 
-use super::flow::{continuum, free_plate_nusselt, joined, plate_nusselt, rayleigh, speed_m_s};
+use super::flow::{continuum, free_plate_nusselt, joined, plate_nusselt, rayleigh};
 use crate::sensor::error::SensorError;
 use anemometry::gas::IdealGas;
 use anemometry::head::body::PlateShape;
+use anemometry::vector::length;
 
 /// End of the laminar boundary layer.
 pub(super) const LAMINAR_REYNOLDS: f64 = 5e5;
@@ -69,7 +70,7 @@ impl Plate {
 
     /// Whether the layer would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
-        self.reynolds * speed_m_s(wind_m_s) > LAMINAR_REYNOLDS
+        self.reynolds * length(wind_m_s) > LAMINAR_REYNOLDS
     }
 
     /// Conductance to the gas, W/K.
@@ -77,7 +78,7 @@ impl Plate {
         let PlateShape { length_m, width_m, .. } = self.shape;
         let (face_m2, faces) = (length_m * width_m, f64::from(self.shape.faces));
         let still_w_k = 4.0 * faces * self.conductivity_w_m_k * (face_m2 / PI).sqrt();
-        let mut nusselt = plate_nusselt(self.reynolds * speed_m_s(wind_m_s), self.prandtl_third);
+        let mut nusselt = plate_nusselt(self.reynolds * length(wind_m_s), self.prandtl_third);
         if let Some(gravity_m_s2) = self.shape.gravity_m_s2 {
             let overheat_k = (surface_k - self.gas.temperature_k).abs();
             let rayleigh = rayleigh(&self.gas, width_m, overheat_k, gravity_m_s2);

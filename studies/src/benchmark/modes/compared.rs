@@ -95,11 +95,8 @@ impl ComparedHead {
     pub fn new(head: Head, overheat_k: f64) -> Result<Self, FileError> {
         let report = check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
         let held: Vec<usize> = (0..head.elements.len()).filter(|&i| report.range.held[i]).collect();
-        let refuse = |error: String| head.source.refuse("body", format!("cannot be surveyed: {error}"));
-        let construction = construction_of(&head)?.ok_or_else(|| refuse("there is none".to_owned()))?;
-        let gas = report.conditions.gas().map_err(|error| refuse(error.to_string()))?;
-        let survey = BodySurvey::new(&construction, &head.elements, &gas, report.conditions.temperature_c)
-            .map_err(|error| refuse(error.to_string()))?;
+        let construction = construction_of(&head)?.ok_or_else(|| head.source.refuse("body", "is missing"))?;
+        let survey = report.conditions.survey(&head, &construction)?;
         let mut compared = Self {
             conditions: report.conditions,
             power_w: Vec::new(),
