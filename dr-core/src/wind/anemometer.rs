@@ -43,8 +43,9 @@ use crate::wind::estimate::WindEstimate;
 use crate::wind::gas::GasState;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::quality_flags::QualityFlags;
-use crate::wind::sphere_inverse::{MeasuredConductance, WindState};
-use command::{HeadSurface, MOST_SURFACES, WindCommand};
+use crate::wind::surface::MOST_SURFACES;
+use crate::wind::surface_inverse::{MeasuredConductance, WindState};
+use command::{HeadSurface, WindCommand};
 use output::PreparedOutput;
 use setup::AnemometerSetup;
 
@@ -154,6 +155,7 @@ impl<const N: usize> Anemometer<N> {
                 self.setup.set_surface(*surface, config)?;
             }
             WindCommand::Card(config) => self.setup.card = Some(*config),
+            WindCommand::Form(form) => self.setup.form = *form,
             WindCommand::GasLaw(config) => self.setup.gas_law = Some(GasLaw::new(config)?),
             WindCommand::Output(config) => {
                 self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
@@ -308,9 +310,13 @@ impl<const N: usize> Anemometer<N> {
         self.state.gas_c.unwrap_or(0.0).visit(digest);
         self.state.power_w.visit(digest);
         if let Some(report) = report {
-            let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces: _, gas_c: _ } = report;
+            let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces, gas_c: _ } = report;
             quality_flags.0.visit(digest);
-            (*conductance_w_k, *raw_w_k).visit(digest);
+            // At least four of each, as digests have had since there were no more.
+            let count = usize::from(*surfaces).clamp(4, MOST_SURFACES);
+            for of_each in [conductance_w_k, raw_w_k] {
+                f32::visit_each(&of_each[..count], digest);
+            }
             (wind.wind_m_s, wind.covariance_m2_s2).visit(digest);
             wind.speed_m_s.visit(digest);
         }

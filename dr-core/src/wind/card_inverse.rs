@@ -37,7 +37,7 @@ use super::estimate::WindEstimate;
 use super::gas::GasState;
 use super::normal::{Factors, Matrix, plus_outer, quadratic};
 use super::quality_flags::QualityFlags;
-use super::sphere_inverse::{MeasuredConductance, nusselt_numbers};
+use super::surface_inverse::{MeasuredConductance, nusselt_number};
 use super::surface::SurfaceConfig;
 use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
@@ -220,7 +220,7 @@ impl Card {
     pub fn step(&self, gas: &GasState, measured: &[Option<MeasuredConductance>; DICE]) -> WindEstimate {
         let mut quality = QualityFlags::UNDETERMINED;
         let per_nusselt = self.per_nusselt_w_k(gas);
-        let nusselt = nusselt_numbers(measured, |_| per_nusselt, &mut quality);
+        let nusselt = measured.map(|measured| nusselt_number(measured, per_nusselt, &mut quality));
         let estimate = self.fit(&nusselt).map(|fitted| self.estimate(gas, &fitted, quality));
         estimate.filter(WindEstimate::is_finite).unwrap_or(WindEstimate::failed(quality))
     }

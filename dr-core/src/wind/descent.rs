@@ -13,10 +13,11 @@
 //!
 //! All of it goes on in the components of the head's frame; those beyond its unknowns stay zero.
 
+use super::form::HeadForm;
 use super::head_frame::HeadFrame;
 use super::normal::{Factors, Matrix, plus_outer};
-use super::nusselt::{CONDUCTION, Nusselt};
-use super::surface::{LocalNusselt, SphereSurface};
+use super::nusselt::Nusselt;
+use super::surface::{LocalNusselt, MOST_SURFACES, NusseltSurface};
 use crate::arithmetic::{dot, length, plus, scaled};
 
 /// Most steps from one start, dropped ones included.
@@ -50,11 +51,12 @@ pub struct WeightedNusselt {
 
 /// What is to be inverted.
 #[derive(Debug, Clone, Copy)]
-pub struct Inverse<'a, const N: usize> {
+pub struct Inverse<'a> {
+    pub form: HeadForm,
     pub nusselt: &'a Nusselt,
-    pub surfaces: &'a [SphereSurface; N],
+    pub surfaces: &'a [NusseltSurface],
     pub frame: &'a HeadFrame,
-    pub observed: [Option<WeightedNusselt>; N],
+    pub observed: [Option<WeightedNusselt>; MOST_SURFACES],
     /// Of a Nusselt number of weight one.
     pub variance: f32,
 }
@@ -79,25 +81,29 @@ pub struct DescentEquations {
     right: [f32; 3],
 }
 
-/// The mean Nusselt numbers of surfaces in a wind, with their derivatives.
-pub fn locals<const N: usize>(
+/// The mean Nusselt numbers of surfaces in a wind, with their derivatives; none beyond the surfaces.
+pub fn locals(
     nusselt: &Nusselt,
-    surfaces: &[SphereSurface; N],
+    surfaces: &[NusseltSurface],
     reynolds_vector: [f32; 3],
-) -> [LocalNusselt; N] {
+) -> [LocalNusselt; MOST_SURFACES] {
+    let mut locals = [LocalNusselt::default(); MOST_SURFACES];
     let reynolds = length(reynolds_vector);
+    let each = locals.iter_mut().zip(surfaces);
     if reynolds <= REST * nusselt.least_reynolds() {
         let slope = nusselt.slope_of_first_at_rest();
-        return surfaces.map(|part| part.local_at_rest(CONDUCTION, slope));
+        each.for_each(|(local, part)| *local = part.local_at_rest(slope));
+    } else {
+        let amplitudes = nusselt.amplitudes(reynolds);
+        let from = scaled(reynolds_vector, -1.0 / reynolds);
+        each.for_each(|(local, part)| *local = part.local(&amplitudes, reynolds, from));
     }
-    let amplitudes = nusselt.amplitudes(reynolds);
-    let from = scaled(reynolds_vector, -1.0 / reynolds);
-    core::array::from_fn(|i| surfaces[i].local(&amplitudes, reynolds, from))
+    locals
 }
 
-impl<const N: usize> Inverse<'_, N> {
+impl Inverse<'_> {
     /// The surfaces that were measured.
-    pub fn seen(&self) -> impl Iterator<Item = (&SphereSurface, WeightedNusselt)> {
+    pub fn seen(&self) -> impl Iterator<Item = (&NusseltSurface, WeightedNusselt)> {
         self.surfaces.iter().zip(self.observed).filter_map(|(part, observed)| observed.map(|observed| (part, observed)))
     }
 

@@ -105,7 +105,7 @@ impl LeastSquaresSolution<'_> {
         let mut covariance = Factors::of(&self.normal)?.inverse().map(|row| scaled(row, self.scale_m2_s2));
         (unknowns..3).for_each(|k| decouple(&mut covariance, k, 0.0));
         let mut across_m_s = 0.0;
-        if determined < 3 {
+        if !self.frame.is_complete() {
             across_m_s = components[determined].max(-components[determined]);
             bound_across(&mut covariance, determined, across_m_s.max(self.least_across_m_s));
         }
@@ -114,7 +114,8 @@ impl LeastSquaresSolution<'_> {
         let trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
         let (along, direction_error_rad) = if speed_m_s > 0.0 {
             let along = quadratic(&covariance, scaled(components, 1.0 / speed_m_s));
-            (along, sqrt((trace - along).max(0.0) / (unknowns - 1) as f32) / speed_m_s)
+            let across = sqrt((trace - along).max(0.0) / (unknowns - 1).max(1) as f32);
+            (along, if unknowns > 1 { across / speed_m_s } else { PI })
         } else {
             (trace / unknowns as f32, PI)
         };
@@ -124,10 +125,14 @@ impl LeastSquaresSolution<'_> {
         let no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
         quality = quality.with(QualityFlags::NO_DIRECTION, no_direction);
 
-        if determined < 3 {
+        if !self.frame.is_complete() {
             let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;
             (determined..3).for_each(|k| decouple(&mut covariance, k, open));
         }
+        // Across the plane of a cylinder or of wires it may be as fast as within.
+        (unknowns..3).filter(|&k| k >= determined && self.frame.is_complete()).for_each(|k| {
+            decouple(&mut covariance, k, speed_m_s * speed_m_s);
+        });
         Some(WindEstimate {
             wind_m_s: self.frame.determined_part(self.wind_m_s),
             speed_m_s,

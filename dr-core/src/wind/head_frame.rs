@@ -6,8 +6,13 @@
 //! its size alone: speed² less what is known squared. So there is one unknown more than the axes
 //! span, three at the most, and the vector that the head determines is the component of the wind
 //! within that span.
+//!
+//! Cylinders and wires see the wind in the plane of their axes alone, which is two unknowns, and a
+//! single element its speed, which is one.
 
+use super::form::HeadForm;
 use super::normal::Matrix;
+use super::surface::NusseltSurface;
 use crate::arithmetic::{cross, dot, length, plus, scaled};
 
 /// Sine under which an axis counts as lying in the span of the others.
@@ -18,10 +23,27 @@ const LEAST_SINE: f32 = 0.1;
 pub struct HeadFrame {
     basis: [[f32; 3]; 3],
     determined: usize,
+    unknowns: usize,
 }
 
 impl HeadFrame {
-    pub fn new(axes: impl Iterator<Item = [f32; 3]>) -> Self {
+    /// The frame of surfaces that make a head of this form.
+    pub fn of(form: HeadForm, surfaces: &[NusseltSurface]) -> Self {
+        let axes = surfaces.iter().map(NusseltSurface::axis);
+        let unknowns = |frame: &Self| (frame.determined + 1).min(form.dimensions());
+        let frame = match (form, surfaces) {
+            (HeadForm::Cylinder | HeadForm::Wires, [first, ..]) => {
+                let plane = [first.axis(), cross(first.corner(), first.axis()), first.corner()];
+                let in_plane = Self::new(axes);
+                Self { basis: plane, determined: in_plane.determined.min(2), ..in_plane }
+            }
+            (HeadForm::Single, _) => Self { determined: 0, ..Self::new(axes) },
+            _ => Self::new(axes),
+        };
+        Self { unknowns: unknowns(&frame), ..frame }
+    }
+
+    fn new(axes: impl Iterator<Item = [f32; 3]>) -> Self {
         let mut basis = [[0.0; 3]; 3];
         let mut determined = 0;
         for axis in axes {
@@ -46,7 +68,7 @@ impl HeadFrame {
             }
             _ => basis[2] = cross(basis[0], basis[1]),
         }
-        Self { basis, determined }
+        Self { basis, determined, unknowns: (determined + 1).min(3) }
     }
 
     /// Number of components that are determined with their sign.
@@ -55,8 +77,13 @@ impl HeadFrame {
     }
 
     /// Number of unknowns: these, and the size of what is across.
-    pub fn unknowns(&self) -> usize {
-        (self.determined + 1).min(3)
+    pub const fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// Whether all unknowns are determined with their sign.
+    pub const fn is_complete(&self) -> bool {
+        self.determined == self.unknowns
     }
 
     /// Components of a vector in this frame.

@@ -1,13 +1,14 @@
-//! Conductances of a heated sphere or card to the gas, and the wind vector that follows from them.
+//! Conductances of heated surfaces to the gas, and the wind vector that follows from them.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`gas`] | properties of the gas: density, viscosity, conductivity |
 //! | [`gas_law`] | the same from pressure and temperature |
-//! | [`nusselt`] | local Nusselt number of the sphere: Legendre amplitudes as functions of the Reynolds number |
-//! | [`surface`] | its mean over one surface of the sphere, and how that changes with the wind |
+//! | [`form`] | sphere, cylinder, wires, single element: which winds their surfaces tell apart |
+//! | [`nusselt`] | local Nusselt number of the body: amplitudes as functions of the Reynolds number |
+//! | [`surface`] | its mean over one surface, and how that changes with the wind |
 //! | [`sphere`] | the surfaces of known heads: four tetrahedral sectors, two hemispheres |
-//! | [`sphere_inverse`] | the inverse: conductances in, wind vector with its covariance out |
+//! | [`surface_inverse`] | the inverse: conductances in, wind vector with its covariance out |
 //! | [`card_inverse`] | the same for four dice on a card: speed and direction in its plane |
 //! | [`WindEstimate`] | the wind vector with its standard errors and quality |
 //! | [`QualityFlags`] | limitations of an estimate, one bit each |
@@ -16,14 +17,15 @@
 //! A wind vector points in the direction in which the gas moves. It comes in the frame in which the
 //! axes of the surfaces are given.
 //!
-//! All of it knows forced convection of a smooth sphere in a continuum, and nothing of its stem:
+//! All of it knows forced convection of a smooth body in a continuum, and nothing of its stem:
 //! what the stem, free convection or the gas's Prandtl number make of the amplitudes is for the
 //! calibration to put into them. It is meant for the decimated rate, 10 to 100 Hz. What runs there
 //! uses `+ − × ÷` on f32 in fixed order; root and logarithm are made of these here.
 //!
 //! ```
 //! use dr_core::wind::{
-//!     GasState, MeasuredConductance, NusseltConfig, QualityFlags, WindState, WindVector, sphere,
+//!     GasState, HeadForm, MeasuredConductance, NusseltConfig, QualityFlags, WindState, WindVector,
+//!     sphere,
 //! };
 //!
 //! // Amplitudes come from a calibration; these are of about the right size for Re 1 … 200.
@@ -32,7 +34,7 @@
 //!     [2.0 + 0.53 * root, 0.55 * root, 0.0, 0.0, 0.0, 0.0]
 //! });
 //! let nusselt = NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes };
-//! let head = WindVector::new(&nusselt, &sphere::tetrahedral_sectors(0.01), 0.01, 0.5)?;
+//! let head = WindVector::new(HeadForm::Sphere, &nusselt, &sphere::tetrahedral_sectors(0.01), 0.01, 0.5)?;
 //! let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3)?; // CO2 of 700 Pa at 220 K
 //!
 //! let measured = head.conductances(&gas, [3.0, -4.0, 1.0]).map(|given| {
@@ -49,6 +51,7 @@ pub mod anemometer;
 pub mod card_inverse;
 mod descent;
 mod estimate;
+pub mod form;
 pub mod gas;
 pub mod gas_law;
 mod head_frame;
@@ -57,20 +60,21 @@ pub mod nusselt;
 pub mod quality_flags;
 mod singularity;
 pub mod sphere;
-pub mod sphere_inverse;
+pub mod surface_inverse;
 mod start;
 pub mod surface;
 
-pub use anemometer::command::{HeadSurface, MOST_SURFACES, WindCommand, WindOutputConfig};
+pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
 pub use card_inverse::{Card, CardConfig};
 pub use estimate::WindEstimate;
+pub use form::HeadForm;
 pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};
 pub use quality_flags::QualityFlags;
-pub use sphere_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
-pub use surface::{SphereSurface, SurfaceConfig};
+pub use surface_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
+pub use surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
 
 #[cfg(test)]
 pub(crate) mod tests;

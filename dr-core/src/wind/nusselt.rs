@@ -1,9 +1,11 @@
-//! The local Nusselt number of a sphere in a stream, as Legendre amplitudes that depend on the
-//! Reynolds number.
+//! The local Nusselt number of a heated body in a stream, as amplitudes that depend on the Reynolds
+//! number.
 //!
 //! ```text
 //! Nu(θ) = Σ a_n(Re) P_n(cos θ)     n = 0 … 5; θ from the front stagnation point, a_0 is the mean
 //! ```
+//!
+//! This is a sphere; of other bodies the [`form`](super::form) says what stands for P_n.
 //!
 //! The amplitudes are given at `POINTS` Reynolds numbers, each the same multiple of the one before
 //! it; where they come from (a calibration in a tunnel, a computation) is not known here.
@@ -11,15 +13,16 @@
 //! | where | a_n | reason |
 //! |---|---|---|
 //! | between the points | cubic through its neighbours in log Re (Catmull–Rom), with a continuous slope | |
-//! | below, s = Re/Re_least | a_0 − 2 and a_1: A (1+β) s / (1 + β s) with β from the slope at the edge; higher ones: A s² | to quiescent gas: Nu 2 by conduction, then linear in the wind, so that the derivative of a sector has a limit |
+//! | below, s = Re/Re_least | a_0 − Nu at rest and a_1: A (1+β) s / (1 + β s) with β from the slope at the edge; higher ones: A s² | to quiescent gas: conduction, of a sphere Nu 2, then linear in the wind, so that the derivative of a sector has a limit |
 //! | above, s = Re/Re_most | all times 1 + 2 m (√s − 1), m the slope d ln a_0 / d ln Re at the edge | a laminar layer goes as √Re; the distribution is held, not known |
 //!
 //! *Accuracy* with the published table of a sphere at Re 1 … 200: a_0 within 2e-4, the others
 //! within 8e-4 of the spline through the table up to Re 165, and within 3e-3 above, where the
 //! spline straightens out. *Limits.* One Prandtl number, that of the calibration. A slope d ln a /
-//! d ln Re below the grid outside 0 … 1 cannot be joined; a_0 − 2 or a_1 then goes linearly, with a
+//! d ln Re below the grid outside 0 … 1 cannot be joined; a_0 or a_1 then goes linearly, with a
 //! kink at the edge.
 
+use super::form::HeadForm;
 use crate::arithmetic::{log2, sqrt};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use core::f32::consts::LOG2_E;
@@ -28,9 +31,6 @@ use core::f32::consts::LOG2_E;
 pub const ORDERS: usize = 6;
 /// Number of Reynolds numbers.
 pub const POINTS: usize = 32;
-
-/// Nusselt number of a sphere in quiescent gas.
-pub const CONDUCTION: f32 = 2.0;
 
 /// Amplitudes as they travel and are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Amplitudes {
     pub slope: [f32; ORDERS],
 }
 
-/// The Nusselt number of a sphere, checked and made ready. Immutable.
+/// The Nusselt number of a body, checked and made ready. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Nusselt {
     /// The points, with one more on either side on the parabola through the last three.
@@ -63,7 +63,8 @@ pub struct Nusselt {
     most_reynolds: f32,
     log2_least: f32,
     intervals_per_octave: f32,
-    /// β of a_0 − 2 and of a_1.
+    at_rest: f32,
+    /// β of a_0 − Nu at rest and of a_1.
     bend: [f32; 2],
     /// m
     growth: f32,
@@ -72,23 +73,26 @@ pub struct Nusselt {
 impl Nusselt {
     /// # Errors
     /// If the grid does not ascend or lies outside 1e-3 … 1e6; if an amplitude is no finite number
-    /// or beyond 10⁴; if a_0 does not ascend from more than 2, or levels out at the end, because a
+    /// or beyond 10⁴; if a_0 does not ascend from more than it is at rest, or levels out at the end, because a
     /// conductance would not determine the speed; if an a_1 is not greater than zero, because front
-    /// and rear could not be distinguished.
-    pub fn new(config: &NusseltConfig) -> Result<Self, ConfigError> {
+    /// and rear could not be distinguished, or a wire along the wind from one across it.
+    pub fn new(form: HeadForm, config: &NusseltConfig) -> Result<Self, ConfigError> {
         let (least, most) = error::ascending(
             (Parameter::LeastReynolds, config.least_reynolds),
             (Parameter::MostReynolds, config.most_reynolds),
         )?;
         error::within(Parameter::LeastReynolds, least, 1e-3, 1e6)?;
         error::within(Parameter::MostReynolds, most, 1e-3, 1e6)?;
-        let mut below = CONDUCTION;
+        let at_rest = form.nusselt_at_rest();
+        let mut below = at_rest;
         for row in &config.amplitudes {
             for &a in row {
                 error::within(Parameter::NusseltAmplitudes, a, -1e4, 1e4)?;
             }
             error::ascending((Parameter::NusseltMean, below), (Parameter::NusseltMean, row[0]))?;
-            error::positive(Parameter::NusseltFirst, row[1])?;
+            if form != HeadForm::Single {
+                error::positive(Parameter::NusseltFirst, row[1])?;
+            }
             below = row[0];
         }
         let rows = with_neighbours(&config.amplitudes);
@@ -101,11 +105,12 @@ impl Nusselt {
             most_reynolds: most,
             log2_least: log2(least),
             intervals_per_octave: (1.0 / step) as f32,
+            at_rest,
             bend: [0.0; 2],
             growth: 0.0,
         };
         let (low, high) = (nusselt.between(0, 0.0), nusselt.between(POINTS - 2, 1.0));
-        nusselt.bend = [bend(low.value[0] - CONDUCTION, low.slope[0]), bend(low.value[1], low.slope[1])];
+        nusselt.bend = [bend(low.value[0] - at_rest, low.slope[0]), bend(low.value[1], low.slope[1])];
         nusselt.growth = high.slope[0] / high.value[0];
         if nusselt.growth > 0.0 {
             Ok(nusselt)
@@ -166,7 +171,7 @@ impl Nusselt {
         let edge = &self.rows[1];
         // Of a_n with n ≥ 2: A s², 2 A s².
         let mut at = Amplitudes { value: edge.map(|a| a * s * s), slope: edge.map(|a| 2.0 * a * s * s) };
-        for (n, base) in [(0, CONDUCTION), (1, 0.0)] {
+        for (n, base) in [(0, self.at_rest), (1, 0.0)] {
             let beta = self.bend[n];
             let rise = (edge[n] - base) * (1.0 + beta) * s / (1.0 + beta * s);
             at.value[n] = base + rise;

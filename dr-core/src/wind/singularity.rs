@@ -32,7 +32,7 @@ pub struct Singularity {
     pub information: Matrix,
 }
 
-impl<const N: usize> Inverse<'_, N> {
+impl Inverse<'_> {
     /// The fold near a solution, if there is one.
     pub fn singularity(&self, found: &DescentResult) -> Option<Singularity> {
         let speed = length(found.reynolds);

@@ -13,18 +13,27 @@
 //!
 //! A direction that the head does not determine takes what the determined components leave of w's
 //! length one.
+//!
+//! For wires n and w are turned to twice their angles in the plane, which makes cos 2φ a component.
+//! Of the directions that halving leaves open that one is taken which the wires' axes face most.
 
 use super::descent::Inverse;
+use super::form::HeadForm;
 use super::normal::{Factors, decouple, plus_outer};
 use super::nusselt::POINTS;
-use crate::arithmetic::{dot, plus, scaled, sqrt};
+use super::surface::NusseltSurface;
+use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
 
 /// Share of the speed that is across the head's axes at least, to begin with: with none of it no
 /// step would find any.
 const LEAST_ACROSS: f32 = 0.05;
+/// Cosine of twice the angle to begin with between the wind and the axes of two wires.
+const MOST_ALONG: f32 = 0.95;
+/// Sine under which two axes are one, as of the frame.
+const LEAST_SINE: f32 = 0.1;
 
 /// Up to two starts as Reynolds vectors, the likelier first.
-pub fn starts<const N: usize>(inverse: &Inverse<N>) -> [Option<[f32; 3]>; 2] {
+pub fn starts(inverse: &Inverse) -> [Option<[f32; 3]>; 2] {
     let Some(linear) = Linear::of(inverse) else { return [None; 2] };
     let mut costs = [0.0_f32; POINTS];
     for (cost, (_, a0, a1)) in costs.iter_mut().zip(inverse.nusselt.points()) {
@@ -53,15 +62,21 @@ pub fn starts<const N: usize>(inverse: &Inverse<N>) -> [Option<[f32; 3]>; 2] {
 struct Linear {
     measured: [f32; 3],
     level: [f32; 3],
+    /// Components of w that follow from these.
+    determined: usize,
     complete: bool,
 }
 
 impl Linear {
-    fn of<const N: usize>(inverse: &Inverse<N>) -> Option<Self> {
-        let determined = inverse.frame.determined();
+    fn of(inverse: &Inverse) -> Option<Self> {
+        let determined = match inverse.form {
+            // Wires across each other are one line at twice the angle.
+            HeadForm::Wires => inverse.doubled_span(),
+            _ => inverse.frame.determined(),
+        };
         let (mut matrix, mut measured, mut level) = ([[0.0; 3]; 3], [0.0; 3], [0.0; 3]);
         for (part, observed) in inverse.seen() {
-            let axis = scaled(inverse.frame.inward(part.axis()), part.first_mean());
+            let axis = scaled(inverse.linear_axis(part), part.first_mean());
             plus_outer(&mut matrix, 1.0, axis);
             measured = plus(measured, observed.nusselt, axis);
             level = plus(level, 1.0, axis);
@@ -72,7 +87,7 @@ impl Linear {
             (measured[k], level[k]) = (0.0, 0.0);
         }
         let factors = Factors::of(&matrix)?;
-        Some(Self { measured: factors.solve(measured), level: factors.solve(level), complete: determined == 3 })
+        Some(Self { measured: factors.solve(measured), level: factors.solve(level), determined, complete: determined == inverse.frame.unknowns() })
     }
 
     /// w, or the components of it that are determined.
@@ -85,23 +100,60 @@ impl Linear {
         scaled(first, 1.0 / if self.complete { size } else { size.max(a1) })
     }
 
-    fn cost<const N: usize>(&self, inverse: &Inverse<N>, a0: f32, a1: f32) -> f32 {
-        let from = inverse.frame.outward(self.from(a0, a1));
+    fn cost(&self, inverse: &Inverse, a0: f32, a1: f32) -> f32 {
+        let from = self.from(a0, a1);
         inverse
             .seen()
             .map(|(part, observed)| {
-                let error = observed.nusselt - a0 - a1 * part.first_mean() * dot(part.axis(), from);
+                let error = observed.nusselt - a0 - a1 * part.first_mean() * dot(inverse.linear_axis(part), from);
                 error * error
             })
             .sum()
     }
 
-    fn wind<const N: usize>(&self, inverse: &Inverse<N>, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {
+    fn wind(&self, inverse: &Inverse, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {
         let mut from = self.from(a0, a1);
         let left = 1.0 - dot(from, from);
-        if let Some(across) = from.get_mut(inverse.frame.determined()) {
+        if !self.complete && let Some(across) = from.get_mut(self.determined) {
             *across = -sqrt(left.max(LEAST_ACROSS * LEAST_ACROSS));
         }
+        if inverse.form == HeadForm::Wires {
+            from = inverse.halved(from, self.complete);
+        }
         inverse.frame.outward(scaled(from, -reynolds))
+    }
+}
+
+impl Inverse<'_> {
+    /// The axis of a surface in the frame in which its Nusselt number is linear.
+    fn linear_axis(&self, part: &NusseltSurface) -> [f32; 3] {
+        let [x, y, z] = self.frame.inward(part.axis());
+        match self.form {
+            HeadForm::Wires => [x * x - y * y, 2.0 * x * y, 0.0],
+            _ => [x, y, z],
+        }
+    }
+
+    /// Components that wires determine at twice their angle.
+    fn doubled_span(&self) -> usize {
+        let mut doubled = self.surfaces.iter().map(|part| self.linear_axis(part));
+        let Some(first) = doubled.next() else { return 0 };
+        1 + usize::from(doubled.any(|axis| length(cross(first, axis)) > LEAST_SINE))
+    }
+
+    /// The direction at half the angle; of the two, or where the sign of the second component is
+    /// not known of the four, the one that the axes face.
+    fn halved(&self, doubled: [f32; 3], signed: bool) -> [f32; 3] {
+        let facing = self.surfaces.iter().fold([0.0; 3], |sum, part| plus(sum, 1.0, self.frame.inward(part.axis())));
+        // Along an axis no small turn changes anything, and no step would leave it.
+        let most = if signed { 1.0 } else { MOST_ALONG };
+        let twice = doubled[0].clamp(-most, most);
+        let (cosine, sine) = (sqrt(0.5 * (1.0 + twice)), sqrt(0.5 * (1.0 - twice)));
+        let sign = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
+        if !signed {
+            return [sign(facing[0]) * cosine, sign(facing[1]) * sine, 0.0];
+        }
+        let there = [cosine, sign(doubled[1]) * sine, 0.0];
+        scaled(there, sign(dot(there, facing)))
     }
 }

@@ -1,4 +1,4 @@
-//! One part of a sphere's surface: its mean Nusselt number in a wind, and how that changes with the
+//! One surface of a heated body: its mean Nusselt number in a wind, and how that changes with the
 //! wind.
 //!
 //! ```text
@@ -14,6 +14,9 @@
 //! | h_n | mean of P_n over the surface about its own axis, h_0 = 1 |
 //! | d_n | threefold part of that mean, n = 3, 4, 5; zero for a part with rotational symmetry |
 //!
+//! P_n are the Legendre polynomials for a part of a sphere; for one of a cylinder they are
+//! Chebyshev's T_n, for a wire T_n(2 z² − 1), both without threefold part ([`form`](super::form)).
+//!
 //! This is the addition theorem of the spherical harmonics for surfaces with rotational or
 //! threefold symmetry about their axis and a mirror plane through the corner. The derivative is
 //! taken to the Reynolds vector r = v ρ d / µ, of length Re:
@@ -26,9 +29,13 @@
 //! In quiescent gas the mean has a tip and no derivative; there only a_1's part is given, −h_1 (d
 //! a_1/d Re) n.
 
+use super::form::HeadForm;
 use super::nusselt::{Amplitudes, ORDERS};
 use crate::arithmetic::{cross, dot, plus, scaled};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
+
+/// Most surfaces of a head.
+pub const MOST_SURFACES: usize = 8;
 
 /// A part as it travels and is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
@@ -36,7 +43,8 @@ use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 pub struct SurfaceConfig {
     /// Outward, of any length.
     pub axis: [f32; 3],
-    /// Towards a corner, of any length; only what lies across the axis counts.
+    /// Towards a corner, of any length; only what lies across the axis counts. Of a cylinder along
+    /// its axis, of wires across their plane.
     pub corner: [f32; 3],
     /// Surface, m².
     pub area_m2: f32,
@@ -46,9 +54,10 @@ pub struct SurfaceConfig {
     pub threefold: [f32; 3],
 }
 
-/// One part of a sphere, checked and made ready. Immutable.
+/// One surface, checked and made ready. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
-pub struct SphereSurface {
+pub struct NusseltSurface {
+    form: HeadForm,
     axis: [f32; 3],
     corner: [f32; 3],
     third: [f32; 3],
@@ -58,7 +67,7 @@ pub struct SphereSurface {
 }
 
 /// A mean Nusselt number and its derivative to the Reynolds vector.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LocalNusselt {
     /// Nu
     pub nusselt: f32,
@@ -66,11 +75,11 @@ pub struct LocalNusselt {
     pub gradient: [f32; 3],
 }
 
-impl SphereSurface {
+impl NusseltSurface {
     /// # Errors
     /// If the area is not greater than zero, axis or corner have no direction or the same, or a
     /// mean lies outside −1 … 1: P_n does not.
-    pub fn new(config: &SurfaceConfig) -> Result<Self, ConfigError> {
+    pub fn new(form: HeadForm, config: &SurfaceConfig) -> Result<Self, ConfigError> {
         error::positive(Parameter::AreaM2, config.area_m2)?;
         let axis = direction(Parameter::Axis, config.axis)?;
         let corner = direction(Parameter::Corner, config.corner)?;
@@ -83,12 +92,17 @@ impl SphereSurface {
             error::within(Parameter::SectorThreefold, d, -1.0, 1.0)?;
         }
         let third = cross(axis, corner);
-        Ok(Self { axis, corner, third, area_m2: config.area_m2, means, threefold: config.threefold })
+        Ok(Self { form, axis, corner, third, area_m2: config.area_m2, means, threefold: config.threefold })
     }
 
     /// Outward, of length one.
     pub const fn axis(&self) -> [f32; 3] {
         self.axis
+    }
+
+    /// Towards its corner, of length one.
+    pub const fn corner(&self) -> [f32; 3] {
+        self.corner
     }
 
     /// Surface, m².
@@ -103,6 +117,9 @@ impl SphereSurface {
 
     /// In a wind from the unit vector `from` at a Reynolds number greater than zero.
     pub fn local(&self, amplitudes: &Amplitudes, reynolds: f32, from: [f32; 3]) -> LocalNusselt {
+        if self.form != HeadForm::Sphere {
+            return self.local_about_an_axis(amplitudes, reynolds, from);
+        }
         let (z, x, y) = (dot(from, self.axis), dot(from, self.corner), dot(from, self.third));
         let z2 = z * z;
         let p = [
@@ -140,6 +157,30 @@ impl SphereSurface {
         LocalNusselt { nusselt, gradient: scaled(gradient, -1.0 / reynolds) }
     }
 
+    /// The same of a cylinder, a wire or a single element; `from` lies in the plane of the axes.
+    fn local_about_an_axis(&self, amplitudes: &Amplitudes, reynolds: f32, from: [f32; 3]) -> LocalNusselt {
+        let cosine = dot(from, self.axis);
+        // Both sides of a wire are alike: cos 2φ.
+        let (z, per_cosine) = match self.form {
+            HeadForm::Wires => (2.0 * cosine * cosine - 1.0, 4.0 * cosine),
+            _ => (cosine, 1.0),
+        };
+        // T_n and its derivative n U_(n−1).
+        let (mut t, mut u) = ([1.0, z], [0.0, 1.0]);
+        let (mut nusselt, mut slope, mut along_axis) = (0.0, 0.0, 0.0);
+        for n in 0..ORDERS {
+            let mean = self.means[n];
+            nusselt += amplitudes.value[n] * mean * t[0];
+            slope += amplitudes.slope[n] * mean * t[0];
+            along_axis += amplitudes.value[n] * mean * n as f32 * u[0];
+            t = [t[1], 2.0 * z * t[1] - t[0]];
+            u = [u[1], 2.0 * z * u[1] - u[0]];
+        }
+        let gradient = scaled(self.axis, along_axis * per_cosine);
+        let gradient = plus(gradient, slope - dot(gradient, from), from);
+        LocalNusselt { nusselt, gradient: scaled(gradient, -1.0 / reynolds) }
+    }
+
     /// What a unit of each amplitude gives in a wind from the unit vector `from`: q_n, and −(1 − w
     /// wᵀ) ∂q_n/∂w as the gradient. For a calibration, in which the amplitudes are unknown.
     pub fn per_amplitude(&self, from: [f32; 3]) -> [LocalNusselt; ORDERS] {
@@ -151,8 +192,13 @@ impl SphereSurface {
     }
 
     /// In quiescent gas, with d a_1 / d Re.
-    pub fn local_at_rest(&self, conduction: f32, slope_of_first: f32) -> LocalNusselt {
-        LocalNusselt { nusselt: conduction, gradient: scaled(self.axis, -self.first_mean() * slope_of_first) }
+    pub fn local_at_rest(&self, slope_of_first: f32) -> LocalNusselt {
+        let along_axis = match self.form {
+            HeadForm::Sphere | HeadForm::Cylinder => -self.first_mean() * slope_of_first,
+            // What has no front loses alike whichever way a wind begins.
+            HeadForm::Wires | HeadForm::Single => 0.0,
+        };
+        LocalNusselt { nusselt: self.form.nusselt_at_rest(), gradient: scaled(self.axis, along_axis) }
     }
 }
 

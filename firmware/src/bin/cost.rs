@@ -112,14 +112,14 @@ type OfSectors = [Option<MeasuredConductance>; 4];
 /// The wind from the conductances of four sectors.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_4_sectors(head: &WindVector<4>, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
+fn wind_4_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
     head.step(state, gas, measured)
 }
 
 /// The wind from the three that are left, or that are known well.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn wind_3_sectors(head: &WindVector<4>, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
+fn wind_3_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
     // A word of its own keeps the linker from merging it with the function above.
     black_box(head).step(state, gas, measured)
 }
@@ -205,7 +205,7 @@ fn nusselt() -> NusseltConfig {
 /// in carbon dioxide of 700 Pa and 220 K.
 fn wind() -> Option<()> {
     let surfaces = wind::sphere::tetrahedral_sectors(DIAMETER_M);
-    let vector = WindVector::new(&nusselt(), &surfaces, DIAMETER_M, 0.5).ok()?;
+    let vector = WindVector::new(HeadForm::Sphere, &nusselt(), &surfaces, DIAMETER_M, 0.5).ok()?;
     let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut state = WindState::default();
     let mut sign = 1.0;
@@ -304,7 +304,7 @@ fn anemometer() -> Option<()> {
     send(Command::Arm { window_s: 1.0 })?;
     send(Command::Start)?;
 
-    let vector = WindVector::new(&nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
+    let vector = WindVector::new(HeadForm::Sphere, &nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
     let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut temperature_c = [-30.0_f32; ELEMENTS];
     let mut heaters = Heaters::default();

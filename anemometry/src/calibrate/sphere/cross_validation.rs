@@ -74,7 +74,7 @@ fn estimate<const N: usize>(
 ) -> Result<WindEstimate, CalibrateError> {
     let surfaces: [SurfaceConfig; N] = std::array::from_fn(|i| calibration.surfaces[i].config);
     let (curves, diameter_m) = (calibration.curves.config(), calibration.diameter_m as f32);
-    let head = WindVector::new(&curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
+    let head = WindVector::new(HeadForm::Sphere, &curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
     let measured: [Option<MeasuredConductance>; N] =
         std::array::from_fn(|i| steady.surfaces.get(i).map(|reading| calibration.measured(i, reading)));
     Ok(head.step(&mut WindState::default(), &steady.core_gas()?, &measured))

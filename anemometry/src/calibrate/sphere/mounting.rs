@@ -8,7 +8,7 @@
 //! A turn about the only axis of two hemispheres changes nothing that they measure; of all R with
 //! the same axis the smallest is given.
 
-use dr_core::wind::SphereSurface;
+use dr_core::wind::NusseltSurface;
 use nalgebra::{DMatrix, Rotation3, Unit, Vector3};
 
 /// Sine below which axes lie on one line, as in dr-core's `frame`.
@@ -26,7 +26,7 @@ pub struct Mounting {
 
 impl Mounting {
     /// As drawn: both frames the same.
-    pub fn drawn(surfaces: &[SphereSurface]) -> Self {
+    pub fn drawn(surfaces: &[NusseltSurface]) -> Self {
         let axes: Vec<Vector3<f64>> =
             surfaces.iter().map(|surface| Vector3::from(surface.axis().map(f64::from))).collect();
         let on_one_line = axes.iter().all(|axis| axis.cross(&axes[0]).norm() < LEAST_SINE);
@@ -83,8 +83,8 @@ mod tests {
     use super::*;
     use dr_core::wind::sphere::{hemispheres, tetrahedral_sectors};
 
-    fn surfaces(configs: &[dr_core::wind::SurfaceConfig]) -> Vec<SphereSurface> {
-        configs.iter().map(|config| SphereSurface::new(config).unwrap()).collect()
+    fn surfaces(configs: &[dr_core::wind::SurfaceConfig]) -> Vec<NusseltSurface> {
+        configs.iter().map(|config| NusseltSurface::new(config).unwrap()).collect()
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //! Readings that cannot be meant are refused here by the label of their wind; whether the winds are
 //! well spread is for [`spread`](super::spread).
 
-use dr_core::wind::{SphereSurface, SurfaceConfig};
+use dr_core::wind::{NusseltSurface, SurfaceConfig};
 
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
@@ -50,7 +50,7 @@ pub struct SphereGeometry<'a> {
     /// As drawn.
     pub drawn: &'a DrawnSphere,
     /// Surfaces, checked by dr-core.
-    pub surfaces: Vec<SphereSurface>,
+    pub surfaces: Vec<NusseltSurface>,
     /// The orders of amplitudes that at least one surface sees.
     pub orders: Vec<usize>,
 }
@@ -104,7 +104,7 @@ pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry<'_>, CalibrateError> {
     let surfaces = head
         .surfaces
         .iter()
-        .map(|of| SphereSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
+        .map(|of| NusseltSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
     let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
     Ok(SphereGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()?, orders })
 }

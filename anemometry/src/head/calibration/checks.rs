@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
-use dr_core::wind::{MOST_SURFACES, Nusselt, SphereSurface};
+use dr_core::wind::{MOST_SURFACES, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
 use super::keys::CalibrationKeys;
@@ -146,7 +146,7 @@ impl Calibration {
             keys.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
             keys.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
             keys.positive_to(&format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
-            SphereSurface::new(&of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
+            NusseltSurface::new(&of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
             if self.table.nusselt.is_some() && of.means[0] <= 0.0 {
                 let sentence = format!("begins with {}: a surface of a sphere faces its own axis", of.means[0]);
                 return Err(keys.refuse(&format!("{key}.means"), sentence));

@@ -4,12 +4,10 @@ use crate::model::convection_observer::config::{
     FasterGainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
 use crate::wind::card_inverse::CardConfig;
+use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLawConfig;
 use crate::wind::nusselt::ORDERS;
 use crate::wind::surface::SurfaceConfig;
-
-/// Most surfaces of a head.
-pub const MOST_SURFACES: usize = 4;
 
 /// A surface of a head with the element that heats it.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
@@ -31,9 +29,9 @@ pub struct HeadSurface {
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindOutputConfig {
-    /// 4 sectors, 2 hemispheres, or 4 dice of a card.
+    /// As many as the head has; a card has 4 dice.
     pub surfaces: u8,
-    /// Diameter of the sphere, or side of a die, m.
+    /// Diameter of sphere, cylinder or wire, or side of a die, m.
     pub diameter_m: f32,
     /// Least and greatest Reynolds number of the points, or of the card's winds; none for a head
     /// without calibration.
@@ -92,4 +90,6 @@ pub enum WindCommand {
     },
     /// Calibration of a card with four dice, in place of Nusselt points.
     Card(CardConfig),
+    /// What the surfaces belong to; without it they are parts of a sphere.
+    Form(HeadForm),
 }

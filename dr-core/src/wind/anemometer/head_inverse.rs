@@ -1,16 +1,16 @@
-//! The inverse of a head, by the number and the kind of its parts.
+//! The inverse of a head, by the kind of its surfaces.
 
-use super::command::MOST_SURFACES;
 use crate::wind::card_inverse::Card;
 use crate::wind::estimate::WindEstimate;
 use crate::wind::gas::GasState;
-use crate::wind::sphere_inverse::{MeasuredConductance, WindState, WindVector};
+use crate::wind::surface::MOST_SURFACES;
+use crate::wind::surface_inverse::{MeasuredConductance, WindState, WindVector};
 
 /// A head that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "without a heap there is one place for either")]
 pub enum HeadInverse {
-    Sectors(WindVector<4>),
-    Hemispheres(WindVector<2>),
+    Surfaces(WindVector),
     Card(Card),
 }
 
@@ -21,13 +21,12 @@ impl HeadInverse {
         gas: &GasState,
         measured: &[Option<MeasuredConductance>; MOST_SURFACES],
     ) -> WindEstimate {
-        let [a, b, ..] = *measured;
+        let [a, b, c, d, ..] = *measured;
         match self {
-            Self::Sectors(vector) => vector.step(state, gas, measured),
-            Self::Hemispheres(vector) => vector.step(state, gas, &[a, b]),
-            Self::Card(card) => card.step(gas, measured),
+            Self::Surfaces(vector) => vector.step(state, gas, measured),
+            Self::Card(card) => card.step(gas, &[a, b, c, d]),
         }
     }
 }
 
-crate::fields::fields!(enum HeadInverse { 0 Sectors(vector), 1 Hemispheres(vector), 2 Card(card) });
+crate::fields::fields!(enum HeadInverse { 0 Surfaces(vector), 1 Card(card) });

@@ -1,15 +1,16 @@
 //! The settings of an anemometer, collected command by command until they are complete.
 
-use super::command::{HeadSurface, MOST_SURFACES, WindOutputConfig};
+use super::command::{HeadSurface, WindOutputConfig};
 use super::head_inverse::HeadInverse;
 use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATURATED_S, STARTING};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
-use crate::wind::card_inverse::{Card, CardConfig};
+use crate::wind::card_inverse::{Card, CardConfig, DICE};
+use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
-use crate::wind::sphere_inverse::WindVector;
-use crate::wind::surface::{SphereSurface, SurfaceConfig};
+use crate::wind::surface_inverse::WindVector;
+use crate::wind::surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
 
 /// The settings so far.
 #[derive(Debug, Clone, PartialEq, Default, Fields!)]
@@ -20,6 +21,7 @@ pub struct AnemometerSetup {
     /// In place of points. Checked by the last command, which brings the settings that it depends
     /// on.
     pub card: Option<CardConfig>,
+    pub form: HeadForm,
     surfaces: [Option<HeadSurface>; MOST_SURFACES],
     pub gas_law: Option<GasLaw>,
 }
@@ -35,7 +37,7 @@ impl AnemometerSetup {
     }
 
     pub fn set_surface(&mut self, surface: u8, config: &HeadSurface) -> Result<(), ConfigError> {
-        SphereSurface::new(&config.surface)?;
+        NusseltSurface::new(self.form, &config.surface)?;
         error::within(Parameter::PartGain, config.gain, 0.1, 10.0)?;
         error::within(Parameter::WindlessWK, config.windless_w_k, 0.0, 1e3)?;
         let most = (MOST_SURFACES - 1) as f32;
@@ -97,8 +99,8 @@ impl AnemometerSetup {
         let (size_m, most_rad) = (config.diameter_m, config.direction_error_max_rad);
         let surfaces: [Option<SurfaceConfig>; MOST_SURFACES] = self.surfaces.map(|part| part.map(|part| part.surface));
         if let Some(card) = &self.card {
-            let (4, [Some(a), Some(b), Some(c), Some(d)]) = (config.surfaces, surfaces) else {
-                return Err(error::out_of_range(Parameter::Parts, 4.0, MOST_SURFACES as f32));
+            let (4, [Some(a), Some(b), Some(c), Some(d), ..]) = (config.surfaces, surfaces) else {
+                return Err(error::out_of_range(Parameter::Parts, DICE as f32, DICE as f32));
             };
             return Ok(Some(HeadInverse::Card(Card::new(card, &[a, b, c, d], size_m, most_reynolds, most_rad)?)));
         }
@@ -106,14 +108,10 @@ impl AnemometerSetup {
             return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: ParameterProblem::Missing });
         }
         let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
-        Ok(Some(match (config.surfaces, surfaces) {
-            (4, [Some(a), Some(b), Some(c), Some(d)]) => {
-                HeadInverse::Sectors(WindVector::new(&nusselt, &[a, b, c, d], size_m, most_rad)?)
-            }
-            (2, [Some(a), Some(b), ..]) => {
-                HeadInverse::Hemispheres(WindVector::new(&nusselt, &[a, b], size_m, most_rad)?)
-            }
-            _ => return Err(error::out_of_range(Parameter::Parts, 2.0, MOST_SURFACES as f32)),
-        }))
+        let first = surfaces[0].ok_or(ConfigError { parameter: Parameter::Parts, problem: ParameterProblem::Missing })?;
+        let mut configs = [first; MOST_SURFACES];
+        configs.iter_mut().zip(surfaces).for_each(|(config, given)| *config = given.unwrap_or(first));
+        let of_head = configs.get(..usize::from(config.surfaces)).unwrap_or_default();
+        Ok(Some(HeadInverse::Surfaces(WindVector::new(self.form, &nusselt, of_head, size_m, most_rad)?)))
     }
 }

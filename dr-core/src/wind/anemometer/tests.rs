@@ -12,7 +12,7 @@ extern crate std;
 use super::command::WindOutputConfig;
 use super::*;
 use crate::model::{GainsConfig, NetworkSelfHeatingConfig, mesh};
-use crate::wind::{GasLaw, GasLawConfig, NusseltConfig, WindVector, sphere};
+use crate::wind::{GasLaw, HeadForm, GasLawConfig, NusseltConfig, WindVector, sphere};
 
 mod balance;
 mod bit_flips;
@@ -42,8 +42,8 @@ fn law() -> GasLawConfig {
     }
 }
 
-fn vector() -> WindVector<SECTORS> {
-    WindVector::new(&nusselt(), &sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).unwrap()
+fn vector() -> WindVector {
+    WindVector::new(HeadForm::Sphere, &nusselt(), &sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).unwrap()
 }
 
 fn off(a: [f32; 3], b: [f32; 3]) -> f32 {

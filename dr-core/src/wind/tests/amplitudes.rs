@@ -2,6 +2,7 @@
 
 extern crate std;
 
+use super::super::form::HeadForm;
 use super::table::{amplitudes, published, sampled};
 use crate::error::{Parameter, ParameterProblem};
 use crate::wind::Nusselt;
@@ -9,7 +10,7 @@ use crate::wind::nusselt::ORDERS;
 
 #[test]
 fn interpolates_between_its_points() {
-    let nusselt = Nusselt::new(&published()).unwrap();
+    let nusselt = Nusselt::new(HeadForm::Sphere, &published()).unwrap();
     for (from, to, tolerance) in [(1.0_f64, 165.0_f64, 1e-3), (165.0, 200.0, 3e-3)] {
         let (mut worst, mut worst_slope) = ([0.0_f64; ORDERS], 0.0_f64);
         for k in 1..5000 {
@@ -35,7 +36,7 @@ fn interpolates_between_its_points() {
 
 #[test]
 fn the_slope_is_that_of_the_value_and_the_edges_join() {
-    let nusselt = Nusselt::new(&published()).unwrap();
+    let nusselt = Nusselt::new(HeadForm::Sphere, &published()).unwrap();
     let h = 1e-3_f64;
     for re in [0.01, 0.3, 0.9, 1.7, 10.0, 63.0, 199.0, 230.0, 1000.0, 2e4] {
         let at = |re: f64| nusselt.amplitudes(re as f32);
@@ -63,7 +64,7 @@ fn the_slope_is_that_of_the_value_and_the_edges_join() {
 #[test]
 fn goes_to_conduction_below_the_grid_and_on_with_the_root_above() {
     // A calibration that begins at Re 10 and ends at 100 is compared with the table outside.
-    let nusselt = Nusselt::new(&sampled(10.0, 100.0)).unwrap();
+    let nusselt = Nusselt::new(HeadForm::Sphere, &sampled(10.0, 100.0)).unwrap();
     assert_eq!(nusselt.amplitudes(0.0).value, [2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     for (re, tolerance) in [(1.0, 0.04), (2.0, 0.03), (5.0, 0.02), (150.0, 0.01), (200.0, 0.02)] {
         let ratio = f64::from(nusselt.amplitudes(re as f32).value[0]) / amplitudes(re)[0];
@@ -98,7 +99,7 @@ fn refuses_amplitudes_that_determine_no_wind() {
     for (spoil, parameter, problem) in cases {
         let mut config = published();
         spoil(&mut config);
-        let error = Nusselt::new(&config).unwrap_err();
+        let error = Nusselt::new(HeadForm::Sphere, &config).unwrap_err();
         assert_eq!((error.parameter, error.problem), (parameter, problem));
     }
 }

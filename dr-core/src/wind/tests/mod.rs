@@ -4,28 +4,30 @@ extern crate std;
 
 mod amplitudes;
 pub(crate) mod cards;
+mod forms;
 mod noise;
 mod partial;
 mod round_trip;
 mod surfaces;
 pub(super) mod table;
 
-use super::sphere::{SECTORS, hemispheres, tetrahedral_sectors};
-use super::sphere_inverse::{MeasuredConductance, WindVector};
+use super::form::HeadForm;
+use super::sphere::{hemispheres, tetrahedral_sectors};
+use super::surface_inverse::{MeasuredConductance, WindVector};
 use crate::error::Parameter;
 use table::{DIAMETER_M, published};
 
 /// 30°, under which a direction is one.
 const DIRECTION_BOUND_RAD: f32 = 0.5;
 
-fn sphere_b() -> WindVector<SECTORS> {
+fn sphere_b() -> WindVector {
     let d = DIAMETER_M as f32;
-    WindVector::new(&published(), &tetrahedral_sectors(d), d, DIRECTION_BOUND_RAD).unwrap()
+    WindVector::new(HeadForm::Sphere, &published(), &tetrahedral_sectors(d), d, DIRECTION_BOUND_RAD).unwrap()
 }
 
-fn sphere_a() -> WindVector<2> {
+fn sphere_a() -> WindVector {
     let d = DIAMETER_M as f32;
-    WindVector::new(&published(), &hemispheres(d), d, DIRECTION_BOUND_RAD).unwrap()
+    WindVector::new(HeadForm::Sphere, &published(), &hemispheres(d), d, DIRECTION_BOUND_RAD).unwrap()
 }
 
 /// Conductances with a standard error of this share of each.
@@ -38,12 +40,12 @@ fn measured<const N: usize>(conductances: [f64; N], share: f64) -> [Option<Measu
 #[test]
 fn refuses_a_head_by_the_name_of_what_is_wrong() {
     let (amplitudes, surfaces) = (published(), tetrahedral_sectors(0.01));
-    let refused = |diameter, bound| WindVector::new(&amplitudes, &surfaces, diameter, bound).unwrap_err().parameter;
+    let refused = |diameter, bound| WindVector::new(HeadForm::Sphere, &amplitudes, &surfaces, diameter, bound).unwrap_err().parameter;
     assert_eq!(refused(0.0, 0.5), Parameter::DiameterM);
     assert_eq!(refused(f32::NAN, 0.5), Parameter::DiameterM);
     assert_eq!(refused(0.01, 0.0), Parameter::DirectionErrorMaxRad);
     assert_eq!(refused(0.01, 2.0), Parameter::DirectionErrorMaxRad);
     let mut bad = surfaces;
     bad[3].area_m2 = 0.0;
-    assert_eq!(WindVector::new(&amplitudes, &bad, 0.01, 0.5).unwrap_err().parameter, Parameter::AreaM2);
+    assert_eq!(WindVector::new(HeadForm::Sphere, &amplitudes, &bad, 0.01, 0.5).unwrap_err().parameter, Parameter::AreaM2);
 }

@@ -113,8 +113,8 @@ fn a_bit_anywhere_is_found_in_one_turn_and_in_one_piece() {
     }
     spoil(&|anemometer| anemometer.pressure_pa = None);
     spoil(&|anemometer| {
-        let head = HeadInverse::Sectors(
-            WindVector::new(&nusselt(), &sphere::tetrahedral_sectors(DIAMETER_M), flipped(DIAMETER_M), 0.5).unwrap(),
+        let head = HeadInverse::Surfaces(
+            WindVector::new(HeadForm::Sphere, &nusselt(), &sphere::tetrahedral_sectors(DIAMETER_M), flipped(DIAMETER_M), 0.5).unwrap(),
         );
         anemometer.output.as_mut().unwrap().head = Some(head);
     });

@@ -1,4 +1,4 @@
-//! The wind vector from the conductances of the surfaces of a sphere.
+//! The wind vector from the conductances of the surfaces of a body.
 //!
 //! ```text
 //! Nu_i = G_i d / (k A_i)        r by least squares from these
@@ -14,6 +14,9 @@
 //! | four tetrahedral sectors | 3 | the vector, and one number to check it by |
 //! | three of them left, or four with one of a large variance | 3 | the vector, or two that cool the three alike: then `ambiguous`, and the one nearer to the last estimate |
 //! | surfaces with axes in a plane | 3 | the vector in that plane, and the size of what is across it (`undetermined`) |
+//! | sectors round a cylinder | 2 | the vector across its axis (`undetermined`) |
+//! | wires in a plane | 2 | the same, on the side that the wires' axes face; two wires: in the quarter |
+//! | a single element | 1 | the speed (`undetermined`, `no-direction`) |
 //! | two hemispheres | 2 | the component along their axis, and the size of what is across it (`undetermined`) |
 //!
 //! What is across and has no sign is not in the vector, but in `speed_m_s` and `across_m_s`; the
@@ -34,14 +37,15 @@
 use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, WeightedNusselt, locals};
 use super::estimate::{LeastSquaresSolution, WindEstimate};
 use super::gas::GasState;
+use super::form::HeadForm;
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
 use super::quality_flags::QualityFlags;
 use super::start::starts;
-use super::surface::{SphereSurface, SurfaceConfig};
+use super::surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
 use crate::arithmetic::{length, plus as along, scaled};
-use crate::error::{self, ConfigError, Parameter};
+use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
 /// Two solutions this near to each other, relative to the speed, are one.
 const SAME: f32 = 0.01;
@@ -65,7 +69,7 @@ pub struct MeasuredConductance {
 }
 
 /// A conductance as it follows from a wind.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Conductance {
     /// G, W/K.
     pub conductance_w_k: f32,
@@ -80,50 +84,69 @@ pub struct WindState {
     pub last_m_s: Option<[f32; 3]>,
 }
 
-/// The inverse for a head of N surfaces. Immutable.
+/// The inverse for a head of some surfaces. Immutable.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
-pub struct WindVector<const N: usize> {
+pub struct WindVector {
+    form: HeadForm,
     nusselt: Nusselt,
-    surfaces: [SphereSurface; N],
+    /// The first `count` of them.
+    surfaces: [NusseltSurface; MOST_SURFACES],
+    count: u8,
     frame: HeadFrame,
     diameter_m: f32,
     direction_error_max_rad: f32,
 }
 
-impl<const N: usize> WindVector<N> {
+impl WindVector {
     /// A head of `diameter_m`; directions that are uncertain by more than `direction_error_max_rad`
     /// are said to be none.
     ///
     /// # Errors
-    /// Names what is wrong with the amplitudes or a surface, a diameter outside 0.1 mm … 1 m, or a
-    /// bound outside 0 … π/2.
+    /// Names what is wrong with the amplitudes or a surface, fewer surfaces than the form has or
+    /// more than `MOST_SURFACES`, a diameter outside 1 µm … 1 m, or a bound outside 0 … π/2.
     pub fn new(
+        form: HeadForm,
         nusselt: &NusseltConfig,
-        surfaces: &[SurfaceConfig; N],
+        surfaces: &[SurfaceConfig],
         diameter_m: f32,
         direction_error_max_rad: f32,
     ) -> Result<Self, ConfigError> {
-        const { assert!(N >= 2, "one surface determines a speed and no direction") };
         error::positive(Parameter::DirectionErrorMaxRad, direction_error_max_rad)?;
         error::within(Parameter::DirectionErrorMaxRad, direction_error_max_rad, 0.0, core::f32::consts::FRAC_PI_2)?;
-        let nusselt = Nusselt::new(nusselt)?;
-        let mut checked = [SphereSurface::new(&surfaces[0])?; N];
+        let nusselt = Nusselt::new(form, nusselt)?;
+        let most = if form == HeadForm::Single { 1 } else { MOST_SURFACES };
+        if !(form.least_surfaces()..=most).contains(&surfaces.len()) {
+            return Err(error::out_of_range(Parameter::Parts, form.least_surfaces() as f32, most as f32));
+        }
+        let mut checked = [NusseltSurface::new(form, &surfaces[0])?; MOST_SURFACES];
         for (part, config) in checked.iter_mut().zip(surfaces) {
-            *part = SphereSurface::new(config)?;
+            *part = NusseltSurface::new(form, config)?;
+        }
+        let frame = HeadFrame::of(form, &checked[..surfaces.len()]);
+        if form == HeadForm::Wires && frame.determined() < 2 {
+            // Wires side by side tell a speed twice and no angle.
+            return Err(ConfigError { parameter: Parameter::Axis, problem: ParameterProblem::NotPositive });
         }
         Ok(Self {
+            form,
             nusselt,
-            frame: HeadFrame::new(checked.iter().map(SphereSurface::axis)),
+            frame,
             surfaces: checked,
-            diameter_m: error::within(Parameter::DiameterM, diameter_m, 1e-4, 1.0)?,
+            count: surfaces.len() as u8,
+            diameter_m: error::within(Parameter::DiameterM, diameter_m, 1e-6, 1.0)?,
             direction_error_max_rad,
         })
     }
 
-    /// What the surfaces lose in a wind, and how that changes with it.
-    pub fn conductances(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [Conductance; N] {
+    fn surfaces(&self) -> &[NusseltSurface] {
+        &self.surfaces[..usize::from(self.count).min(MOST_SURFACES)]
+    }
+
+    /// What the surfaces lose in a wind, and how that changes with it; of cylinders and wires in a
+    /// wind of their plane. Beyond the surfaces nothing.
+    pub fn conductances(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [Conductance; MOST_SURFACES] {
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
-        let locals = locals(&self.nusselt, &self.surfaces, scaled(wind_m_s, per_speed));
+        let locals = locals(&self.nusselt, self.surfaces(), scaled(wind_m_s, per_speed));
         core::array::from_fn(|i| {
             let per_nusselt = gas.conductance_per_nusselt_w_k(self.diameter_m, self.surfaces[i].area_m2());
             Conductance {
@@ -133,16 +156,19 @@ impl<const N: usize> WindVector<N> {
         })
     }
 
-    /// The wind from what was measured; surfaces that were not are `None`.
+    /// The wind from what was measured, surface by surface; those that were not are `None`.
     pub fn step(
         &self,
         state: &mut WindState,
         gas: &GasState,
-        measured: &[Option<MeasuredConductance>; N],
+        measured: &[Option<MeasuredConductance>],
     ) -> WindEstimate {
         let mut quality = QualityFlags::default().with(QualityFlags::UNDETERMINED, self.frame.determined() < 3);
         let per_nusselt = |i: usize| gas.conductance_per_nusselt_w_k(self.diameter_m, self.surfaces[i].area_m2());
-        let nusselt = nusselt_numbers(measured, per_nusselt, &mut quality);
+        let mut nusselt = [None; MOST_SURFACES];
+        for (i, number) in nusselt.iter_mut().enumerate().take(usize::from(self.count)) {
+            *number = nusselt_number(measured.get(i).copied().flatten(), per_nusselt(i), &mut quality);
+        }
         let seen = nusselt.iter().flatten().count();
         if seen < self.frame.unknowns() {
             return WindEstimate::failed(quality);
@@ -152,13 +178,21 @@ impl<const N: usize> WindVector<N> {
         // After an alarm of one surface alone it is as if that were missing. With no more surfaces
         // than unknowns weights change no solution.
         let uneven = seen > self.frame.unknowns() && observed.iter().flatten().any(|part| part.weight < DECIDES);
-        let inverse =
-            Inverse { nusselt: &self.nusselt, surfaces: &self.surfaces, frame: &self.frame, observed, variance };
+        let inverse = Inverse {
+            form: self.form,
+            nusselt: &self.nusselt,
+            surfaces: self.surfaces(),
+            frame: &self.frame,
+            observed,
+            variance,
+        };
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
         let speed_per_reynolds = 1.0 / per_speed;
         let last = state.last_m_s.map(|wind| scaled(wind, per_speed));
         let degraded = quality.has(QualityFlags::DEGRADED);
-        let Some((found, other)) = solve(&inverse, last, degraded || uneven) else {
+        // Wires always have a twin behind them, which their axes rule out.
+        let wires = self.form == HeadForm::Wires;
+        let Some((found, other)) = solve(&inverse, last, (degraded || uneven) && !wires) else {
             return WindEstimate::failed(quality);
         };
 
@@ -166,7 +200,7 @@ impl<const N: usize> WindVector<N> {
             .with(QualityFlags::AMBIGUOUS, other.is_some())
             .with(QualityFlags::EXTRAPOLATED, self.nusselt.extrapolates(length(found.reynolds)));
         let (mut normal, least_across) = self.normal_off_the_axes(&inverse, &found);
-        if degraded && let Some(singularity) = inverse.singularity(&found) {
+        if (degraded || wires) && let Some(singularity) = inverse.singularity(&found) {
             plus(&mut normal, &singularity.information);
         }
         let solution = LeastSquaresSolution {
@@ -193,9 +227,9 @@ impl<const N: usize> WindVector<N> {
 
     /// The matrix of the equations at the solution, and where the head leaves something open, at
     /// least a little off its axes: with nothing across them its size has no derivative.
-    fn normal_off_the_axes(&self, inverse: &Inverse<N>, found: &DescentResult) -> (Matrix, f32) {
+    fn normal_off_the_axes(&self, inverse: &Inverse, found: &DescentResult) -> (Matrix, f32) {
         let determined = self.frame.determined();
-        if determined >= 3 {
+        if self.frame.is_complete() {
             return (found.normal, 0.0);
         }
         let least = (LEAST_ACROSS * length(found.reynolds)).max(LEAST_ACROSS * self.nusselt.least_reynolds());
@@ -205,25 +239,21 @@ impl<const N: usize> WindVector<N> {
     }
 }
 
-/// Nusselt numbers and their variances, where they are good; `per_nusselt` is what one of them is
-/// worth at part i, W/K.
-pub(super) fn nusselt_numbers<const N: usize>(
-    measured: &[Option<MeasuredConductance>; N],
-    per_nusselt_w_k: impl Fn(usize) -> f32,
+/// A Nusselt number and its variance, if they are good; `per_nusselt` is what one is worth, W/K.
+pub(super) fn nusselt_number(
+    measured: Option<MeasuredConductance>,
+    per_nusselt: f32,
     quality: &mut QualityFlags,
-) -> [Option<(f32, f32)>; N] {
-    core::array::from_fn(|i| {
-        let good = measured[i].and_then(|measured| {
-            let per_nusselt = per_nusselt_w_k(i);
-            let nusselt = measured.conductance_w_k / per_nusselt;
-            let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
-            let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
-            *quality = quality.with(QualityFlags::REFUSED, !good);
-            good.then_some((nusselt, variance))
-        });
-        *quality = quality.with(QualityFlags::DEGRADED, good.is_none());
-        good
-    })
+) -> Option<(f32, f32)> {
+    let good = measured.and_then(|measured| {
+        let nusselt = measured.conductance_w_k / per_nusselt;
+        let variance = measured.variance_w2_k2 / per_nusselt / per_nusselt;
+        let good = [nusselt, variance].iter().all(|x| x.is_normal() && *x > 0.0);
+        *quality = quality.with(QualityFlags::REFUSED, !good);
+        good.then_some((nusselt, variance))
+    });
+    *quality = quality.with(QualityFlags::DEGRADED, good.is_none());
+    good
 }
 
 /// Whether it is a minimum, or as good as one: on a fold, and near the cusp of Nu in quiescent gas,
@@ -238,8 +268,8 @@ fn fits(found: &DescentResult, variance: f32) -> bool {
 /// known (`twins`), all starts are followed, the other side of the fold among them; of solutions
 /// that are as good as each other the one nearest to `last` is taken, or without a last one the
 /// better.
-fn solve<const N: usize>(
-    inverse: &Inverse<N>,
+fn solve(
+    inverse: &Inverse,
     last: Option<[f32; 3]>,
     twins: bool,
 ) -> Option<(DescentResult, Option<DescentResult>)> {
@@ -267,8 +297,8 @@ fn solve<const N: usize>(
 
 /// Goes down from one more start and keeps what is found, if it is better, or as good and another
 /// one.
-fn consider<const N: usize>(
-    inverse: &Inverse<N>,
+fn consider(
+    inverse: &Inverse,
     last: Option<[f32; 3]>,
     start: [f32; 3],
     left: &mut u8,
