@@ -6,18 +6,20 @@ use indicatif::ProgressBar;
 
 use crate::output::{Failure, head_of};
 use anemometry::calibrate::error::CalibratorError;
-use anemometry::calibrate::{CalibrationReport, Calibrator};
+use anemometry::calibrate::{CalibrationReport, Calibrator, DrawnOptions, LossLaw};
 use anemometry::wind::given_winds;
 use diffusive::model::Model;
+use dr_core::wind::HeadForm;
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
 ///
-/// The recordings are closed-loop runs in a tunnel of known winds. With the quiescent-gas network
-/// they give the convective loss of each surface in every steady wind; these losses give the
-/// amplitudes of the local Nusselt number over the Reynolds number, each surface's gain and
-/// conductance to quiescent gas, and the mounting of the head in the tunnel. Errors are
-/// cross-validated. Winds that do not determine all of this are refused, and the missing ones
-/// named.
+/// The recordings are runs in a tunnel of known winds, at constant temperature, current or power.
+/// With the quiescent-gas network they give the convective loss of each surface in every steady
+/// wind; these losses give the amplitudes of the local Nusselt number over the Reynolds number,
+/// each surface's gain and conductance to quiescent gas, and the mounting of the head in the
+/// tunnel. A single element gives King's law and the speed, wires in a plane and sectors round a
+/// cylinder the wind in their plane, surfaces on a sphere all of it. Errors are cross-validated.
+/// Winds that do not determine all of this are refused, and the missing ones named.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -30,7 +32,6 @@ Examples:
   anemo calibrate card-tunnel.parquet --network card1.json -o card1.toml \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4
 
-
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
 pub struct Arguments {
     /// The recordings: .parquet or .csv files.
@@ -40,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MODEL")]
     network: PathBuf,
     /// The head; by default the one that the first recording carries. Elements with a `normal` are
-    /// its surfaces: four sectors or two hemispheres.
+    /// its surfaces: outward of a sphere or a cylinder, of a wire across it towards the wind.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Write the calibrated head to this .toml file.
@@ -53,9 +54,22 @@ pub struct Arguments {
     /// Left out at the beginning of every wind, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     settle: f64,
-    /// Diameter of the sphere, mm.
-    #[arg(long, value_name = "MM", default_value_t = 10.0)]
-    diameter_mm: f64,
+    /// What the surfaces belong to; by default what the normals and the body of the head say.
+    #[arg(long, value_name = "FORM")]
+    form: Option<FormName>,
+    /// Diameter of sphere, cylinder or wire, mm; by default that of the head's body, else 10.
+    #[arg(long, value_name = "MM")]
+    diameter_mm: Option<f64>,
+    /// Length of cylinder or wire, mm; by default that of the head's body, else 10.
+    #[arg(long, value_name = "MM")]
+    length_mm: Option<f64>,
+    /// How the loss of a single element or of wires depends on the speed; by default what is better
+    /// at speeds that were left out.
+    #[arg(long, value_name = "LAW")]
+    law: Option<LawName>,
+    /// Exponent of King's law, if it is known; else it is fitted.
+    #[arg(long, value_name = "M")]
+    exponent: Option<f64>,
     /// Four dice of one card in a square, instead of a sphere, in winds of the card's plane: the
     /// two at the tip (+x), the second around the boom from the first, then the two behind, each
     /// beside the one before it.
@@ -72,10 +86,62 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Names of forms.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum FormName {
+    /// Parts of a sphere.
+    Sphere,
+    /// Sectors round a cylinder.
+    Cylinder,
+    /// Wires or films in a plane.
+    Wires,
+    /// One element: a speed.
+    Single,
+}
+
+/// Names of laws.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq)]
+enum LawName {
+    /// A + B Uᵐ; of wires with a yaw factor.
+    King,
+    /// Smooth and rising.
+    Spline,
+}
+
+impl Arguments {
+    fn options(&self) -> DrawnOptions {
+        let form = self.form.map(|form| match form {
+            FormName::Sphere => HeadForm::Sphere,
+            FormName::Cylinder => HeadForm::Cylinder,
+            FormName::Wires => HeadForm::Wires,
+            FormName::Single => HeadForm::Single,
+        });
+        let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
+        DrawnOptions { form, diameter_m: metres(self.diameter_mm), length_m: metres(self.length_mm) }
+    }
+
+    fn law(&self) -> Result<Option<LossLaw>, Failure> {
+        match (self.law, self.exponent) {
+            (None, None) => Ok(None),
+            (Some(LawName::Spline), None) => Ok(Some(LossLaw::Spline)),
+            (Some(LawName::Spline), Some(_)) => Err(Failure::usage("--exponent is of King's law, not of a spline")),
+            (_, Some(exponent)) if !(0.1..=1.5).contains(&exponent) => {
+                Err(Failure::usage(format!("--exponent is {exponent}: King's law has one between 0.1 and 1.5, usually about 0.45")))
+            }
+            (_, exponent) => Ok(Some(LossLaw::King { exponent })),
+        }
+    }
+}
+
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options =
-        [("--settle", arguments.settle), ("--diameter-mm", arguments.diameter_mm), ("--die-mm", arguments.die_mm)];
-    if let Some((name, _)) = options.iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
+    let options = [
+        ("--settle", Some(arguments.settle)),
+        ("--diameter-mm", arguments.diameter_mm),
+        ("--length-mm", arguments.length_mm),
+        ("--die-mm", Some(arguments.die_mm)),
+    ];
+    let given = |value: Option<f64>| value.unwrap_or(0.0);
+    if let Some((name, _)) = options.iter().find(|(_, value)| !(given(*value).is_finite() && given(*value) >= 0.0)) {
         return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
     }
     let mut read: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
@@ -89,7 +155,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref())?;
     let model = Model::read(&arguments.network).map_err(Failure::usage)?;
     let calibrator = match &arguments.elements[..] {
-        [] => Calibrator::new(&head, &model, arguments.diameter_mm * 1e-3),
+        [] => Calibrator::new(&head, &model, &arguments.options(), arguments.law()?),
         elements => Calibrator::card(&head, &model, elements, arguments.die_mm * 1e-3),
     };
     let calibrator = calibrator.map_err(|error| match error {

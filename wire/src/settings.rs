@@ -73,6 +73,8 @@ pub enum SettingKind {
     Model = 0x11,
     /// What it does.
     Drive = 0x12,
+    /// What the surfaces of the head belong to.
+    Form = 0x1f,
     /// Self-heating of an element.
     #[strum(to_string = "own")]
     SelfHeating = 0x20,
@@ -204,6 +206,7 @@ impl Setting {
                     WindCommand::CrossHeating(cross) => (SettingKind::CrossHeating, pair(cross.from, cross.to)?),
                     WindCommand::NusseltPoint { point, .. } => (SettingKind::NusseltPoint, *point),
                     WindCommand::Surface { surface, .. } => (SettingKind::Surface, *surface),
+                    WindCommand::Form(_) => (SettingKind::Form, 0),
                     WindCommand::Card(_) => (SettingKind::Card, 0),
                     WindCommand::GasLaw(_) => (SettingKind::GasLaw, 0),
                     WindCommand::Output(_) => (SettingKind::WindOutput, 0),

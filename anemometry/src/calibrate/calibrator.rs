@@ -1,16 +1,17 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
-use dr_core::wind::{SurfaceConfig, sphere};
+use dr_core::wind::{HeadForm, SurfaceConfig};
 use recording::text::suggest;
 
 use super::card::drawn::DrawnCard;
 use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
-use super::error::CalibratorError;
-use super::sphere::calibration::SphereCalibration;
-use super::sphere::cross_validation::cross_validate;
-use super::sphere::readings::{DrawnSphere, DrawnSurface};
-use super::sphere::solve::calibrate;
+use super::drawn::{DrawnOptions, drawn};
+use super::error::{CalibrateError, CalibratorError};
+use super::surfaces::calibration::SurfaceCalibration;
+use super::surfaces::cross_validation::cross_validate;
+use super::surfaces::readings::{DrawnSurfaces, LossLaw};
+use super::surfaces::solve::calibrate;
 use super::steady_wind::SteadyWind;
 use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use crate::gas::Species;
@@ -29,11 +30,12 @@ const TIP: [f64; 3] = [1.0, 0.0, 0.0];
 pub struct Calibrator<'a> {
     observed: ObservedHead<'a>,
     drawn: DrawnHead,
+    law: Option<LossLaw>,
 }
 
 /// Surfaces of a head as drawn.
 enum DrawnHead {
-    Sphere(DrawnSphere),
+    Surfaces(DrawnSurfaces),
     Card(DrawnCard),
 }
 
@@ -49,11 +51,11 @@ pub struct CalibratedHead {
 
 /// A calibration and its cross-validation.
 pub enum CalibrationResult {
-    /// Of a sphere.
-    Sphere {
+    /// Of surfaces on a sphere, round a cylinder, of wires or of one element.
+    Surfaces {
         /// The calibration.
-        calibration: Box<SphereCalibration>,
-        /// Errors in directions that were left out.
+        calibration: Box<SurfaceCalibration>,
+        /// Errors in directions that were left out; of a head that has none in every n-th wind.
         directions: CrossValidation,
         /// Errors in speeds that were left out.
         speeds: CrossValidation,
@@ -68,14 +70,24 @@ pub enum CalibrationResult {
 }
 
 impl<'a> Calibrator<'a> {
-    /// For a sphere; `model` is the quiescent-gas network of `anemo head identify`.
+    /// For the elements of a head that have a normal; `model` is the quiescent-gas network of `anemo
+    /// head identify`. Without a `law` that one is taken whose held-out speeds are better.
     ///
     /// # Errors
-    /// If the head is no sphere, or the network is not one of it.
-    pub fn new(head: &'a Head, model: &Model, diameter_m: f64) -> Result<Self, CalibratorError> {
-        let (places, drawn) = sphere(head, diameter_m)?;
+    /// If the normals are those of no head, or the network is not one of it.
+    pub fn new(
+        head: &'a Head,
+        model: &Model,
+        options: &DrawnOptions,
+        law: Option<LossLaw>,
+    ) -> Result<Self, CalibratorError> {
+        let (places, drawn) = drawn(head, options, law.unwrap_or(LossLaw::Spline))?;
+        if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
+            let sentence = "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own";
+            return Err(CalibratorError::Elements(sentence.to_owned()));
+        }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
-        Self::of(head, model, places, reference, DrawnHead::Sphere(drawn))
+        Self::of(head, model, places, reference, (DrawnHead::Surfaces(drawn), law))
     }
 
     /// For the card of four dice: the two at the tip, the second of them around the boom from the
@@ -85,7 +97,7 @@ impl<'a> Calibrator<'a> {
     /// If the elements are not the dice of one card, or the network is not one of the head.
     pub fn card(head: &'a Head, model: &Model, elements: &[String], side_m: f64) -> Result<Self, CalibratorError> {
         let (places, drawn) = dice(head, elements, side_m)?;
-        Self::of(head, model, places, None, DrawnHead::Card(drawn))
+        Self::of(head, model, places, None, (DrawnHead::Card(drawn), None))
     }
 
     fn of(
@@ -93,7 +105,7 @@ impl<'a> Calibrator<'a> {
         model: &Model,
         surfaces: Vec<usize>,
         reference: Option<usize>,
-        drawn: DrawnHead,
+        (drawn, law): (DrawnHead, Option<LossLaw>),
     ) -> Result<Self, CalibratorError> {
         let network = QuiescentNetwork::of(model, head)?;
         if let Some(&missing) = surfaces.iter().find(|&&place| network.own.iter().all(|own| own.element != place)) {
@@ -106,7 +118,7 @@ impl<'a> Calibrator<'a> {
         let quiescent = quiescent.ok_or_else(|| CalibratorError::Head("does not tell its gas".to_owned()))?;
         let species = Species::named(&quiescent.species)
             .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
-        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn })
+        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn, law })
     }
 
     /// Search for steady winds in recordings; `settle_s` is left out at the beginning of every
@@ -126,25 +138,25 @@ impl<'a> Calibrator<'a> {
         direction_error_max_deg: f64,
     ) -> Result<CalibratedHead, CalibratorError> {
         let result = self.result(steady)?;
-        let (winds, diameter_m, nusselt, card) = match &result {
-            CalibrationResult::Sphere { calibration: of, .. } => {
-                (format!("{} winds", of.winds), of.diameter_m, Some(of.curves.clone()), None)
+        let (winds, form, diameter_m, nusselt, card) = match &result {
+            CalibrationResult::Surfaces { calibration: of, .. } => {
+                (format!("{} winds", of.winds), of.form, of.diameter_m, Some(of.curves.clone()), None)
             }
             CalibrationResult::Card { calibration: of, .. } => {
                 let winds = format!("{} winds in the plane of a card,", of.winds);
-                (winds, of.drawn.side_m, None, Some(of.curves.clone()))
+                (winds, HeadForm::Sphere, of.drawn.side_m, None, Some(of.curves.clone()))
             }
         };
         let overall = result.cross_validation().overall();
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
             made_from: format!(
-                "{winds} of {recordings} recordings; cross-validated: direction {:.2}° rms, speed {:.2} % rms",
-                overall.direction_rms_deg,
-                100.0 * overall.speed_rms
+                "{winds} of {recordings} recordings; cross-validated: {}",
+                overall.in_words()
             ),
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
+            form,
             diameter_m,
             direction_error_max_deg,
             reference: reference.map(|element| head.elements[element].name.clone()),
@@ -160,11 +172,7 @@ impl<'a> Calibrator<'a> {
 
     fn result(&self, steady: &[SteadyWind]) -> Result<CalibrationResult, CalibratorError> {
         Ok(match &self.drawn {
-            DrawnHead::Sphere(drawn) => CalibrationResult::Sphere {
-                calibration: Box::new(calibrate(drawn, steady)?),
-                directions: cross_validate(drawn, steady, Scheme::Directions, FOLDS)?,
-                speeds: cross_validate(drawn, steady, Scheme::Speeds, FOLDS)?,
-            },
+            DrawnHead::Surfaces(drawn) => self.surfaces_result(drawn, steady)?,
             DrawnHead::Card(drawn) => CalibrationResult::Card {
                 calibration: Box::new(card::calibrate(drawn, steady)?),
                 winds: card::cross_validate(drawn, steady, FOLDS)?,
@@ -172,10 +180,35 @@ impl<'a> Calibrator<'a> {
         })
     }
 
+    /// By the law that was requested, or the one that is better at speeds that it has not seen.
+    fn surfaces_result(
+        &self,
+        drawn: &DrawnSurfaces,
+        steady: &[SteadyWind],
+    ) -> Result<CalibrationResult, CalibrateError> {
+        let (any, king) = (LossLaw::Spline, LossLaw::King { exponent: None });
+        let laws = match self.law {
+            Some(law) => vec![law],
+            None if has_law(drawn.form) => vec![king, any],
+            None => vec![any],
+        };
+        let mut best: Option<CalibrationResult> = None;
+        let mut refused = None;
+        for law in laws {
+            let drawn = DrawnSurfaces { law, ..drawn.clone() };
+            match surfaces_by(&drawn, steady) {
+                Ok(found) if best.as_ref().is_none_or(|best| found.speed_rms() < best.speed_rms()) => best = Some(found),
+                Ok(_) => {}
+                Err(error) => refused = Some(error),
+            }
+        }
+        best.ok_or(refused.unwrap_or(CalibrateError::NoMinimum))
+    }
+
     fn surfaces(&self, result: &CalibrationResult) -> Vec<SurfaceTable> {
         // Geometry, gain and conductance in quiescent gas.
         let found: Vec<(SurfaceConfig, f64, f64)> = match result {
-            CalibrationResult::Sphere { calibration, .. } => {
+            CalibrationResult::Surfaces { calibration, .. } => {
                 calibration.surfaces.iter().map(|of| (of.config, of.gain, of.quiescent_w_k)).collect()
             }
             CalibrationResult::Card { calibration, .. } => {
@@ -191,55 +224,42 @@ impl<'a> Calibrator<'a> {
     }
 }
 
+/// Whether King's law may be that of a head.
+fn has_law(form: HeadForm) -> bool {
+    matches!(form, HeadForm::Single | HeadForm::Wires)
+}
+
+/// A calibration by one law, with its errors in winds that were left out.
+fn surfaces_by(drawn: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<CalibrationResult, CalibrateError> {
+    let by_direction = if drawn.form == HeadForm::Single { Scheme::EveryNth } else { Scheme::Directions };
+    Ok(CalibrationResult::Surfaces {
+        calibration: Box::new(calibrate(drawn, steady)?),
+        directions: cross_validate(drawn, steady, by_direction, FOLDS)?,
+        speeds: cross_validate(drawn, steady, Scheme::Speeds, FOLDS)?,
+    })
+}
+
 impl CalibrationResult {
+    /// Error in speeds that were left out, rms.
+    fn speed_rms(&self) -> f64 {
+        match self {
+            Self::Surfaces { speeds, .. } => speeds.overall().speed_rms,
+            Self::Card { winds, .. } => winds.overall().speed_rms,
+        }
+    }
+
     /// The cross-validation by which the calibration is judged.
     pub fn cross_validation(&self) -> &CrossValidation {
         match self {
-            Self::Sphere { directions, .. } => directions,
+            Self::Surfaces { directions, .. } => directions,
             Self::Card { winds, .. } => winds,
         }
     }
 }
 
-/// Places in the head and geometry of the surfaces: four sectors of a tetrahedron, or two
-/// hemispheres.
-fn sphere(head: &Head, diameter_m: f64) -> Result<(Vec<usize>, DrawnSphere), CalibratorError> {
-    let outward: Vec<(usize, [f64; 3])> = head
-        .elements
-        .iter()
-        .enumerate()
-        .filter_map(|(place, element)| element.normal.map(|normal| (place, normal)))
-        .collect();
-    let narrow = |v: [f64; 3]| v.map(|x| x as f32);
-    let shapes: Vec<_> = match outward.len() {
-        4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
-        2 => sphere::hemispheres(diameter_m as f32).to_vec(),
-        count => {
-            return Err(CalibratorError::Head(format!(
-                "head `{}` has {count} elements with an outward `normal`: four sectors of a sphere, or two hemispheres can be calibrated",
-                head.name
-            )));
-        }
-    };
-    let surfaces = outward.iter().zip(shapes).enumerate().map(|(i, ((place, normal), mut config))| {
-        config.axis = narrow(*normal);
-        if outward.len() == 4 {
-            // A corner of a sector is opposite to the axis of another.
-            config.corner = narrow(outward[(i + 1) % 4].1.map(|x| -x));
-        } else {
-            // Any direction across the axis: a hemisphere has no corner.
-            let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
-            config.corner = std::array::from_fn(|k| if k == least { 1.0 } else { 0.0 });
-        }
-        DrawnSurface { name: head.elements[*place].name.clone(), config }
-    });
-    let surfaces = surfaces.collect();
-    Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSphere { diameter_m, surfaces }))
-}
-
 /// Places in the head, and the card that they are on.
 fn dice(head: &Head, elements: &[String], side_m: f64) -> Result<(Vec<usize>, DrawnCard), CalibratorError> {
-    let refuse = CalibratorError::Elements;
+    let refuse = |sentence: String| CalibratorError::Elements(format!("--elements{sentence}"));
     if elements.len() != 4 {
         return Err(refuse(format!(" names {}: four dice of one card belong there", elements.len())));
     }
@@ -271,7 +291,7 @@ mod tests {
         // It has hemisphere 1 and a core.
         let model = crate::network::from_model::tests::model();
         let head = Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-a.toml")).unwrap();
-        let refused = Calibrator::new(&head, &model, 0.01).err().unwrap().to_string();
+        let refused = Calibrator::new(&head, &model, &DrawnOptions::default(), None).err().unwrap().to_string();
         assert_eq!(
             refused,
             "network has no `hemisphere2`, which is a surface of head `sphere-a`: is it of another head?"

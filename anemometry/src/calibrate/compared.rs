@@ -5,8 +5,8 @@
 pub struct ComparedWind {
     /// Reynolds number.
     pub reynolds: f64,
-    /// Error of direction, °.
-    pub direction_deg: f64,
+    /// Error of direction, °; none of a single element.
+    pub direction_deg: Option<f64>,
     /// Relative error of speed.
     pub speed: f64,
 }
@@ -16,7 +16,7 @@ pub struct ComparedWind {
 pub struct ComparisonSummary {
     /// Number of winds.
     pub winds: usize,
-    /// Error of direction, root mean square, °.
+    /// Error of direction, root mean square, °; not a number where there is none.
     pub direction_rms_deg: f64,
     /// Error of direction, greatest, °.
     pub direction_worst_deg: f64,
@@ -27,6 +27,15 @@ pub struct ComparisonSummary {
 }
 
 impl ComparisonSummary {
+    /// Errors in words: `direction 0.20° rms, speed 0.50 % rms`.
+    pub fn in_words(&self) -> String {
+        let speed = format!("speed {:.2} % rms", 100.0 * self.speed_rms);
+        if self.direction_rms_deg.is_nan() {
+            return speed;
+        }
+        format!("direction {:.2}° rms, {speed}", self.direction_rms_deg)
+    }
+
     /// Summary of these winds.
     pub fn of<'a>(errors: impl Iterator<Item = &'a ComparedWind> + Clone) -> Self {
         let winds = errors.clone().count();
@@ -36,8 +45,8 @@ impl ComparisonSummary {
         let worst = |of: fn(&ComparedWind) -> f64| errors.clone().map(|e| of(e).abs()).fold(0.0, f64::max);
         Self {
             winds,
-            direction_rms_deg: rms(|e| e.direction_deg),
-            direction_worst_deg: worst(|e| e.direction_deg),
+            direction_rms_deg: rms(|e| e.direction_deg.unwrap_or(f64::NAN)),
+            direction_worst_deg: worst(|e| e.direction_deg.unwrap_or(f64::NAN)),
             speed_rms: rms(|e| e.speed),
             speed_worst: worst(|e| e.speed),
         }

@@ -108,33 +108,28 @@ impl fmt::Display for CrossValidation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all = self.overall();
         if self.scheme == Scheme::EveryNth {
-            writeln!(
-                f,
-                "cross-validated: {} winds, direction {:.2}° rms, {:.2}° at worst; speed {:.2} % rms, {:.2} % at worst",
-                all.winds,
-                all.direction_rms_deg,
-                all.direction_worst_deg,
-                100.0 * all.speed_rms,
-                100.0 * all.speed_worst
-            )?;
+            write!(f, "cross-validated: {} winds, ", all.winds)?;
+            if !all.direction_rms_deg.is_nan() {
+                write!(f, "direction {:.2}° rms, {:.2}° at worst; ", all.direction_rms_deg, all.direction_worst_deg)?;
+            }
+            writeln!(f, "speed {:.2} % rms, {:.2} % at worst", 100.0 * all.speed_rms, 100.0 * all.speed_worst)?;
             return match self.failed.is_empty() {
                 true => Ok(()),
                 false => writeln!(f, "no direction: {}", self.failed.join(", ")),
             };
         }
         writeln!(f, "cross-validated by {}, {} folds", self.scheme.name(), self.folds)?;
-        writeln!(f, "{:<32} {:>5} {:>18} {:>20}", "", "winds", "direction rms worst", "speed rms worst")?;
+        let has_direction = !all.direction_rms_deg.is_nan();
+        let heading = if has_direction { "direction rms worst" } else { "" };
+        writeln!(f, "{:<32} {:>5} {heading:>18} {:>20}", "", "winds", "speed rms worst")?;
         let classes = self.by_class().into_iter().map(|(range, summary)| (range.to_string(), summary));
         for (name, s) in classes.chain([("all".to_owned(), all)]) {
-            writeln!(
-                f,
-                "{name:<32} {:>5} {:>9.2}° {:>7.2}° {:>10.2} % {:>6.2} %",
-                s.winds,
-                s.direction_rms_deg,
-                s.direction_worst_deg,
-                100.0 * s.speed_rms,
-                100.0 * s.speed_worst
-            )?;
+            let direction = match has_direction {
+                true => format!("{:>9.2}° {:>7.2}°", s.direction_rms_deg, s.direction_worst_deg),
+                false => " ".repeat(18),
+            };
+            let [rms, worst] = [s.speed_rms, s.speed_worst].map(|share| 100.0 * share);
+            writeln!(f, "{name:<32} {:>5} {direction} {rms:>10.2} % {worst:>6.2} %", s.winds)?;
         }
         if !self.failed.is_empty() {
             writeln!(f, "no estimate: {}", self.failed.join(", "))?;

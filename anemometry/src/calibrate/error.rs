@@ -63,7 +63,7 @@ pub enum CalibratorError {
     #[error("{0}")]
     Head(String),
     /// The elements of a card are not four dice of it.
-    #[error("--elements{0}")]
+    #[error("{0}")]
     Elements(String),
     /// Nothing can be fitted.
     #[error(transparent)]

@@ -5,7 +5,8 @@
 //! |---|---|
 //! | [`steady_winds`] | steady winds found in recordings |
 //! | [`steady_wind`] | mean readings in one of them |
-//! | [`sphere`] | the calibration of four sectors or two hemispheres |
+//! | [`drawn`] | what the surfaces of a head belong to, and which part of it each is |
+//! | [`surfaces`] | the calibration of surfaces on a sphere, round a cylinder, of wires or of one element |
 //! | [`card`] | the calibration of four dice on a card, in winds of its plane |
 //! | [`compared`], [`cross_validation`] | errors in winds that were left out |
 //! | [`calibrator`] | from a head, its network and its steady winds to the calibrated head |
@@ -16,9 +17,10 @@ pub mod calibrator;
 pub mod card;
 pub mod compared;
 pub mod cross_validation;
+pub mod drawn;
 pub mod error;
 pub mod report;
-pub mod sphere;
+pub mod surfaces;
 pub mod steady_wind;
 pub mod steady_winds;
 
@@ -26,10 +28,11 @@ pub use calibrator::Calibrator;
 pub use card::drawn::DrawnCard;
 pub use compared::ComparisonSummary;
 pub use cross_validation::Scheme;
+pub use drawn::DrawnOptions;
 pub use error::CalibrateError;
 pub use report::CalibrationReport;
-pub use sphere::calibration::SphereCalibration;
-pub use sphere::cross_validation::{compare, cross_validate};
-pub use sphere::readings::{DrawnSphere, DrawnSurface};
-pub use sphere::solve::{calibrate, solve};
+pub use surfaces::calibration::SurfaceCalibration;
+pub use surfaces::cross_validation::{compare, cross_validate};
+pub use surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
+pub use surfaces::solve::{calibrate, solve};
 pub use steady_wind::{SteadyWind, SurfaceReading};

@@ -9,7 +9,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
-use super::sphere::calibration::SphereCalibration;
+use super::surfaces::calibration::SurfaceCalibration;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
 
@@ -59,7 +59,7 @@ impl CalibrationReport {
     /// Report of a calibrated head.
     pub fn new(calibrated: CalibratedHead, short: usize, settle_s: f64) -> Self {
         let noise = match calibrated.result {
-            CalibrationResult::Sphere { .. } => conductance_noise(&calibrated.head),
+            CalibrationResult::Surfaces { .. } => conductance_noise(&calibrated.head),
             CalibrationResult::Card { .. } => Vec::new(),
         };
         Self { result: calibrated.result, short, settle_s, noise, written: None }
@@ -70,8 +70,8 @@ impl Serialize for CalibrationReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         match &self.result {
-            CalibrationResult::Sphere { calibration, directions, speeds } => {
-                sphere(&mut map, calibration)?;
+            CalibrationResult::Surfaces { calibration, directions, speeds } => {
+                surfaces(&mut map, calibration)?;
                 map.serialize_entry("cross_validated_directions", directions)?;
                 map.serialize_entry("cross_validated_speeds", speeds)?;
                 map.serialize_entry("conductance_noise_w_k", &self.noise)?;
@@ -85,7 +85,10 @@ impl Serialize for CalibrationReport {
     }
 }
 
-fn sphere<M: SerializeMap>(map: &mut M, calibration: &SphereCalibration) -> Result<(), M::Error> {
+fn surfaces<M: SerializeMap>(map: &mut M, calibration: &SurfaceCalibration) -> Result<(), M::Error> {
+    map.serialize_entry("form", &calibration.form)?;
+    map.serialize_entry("king", &calibration.king)?;
+    map.serialize_entry("orders", &calibration.orders)?;
     map.serialize_entry("winds", &calibration.winds)?;
     map.serialize_entry("quiescent", &calibration.quiescent)?;
     map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
@@ -116,7 +119,7 @@ fn card<M: SerializeMap>(map: &mut M, calibration: &CardCalibration) -> Result<(
 impl fmt::Display for CalibrationReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.result {
-            CalibrationResult::Sphere { calibration, directions, speeds } => {
+            CalibrationResult::Surfaces { calibration, directions, speeds } => {
                 write!(f, "{calibration}\n{directions}\n{speeds}")?;
             }
             CalibrationResult::Card { calibration, winds } => write!(f, "{calibration}\n{winds}")?,
@@ -125,7 +128,7 @@ impl fmt::Display for CalibrationReport {
             let (short, settle_s) = (self.short, self.settle_s);
             writeln!(f, "\n{short} winds were shorter than the {settle_s} s that are left out of each")?;
         }
-        if matches!(self.result, CalibrationResult::Sphere { .. }) {
+        if matches!(self.result, CalibrationResult::Surfaces { .. }) {
             writeln!(f, "\nbandwidth  noise of a surface's conductance, at 30 K, 1 kHz")?;
         }
         for ConductanceNoise { bandwidth_hz, sd_w_k } in &self.noise {

@@ -265,7 +265,11 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
     for round in &rounds {
         pairs.extend(round.models.iter().map(|model| (round.name.clone(), model.clone())));
     }
-    let mut model = merge(&pairs).map_err(NetworkError::new)?;
+    // A head of one element has one pair.
+    let mut model = match &pairs[..] {
+        [(_, only)] => only.clone(),
+        pairs => merge(pairs).map_err(NetworkError::new)?,
+    };
     for (j, name) in elements.iter().enumerate() {
         let column = recording::column_name(TEMPERATURE, name);
         let Some(output) = model.outputs.iter_mut().find(|output| output.name == column) else { continue };

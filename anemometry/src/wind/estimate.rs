@@ -107,7 +107,7 @@ impl<'a> WindEstimation<'a> {
             label: None,
             estimates: 0,
             tally: EstimateTally::default(),
-            comparison: WindComparison::in_plane(calibration.card_normal()),
+            comparison: WindComparison::in_plane(calibration.plane_normal()),
             has_truth: false,
         })
     }
@@ -171,7 +171,7 @@ impl<'a> WindEstimation<'a> {
             recording: self.recording,
             head: self.head.name.clone(),
             made_from: self.calibration.table.made_from.clone(),
-            is_card: self.calibration.card_normal().is_some(),
+            in_plane: self.calibration.plane_normal().is_some(),
             estimates: self.estimates,
             output: self.output,
             fixed_because: self.anemometer.fixed,

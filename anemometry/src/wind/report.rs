@@ -22,7 +22,7 @@ pub struct WindReport {
     /// Recordings and cross-validation of its calibration, in words.
     pub made_from: String,
     /// Whether it is a card, which outputs the wind in its plane.
-    pub is_card: bool,
+    pub in_plane: bool,
     /// Number of all estimates.
     pub estimates: u64,
     /// Bandwidth and interval.
@@ -104,7 +104,7 @@ impl fmt::Display for WindReport {
         self.counting(f)?;
         self.quality(f)?;
         if let Some(comparison) = &self.comparison {
-            compared(f, comparison, self.is_card)?;
+            compared(f, comparison, self.in_plane)?;
         }
         for path in &self.written {
             writeln!(f, "\nwritten to {}", path.display())?;
@@ -151,7 +151,7 @@ impl WindReport {
 }
 
 /// Errors of the estimates that count.
-fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, is_card: bool) -> fmt::Result {
+fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, in_plane: bool) -> fmt::Result {
     if errors.count == 0 {
         return writeln!(f, "\ncompared with the true wind: no estimates to compare");
     }
@@ -166,8 +166,8 @@ fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, is_card: bool) 
     }
     if let (Some(rms), Some(worst)) = (errors.direction_deg.rms(), errors.direction_deg.worst()) {
         write!(f, "  direction  {rms:.2}° rms, {worst:.2}° at worst")?;
-        if is_card {
-            write!(f, ", in the plane of the card")?;
+        if in_plane {
+            write!(f, ", in the plane that the head determines")?;
         } else if let Some(linear) = errors.linear_deg.rms() {
             write!(f, "; linear inverse {linear:.2}° rms")?;
         }

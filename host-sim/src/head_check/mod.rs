@@ -13,7 +13,7 @@ pub mod warnings;
 pub mod winds;
 
 pub use conditions::{GivenConditions, HeadConditions};
-pub use report::{HeadCheckReport, check};
+pub use report::{ElementCheck, HeadCheckReport, check};
 pub use winds::WindNeeds;
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The equations of the fit: their derivatives, and how winds are left out.
 
 use anemometry::calibrate::Scheme;
-use anemometry::calibrate::sphere::equations::{LAST, SphereProblem};
-use anemometry::calibrate::sphere::family::AmplitudeFamily;
-use anemometry::calibrate::sphere::folds::folds;
-use anemometry::calibrate::sphere::readings::{ready, winds};
+use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
+use anemometry::calibrate::surfaces::family::AmplitudeFamily;
+use anemometry::calibrate::surfaces::folds::folds;
+use anemometry::calibrate::surfaces::readings::{ready, winds};
 use dr_core::wind::nusselt::ORDERS;
 use nalgebra::DVector;
 
@@ -18,7 +18,7 @@ fn derivatives_agree_with_differences() {
     let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
     let reynolds = [15.0, 44.0, 110.0, 199.0];
     let family = AmplitudeFamily::new(&reynolds, (0..ORDERS).collect(), 200);
-    let problem = SphereProblem::new(&head, &winds, family);
+    let problem = SurfaceProblem::new(&head, &winds, family);
     let mut place = problem.drawn();
     for (k, c) in place.coefficients.iter_mut().enumerate() {
         *c = (1.0 + k as f64).sin();

@@ -3,10 +3,10 @@
 
 use crate::tunnel::{Tunnel, directions, speeds};
 use anemometry::calibrate::{
-    CalibrateError, ComparisonSummary, DrawnSphere, SphereCalibration, SteadyWind, calibrate, compare, solve,
+    CalibrateError, ComparisonSummary, DrawnSurfaces, SurfaceCalibration, SteadyWind, calibrate, compare, solve,
 };
 
-fn lacking(head: &DrawnSphere, readings: &[SteadyWind]) -> Vec<String> {
+fn lacking(head: &DrawnSurfaces, readings: &[SteadyWind]) -> Vec<String> {
     match calibrate(head, readings) {
         Err(CalibrateError::Spread(sentences)) => sentences,
         Err(other) => panic!("{other}"),
@@ -14,7 +14,7 @@ fn lacking(head: &DrawnSphere, readings: &[SteadyWind]) -> Vec<String> {
     }
 }
 
-fn errors_at(found: &SphereCalibration, tunnel: &Tunnel, speeds: &[f64]) -> ComparisonSummary {
+fn errors_at(found: &SurfaceCalibration, tunnel: &Tunnel, speeds: &[f64]) -> ComparisonSummary {
     let unseen = tunnel.readings(speeds, 31, 1e-6, 77);
     let errors: Vec<_> = unseen[1..].iter().filter_map(|r| compare(found, r).unwrap()).collect();
     ComparisonSummary::of(errors.iter())

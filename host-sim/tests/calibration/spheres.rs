@@ -7,10 +7,10 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::tunnel::{Tunnel, directions, speeds};
-use anemometry::calibrate::{ComparisonSummary, Scheme, SphereCalibration, calibrate, compare, cross_validate};
+use anemometry::calibrate::{ComparisonSummary, Scheme, SurfaceCalibration, calibrate, compare, cross_validate};
 
 /// Angle between the mountings, degrees.
-fn off_deg(found: &SphereCalibration, tunnel: &Tunnel) -> f64 {
+fn off_deg(found: &SurfaceCalibration, tunnel: &Tunnel) -> f64 {
     (Rotation3::new(Vector3::from(found.rotation_rad)).inverse() * tunnel.rotation).angle().to_degrees()
 }
 
@@ -115,7 +115,7 @@ struct Scores {
 }
 
 impl Scores {
-    fn add(&mut self, tunnel: &Tunnel, found: &SphereCalibration) {
+    fn add(&mut self, tunnel: &Tunnel, found: &SurfaceCalibration) {
         for (surface, (gain, still)) in found.surfaces.iter().zip(tunnel.gains.iter().zip(&tunnel.quiescent_w_k())) {
             self.gains.push((surface.gain - gain) / surface.gain_error);
             self.stills.push((surface.quiescent_w_k - still) / surface.quiescent_error_w_k);

@@ -1,12 +1,13 @@
 //! A wind tunnel whose head is known: the simulated convection, gains, a crooked mounting, noise.
 
+use dr_core::wind::HeadForm;
 use dr_core::wind::sphere::{hemispheres, tetrahedral_sectors};
 use nalgebra::{Rotation3, Unit, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use anemometry::calibrate::{DrawnSphere, DrawnSurface, SteadyWind, SurfaceReading};
+use anemometry::calibrate::{DrawnSurface, DrawnSurfaces, LossLaw, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
 use anemometry::vector::unit;
 use host_sim::sensor::convection::sphere_surfaces::SphereSurfaces;
@@ -45,7 +46,7 @@ impl Tunnel {
         Self { sectors: false, gains: vec![1.02, 0.98], rotation, ..Self::sectors() }
     }
 
-    pub fn head(&self) -> DrawnSphere {
+    pub fn head(&self) -> DrawnSurfaces {
         let named = |prefix: &str, configs: &[dr_core::wind::SurfaceConfig]| {
             let surface =
                 |(i, config): (usize, &_)| DrawnSurface { name: format!("{prefix}{}", i + 1), config: *config };
@@ -56,7 +57,7 @@ impl Tunnel {
             true => named("sector", &tetrahedral_sectors(d)),
             false => named("hemisphere", &hemispheres(d)),
         };
-        DrawnSphere { diameter_m: DIAMETER_M, surfaces }
+        DrawnSurfaces { form: HeadForm::Sphere, law: LossLaw::Spline, diameter_m: DIAMETER_M, surfaces }
     }
 
     fn conductance_w_k(&self, gas_k: f64, wind_m_s: Vector3<f64>) -> Vec<f64> {

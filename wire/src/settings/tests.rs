@@ -1,4 +1,5 @@
 use super::*;
+use dr_core::wind::HeadForm;
 use dr_core::control::{
     Cause, Drive, ElementConfig, GuardConfig, Limits, PulseResponse, SelfTestFaults, SelfTestFinding,
 };
@@ -78,6 +79,7 @@ fn one_of_each() -> Vec<Setting> {
         Command::Wind(WindCommand::CrossHeating(cross)),
         Command::Wind(WindCommand::NusseltPoint { point: 31, amplitudes: [1.0; 6] }),
         Command::Wind(WindCommand::Surface { surface: 3, config: part }),
+        Command::Wind(WindCommand::Form(HeadForm::Cylinder)),
         Command::Wind(WindCommand::Card(card)),
         Command::Wind(WindCommand::GasLaw(gas_law)),
         Command::Wind(WindCommand::Output(answer)),

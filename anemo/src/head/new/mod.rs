@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anemometry::head::Head;
 use anemometry::head::body::BodyLink;
-use host_sim::head_check::{GivenConditions, check};
+use host_sim::head_check::{ElementCheck, GivenConditions, check};
 use recording::text::short;
 use recording::toml_file::TomlSource;
 
@@ -25,7 +25,8 @@ const OVERHEAT_K: f64 = 20.0;
 ///
 /// `head.toml` has the elements, their limits, and the body that simulates them; `held.toml` holds
 /// all elements in winds; an `identify-….toml` for every element is a record for `anemo head
-/// identify`. Change the numbers to those of the head at hand, then check it.
+/// identify`, `tunnel.toml` one for `anemo calibrate`, and `winds.toml` one to estimate. Change the
+/// numbers to those of the head at hand, then check it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -80,6 +81,25 @@ fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
 }
 
+/// A high current at which pseudo-random bits warm an element in quiescent gas by about the
+/// overheat, if its own makes more, A.
+fn gentle_current_a(head: &Head, of: &ElementCheck) -> Option<String> {
+    let element = head.elements.iter().find(|element| element.name == of.name)?;
+    let mean_w = OVERHEAT_K / of.own_gain_k_per_w;
+    let share = 2.0 * mean_w / of.level_w[1];
+    (share < 1.0).then(|| short(element.nominal.current_high_a * share.sqrt(), 2))
+}
+
+fn low_current_a(head: &Head, name: &str) -> String {
+    let element = head.elements.iter().find(|element| element.name == name);
+    element.map_or_else(String::new, |element| short(element.nominal.current_low_a, 4))
+}
+
+/// Whether no surface of a head looks up or down.
+fn is_flat(head: &Head) -> bool {
+    head.elements.iter().filter_map(|element| element.normal).all(|normal| normal[2].abs() < 0.1)
+}
+
 /// Names and texts of the experiments of a head: long enough for its slowest and its usual time
 /// constants.
 fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
@@ -112,9 +132,33 @@ fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
         );
     }
     let mut all = vec![("held.toml".to_owned(), text)];
+    // A calibration, and winds that it has not seen.
+    for (file, title, winds, [least_m_s, most_m_s], hold_s, seed) in [
+        ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
+        ("winds.toml", "winds to estimate", 30, [0.7, 9.0], 10.0, 7),
+    ] {
+        let mut text = start(title, warm_s + hold_s * f64::from(winds), 41);
+        held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+        text += &format!(
+            "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
+             {warm_s:.1}\nseed = {seed}\n"
+        );
+        if is_flat(head) {
+            text += "plane = \"level\" # across the axis, along which the head tells nothing\n";
+        }
+        all.push((file.to_owned(), text));
+    }
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
-    for (i, name) in held.iter().enumerate() {
+    for (i, of) in report.elements.iter().filter(|of| of.held).enumerate() {
+        let name = &of.name;
         let mut text = start(&format!("what {name} heats, in quiescent gas"), record_s, 41);
+        if let Some(high_a) = gentle_current_a(head, of) {
+            let currents = format!(
+                "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{name} = {{ low_a = {}, high_a = {high_a} }}\n\n[drives]",
+                low_current_a(head, name)
+            );
+            text = text.replacen("[drives]", &currents, 1);
+        }
         text += &format!(
             "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
              start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\

@@ -68,7 +68,7 @@ impl CardCalibration {
         }
         Ok(Some(ComparedWind {
             reynolds: speed_m_s * self.drawn.reynolds_per_speed(steady),
-            direction_deg: angle_deg(estimate.wind_m_s.map(f64::from), steady.wind_m_s),
+            direction_deg: Some(angle_deg(estimate.wind_m_s.map(f64::from), steady.wind_m_s)),
             speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
         }))
     }

@@ -1,5 +1,7 @@
 //! A checked calibration, in f64.
 
+use dr_core::wind::HeadForm;
+
 use super::keys::CalibrationKeys;
 use super::table::CalibrationTable;
 use crate::head::element::HeadElement;
@@ -53,8 +55,13 @@ impl Calibration {
         Ok(Self { table, reference, surfaces, network: QuiescentNetwork { own, cross } })
     }
 
-    /// Outward normal of the card, for a head that outputs the wind in the plane of a card only.
-    pub fn card_normal(&self) -> Option<[f64; 3]> {
-        self.table.card.as_ref().and(self.table.surfaces.first()).map(|of| of.axis)
+    /// Normal of the plane, for a head that outputs the wind in a plane only: of a card, across a
+    /// cylinder, or of wires.
+    pub fn plane_normal(&self) -> Option<[f64; 3]> {
+        let first = self.table.surfaces.first()?;
+        match self.table.form {
+            HeadForm::Cylinder | HeadForm::Wires => Some(first.corner),
+            HeadForm::Sphere | HeadForm::Single => self.table.card.as_ref().map(|_| first.axis),
+        }
     }
 }

@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
-use dr_core::wind::{MOST_SURFACES, Nusselt, NusseltSurface};
+use dr_core::wind::card_inverse::DICE;
+use dr_core::wind::{HeadForm, MOST_SURFACES, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
 use super::keys::CalibrationKeys;
@@ -26,10 +27,11 @@ const MOST_NOISE_K: f64 = 100.0;
 /// Rates in rad/s and resistances in K/W are not greater than this.
 const GREATEST: f64 = 1e6;
 /// As the board takes them.
-const DIAMETER_M: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
+const DIAMETER_M: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
 const DIRECTION_ERROR_MAX_DEG: std::ops::RangeInclusive<f64> = 0.01..=90.0;
 const GAIN: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 const QUIESCENT_W_K: std::ops::RangeInclusive<f64> = 0.0..=1e3;
+const MOST_AREA_M2: f64 = 1.0;
 const SURFACE: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 
 impl Calibration {
@@ -125,12 +127,21 @@ impl Calibration {
 
     fn check_surfaces(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
         let count = self.surfaces.len();
-        if ![2, MOST_SURFACES].contains(&count) {
-            let sentence = format!("are {count}: four sectors, two hemispheres or four dice belong here");
+        let form = self.table.form;
+        let most = if form == HeadForm::Single { 1 } else { MOST_SURFACES };
+        if !(form.least_surfaces()..=most).contains(&count) {
+            let least = form.least_surfaces();
+            let sentence = match form {
+                HeadForm::Single => format!("are {count}: a single element has one"),
+                _ => format!("are {count}: {least} to {most} belong here, and four dice on a card"),
+            };
             return Err(keys.refuse("calibration.surfaces", sentence));
         }
         let heading = keys.heading("self_heating");
-        let most_m2 = PI * self.table.diameter_m * self.table.diameter_m;
+        let most_m2 = match form {
+            HeadForm::Sphere => PI * self.table.diameter_m * self.table.diameter_m,
+            HeadForm::Cylinder | HeadForm::Wires | HeadForm::Single => MOST_AREA_M2,
+        };
         for (i, (of, element)) in self.table.surfaces.iter().zip(&self.surfaces).enumerate() {
             let key = format!("calibration.surfaces[{i}]");
             let own = self.network.own.iter().find(|own| own.element == *element);
@@ -146,9 +157,9 @@ impl Calibration {
             keys.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
             keys.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
             keys.positive_to(&format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
-            NusseltSurface::new(&of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
-            if self.table.nusselt.is_some() && of.means[0] <= 0.0 {
-                let sentence = format!("begins with {}: a surface of a sphere faces its own axis", of.means[0]);
+            NusseltSurface::new(form, &of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
+            if self.table.nusselt.is_some() && form != HeadForm::Single && of.means[0] <= 0.0 {
+                let sentence = format!("begins with {}: a surface faces its own axis", of.means[0]);
                 return Err(keys.refuse(&format!("{key}.means"), sentence));
             }
         }
@@ -157,12 +168,12 @@ impl Calibration {
 
     fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
         let CalibrationTable { nusselt, card, .. } = &self.table;
-        if card.is_some() && (nusselt.is_some() || self.surfaces.len() != MOST_SURFACES) {
+        if card.is_some() && (nusselt.is_some() || self.surfaces.len() != DICE) {
             let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
             return Err(keys.refuse("calibration.card", sentence));
         }
         let Some(nusselt) = nusselt else { return Ok(()) };
-        let made = Nusselt::new(&nusselt.config());
+        let made = Nusselt::new(self.table.form, &nusselt.config());
         made.map(drop).map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))
     }
 

@@ -1,6 +1,6 @@
 //! A calibration as commands of the board's anemometer.
 
-use dr_core::wind::{HeadSurface, WindCommand, WindOutputConfig};
+use dr_core::wind::{HeadForm, HeadSurface, WindCommand, WindOutputConfig};
 
 use super::checked::Calibration;
 use super::checks::GAS_C;
@@ -40,6 +40,9 @@ impl Calibration {
             for (point, amplitudes) in (0_u8..).zip(&nusselt.amplitudes) {
                 commands.push(WindCommand::NusseltPoint { point, amplitudes: amplitudes.map(|a| a as f32) });
             }
+        }
+        if self.table.form != HeadForm::Sphere {
+            commands.push(WindCommand::Form(self.table.form));
         }
         if let Some(card) = &self.table.card {
             commands.push(WindCommand::Card(card.config()));

@@ -3,7 +3,7 @@
 
 use dr_core::wind::card_inverse::{KNOTS, TERMS};
 use dr_core::wind::nusselt::{ORDERS, POINTS};
-use dr_core::wind::{CardConfig, NusseltConfig, SurfaceConfig};
+use dr_core::wind::{CardConfig, HeadForm, NusseltConfig, SurfaceConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::gas::Species;
@@ -19,14 +19,17 @@ pub struct CalibrationTable {
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
     pub reference_gas_c: f64,
-    /// Diameter of the sphere, or side of a die, m.
+    /// What the surfaces belong to; without the key parts of a sphere, or dice.
+    #[serde(default, skip_serializing_if = "is_sphere")]
+    pub form: HeadForm,
+    /// Diameter of sphere, cylinder or wire, or side of a die, m.
     pub diameter_m: f64,
     /// Directions that are more uncertain are flagged as none, °.
     pub direction_error_max_deg: f64,
     /// The element that measures the gas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
-    /// How conductances depend on the wind, of a sphere.
+    /// How conductances depend on the wind, but of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nusselt: Option<NusseltTable>,
     /// The same of a card.
@@ -41,6 +44,11 @@ pub struct CalibrationTable {
     /// Cross-heating of the quiescent-gas network.
     #[serde(default, alias = "cross")]
     pub cross_heating: Vec<CrossHeatingParameters>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_sphere(form: &HeadForm) -> bool {
+    *form == HeadForm::Sphere
 }
 
 /// `[calibration.nusselt]`

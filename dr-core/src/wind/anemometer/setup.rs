@@ -37,7 +37,7 @@ impl AnemometerSetup {
     }
 
     pub fn set_surface(&mut self, surface: u8, config: &HeadSurface) -> Result<(), ConfigError> {
-        NusseltSurface::new(self.form, &config.surface)?;
+        NusseltSurface::new(HeadForm::default(), &config.surface)?; // of whatever form it will be
         error::within(Parameter::PartGain, config.gain, 0.1, 10.0)?;
         error::within(Parameter::WindlessWK, config.windless_w_k, 0.0, 1e3)?;
         let most = (MOST_SURFACES - 1) as f32;

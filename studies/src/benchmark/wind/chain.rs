@@ -5,6 +5,7 @@ use crate::thesis::record::rows;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
 use anemometry::calibrate::calibrator::Calibrator;
+use anemometry::calibrate::drawn::DrawnOptions;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
@@ -13,8 +14,6 @@ use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use recording::{Collector, Metadata, RecordingLayout};
 
-/// Diameter of both spheres, m.
-const DIAMETER_M: f64 = 0.01;
 /// Left out of every wind of a tunnel, s.
 const SETTLE_S: f64 = 20.0;
 /// Directions that are more uncertain are none, °.
@@ -67,7 +66,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
 pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), StudyError> {
     let tunnel = lab.experiment("tunnel")?;
     lab.announce(&tunnel);
-    let calibrator = Calibrator::new(&tunnel.head, model, DIAMETER_M).map_err(other)?;
+    let calibrator = Calibrator::new(&tunnel.head, model, &DrawnOptions::default(), None).map_err(other)?;
     let steady = steady(&calibrator, &tunnel, SETTLE_S)?;
     let made = calibrator.calibrated(&steady, 1, DIRECTION_ERROR_MAX_DEG);
     let made = made.map_err(other)?;

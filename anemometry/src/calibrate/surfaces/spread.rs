@@ -9,6 +9,10 @@
 //! | gain and G0 of every surface apart, and from the amplitudes | *every* surface is within 60° of the front and within 60° of the rear, at low speeds and at high ones (ranges of 2½ octaves at most) |
 //! | the tilt of a head that has one axis only: out of a plane of winds it changes their angles by its square alone | winds leave every plane by 20° at least |
 //!
+//! Angles matter to a sphere and to a cylinder. Of wires the winds' angles to their normals have to
+//! differ by 30° at least; orders of amplitudes beyond the number of angles are left out. A single
+//! element has no angles.
+//!
 //! Because all surfaces share the amplitudes, an angle that one surface has seen need not be seen
 //! by the others. Angles are those of the head as drawn: they may be wrong by the mounting, for
 //! which the bounds have room.
@@ -20,11 +24,12 @@
 //! in winds of one plane have no best fit that could be found, whereas four sectors lose nothing by
 //! it; so a head of several axes may stay on a turntable.
 
+use dr_core::wind::HeadForm;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::super::compared::{ReynoldsRange, digits};
 use super::mounting::Mounting;
-use super::readings::{CheckedWind, SphereGeometry};
+use super::readings::{CheckedWind, SurfaceGeometry};
 use super::speeds::{ascending, classes, distinct};
 use super::spline;
 
@@ -44,7 +49,7 @@ const HALF_OCTAVES: f64 = 2.5;
 const SPEEDS: &str = "{speeds}";
 
 /// What is missing, a sentence each; nothing if the winds will do.
-pub fn lacking(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
+pub fn lacking(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let moving = ascending(winds);
     let mut sentences = few(head, winds);
     if moving.is_empty() {
@@ -52,6 +57,14 @@ pub fn lacking(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> 
         return sentences;
     }
     sentences.extend(speeds(&moving));
+    match head.form() {
+        HeadForm::Single => return sentences,
+        HeadForm::Wires => {
+            sentences.extend(wires(head, &moving));
+            return sentences;
+        }
+        HeadForm::Sphere | HeadForm::Cylinder => {}
+    }
     if has_one_axis(head) {
         sentences.extend(plane(&moving));
     }
@@ -82,9 +95,9 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
     runs.into_iter().map(|(range, _, sentence)| sentence.replace(SPEEDS, &range.to_string())).collect()
 }
 
-fn few(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
+fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let n = head.surfaces.len();
-    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(&head.surfaces).turns.ncols();
+    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
         return Vec::new();
     }
@@ -97,8 +110,8 @@ fn few(head: &SphereGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
 }
 
 /// Winds in a plane are no loss to a head whose axes span more.
-fn has_one_axis(head: &SphereGeometry<'_>) -> bool {
-    Mounting::drawn(&head.surfaces).turns.ncols() < 3
+fn has_one_axis(head: &SurfaceGeometry<'_>) -> bool {
+    head.form() == HeadForm::Sphere && Mounting::drawn(head.form(), &head.surfaces).turns.ncols() < 3
 }
 
 fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
@@ -150,13 +163,56 @@ fn plane(moving: &[&CheckedWind]) -> Option<String> {
 }
 
 /// Angles between where the winds of a class come from and the axis of a surface, degrees.
-fn angles(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange, surface: usize) -> Vec<f64> {
+fn angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange, surface: usize) -> Vec<f64> {
     let axis = Vector3::from(head.surfaces[surface].axis().map(f64::from));
     let of_class = moving.iter().filter(|wind| class.holds(wind.reynolds));
     of_class.map(|wind| Vector3::from(wind.towards).angle(&-axis).to_degrees()).collect()
 }
 
-fn some_surface(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+/// Angles that are told apart: within so many degrees two are one.
+const SAME_ANGLE: f64 = 5.0;
+/// Between the angles of the winds to wires, degrees.
+const LEAST_ANGLES: f64 = 30.0;
+
+/// Angles of all winds to the surfaces, ascending, degrees; both sides of a wire are alike.
+fn all_angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<f64> {
+    let of_surfaces = head.surfaces.iter().flat_map(|surface| {
+        let axis = Vector3::from(surface.axis().map(f64::from));
+        moving.iter().map(move |wind| Vector3::from(wind.towards).angle(&-axis).to_degrees())
+    });
+    let fold = |angle: f64| if head.form() == HeadForm::Wires { angle.min(180.0 - angle) } else { angle };
+    let mut angles: Vec<f64> = of_surfaces.map(fold).collect();
+    angles.sort_by(f64::total_cmp);
+    angles
+}
+
+/// How many angles the winds have to the surfaces, which bounds the orders that they determine; no
+/// bound for a sphere.
+pub fn angles_apart(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> usize {
+    if head.form() == HeadForm::Sphere {
+        return usize::MAX;
+    }
+    let (mut apart, mut last) = (0, f64::NEG_INFINITY);
+    for angle in all_angles(head, moving) {
+        if angle > last + SAME_ANGLE {
+            (apart, last) = (apart + 1, angle);
+        }
+    }
+    apart
+}
+
+fn wires(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Option<String> {
+    let angles = all_angles(head, moving);
+    let (least, most) = (angles.first()?, angles.last()?);
+    (most - least < LEAST_ANGLES).then(|| {
+        format!(
+            "the winds' angles to the wires' normals are all between {least:.0}° and {most:.0}°, which tells no direction: winds \
+             at angles at least {LEAST_ANGLES:.0}° apart are missing"
+        )
+    })
+}
+
+fn some_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
     let mut all: Vec<f64> = (0..head.surfaces.len()).flat_map(|surface| angles(head, moving, class, surface)).collect();
     let (Some(least), Some(most)) = (all.iter().copied().reduce(f64::min), all.iter().copied().reduce(f64::max)) else {
         // An octave without winds is a gap of speeds, and reported there.
@@ -186,7 +242,7 @@ fn some_surface(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &Reyn
     sentences
 }
 
-fn every_surface(head: &SphereGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
+fn every_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
     let mut sentences = Vec::new();
     for (surface, drawn) in head.drawn.surfaces.iter().enumerate() {
         let own = angles(head, moving, class, surface);

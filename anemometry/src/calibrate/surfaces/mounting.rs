@@ -2,13 +2,14 @@
 //! by which it is improved.
 //!
 //! ```text
-//! R ← exp([T δ]×) R     T: 3 × 3 identity, or 3 × 2 across the axis of a head that has only one
+//! R ← exp([T δ]×) R     T: 3 × 3 identity; 3 × 2 across the axis of a head that has only one;
+//!                       3 × 1 along the axis of a cylinder; 3 × 0 of a single element
 //! ```
 //!
 //! A turn about the only axis of two hemispheres changes nothing that they measure; of all R with
 //! the same axis the smallest is given.
 
-use dr_core::wind::NusseltSurface;
+use dr_core::wind::{HeadForm, NusseltSurface};
 use nalgebra::{DMatrix, Rotation3, Unit, Vector3};
 
 /// Sine below which axes lie on one line, as in dr-core's `frame`.
@@ -26,7 +27,17 @@ pub struct Mounting {
 
 impl Mounting {
     /// As drawn: both frames the same.
-    pub fn drawn(surfaces: &[NusseltSurface]) -> Self {
+    pub fn drawn(form: HeadForm, surfaces: &[NusseltSurface]) -> Self {
+        let rotation = Rotation3::identity();
+        match form {
+            HeadForm::Sphere => {}
+            HeadForm::Cylinder | HeadForm::Wires => {
+                let corner = surfaces[0].corner();
+                let turns = DMatrix::from_fn(3, 1, |i, _| f64::from(corner[i]));
+                return Self { rotation, turns, only_axis: None };
+            }
+            HeadForm::Single => return Self { rotation, turns: DMatrix::zeros(3, 0), only_axis: None },
+        }
         let axes: Vec<Vector3<f64>> =
             surfaces.iter().map(|surface| Vector3::from(surface.axis().map(f64::from))).collect();
         let on_one_line = axes.iter().all(|axis| axis.cross(&axes[0]).norm() < LEAST_SINE);
@@ -40,7 +51,7 @@ impl Mounting {
             }
             None => DMatrix::identity(3, 3),
         };
-        Self { rotation: Rotation3::identity(), turns, only_axis }
+        Self { rotation, turns, only_axis }
     }
 
     /// The mounting after one more small turn, rad about the columns of T.
@@ -84,12 +95,12 @@ mod tests {
     use dr_core::wind::sphere::{hemispheres, tetrahedral_sectors};
 
     fn surfaces(configs: &[dr_core::wind::SurfaceConfig]) -> Vec<NusseltSurface> {
-        configs.iter().map(|config| NusseltSurface::new(config).unwrap()).collect()
+        configs.iter().map(|config| NusseltSurface::new(HeadForm::Sphere, config).unwrap()).collect()
     }
 
     #[test]
     fn a_head_with_one_axis_has_two_turns_and_no_twist() {
-        let mounting = Mounting::drawn(&surfaces(&hemispheres(0.01)));
+        let mounting = Mounting::drawn(HeadForm::Sphere, &surfaces(&hemispheres(0.01)));
         assert_eq!(mounting.turns.ncols(), 2);
         let turned = mounting.turned(&[0.2, 0.0]).turned(&[0.0, 0.3]).turned(&[-0.1, 0.1]);
         let smallest = turned.smallest();
@@ -102,7 +113,7 @@ mod tests {
 
     #[test]
     fn turns_of_sectors_are_about_the_axes_of_the_head() {
-        let mounting = Mounting::drawn(&surfaces(&tetrahedral_sectors(0.01))).turned(&[0.0, 0.0, 0.1]);
+        let mounting = Mounting::drawn(HeadForm::Sphere, &surfaces(&tetrahedral_sectors(0.01))).turned(&[0.0, 0.0, 0.1]);
         let inward = mounting.inward([1.0, 0.0, 0.0]);
         assert!((inward - Vector3::new(0.1_f64.cos(), 0.1_f64.sin(), 0.0)).norm() < 1e-15);
     }

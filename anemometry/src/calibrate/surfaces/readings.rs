@@ -1,4 +1,4 @@
-//! Input of a calibration, checked: a sphere as drawn, and its readings in steady, known winds.
+//! Input of a calibration, checked: a head as drawn, and its readings in steady, known winds.
 //!
 //! ```text
 //! c_i (q_i + G0_i a_i) = θ_i (k A_i / d) Nu_i(r)          r = R v ρ d / µ
@@ -15,24 +15,43 @@
 //! Readings that cannot be meant are refused here by the label of their wind; whether the winds are
 //! well spread is for [`spread`](super::spread).
 
-use dr_core::wind::{NusseltSurface, SurfaceConfig};
+use dr_core::wind::{HeadForm, NusseltSurface, SurfaceConfig};
 
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
-use crate::vector::length;
+use crate::vector::{across, dot, length};
 use recording::text::tidy;
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
 
+/// Greatest share of a wind that may blow along a cylinder or across the plane of wires.
+const MOST_ACROSS: f64 = 0.1;
+
 /// A head as drawn: its surfaces in its own frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DrawnSphere {
+pub struct DrawnSurfaces {
+    /// What they belong to.
+    pub form: HeadForm,
+    /// How their loss depends on the speed.
+    pub law: LossLaw,
     /// Diameter, m.
     pub diameter_m: f64,
-    /// At least two.
+    /// As many as the form has at least.
     pub surfaces: Vec<DrawnSurface>,
+}
+
+/// How the convective loss depends on the speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LossLaw {
+    /// Smoothly and rising.
+    Spline,
+    /// By King's law.
+    King {
+        /// Its exponent, if it is known.
+        exponent: Option<f64>,
+    },
 }
 
 /// A surface as drawn.
@@ -46,9 +65,9 @@ pub struct DrawnSurface {
 
 /// The head, checked.
 #[derive(Debug, Clone)]
-pub struct SphereGeometry<'a> {
+pub struct SurfaceGeometry<'a> {
     /// As drawn.
-    pub drawn: &'a DrawnSphere,
+    pub drawn: &'a DrawnSurfaces,
     /// Surfaces, checked by dr-core.
     pub surfaces: Vec<NusseltSurface>,
     /// The orders of amplitudes that at least one surface sees.
@@ -88,36 +107,48 @@ impl CheckedWind {
     }
 }
 
-/// Checks a sphere.
+impl SurfaceGeometry<'_> {
+    /// What the surfaces belong to.
+    pub fn form(&self) -> HeadForm {
+        self.drawn.form
+    }
+}
+
+/// Checks a head.
 ///
 /// # Errors
 /// Names the surface whose geometry is not one.
-pub fn ready(head: &DrawnSphere) -> Result<SphereGeometry<'_>, CalibrateError> {
+pub fn ready(head: &DrawnSurfaces) -> Result<SurfaceGeometry<'_>, CalibrateError> {
     let refuse = CalibrateError::Head;
     if !(head.diameter_m.is_finite() && head.diameter_m > 0.0) {
         return Err(refuse(format!("the diameter is {} m; it must be a positive length", head.diameter_m)));
     }
-    if head.surfaces.len() < 2 {
+    if head.surfaces.len() < head.form.least_surfaces() {
         let given = head.surfaces.len();
         return Err(refuse(format!("{given} surfaces are given; a head that tells a direction has at least two")));
     }
     let surfaces = head
         .surfaces
         .iter()
-        .map(|of| NusseltSurface::new(&of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
-    let orders = seen_orders(head.surfaces.iter().map(|of| &of.config));
-    Ok(SphereGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()?, orders })
+        .map(|of| NusseltSurface::new(head.form, &of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
+    let orders = match head.form {
+        HeadForm::Single => vec![0],
+        HeadForm::Sphere | HeadForm::Cylinder | HeadForm::Wires => {
+            seen_orders(head.surfaces.iter().map(|of| &of.config))
+        }
+    };
+    Ok(SurfaceGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()?, orders })
 }
 
-/// Checks all readings of a sphere.
+/// Checks all readings of a head.
 ///
 /// # Errors
 /// The label of the first wind that cannot be meant, and why.
-pub fn winds(head: &SphereGeometry<'_>, steady: &[SteadyWind]) -> Result<Vec<CheckedWind>, CalibrateError> {
+pub fn winds(head: &SurfaceGeometry<'_>, steady: &[SteadyWind]) -> Result<Vec<CheckedWind>, CalibrateError> {
     steady.iter().enumerate().map(|(given, steady)| wind(head, given, steady)).collect()
 }
 
-fn wind(head: &SphereGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
+fn wind(head: &SurfaceGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
     if steady.surfaces.len() != head.surfaces.len() {
         let (read, known) = (steady.surfaces.len(), head.surfaces.len());
         return Err(steady.refuse(format!("{read} surfaces were read, but the head has {known}")));
@@ -127,7 +158,8 @@ fn wind(head: &SphereGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<
     }
     let gas = steady.core_gas()?;
     let diameter_m = head.drawn.diameter_m as f32;
-    let speed_m_s = length(steady.wind_m_s);
+    let wind_m_s = in_plane(head, steady)?;
+    let speed_m_s = length(wind_m_s);
     let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(diameter_m));
     if speed_m_s > 0.0 && !REYNOLDS.contains(&reynolds) {
         let (least, most) = (*REYNOLDS.start(), *REYNOLDS.end());
@@ -143,9 +175,27 @@ fn wind(head: &SphereGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<
         let unit_w_k = f64::from(gas.conductance_per_nusselt_w_k(diameter_m, of.area_m2()));
         Ok(CheckedReading { reading: *reading, unit_w_k })
     });
-    let towards = if speed_m_s > 0.0 { steady.wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] };
+    let towards = if speed_m_s > 0.0 { wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] };
     let rows = rows.collect::<Result<_, CalibrateError>>()?;
     Ok(CheckedWind { label: steady.label.clone(), given, speed_m_s, reynolds, towards, rows })
+}
+
+/// What of a wind the head sees.
+fn in_plane(head: &SurfaceGeometry<'_>, steady: &SteadyWind) -> Result<[f64; 3], CalibrateError> {
+    let wind_m_s = steady.wind_m_s;
+    let (HeadForm::Cylinder | HeadForm::Wires, Some(first)) = (head.form(), head.surfaces.first()) else {
+        return Ok(wind_m_s);
+    };
+    let normal = first.corner().map(f64::from);
+    let along_m_s = dot(wind_m_s, normal);
+    if along_m_s.abs() > MOST_ACROSS * length(wind_m_s) {
+        return Err(steady.refuse(format!(
+            "{along_m_s:.2} m/s of it blow across the plane of the surfaces' normals, along ({:.2}, {:.2}, {:.2}): such a head is \
+             calibrated in winds of that plane",
+            normal[0], normal[1], normal[2]
+        )));
+    }
+    Ok(across(wind_m_s, normal))
 }
 
 /// The first number of a reading that cannot be meant.

@@ -1,5 +1,5 @@
-//! Calibration of a sphere: amplitudes of its local Nusselt number, gains, zero-wind conductances
-//! and mounting.
+//! Calibration of a head of surfaces on a sphere, round a cylinder, of wires in a plane, or of one
+//! element: amplitudes of its local Nusselt number, gains, zero-wind conductances and mounting.
 //!
 //! ```text
 //! c_i (q_i + G0_i a_i) = θ_i (k A_i / d) Nu_i(r)
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Known: winds v, readings q, θ, a (see [`readings`]), the head as drawn (q_n comes from dr-core).
-//! Sought: the amplitudes a_n(Re) as splines in ln Re, gains c_i of mean one, zero-wind
+//! Sought: the amplitudes a_n(Re), as splines in ln Re or by King's law, gains c_i of mean one, zero-wind
 //! conductances G0_i ≥ 0, the mounting R.
 //!
 //! | file | what |
@@ -16,6 +16,7 @@
 //! | [`speeds`], [`spread`] | whether the winds determine the unknowns, and which are missing |
 //! | [`spline`], [`family`] | amplitudes as functions of the Reynolds number, and their prior |
 //! | [`mounting`] | the turn between tunnel and head |
+//! | [`king`] | exponent and yaw factor of King's law |
 //! | [`equations`], [`fit`] | weighted least squares |
 //! | [`solve`] | all steps in order |
 //! | [`calibration`], [`grade`] | the result, with errors, as text, and as dr-core's configurations; what it is worth |
@@ -44,6 +45,7 @@ pub mod family;
 pub mod fit;
 pub mod folds;
 pub mod grade;
+pub mod king;
 pub mod mounting;
 pub mod readings;
 pub mod solve;

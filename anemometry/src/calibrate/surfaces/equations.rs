@@ -7,27 +7,31 @@
 //! ```
 //!
 //! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting. k̄ is the
-//! mean of k over the readings, so that γ is about 2. The prior enters as rows of its own:
-//! that of the [`family`](super::family), γ 2 ± `QUIESCENT`, u 0 ± `GAIN`.
+//! mean of k over the readings, so that γ is about the Nusselt number at rest, Nu_0. The prior
+//! enters as rows of its own: that of the [`family`](super::family), γ Nu_0 (1 ± `QUIESCENT`), u 0
+//! ± `GAIN`, and for a turn about the only axis of a cylinder or of wires 0 ± `TURN`.
 
-use dr_core::wind::nusselt::{CONDUCTION, ORDERS};
+use dr_core::wind::HeadForm;
+use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::surface::LocalNusselt;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::family::{AmplitudeFamily, BasisAt, SIZE};
 use super::mounting::Mounting;
-use super::readings::{CheckedReading, CheckedWind, SphereGeometry};
+use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
 
-/// Standard error of γ before any reading: a reference gas some 20 K from the mean one, and the
-/// areas as drawn, make 0.3.
-const QUIESCENT: f64 = 0.6;
+/// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one, and
+/// the areas as drawn, make half of it.
+const QUIESCENT: f64 = 0.3;
 /// Standard error of a gain before any reading.
 const GAIN: f64 = 0.2;
+/// Standard error of a turn about the only axis before any reading, rad.
+const TURN: f64 = 0.1;
 
 /// A sphere, its readings, and the shape of its amplitudes.
-pub struct SphereProblem<'a> {
+pub struct SurfaceProblem<'a> {
     /// The sphere.
-    pub head: &'a SphereGeometry<'a>,
+    pub head: &'a SurfaceGeometry<'a>,
     /// Its readings.
     pub winds: &'a [CheckedWind],
     /// Amplitudes over the Reynolds number.
@@ -69,7 +73,7 @@ pub struct FitPoint {
 }
 
 /// H and b of H δ = b, and what is left over.
-pub struct SphereEquations {
+pub struct SurfaceEquations {
     /// H
     pub h: DMatrix<f64>,
     /// b
@@ -90,9 +94,9 @@ pub struct SphereEquations {
     pub relative_square: f64,
 }
 
-impl<'a> SphereProblem<'a> {
+impl<'a> SurfaceProblem<'a> {
     /// The problem of a sphere in these winds.
-    pub fn new(head: &'a SphereGeometry<'a>, winds: &'a [CheckedWind], family: AmplitudeFamily) -> Self {
+    pub fn new(head: &'a SurfaceGeometry<'a>, winds: &'a [CheckedWind], family: AmplitudeFamily) -> Self {
         let n = head.surfaces.len();
         let mean = |i: usize| winds.iter().map(|wind| wind.rows[i].unit_w_k).sum::<f64>() / winds.len() as f64;
         let quiescent_unit_w_k = (0..n).map(mean).collect();
@@ -106,8 +110,8 @@ impl<'a> SphereProblem<'a> {
         FitPoint {
             coefficients: vec![0.0; self.family.count()],
             gains: vec![1.0; n],
-            quiescent: vec![f64::from(CONDUCTION); n],
-            mounting: Mounting::drawn(&self.head.surfaces),
+            quiescent: vec![self.family.at_rest; n],
+            mounting: Mounting::drawn(self.head.form(), &self.head.surfaces),
         }
     }
 
@@ -146,7 +150,7 @@ impl<'a> SphereProblem<'a> {
     }
 
     /// The equations at a point.
-    pub fn equations(&self, place: &FitPoint, stage: FitStage) -> SphereEquations {
+    pub fn equations(&self, place: &FitPoint, stage: FitStage) -> SurfaceEquations {
         let m = self.unknowns(place);
         let mut sums = NormalSums { h: DMatrix::zeros(m, m), b: DVector::zeros(m), cost: 0.0 };
         let (mut rows, mut residuals, mut relative_errors) = (Vec::new(), Vec::new(), Vec::new());
@@ -165,7 +169,7 @@ impl<'a> SphereProblem<'a> {
                 let weight = unit_w / (place.gains[i] * error_w);
                 let nusselt = match &stream {
                     Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
-                    None => f64::from(CONDUCTION),
+                    None => self.family.at_rest,
                 };
                 for k in 0..self.spread.ncols() {
                     row[self.first_gain() + k] = -weight * nusselt / place.gains[i] * self.spread[(i, k)];
@@ -185,7 +189,7 @@ impl<'a> SphereProblem<'a> {
         let NormalSums { mut h, b, cost } = sums;
         h.fill_lower_triangle_with_upper_triangle();
         of_readings.fill_lower_triangle_with_upper_triangle();
-        SphereEquations { h, b, cost, chi_square, of_readings, rows, relative_errors, residuals, relative_square }
+        SurfaceEquations { h, b, cost, chi_square, of_readings, rows, relative_errors, residuals, relative_square }
     }
 
     /// Nu of surface `i`, and its derivatives to amplitudes and turns, each times `weight`.
@@ -193,11 +197,8 @@ impl<'a> SphereProblem<'a> {
         let StreamAt { at, amplitudes, from } = stream;
         let means: [LocalNusselt; ORDERS] =
             self.head.surfaces[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
-        let count = self.family.spline.count();
-        for (j, &n) in self.family.orders.iter().enumerate() {
-            for (k, b) in at.basis.iter().enumerate() {
-                row[j * count + k] = weight * at.scale[n] * b * f64::from(means[n].nusselt);
-            }
+        for (place, shares) in row.iter_mut().zip(at.iter()) {
+            *place = weight * shares.iter().zip(&means).map(|(share, of)| share * f64::from(of.nusselt)).sum::<f64>();
         }
         let (mut nusselt, mut gradient) = (0.0, Vector3::zeros());
         for (a, mean) in amplitudes.iter().zip(&means) {
@@ -234,8 +235,17 @@ impl<'a> SphereProblem<'a> {
         }
         for (i, still) in place.quiescent.iter().enumerate() {
             row.fill(0.0);
-            row[self.first_quiescent() + i] = 1.0 / QUIESCENT;
-            sums.add(&row, (f64::from(CONDUCTION) - still) / QUIESCENT);
+            let error = QUIESCENT * self.family.at_rest;
+            row[self.first_quiescent() + i] = 1.0 / error;
+            sums.add(&row, (self.family.at_rest - still) / error);
+        }
+        if self.head.form() != HeadForm::Sphere {
+            let turned = Vector3::from(place.mounting.vector());
+            for k in 0..place.mounting.turns.ncols() {
+                row.fill(0.0);
+                row[self.first_turn() + k] = 1.0 / TURN;
+                sums.add(&row, -turned.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k)) / TURN);
+            }
         }
     }
 }

@@ -6,23 +6,27 @@
 use std::fmt;
 
 use dr_core::wind::nusselt::POINTS;
-use dr_core::wind::{MeasuredConductance, SurfaceConfig};
+use dr_core::wind::{HeadForm, MeasuredConductance, SurfaceConfig};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::super::error::WorstReading;
 use super::super::steady_wind::SurfaceReading;
-use super::equations::{SphereEquations, SphereProblem};
-use super::fit::SphereFit;
+use super::equations::{SurfaceEquations, SurfaceProblem};
+use super::family::AmplitudeShape;
+use super::fit::SurfaceFit;
 use super::grade::CalibrationGrade;
+use super::king::FittedKing;
 use crate::head::calibration::table::NusseltTable;
 use crate::vector::length;
 use recording::text::estimate;
 
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SphereCalibration {
-    /// Diameter of the sphere, m.
+pub struct SurfaceCalibration {
+    /// What the surfaces belong to.
+    pub form: HeadForm,
+    /// Diameter, m.
     pub diameter_m: f64,
     /// The amplitudes, as a head file has them.
     pub curves: NusseltTable,
@@ -51,8 +55,12 @@ pub struct SphereCalibration {
     pub winds: usize,
     /// Of these, readings of quiescent gas.
     pub quiescent: usize,
-    /// Coefficients of an amplitude, as many as the speeds allowed.
-    pub coefficients: usize,
+    /// Coefficients of an amplitude, as many as the speeds allowed; none by King's law.
+    pub coefficients: Option<usize>,
+    /// King's law, if the amplitudes follow it.
+    pub king: Option<FittedKing>,
+    /// Orders of the amplitudes.
+    pub orders: Vec<usize>,
 }
 
 /// A surface of a calibrated head.
@@ -79,10 +87,10 @@ pub struct CalibratedSurface {
     pub quiescent_error_w_k: f64,
 }
 
-impl SphereCalibration {
-    pub(super) fn of(problem: &SphereProblem<'_>, fitted: &SphereFit) -> Self {
+impl SurfaceCalibration {
+    pub(super) fn of(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit, king: Option<FittedKing>) -> Self {
         let head = problem.head.drawn;
-        let SphereFit { place, equations, covariance, degrees_of_freedom } = fitted;
+        let SurfaceFit { place, equations, covariance, degrees_of_freedom } = fitted;
         let family = &problem.family;
         let ratio = (family.most_reynolds / family.least_reynolds).ln() / (POINTS - 1) as f64;
         let amplitudes = std::array::from_fn(|j| {
@@ -120,6 +128,7 @@ impl SphereCalibration {
         let scatter_square = mean_square * readings / degrees_of_freedom.max(1.0);
         let misfit_rms = (scatter_square - reading_square).max(0.0).sqrt();
         Self {
+            form: head.form,
             diameter_m: head.diameter_m,
             curves: NusseltTable {
                 least_reynolds: family.least_reynolds,
@@ -137,7 +146,12 @@ impl SphereCalibration {
             worst: worst(problem, equations, misfit_rms),
             winds: problem.winds.len(),
             quiescent: problem.winds.iter().filter(|wind| wind.is_quiescent()).count(),
-            coefficients: family.spline.count(),
+            coefficients: match &family.shape {
+                AmplitudeShape::Spline(spline) => Some(spline.count()),
+                AmplitudeShape::King { .. } => None,
+            },
+            king,
+            orders: family.orders.clone(),
         }
     }
 
@@ -159,13 +173,23 @@ impl SphereCalibration {
     }
 }
 
-impl fmt::Display for SphereCalibration {
+impl fmt::Display for SurfaceCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
+        write!(
             f,
-            "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, {} coefficients an amplitude",
-            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds, self.coefficients
+            "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, ",
+            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds
         )?;
+        if let Some(coefficients) = self.coefficients {
+            writeln!(f, "{coefficients} coefficients an amplitude")?;
+        }
+        if let Some(king) = &self.king {
+            write!(f, "King's law with exponent {}", estimate(king.exponent, king.se_exponent))?;
+            if let (Some(yaw), Some(se_yaw)) = (king.yaw_factor, king.se_yaw_factor) {
+                write!(f, ", yaw factor {}", estimate(yaw, se_yaw))?;
+            }
+            writeln!(f)?;
+        }
         writeln!(
             f,
             "residuals {:.3} % rms of the convective power; worst {} {} with {:+.1} σ",
@@ -183,16 +207,9 @@ impl fmt::Display for SphereCalibration {
             self.degrees_of_freedom
         )?;
         writeln!(f, "{}: {}", self.grade().name(), self.grade().meaning())?;
-        let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
-        let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
-        writeln!(
-            f,
-            "mounting turned by {:.2}°: ({}, {}, {})°",
-            length(self.rotation_rad).to_degrees(),
-            estimate(x, ex),
-            estimate(y, ey),
-            estimate(z, ez)
-        )?;
+        if self.form != HeadForm::Single {
+            self.write_mounting(f)?;
+        }
         writeln!(f, "{:<12} {:>23} {:>23}", "surface", "gain", "G0 mW/K")?;
         for surface in &self.surfaces {
             writeln!(
@@ -207,8 +224,23 @@ impl fmt::Display for SphereCalibration {
     }
 }
 
+impl SurfaceCalibration {
+    fn write_mounting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
+        let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
+        writeln!(
+            f,
+            "mounting turned by {:.2}°: ({}, {}, {})°",
+            length(self.rotation_rad).to_degrees(),
+            estimate(x, ex),
+            estimate(y, ey),
+            estimate(z, ez)
+        )
+    }
+}
+
 /// The reading farthest off, in standard uncertainties of reading and misfit together.
-fn worst(problem: &SphereProblem<'_>, equations: &SphereEquations, misfit_rms: f64) -> WorstReading {
+fn worst(problem: &SurfaceProblem<'_>, equations: &SurfaceEquations, misfit_rms: f64) -> WorstReading {
     let n = problem.head.surfaces.len();
     let off = |(residual, error): (&f64, &f64)| residual / 1_f64.hypot(misfit_rms / error);
     let all = equations.residuals.iter().zip(&equations.relative_errors).map(off).enumerate();

@@ -1,9 +1,15 @@
-//! The amplitudes as functions of ln Re, in the numbers that are fitted.
+//! The amplitudes as functions of ln Re, in the numbers that are fitted: splines, or King's law.
 //!
 //! ```text
-//! a_n(Re) = β_n + (Re/Re_most)^p_n Σ_k C_nk B_k(ln Re)
-//! β_0 = 2, others 0;  p = ½ for n = 0, 1, else 1
+//! splines     a_n(Re) = β_n + (Re/Re_most)^p_n Σ_k C_nk B_k(ln Re)
+//!             β_0 = Nu at rest, others 0;  p = ½ for n = 0, 1, else 1
+//! King's law  a_0(Re) = β_0 + C_0 + C_1 F_0 (Re/Re_most)^m       a_n(Re) = C_1 F_n (Re/Re_most)^m
+//!             F_n: Σ F_n cos 2nφ = (cos² φ + k² sin² φ)^(m/2)
 //! ```
+//!
+//! King's law has an exponent m, wires a yaw factor k besides: the share of the speed along a wire
+//! that counts (F. E. Jørgensen, DISA Information 11 (1971) 31). Both are sought by
+//! [`king`](super::king); for given ones the law is linear like a spline.
 //!
 //! The powers make the splines flat: a_0 − 2 and a_1 go between Re^½ and Re in a laminar stream,
 //! the others faster. Towards quiescent gas, below the slowest wind, dr-core's `nusselt` continues
@@ -17,10 +23,10 @@
 //! | C_nk, n ≥ 2 | 0 | `SIZE` | no published amplitude is half of this up to Re 300 |
 //!
 //! An order that no surface of the head sees (the even ones of two hemispheres) is left out and
-//! stays zero.
+//! stays zero. King's law needs no prior.
 
-use dr_core::wind::SurfaceConfig;
-use dr_core::wind::nusselt::{CONDUCTION, ORDERS};
+use dr_core::wind::nusselt::ORDERS;
+use dr_core::wind::{HeadForm, SurfaceConfig};
 
 use super::spline::{LEAST_COUNT, Spline};
 
@@ -33,11 +39,27 @@ const MOST_COUNT: usize = 9;
 /// A mean less than this is none.
 const SEEN: f32 = 1e-6;
 
-/// Legendre amplitudes over the Reynolds number, as splines.
+/// How amplitudes depend on the Reynolds number.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AmplitudeShape {
+    /// Freely, by a basis over the logarithm of the Reynolds number.
+    Spline(Spline),
+    /// As one power of it, with the shares of the orders.
+    King {
+        /// m
+        exponent: f64,
+        /// F_n
+        shares: [f64; ORDERS],
+    },
+}
+
+/// Amplitudes over the Reynolds number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AmplitudeFamily {
-    /// Basis over the logarithm of the Reynolds number.
-    pub spline: Spline,
+    /// How they depend on it.
+    pub shape: AmplitudeShape,
+    /// β_0
+    pub at_rest: f64,
     /// Least Reynolds number of the winds.
     pub least_reynolds: f64,
     /// Greatest Reynolds number of the winds.
@@ -46,23 +68,19 @@ pub struct AmplitudeFamily {
     pub orders: Vec<usize>,
 }
 
-/// Amplitudes at one Reynolds number, as they follow from the coefficients.
-pub struct BasisAt {
-    /// B_k
-    pub basis: Vec<f64>,
-    /// (Re/Re_most)^p_n
-    pub scale: [f64; ORDERS],
-}
+/// What a unit of each coefficient gives to each amplitude at one Reynolds number.
+pub type BasisAt = Vec<[f64; ORDERS]>;
 
 impl AmplitudeFamily {
     /// For winds of these Reynolds numbers (ascending, distinct speeds) and so many readings.
-    pub fn new(reynolds: &[f64], orders: Vec<usize>, readings: usize) -> Self {
+    pub fn new(form: HeadForm, reynolds: &[f64], orders: Vec<usize>, readings: usize) -> Self {
         let at: Vec<f64> = reynolds.iter().map(|r| r.ln()).collect();
         // Two readings for every coefficient.
         let affordable = readings / (2 * orders.len().max(1));
         let count = reynolds.len().min(affordable).clamp(LEAST_COUNT, MOST_COUNT);
         Self {
-            spline: Spline::through(&at, count),
+            shape: AmplitudeShape::Spline(Spline::through(&at, count)),
+            at_rest: f64::from(form.nusselt_at_rest()),
             least_reynolds: reynolds[0],
             most_reynolds: reynolds[reynolds.len() - 1],
             orders,
@@ -71,22 +89,38 @@ impl AmplitudeFamily {
 
     /// Number of coefficients of all orders.
     pub fn count(&self) -> usize {
-        self.orders.len() * self.spline.count()
+        match &self.shape {
+            AmplitudeShape::Spline(spline) => self.orders.len() * spline.count(),
+            AmplitudeShape::King { .. } => 2,
+        }
     }
 
     /// The basis at a Reynolds number.
     pub fn at(&self, reynolds: f64) -> BasisAt {
         let s = reynolds / self.most_reynolds;
-        let scale = std::array::from_fn(|n| if n < 2 { s.sqrt() } else { s });
-        BasisAt { basis: self.spline.values(reynolds.ln()), scale }
+        let mut rows = vec![[0.0; ORDERS]; self.count()];
+        match &self.shape {
+            AmplitudeShape::Spline(spline) => {
+                let basis = spline.values(reynolds.ln());
+                let places = self.orders.iter().flat_map(|&n| basis.iter().map(move |b| (n, b)));
+                for (row, (n, b)) in rows.iter_mut().zip(places) {
+                    row[n] = b * if n < 2 { s.sqrt() } else { s };
+                }
+            }
+            AmplitudeShape::King { exponent, shares } => {
+                rows[0][0] = 1.0;
+                rows[1] = shares.map(|share| share * s.powf(*exponent));
+            }
+        }
+        rows
     }
 
     /// a_0 … a_5
     pub fn amplitudes(&self, at: &BasisAt, coefficients: &[f64]) -> [f64; ORDERS] {
         let mut a = [0.0; ORDERS];
-        a[0] = f64::from(CONDUCTION);
-        for (&n, own) in self.orders.iter().zip(coefficients.chunks(self.spline.count())) {
-            a[n] += at.scale[n] * own.iter().zip(&at.basis).map(|(c, b)| c * b).sum::<f64>();
+        a[0] = self.at_rest;
+        for (c, row) in coefficients.iter().zip(at) {
+            a.iter_mut().zip(row).for_each(|(a, share)| *a += c * share);
         }
         a
     }
@@ -94,7 +128,8 @@ impl AmplitudeFamily {
     /// The prior: rows of (place, factor), each zero with a standard error of one;
     /// higher orders are of this `size`.
     pub fn prior(&self, size: f64) -> Vec<Vec<(usize, f64)>> {
-        let (count, curvatures) = (self.spline.count(), self.spline.curvatures());
+        let AmplitudeShape::Spline(spline) = &self.shape else { return Vec::new() };
+        let (count, curvatures) = (spline.count(), spline.curvatures());
         let mut rows = Vec::new();
         for (j, &n) in self.orders.iter().enumerate() {
             for (k, factors) in &curvatures {

@@ -21,7 +21,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::super::error::CalibrateError;
-use super::equations::{FIRST, FitPoint, FitStage, LAST, SphereEquations, SphereProblem};
+use super::equations::{FIRST, FitPoint, FitStage, LAST, SurfaceEquations, SurfaceProblem};
 use diffusive::identify::nonnegative;
 
 const DAMPING: f64 = 1e-2;
@@ -35,11 +35,11 @@ const LEAST_DAMPING: f64 = 1e-9;
 const LIKELY_GAINS: std::ops::Range<f64> = 0.2..5.0;
 
 /// A solution and how sure it is.
-pub struct SphereFit {
+pub struct SurfaceFit {
     /// The solution.
     pub place: FitPoint,
     /// The equations there.
-    pub equations: SphereEquations,
+    pub equations: SurfaceEquations,
     /// Of the unknowns, misfit included; zero for a γ that stands at zero.
     pub covariance: DMatrix<f64>,
     /// Readings less what of the unknowns they determine.
@@ -50,7 +50,7 @@ pub struct SphereFit {
 ///
 /// # Errors
 /// If no minimum is found.
-pub fn fit(problem: &SphereProblem<'_>) -> Result<SphereFit, CalibrateError> {
+pub fn fit(problem: &SurfaceProblem<'_>) -> Result<SurfaceFit, CalibrateError> {
     let first = descend(problem, problem.drawn(), FIRST).ok_or(CalibrateError::NoMinimum)?;
     let mut place = descend(problem, first, LAST).ok_or(CalibrateError::NoMinimum)?;
     place.mounting = place.mounting.smallest();
@@ -60,11 +60,11 @@ pub fn fit(problem: &SphereProblem<'_>) -> Result<SphereFit, CalibrateError> {
     let degrees_of_freedom = equations.residuals.len() as f64 - determined;
     let scatter = scatter(problem, &equations, &covariance).ok_or(CalibrateError::NoMinimum)?;
     let covariance = &covariance * scatter * &covariance;
-    Ok(SphereFit { place, equations, covariance, degrees_of_freedom })
+    Ok(SurfaceFit { place, equations, covariance, degrees_of_freedom })
 }
 
 /// Down from a place to where an undamped step would not pay.
-fn descend(problem: &SphereProblem<'_>, mut place: FitPoint, stage: FitStage) -> Option<FitPoint> {
+fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -> Option<FitPoint> {
     let mut here = problem.equations(&place, stage);
     let mut damping = DAMPING;
     for _ in 0..MOST_STEPS {
@@ -94,7 +94,7 @@ fn descend(problem: &SphereProblem<'_>, mut place: FitPoint, stage: FitStage) ->
 }
 
 /// (H + λ diag H) δ = b with γ + δ ≥ 0, in units in which diag H is one.
-fn step(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations, damping: f64) -> DVector<f64> {
+fn step(problem: &SurfaceProblem<'_>, place: &FitPoint, at: &SurfaceEquations, damping: f64) -> DVector<f64> {
     let m = at.b.len();
     let unit = DVector::from_fn(m, |k, _| at.h[(k, k)].sqrt().max(f64::MIN_POSITIVE).recip());
     let mut h = DMatrix::from_fn(m, m, |i, j| at.h[(i, j)] * unit[i] * unit[j]);
@@ -113,7 +113,7 @@ fn step(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations, dam
 }
 
 /// Σ g gᵀ, and the same of the prior.
-fn scatter(problem: &SphereProblem<'_>, at: &SphereEquations, inverse: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+fn scatter(problem: &SurfaceProblem<'_>, at: &SurfaceEquations, inverse: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (m, n) = (at.b.len(), problem.head.surfaces.len());
     // The prior scatters as its standard errors say.
     let mut scatter = &at.h - &at.of_readings;
@@ -131,7 +131,7 @@ fn scatter(problem: &SphereProblem<'_>, at: &SphereEquations, inverse: &DMatrix<
     Some(scatter)
 }
 
-fn covariance(problem: &SphereProblem<'_>, place: &FitPoint, at: &SphereEquations) -> Option<DMatrix<f64>> {
+fn covariance(problem: &SurfaceProblem<'_>, place: &FitPoint, at: &SurfaceEquations) -> Option<DMatrix<f64>> {
     let m = at.b.len();
     let first = problem.first_quiescent();
     let held = |k: usize| k.checked_sub(first).and_then(|i| place.quiescent.get(i)).is_some_and(|still| *still <= 0.0);

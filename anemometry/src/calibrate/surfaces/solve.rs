@@ -1,12 +1,12 @@
-//! Calibration of a sphere in steps: check, spread of the winds, fit, check of the result.
+//! Calibration of a head in steps: check, spread of the winds, fit, check of the result.
 
 use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
-use super::calibration::SphereCalibration;
-use super::equations::SphereProblem;
+use super::calibration::SurfaceCalibration;
+use super::equations::SurfaceProblem;
 use super::family::AmplitudeFamily;
-use super::readings::{self, DrawnSphere};
-use super::{fit, speeds, spread};
+use super::readings::{self, DrawnSurfaces, LossLaw};
+use super::{fit, king, speeds, spread};
 
 /// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much
 /// as this.
@@ -17,7 +17,7 @@ const MOST_RESIDUAL_RMS: f64 = 0.1;
 /// # Errors
 /// If a reading cannot be meant, if the winds do not determine what is sought, or if what fits best
 /// makes no head.
-pub fn calibrate(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibration, CalibrateError> {
+pub fn calibrate(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalibration, CalibrateError> {
     let ready = readings::ready(head)?;
     let winds = readings::winds(&ready, steady)?;
     let lacking = spread::lacking(&ready, &winds);
@@ -31,7 +31,7 @@ pub fn calibrate(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCali
 ///
 /// # Errors
 /// As [`calibrate`].
-pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibration, CalibrateError> {
+pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalibration, CalibrateError> {
     let ready = readings::ready(head)?;
     let winds = readings::winds(&ready, steady)?;
     let moving = speeds::ascending(&winds);
@@ -53,14 +53,22 @@ pub fn solve(head: &DrawnSphere, steady: &[SteadyWind]) -> Result<SphereCalibrat
     let end = reynolds.len() - 1;
     (reynolds[0], reynolds[end]) = (first.reynolds, last.reynolds);
 
-    let family = AmplitudeFamily::new(&reynolds, ready.orders.clone(), moving.len() * head.surfaces.len());
-    let problem = SphereProblem::new(&ready, &winds, family);
-    let fitted = fit::fit(&problem)?;
-    let calibration = SphereCalibration::of(&problem, &fitted);
+    let orders = ready.orders.iter().copied().take(spread::angles_apart(&ready, &moving)).collect();
+    let family = AmplitudeFamily::new(head.form, &reynolds, orders, moving.len() * head.surfaces.len());
+    let calibration = match head.law {
+        LossLaw::Spline => {
+            let problem = SurfaceProblem::new(&ready, &winds, family);
+            SurfaceCalibration::of(&problem, &fit::fit(&problem)?, None)
+        }
+        LossLaw::King { exponent } => {
+            let (problem, fitted, law) = king::king(&ready, &winds, &family, exponent)?;
+            SurfaceCalibration::of(&problem, &fitted, Some(law))
+        }
+    };
     if calibration.residual_rms > MOST_RESIDUAL_RMS {
-        let SphereCalibration { residual_rms, worst, .. } = calibration;
+        let SurfaceCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
-    dr_core::wind::Nusselt::new(&calibration.curves.config())?;
+    dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
     Ok(calibration)
 }

@@ -1,0 +1,224 @@
+//! A head as drawn: what its surfaces belong to, and which part of it each of them is.
+
+use dr_core::wind::nusselt::ORDERS;
+use dr_core::wind::{HeadForm, MOST_SURFACES, SurfaceConfig, sphere};
+use std::f64::consts::PI;
+
+use super::error::CalibratorError;
+use super::surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
+use crate::head::body::Correlation;
+use crate::head::file::Head;
+use crate::vector::{across, cross, dot, length, unit};
+
+/// Sine below which two directions are one.
+const LEAST_SINE: f64 = 0.1;
+/// Sizes of a head that neither its file nor anybody states, m.
+const USUAL_M: f64 = 0.01;
+/// Points of a sphere over which the means of its parts are taken.
+const POINTS: usize = 200_000;
+
+/// What is stated of a head beside its file.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct DrawnOptions {
+    /// What its surfaces belong to; by default what their normals and its body say.
+    pub form: Option<HeadForm>,
+    /// Diameter of sphere, cylinder or wire, m.
+    pub diameter_m: Option<f64>,
+    /// Length of cylinder or wires, m.
+    pub length_m: Option<f64>,
+}
+
+/// Form and sizes that the head's body states.
+struct StatedBody {
+    form: Option<HeadForm>,
+    diameter_m: Option<f64>,
+    length_m: Option<f64>,
+}
+
+impl StatedBody {
+    /// By the first law of a body's convection that is about a shape.
+    fn of(head: &Head) -> Self {
+        let laws = head.body.iter().flat_map(|body| &body.convection);
+        let shape = laws.map(|of| &of.correlation).find_map(|law| match law {
+            Correlation::Sphere { diameter_m } => Some((HeadForm::Sphere, *diameter_m, None)),
+            Correlation::Cylinder(shape) => Some((HeadForm::Cylinder, shape.diameter_m, Some(shape.length_m))),
+            Correlation::Wire(shape) => Some((HeadForm::Wires, shape.diameter_m, Some(shape.length_m))),
+            Correlation::Plate(_) | Correlation::King(_) | Correlation::Table(_) | Correlation::Boom(_) => None,
+        });
+        match shape {
+            Some((form, diameter_m, length_m)) => Self { form: Some(form), diameter_m: Some(diameter_m), length_m },
+            None => Self { form: None, diameter_m: None, length_m: None },
+        }
+    }
+}
+
+/// Places in the head and geometry of its surfaces: the elements with an outward normal.
+///
+/// # Errors
+/// If they are none, too many, or not those of the form.
+pub fn drawn(head: &Head, options: &DrawnOptions, law: LossLaw) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
+    let outward: Vec<(usize, [f64; 3])> =
+        head.elements.iter().enumerate().filter_map(|(at, of)| of.normal.map(|normal| (at, normal))).collect();
+    let normals: Vec<[f64; 3]> = outward.iter().map(|(_, normal)| *normal).collect();
+    let refuse = |sentence: String| CalibratorError::Head(format!("head `{}` {sentence}", head.name));
+    if normals.is_empty() || normals.len() > MOST_SURFACES {
+        return Err(refuse(format!(
+            "has {} elements with a `normal`: those that the wind cools have one, outward or for a wire towards the wind, and a \
+             calibration is of 1 to {MOST_SURFACES} of them",
+            normals.len()
+        )));
+    }
+    let body = StatedBody::of(head);
+    let form = match options.form {
+        Some(form) => form,
+        None => form_of(&normals, body.form).map_err(refuse)?,
+    };
+    let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
+    let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
+    let configs = match form {
+        HeadForm::Sphere => parts_of_sphere(&normals, diameter_m),
+        HeadForm::Cylinder => parts_of_cylinder(&normals, diameter_m, length_m),
+        HeadForm::Wires => wires(&normals, diameter_m, length_m),
+        HeadForm::Single => vec![single(normals[0], diameter_m, length_m)],
+    };
+    if form == HeadForm::Single && normals.len() > 1 {
+        return Err(refuse(format!("has {} elements with a `normal`, and a single element is one", normals.len())));
+    }
+    let surfaces = outward.iter().zip(configs).map(|((place, _), config)| DrawnSurface {
+        name: head.elements[*place].name.clone(),
+        config,
+    });
+    let surfaces = surfaces.collect();
+    Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSurfaces { form, law, diameter_m, surfaces }))
+}
+
+/// What normals belong to.
+fn form_of(normals: &[[f64; 3]], stated: Option<HeadForm>) -> Result<HeadForm, String> {
+    match (normals, stated, plane_of(normals)) {
+        ([_], ..) => Ok(HeadForm::Single),
+        (_, Some(HeadForm::Wires), Some(_)) => Ok(HeadForm::Wires),
+        ([a, b], stated, _) if length(cross(*a, *b)) < LEAST_SINE && dot(*a, *b) < 0.0 => {
+            Ok(stated.filter(|form| *form == HeadForm::Cylinder).unwrap_or(HeadForm::Sphere))
+        }
+        ([_, _], None, _) => Ok(HeadForm::Wires),
+        (_, Some(HeadForm::Cylinder) | None, Some(_)) => Ok(HeadForm::Cylinder),
+        (_, _, None) if normals.len() > 3 => Ok(HeadForm::Sphere),
+        _ => Err(format!(
+            "has {} surfaces whose normals are those of no head: --form says whether they are of a sphere, round a cylinder or \
+             wires in a plane",
+            normals.len()
+        )),
+    }
+}
+
+/// The normal of the plane in which all of them lie, if they span one.
+fn plane_of(normals: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let first = *normals.first()?;
+    let plane = normals.iter().map(|other| cross(first, *other)).find(|plane| length(*plane) > LEAST_SINE)?;
+    let plane = unit(plane);
+    normals.iter().all(|normal| dot(*normal, plane).abs() < LEAST_SINE).then_some(plane)
+}
+
+/// Any direction across this one.
+fn any_across(normal: [f64; 3]) -> [f64; 3] {
+    let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
+    std::array::from_fn(|k| if k == least { 1.0 } else { 0.0 })
+}
+
+fn narrow(v: [f64; 3]) -> [f32; 3] {
+    v.map(|x| x as f32)
+}
+
+/// Four sectors of a tetrahedron, two hemispheres, or of others what is nearest to each normal.
+fn parts_of_sphere(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+    let known = match normals.len() {
+        4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
+        2 => sphere::hemispheres(diameter_m as f32).to_vec(),
+        _ => cells(normals, diameter_m),
+    };
+    let corners = (0..normals.len()).map(|i| match normals.len() {
+        // A corner of a sector is opposite to the axis of another.
+        4 => normals[(i + 1) % 4].map(|x| -x),
+        _ => any_across(normals[i]),
+    });
+    let placed = normals.iter().zip(corners).zip(known);
+    placed.map(|((normal, corner), of)| SurfaceConfig { axis: narrow(*normal), corner: narrow(corner), ..of }).collect()
+}
+
+/// The parts of a sphere that are nearest to each normal: areas, and means of P_n about their own
+/// axes. What is not symmetric about these is left out.
+fn cells(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+    let mut count = vec![0.0; normals.len()];
+    let mut sums = vec![[0.0; ORDERS - 1]; normals.len()];
+    let golden = PI * (3.0 - 5_f64.sqrt());
+    for k in 0..POINTS {
+        // Points of equal area on a spiral.
+        let z = 1.0 - (2 * k + 1) as f64 / POINTS as f64;
+        let (sine, cosine) = (golden * k as f64).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        let point = [across * cosine, across * sine, z];
+        let cosines = normals.iter().map(|normal| dot(*normal, point)).enumerate();
+        let Some((nearest, x)) = cosines.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        count[nearest] += 1.0;
+        let (mut p, mut next) = (1.0, x);
+        for (n, sum) in (1..).zip(&mut sums[nearest]) {
+            *sum += next;
+            let n = f64::from(n);
+            (p, next) = (next, ((2.0 * n + 1.0) * x * next - n * p) / (n + 1.0));
+        }
+    }
+    let sphere_m2 = PI * diameter_m * diameter_m;
+    let all = count.iter().zip(&sums);
+    all.map(|(count, sums)| SurfaceConfig {
+        axis: [0.0; 3],
+        corner: [0.0; 3],
+        area_m2: (sphere_m2 * count / POINTS as f64) as f32,
+        means: sums.map(|sum| (sum / count) as f32),
+        threefold: [0.0; 3],
+    })
+    .collect()
+}
+
+/// The parts of a circumference that are nearest to each normal.
+fn parts_of_cylinder(normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Vec<SurfaceConfig> {
+    let along = plane_of(normals).unwrap_or_else(|| unit(across(any_across(normals[0]), normals[0])));
+    let other = cross(along, normals[0]);
+    let angle = |normal: [f64; 3]| dot(normal, other).atan2(dot(normal, normals[0])).rem_euclid(2.0 * PI);
+    let half_gap = |from: f64, way: f64| {
+        let gaps = normals.iter().map(|other| (way * (angle(*other) - from)).rem_euclid(2.0 * PI));
+        0.5 * gaps.filter(|gap| *gap > 1e-9).fold(2.0 * PI, f64::min)
+    };
+    let part = |normal: &[f64; 3]| {
+        let (ahead, behind) = (half_gap(angle(*normal), 1.0), half_gap(angle(*normal), -1.0));
+        // Means of cos mφ over what is symmetric about the normal.
+        let mean = |m: usize| ((m as f64 * ahead).sin() + (m as f64 * behind).sin()) / (m as f64 * (ahead + behind));
+        SurfaceConfig {
+            axis: narrow(*normal),
+            corner: narrow(along),
+            area_m2: (0.5 * (ahead + behind) * diameter_m * length_m) as f32,
+            means: std::array::from_fn(|m| mean(m + 1) as f32),
+            threefold: [0.0; 3],
+        }
+    };
+    normals.iter().map(part).collect()
+}
+
+fn wires(normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Vec<SurfaceConfig> {
+    let plane = plane_of(normals).unwrap_or_else(|| any_across(normals[0]));
+    let wire = |normal: &[f64; 3]| SurfaceConfig {
+        corner: narrow(plane),
+        means: [1.0; ORDERS - 1],
+        ..single(*normal, diameter_m, length_m)
+    };
+    normals.iter().map(wire).collect()
+}
+
+fn single(normal: [f64; 3], diameter_m: f64, length_m: f64) -> SurfaceConfig {
+    SurfaceConfig {
+        axis: narrow(normal),
+        corner: narrow(any_across(normal)),
+        area_m2: (PI * diameter_m * length_m) as f32,
+        means: [0.0; ORDERS - 1],
+        threefold: [0.0; 3],
+    }
+}

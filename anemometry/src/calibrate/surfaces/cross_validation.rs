@@ -1,0 +1,99 @@
+//! Errors of a calibration in winds that it has not seen, through dr-core's f32 inverse, as on the
+//! board.
+//!
+//! | error | of a head that determines all | of a cylinder, of wires | of two hemispheres | of a single element |
+//! |---|---|---|---|---|
+//! | direction | angle between estimate and wind | the same, in the plane | difference of the angles to the axis | none |
+//! | speed | (estimate − wind) / wind | the same, of the wind in the plane | the same, of the whole speed | the same |
+
+use dr_core::wind::{HeadForm, MeasuredConductance, QualityFlags, SurfaceConfig, WindEstimate, WindState, WindVector};
+
+use super::super::compared::ComparedWind;
+use super::super::cross_validation::{CrossValidation, Scheme};
+use super::super::error::CalibrateError;
+use super::super::steady_wind::SteadyWind;
+use super::calibration::SurfaceCalibration;
+use super::folds::folds;
+use super::readings::{self, DrawnSurfaces};
+use super::solve::solve;
+use super::speeds::{ascending, classes};
+use crate::vector::{across, angle_deg, dot, length, unit};
+
+/// Only a direction that is uncertain by more is none.
+const DIRECTION_ERROR_MAX_RAD: f32 = 1.0;
+
+/// Fits every fold anew and compares the winds that it has not seen; `count` is the greatest number
+/// of folds.
+///
+/// # Errors
+/// As those of [`calibrate`](super::solve::calibrate), except that a fold's winds need not be well
+/// spread.
+pub fn cross_validate(
+    head: &DrawnSurfaces,
+    steady: &[SteadyWind],
+    scheme: Scheme,
+    count: usize,
+) -> Result<CrossValidation, CalibrateError> {
+    let ready = readings::ready(head)?;
+    let winds = readings::winds(&ready, steady)?;
+    let folds = folds(&winds, scheme, count);
+    let moving = ascending(&winds);
+    let classes = if moving.is_empty() { Vec::new() } else { classes(&moving, 1.0) };
+    CrossValidation::new((scheme, &folds, classes), steady, |stay| solve(head, stay), compare)
+}
+
+/// Estimates a known wind; none where there is no estimate.
+///
+/// # Errors
+/// If the calibration makes no head.
+pub fn compare(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<Option<ComparedWind>, CalibrateError> {
+    let estimate = estimate(calibration, steady)?;
+    let wind_m_s = seen(calibration, steady.wind_m_s);
+    let speed_m_s = length(wind_m_s);
+    if estimate.quality.has(QualityFlags::FAILED) || speed_m_s == 0.0 {
+        return Ok(None);
+    }
+    let gas = steady.core_gas()?;
+    Ok(Some(ComparedWind {
+        reynolds: speed_m_s * f64::from(gas.reynolds_per_speed(calibration.diameter_m as f32)),
+        direction_deg: direction_deg(calibration, &estimate, wind_m_s),
+        speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
+    }))
+}
+
+/// What of a wind the head sees.
+fn seen(calibration: &SurfaceCalibration, wind_m_s: [f64; 3]) -> [f64; 3] {
+    match calibration.form {
+        HeadForm::Cylinder | HeadForm::Wires => {
+            across(wind_m_s, unit(calibration.surfaces[0].config.corner.map(f64::from)))
+        }
+        HeadForm::Sphere | HeadForm::Single => wind_m_s,
+    }
+}
+
+/// What the board makes of a reading.
+fn estimate(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<WindEstimate, CalibrateError> {
+    let surfaces: Vec<SurfaceConfig> = calibration.surfaces.iter().map(|of| of.config).collect();
+    let (curves, diameter_m) = (calibration.curves.config(), calibration.diameter_m as f32);
+    let head = WindVector::new(calibration.form, &curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
+    let measured: Vec<Option<MeasuredConductance>> =
+        steady.surfaces.iter().enumerate().map(|(i, reading)| Some(calibration.measured(i, reading))).collect();
+    Ok(head.step(&mut WindState::default(), &steady.core_gas()?, &measured))
+}
+
+fn direction_deg(calibration: &SurfaceCalibration, estimate: &WindEstimate, wind_m_s: [f64; 3]) -> Option<f64> {
+    let found = estimate.wind_m_s.map(f64::from);
+    match calibration.form {
+        HeadForm::Single => return None,
+        HeadForm::Cylinder | HeadForm::Wires => return Some(angle_deg(found, wind_m_s)),
+        HeadForm::Sphere if !estimate.quality.has(QualityFlags::UNDETERMINED) => {
+            return Some(angle_deg(found, wind_m_s));
+        }
+        HeadForm::Sphere => {}
+    }
+    // From sine and cosine, so that small angles keep their digits.
+    let axis = unit(calibration.surfaces[0].axis);
+    let to_axis = |v: [f64; 3], across_m_s: f64| across_m_s.atan2(dot(v, axis));
+    let truth = to_axis(wind_m_s, length(across(wind_m_s, axis)));
+    Some((to_axis(found, f64::from(estimate.across_m_s)) - truth).to_degrees())
+}
