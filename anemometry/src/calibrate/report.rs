@@ -12,6 +12,7 @@ use super::card::calibration::CardCalibration;
 use super::surfaces::calibration::SurfaceCalibration;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
+use recording::text::short;
 
 /// Bandwidths whose noise is given, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
@@ -132,7 +133,7 @@ impl fmt::Display for CalibrationReport {
             writeln!(f, "\nbandwidth  noise of a surface's conductance, at 30 K, 1 kHz")?;
         }
         for ConductanceNoise { bandwidth_hz, sd_w_k } in &self.noise {
-            writeln!(f, "{bandwidth_hz:>6} Hz  {:>8.4} mW/K", 1e3 * sd_w_k)?;
+            writeln!(f, "{bandwidth_hz:>6} Hz  {:>10} mW/K", short(1e3 * sd_w_k, 3))?;
         }
         if let Some(path) = &self.written {
             writeln!(f, "\nhead written to {}", path.display())?;

@@ -64,6 +64,8 @@ pub struct ElementCheck {
     pub own_gain_k_per_w: f64,
     /// The same at 3 m/s, K/W.
     pub own_gain_in_wind_k_per_w: f64,
+    /// Heat capacity of the node that it heats, J/K.
+    pub capacity_j_k: f64,
     /// Power of either level at the set-point, W.
     pub level_w: [f64; 2],
 }
@@ -89,11 +91,13 @@ pub fn check(
     let gains = survey.own_gains_k_per_w([0.0; 3]);
     let gains_in_wind = survey.own_gains_k_per_w(USUAL_M_S);
     let range = WindRange::of(&mut survey, &head.elements, &conditions);
+    let capacities_j_k: Vec<f64> = (0..head.elements.len()).map(|i| survey.element_capacity_j_k(i)).collect();
     let element = |(i, of): (usize, &anemometry::head::HeadElement)| ElementCheck {
         name: of.name.clone(),
         held: range.held[i],
         own_gain_k_per_w: gains[i],
         own_gain_in_wind_k_per_w: gains_in_wind[i],
+        capacity_j_k: capacities_j_k[i],
         level_w: [Level::Low, Level::High].map(|level| of.power_w(conditions.set_point_c(), level)),
     };
     Ok(HeadCheckReport {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anemometry::head::Head;
 use anemometry::head::body::BodyLink;
-use host_sim::head_check::{ElementCheck, GivenConditions, check};
+use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use recording::text::short;
 use recording::toml_file::TomlSource;
 
@@ -19,6 +19,8 @@ const PLATE: &str = include_str!("plate.toml");
 
 /// Overheat of the experiments, K.
 const OVERHEAT_K: f64 = 20.0;
+/// Change of a bare element's temperature by one bit, as a share of the overheat.
+const MOST_RIPPLE: f64 = 0.005;
 
 /// Begin a head: a folder with a commented head file that can be simulated at once, and its first
 /// experiments.
@@ -81,6 +83,14 @@ fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
 }
 
+/// Sample period of a closed loop, s: short enough that a bit changes the temperature of an element
+/// that is itself the surface by a small share of its overheat.
+fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
+    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.layers == 0);
+    let fastest_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]).fold(0.01, f64::min);
+    [0.01, 0.005, 0.002].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
+}
+
 /// A high current at which pseudo-random bits warm an element in quiescent gas by about the
 /// overheat, if its own makes more, A.
 fn gentle_current_a(head: &Head, of: &ElementCheck) -> Option<String> {
@@ -95,9 +105,10 @@ fn low_current_a(head: &Head, name: &str) -> String {
     element.map_or_else(String::new, |element| short(element.nominal.current_low_a, 4))
 }
 
-/// Whether no surface of a head looks up or down.
+/// Whether a head has one surface, or none that looks up or down.
 fn is_flat(head: &Head) -> bool {
-    head.elements.iter().filter_map(|element| element.normal).all(|normal| normal[2].abs() < 0.1)
+    let mut normals = head.elements.iter().filter_map(|element| element.normal);
+    normals.clone().count() == 1 || normals.all(|normal| normal[2].abs() < 0.1)
 }
 
 /// Names and texts of the experiments of a head: long enough for its slowest and its usual time
@@ -108,9 +119,10 @@ fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
     let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
     let conditions = report.conditions;
     let set_point_c = short(conditions.set_point_c(), 4);
-    let start = |title: &str, duration_s: f64, seed: u64| {
+    let held_period_s = held_period_s(head, &report);
+    let start = |title: &str, period_s: f64, duration_s: f64, seed: u64| {
         format!(
-            "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = 0.01\nduration_s = {duration_s:.1}\n\
+            "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = {period_s}\nduration_s = {duration_s:.1}\n\
              seed = {seed} # of noise, and of the specimen where head.toml states tolerances\n\n[gas]\nspecies = \"{}\"\n\
              pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n[drives]\n",
             head.name,
@@ -123,7 +135,7 @@ fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
     let warm_s = (if rods { 2.0 } else { 5.0 } * slowest_s / 60.0).ceil() * 60.0;
     let winds = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
     let each_s = 60.0;
-    let mut text = start("held in winds", warm_s + each_s * winds.len() as f64, 1);
+    let mut text = start("held in winds", held_period_s, warm_s + each_s * winds.len() as f64, 1);
     held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
     for (i, speed) in winds.iter().enumerate() {
         let start_s = if i == 0 { 0.0 } else { warm_s + each_s * i as f64 };
@@ -137,21 +149,21 @@ fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
         ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
         ("winds.toml", "winds to estimate", 30, [0.7, 9.0], 10.0, 7),
     ] {
-        let mut text = start(title, warm_s + hold_s * f64::from(winds), 41);
+        let mut text = start(title, held_period_s, warm_s + hold_s * f64::from(winds), 41);
         held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
         text += &format!(
             "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
              {warm_s:.1}\nseed = {seed}\n"
         );
         if is_flat(head) {
-            text += "plane = \"level\" # across the axis, along which the head tells nothing\n";
+            text += "plane = \"level\" # of x and y: along its axis such a head tells nothing\n";
         }
         all.push((file.to_owned(), text));
     }
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
     for (i, of) in report.elements.iter().filter(|of| of.held).enumerate() {
         let name = &of.name;
-        let mut text = start(&format!("what {name} heats, in quiescent gas"), record_s, 41);
+        let mut text = start(&format!("what {name} heats, in quiescent gas"), 0.01, record_s, 41);
         if let Some(high_a) = gentle_current_a(head, of) {
             let currents = format!(
                 "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{name} = {{ low_a = {}, high_a = {high_a} }}\n\n[drives]",

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::super::error::WorstReading;
 use super::super::steady_wind::SurfaceReading;
-use super::equations::{SurfaceEquations, SurfaceProblem};
+use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
 use super::family::AmplitudeShape;
 use super::fit::SurfaceFit;
 use super::grade::CalibrationGrade;
@@ -118,7 +118,12 @@ impl SurfaceCalibration {
                 gain: place.gains[i],
                 gain_error: gain_errors[i],
                 quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
-                quiescent_error_w_k: quiescent_errors[i] * problem.quiescent_unit_w_k[i],
+                quiescent_error_w_k: problem.quiescent_unit_w_k[i]
+                    * match head.form {
+                        HeadForm::Sphere => quiescent_errors[i],
+                        // Only the law says what of it is conduction into the gas.
+                        _ => quiescent_errors[i].hypot(QUIESCENT * family.at_rest),
+                    },
             }
         };
         let readings = equations.residuals.len() as f64;

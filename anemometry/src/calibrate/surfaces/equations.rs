@@ -22,7 +22,7 @@ use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
 
 /// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one, and
 /// the areas as drawn, make half of it.
-const QUIESCENT: f64 = 0.3;
+pub const QUIESCENT: f64 = 0.3;
 /// Standard error of a gain before any reading.
 const GAIN: f64 = 0.2;
 /// Standard error of a turn about the only axis before any reading, rad.
