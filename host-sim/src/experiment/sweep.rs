@@ -11,6 +11,7 @@
 //! | `still_s` | s | still gas before the first; 0 if not given |
 //! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
 //! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it |
+//! | `facing_deg` | ° | with `plane`: only winds that come from within this angle of +x; 180 if not given |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
 //!
 //! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the
@@ -40,6 +41,7 @@ pub(super) struct SweepTable {
     #[serde(default)]
     stem_cone_deg: f64,
     plane: Option<SweepPlane>,
+    facing_deg: Option<f64>,
     seed: Option<u64>,
 }
 
@@ -57,6 +59,12 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
     source.within("sweep.least_m_s", table.least_m_s, SPEEDS_M_S, "m/s")?;
     source.within("sweep.most_m_s", table.most_m_s, table.least_m_s..=*SPEEDS_M_S.end(), "m/s")?;
     source.within("sweep.stem_cone_deg", table.stem_cone_deg, 0.0..=90.0, "°")?;
+    if let Some(facing_deg) = table.facing_deg {
+        source.within("sweep.facing_deg", facing_deg, 1.0..=180.0, "°")?;
+        if table.plane.is_none() {
+            return Err(source.refuse("sweep.facing_deg", "is of winds in a plane: `plane = \"level\"` belongs to it"));
+        }
+    }
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
     let still = grid.pause_ticks("sweep.still_s", table.still_s)?;
     let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
@@ -91,7 +99,11 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
             start_s: grid.time_s(still + n * hold),
             label: format!("wind {}", n + 1),
             speed_m_s,
-            azimuth_deg: 360.0 * share(),
+            azimuth_deg: match table.facing_deg {
+                // What comes from +x goes to 180°.
+                Some(facing_deg) => 180.0 + facing_deg * (2.0 * share() - 1.0),
+                None => 360.0 * share(),
+            },
             elevation_deg: upwards.asin().to_degrees(),
             ..WindEntry::default()
         });
@@ -144,6 +156,16 @@ mod tests {
             quarters[(wind.azimuth_deg / 90.0) as usize % 4] += 1;
         }
         assert!(quarters.iter().all(|&count| count > 30), "{quarters:?}");
+    }
+
+    #[test]
+    fn winds_that_face_a_probe_come_from_its_side() {
+        let sweep = "winds = 100\nleast_m_s = 0.5\nmost_m_s = 10.0\nhold_s = 0.1\nfacing_deg = 40.0";
+        let experiment = with(&format!("{sweep}\nplane = \"level\"")).unwrap();
+        let cosine = 40_f64.to_radians().cos();
+        assert!(experiment.wind.iter().all(|wind| -wind.mean_m_s()[0] >= wind.speed_m_s * (cosine - 1e-9)));
+        assert!(experiment.wind.iter().any(|wind| -wind.mean_m_s()[0] < 0.8 * wind.speed_m_s));
+        assert!(with(sweep).unwrap_err().contains("`sweep.facing_deg` is of winds in a plane"));
     }
 
     #[test]

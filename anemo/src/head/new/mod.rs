@@ -1,26 +1,17 @@
 //! `anemo head new`: a folder to begin with, a head file of some kind and its first experiments.
 
+mod experiments;
+mod template;
+
 use std::path::{Path, PathBuf};
 
 use anemometry::head::Head;
-use anemometry::head::body::BodyLink;
-use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
-use recording::text::short;
 use recording::toml_file::TomlSource;
 
 use crate::choice::choice;
 use crate::output::Failure;
-
-/// The head of every kind, with comments for whoever changes it.
-const WIRE: &str = include_str!("wire.toml");
-const CYLINDER: &str = include_str!("cylinder.toml");
-const SPHERE: &str = include_str!("sphere.toml");
-const PLATE: &str = include_str!("plate.toml");
-
-/// Overheat of the experiments, K.
-const OVERHEAT_K: f64 = 20.0;
-/// Change of a bare element's temperature by one bit, as a share of the overheat.
-const MOST_RIPPLE: f64 = 0.005;
+use experiments::{OVERHEAT_K, experiments};
+pub use template::NewHeadKind;
 
 /// Begin a head: a folder with a commented head file that can be simulated at once, and its first
 /// experiments.
@@ -28,11 +19,12 @@ const MOST_RIPPLE: f64 = 0.005;
 /// `head.toml` has the elements, their limits, and the body that simulates them; `held.toml` holds
 /// all elements in winds; an `identify-….toml` for every element is a record for `anemo head
 /// identify`, `tunnel.toml` one for `anemo calibrate`, and `winds.toml` one to estimate. Change the
-/// numbers to those of the head at hand, then check it.
+/// numbers to those of the head at hand, then check it. What comes next is printed.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo head new tube --kind cylinder
+  anemo head new ball --kind sphere --sectors 6
   anemo head check tube/head.toml --overheat 20
   anemo run tube/held.toml --on sim -o held.parquet --plot held.svg")]
 pub struct NewArguments {
@@ -41,12 +33,49 @@ pub struct NewArguments {
     folder: PathBuf,
     /// What is heated in the stream.
     #[arg(long, value_parser = choice([
-        ("wire", "one hot film needle and a reference", WIRE),
-        ("cylinder", "three sectors around a tube", CYLINDER),
-        ("sphere", "four sectors of a sphere on two cores, with a reference", SPHERE),
-        ("plate", "one film on a plate and a reference", PLATE),
+        ("wire", "one hot film needle and a reference: speed", NewHeadKind::Wire),
+        ("crossed-wires", "two hot film needles across each other: speed and direction in front of them", NewHeadKind::CrossedWires),
+        ("cylinder", "three sectors around a tube, or as many as --sectors says: the wind across it", NewHeadKind::Cylinder),
+        ("sphere", "four, six or eight sectors of a sphere on two cores: the wind vector", NewHeadKind::Sphere),
+        ("plate", "one film on a plate and a reference: speed", NewHeadKind::Plate),
     ]))]
-    kind: &'static str,
+    kind: NewHeadKind,
+    /// Number of sectors: 3 to 8 of a cylinder, 4, 6 or 8 of a sphere; without it the least.
+    #[arg(long, value_name = "COUNT")]
+    sectors: Option<usize>,
+}
+
+/// A folder as [`write`] has left it.
+struct NewFolder {
+    /// Names of the elements that are identified.
+    elements: Vec<String>,
+    /// Quiescent gas before the first wind, s.
+    still_s: f64,
+}
+
+/// Writes head and experiments of a kind into a folder that is not there yet; `winds` is how many
+/// there are to estimate.
+///
+/// # Errors
+/// If the folder is there, or cannot be written.
+pub fn write(folder: &Path, name: &str, kind: NewHeadKind, sectors: usize, winds: u32) -> Result<(), Failure> {
+    written(folder, name, kind, sectors, winds).map(drop)
+}
+
+fn written(folder: &Path, name: &str, kind: NewHeadKind, sectors: usize, winds: u32) -> Result<NewFolder, Failure> {
+    let text = kind.text(name, sectors);
+    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.clone() })?;
+    let experiments = experiments(&head, kind, winds)?;
+    if folder.exists() {
+        let sentence = format!("{}: is there already; nothing was written", folder.display());
+        return Err(Failure::usage(sentence));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
+    crate::output::write_text(&folder.join("head.toml"), &text)?;
+    for (file, text) in &experiments.files {
+        crate::output::write_text(&folder.join(file), text)?;
+    }
+    Ok(NewFolder { elements: experiments.identified, still_s: experiments.still_s })
 }
 
 /// Writes the folder.
@@ -58,126 +87,33 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
             folder.display()
         ))
     })?;
-    let text = arguments.kind.replacen("NAME", name, 1);
-    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.clone() })?;
-    let experiments = experiments(&head)?;
-    if folder.exists() {
-        let sentence = format!("{}: is there already; nothing was written", folder.display());
-        return Err(Failure::usage(sentence));
+    let (kind, known) = (arguments.kind, arguments.kind.sectors());
+    let sectors = arguments.sectors.unwrap_or(known[0]);
+    if !known.contains(&sectors) {
+        let counts: Vec<String> = known.iter().map(usize::to_string).collect();
+        return Err(Failure::usage(format!("--sectors is {sectors}: such a head has {}", counts.join(", "))));
     }
-    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
-    crate::output::write_text(&folder.join("head.toml"), &text)?;
-    for (file, text) in &experiments {
-        crate::output::write_text(&folder.join(file), text)?;
-    }
-    let files: Vec<&str> = experiments.iter().map(|(file, _)| file.as_str()).collect();
-    let folder = Path::display(folder);
+    let NewFolder { elements, still_s } = written(folder, name, kind, sectors, WINDS)?;
+    let (folder, elements) = (Path::display(folder), elements.join(" "));
     crate::output::print(&format!(
-        "{folder}/head.toml and {} are there. Next:\n  anemo head check {folder}/head.toml --overheat {OVERHEAT_K}\n  \
-         anemo run {folder}/held.toml --on sim -o held.parquet --plot held.svg\n",
-        files.join(", ")
+        "{folder}/head.toml and its experiments are there. Next, the head and the head in winds:\n  \
+         anemo head check {folder}/head.toml --overheat {OVERHEAT_K}\n  \
+         anemo run {folder}/held.toml --on sim -o {folder}/held.parquet --plot {folder}/held.svg\n\
+         its network in quiescent gas:\n  \
+         for e in {elements}\n  \
+         do anemo run {folder}/identify-$e.toml --on sim -o {folder}/id-$e.parquet; done\n  \
+         anemo head identify {folder}/id-*.parquet -o {folder}/network.json\n\
+         its calibration, and winds that this has not seen:\n  \
+         anemo run {folder}/tunnel.toml --on sim -o {folder}/tunnel.parquet\n  \
+         anemo calibrate {folder}/tunnel.parquet --network {folder}/network.json --settle 5 -o {folder}/calibrated.toml\n  \
+         anemo run {folder}/winds.toml --on sim -o {folder}/winds.parquet\n  \
+         anemo wind {folder}/winds.parquet --head {folder}/calibrated.toml --from {still_s} --settle 3 --plot {folder}/winds.svg\n",
     ))
 }
 
+/// Winds to estimate.
+const WINDS: u32 = 30;
+
 fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
-}
-
-/// Sample period of a closed loop, s: short enough that a bit changes the temperature of an element
-/// that is itself the surface by a small share of its overheat.
-fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
-    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.layers == 0);
-    let fastest_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]).fold(0.01, f64::min);
-    [0.01, 0.005, 0.002].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
-}
-
-/// A high current at which pseudo-random bits warm an element in quiescent gas by about the
-/// overheat, if its own makes more, A.
-fn gentle_current_a(head: &Head, of: &ElementCheck) -> Option<String> {
-    let element = head.elements.iter().find(|element| element.name == of.name)?;
-    let mean_w = OVERHEAT_K / of.own_gain_k_per_w;
-    let share = 2.0 * mean_w / of.level_w[1];
-    (share < 1.0).then(|| short(element.nominal.current_high_a * share.sqrt(), 2))
-}
-
-fn low_current_a(head: &Head, name: &str) -> String {
-    let element = head.elements.iter().find(|element| element.name == name);
-    element.map_or_else(String::new, |element| short(element.nominal.current_low_a, 4))
-}
-
-/// Whether a head has one surface, or none that looks up or down.
-fn is_flat(head: &Head) -> bool {
-    let mut normals = head.elements.iter().filter_map(|element| element.normal);
-    normals.clone().count() == 1 || normals.all(|normal| normal[2].abs() < 0.1)
-}
-
-/// Names and texts of the experiments of a head: long enough for its slowest and its usual time
-/// constants.
-fn experiments(head: &Head) -> Result<Vec<(String, String)>, Failure> {
-    let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = OVERHEAT_K)?;
-    let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
-    let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
-    let conditions = report.conditions;
-    let set_point_c = short(conditions.set_point_c(), 4);
-    let held_period_s = held_period_s(head, &report);
-    let start = |title: &str, period_s: f64, duration_s: f64, seed: u64| {
-        format!(
-            "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = {period_s}\nduration_s = {duration_s:.1}\n\
-             seed = {seed} # of noise, and of the specimen where head.toml states tolerances\n\n[gas]\nspecies = \"{}\"\n\
-             pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n[drives]\n",
-            head.name,
-            conditions.species.name(),
-            conditions.pressure_pa,
-            conditions.temperature_c
-        )
-    };
-    let rods = head.body.iter().flat_map(|body| &body.links).any(|link| matches!(link, BodyLink::Rod { .. }));
-    let warm_s = (if rods { 2.0 } else { 5.0 } * slowest_s / 60.0).ceil() * 60.0;
-    let winds = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
-    let each_s = 60.0;
-    let mut text = start("held in winds", held_period_s, warm_s + each_s * winds.len() as f64, 1);
-    held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
-    for (i, speed) in winds.iter().enumerate() {
-        let start_s = if i == 0 { 0.0 } else { warm_s + each_s * i as f64 };
-        text += &format!(
-            "\n[[wind]]\nstart_s = {start_s:.1}\nlabel = \"{speed} m/s\"\nspeed_m_s = {speed:.1}\nazimuth_deg = 200.0\n"
-        );
-    }
-    let mut all = vec![("held.toml".to_owned(), text)];
-    // A calibration, and winds that it has not seen.
-    for (file, title, winds, [least_m_s, most_m_s], hold_s, seed) in [
-        ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
-        ("winds.toml", "winds to estimate", 30, [0.7, 9.0], 10.0, 7),
-    ] {
-        let mut text = start(title, held_period_s, warm_s + hold_s * f64::from(winds), 41);
-        held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
-        text += &format!(
-            "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
-             {warm_s:.1}\nseed = {seed}\n"
-        );
-        if is_flat(head) {
-            text += "plane = \"level\" # of x and y: along its axis such a head tells nothing\n";
-        }
-        all.push((file.to_owned(), text));
-    }
-    let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
-    for (i, of) in report.elements.iter().filter(|of| of.held).enumerate() {
-        let name = &of.name;
-        let mut text = start(&format!("what {name} heats, in quiescent gas"), 0.01, record_s, 41);
-        if let Some(high_a) = gentle_current_a(head, of) {
-            let currents = format!(
-                "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{name} = {{ low_a = {}, high_a = {high_a} }}\n\n[drives]",
-                low_current_a(head, name)
-            );
-            text = text.replacen("[drives]", &currents, 1);
-        }
-        text += &format!(
-            "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
-             start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\
-             [[wind]]\nstart_s = 0.0\nlabel = \"still\"\nspeed_m_s = 0.0\n",
-            5 + i
-        );
-        all.push((format!("identify-{name}.toml"), text));
-    }
-    Ok(all)
 }

@@ -1,0 +1,129 @@
+//! The first experiments of a new head: long enough for its slowest and its usual time constants.
+
+use anemometry::head::Head;
+use anemometry::head::body::BodyLink;
+use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
+use recording::text::short;
+
+use super::template::NewHeadKind;
+use crate::output::Failure;
+
+/// Overheat of the experiments, K.
+pub const OVERHEAT_K: f64 = 20.0;
+/// Change of a bare element's temperature by one bit, as a share of the overheat.
+const MOST_RIPPLE: f64 = 0.005;
+
+/// Experiments of a new head.
+pub struct NewExperiments {
+    /// Names and texts of the files.
+    pub files: Vec<(String, String)>,
+    /// Names of the elements that are identified.
+    pub identified: Vec<String>,
+    /// Quiescent gas before the first wind, s.
+    pub still_s: f64,
+}
+
+/// Sample period of a closed loop, s: short enough that a bit changes the temperature of an element
+/// that is itself the surface by a small share of its overheat.
+fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
+    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.layers == 0);
+    let fastest_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]).fold(0.01, f64::min);
+    [0.01, 0.005, 0.002].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
+}
+
+/// A high current at which pseudo-random bits warm an element in quiescent gas by about the
+/// overheat, if its own makes more, A.
+fn gentle_current_a(head: &Head, of: &ElementCheck) -> Option<String> {
+    let element = head.elements.iter().find(|element| element.name == of.name)?;
+    let mean_w = OVERHEAT_K / of.own_gain_k_per_w;
+    let share = 2.0 * mean_w / of.level_w[1];
+    (share < 1.0).then(|| short(element.nominal.current_high_a * share.sqrt(), 2))
+}
+
+fn low_current_a(head: &Head, name: &str) -> String {
+    let element = head.elements.iter().find(|element| element.name == name);
+    element.map_or_else(String::new, |element| short(element.nominal.current_low_a, 4))
+}
+
+/// Which winds a head of a kind can tell.
+fn plane(kind: NewHeadKind) -> &'static str {
+    match kind {
+        NewHeadKind::Sphere => "",
+        NewHeadKind::CrossedWires => "plane = \"level\" # of the wires\nfacing_deg = 40.0 # in front of them\n",
+        NewHeadKind::Wire | NewHeadKind::Cylinder | NewHeadKind::Plate => {
+            "plane = \"level\" # of x and y: along its axis such a head tells nothing\n"
+        }
+    }
+}
+
+/// The experiments of a head, with so many winds to estimate.
+///
+/// # Errors
+/// If the head cannot be simulated.
+pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExperiments, Failure> {
+    let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = OVERHEAT_K)?;
+    let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
+    let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
+    let conditions = report.conditions;
+    let set_point_c = short(conditions.set_point_c(), 4);
+    let held_period_s = held_period_s(head, &report);
+    let start = |title: &str, period_s: f64, duration_s: f64, seed: u64| {
+        format!(
+            "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = {period_s}\nduration_s = {duration_s:.1}\n\
+             seed = {seed} # of noise, and of the specimen where head.toml states tolerances\n\n[gas]\nspecies = \"{}\"\n\
+             pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n[drives]\n",
+            head.name,
+            conditions.species.name(),
+            conditions.pressure_pa,
+            conditions.temperature_c
+        )
+    };
+    let rods = head.body.iter().flat_map(|body| &body.links).any(|link| matches!(link, BodyLink::Rod { .. }));
+    let warm_s = (if rods { 2.0 } else { 5.0 } * slowest_s / 60.0).ceil() * 60.0;
+    let winds = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
+    let each_s = 60.0;
+    let mut text = start("held in winds", held_period_s, warm_s + each_s * winds.len() as f64, 1);
+    held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+    for (i, speed) in winds.iter().enumerate() {
+        let start_s = if i == 0 { 0.0 } else { warm_s + each_s * i as f64 };
+        text += &format!(
+            "\n[[wind]]\nstart_s = {start_s:.1}\nlabel = \"{speed} m/s\"\nspeed_m_s = {speed:.1}\nazimuth_deg = 200.0\n"
+        );
+    }
+    let mut all = vec![("held.toml".to_owned(), text)];
+    // A calibration, and winds that it has not seen.
+    for (file, title, winds, [least_m_s, most_m_s], hold_s, seed) in [
+        ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
+        ("winds.toml", "winds to estimate", count, [0.7, 9.0], 10.0, 7),
+    ] {
+        let mut text = start(title, held_period_s, warm_s + hold_s * f64::from(winds), 41);
+        held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+        text += &format!(
+            "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
+             {warm_s:.1}\nseed = {seed}\n"
+        );
+        text += plane(kind);
+        all.push((file.to_owned(), text));
+    }
+    let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
+    for (i, of) in report.elements.iter().filter(|of| of.held).enumerate() {
+        let name = &of.name;
+        let mut text = start(&format!("what {name} heats, in quiescent gas"), 0.01, record_s, 41);
+        if let Some(high_a) = gentle_current_a(head, of) {
+            let currents = format!(
+                "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{name} = {{ low_a = {}, high_a = {high_a} }}\n\n[drives]",
+                low_current_a(head, name)
+            );
+            text = text.replacen("[drives]", &currents, 1);
+        }
+        text += &format!(
+            "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
+             start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\
+             [[wind]]\nstart_s = 0.0\nlabel = \"still\"\nspeed_m_s = 0.0\n",
+            5 + i
+        );
+        all.push((format!("identify-{name}.toml"), text));
+    }
+    let identified = held.iter().map(|&name| name.to_owned()).collect();
+    Ok(NewExperiments { files: all, identified, still_s: warm_s })
+}
