@@ -11,7 +11,6 @@ use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
 use super::surfaces::calibration::SurfaceCalibration;
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
 use recording::text::short;
 
 /// Bandwidths whose noise is given, Hz.
@@ -48,8 +47,7 @@ pub struct ConductanceNoise {
 pub fn conductance_noise(head: &Head) -> Vec<ConductanceNoise> {
     let noise = |bandwidth_hz| {
         let calibration = head.calibration.as_ref()?;
-        let output = WindOutput { bandwidth_hz, interval_s: 0.01, fixed: true };
-        let (_, observer) = calibration.commands(&output, SAMPLE_PERIOD_S).ok()?;
+        let observer = calibration.network.observer(bandwidth_hz, SAMPLE_PERIOD_S).ok()?;
         let sd_w_k = observer.noise_w(*calibration.surfaces.first()?)? / OVERHEAT_K;
         Some(ConductanceNoise { bandwidth_hz, sd_w_k })
     };

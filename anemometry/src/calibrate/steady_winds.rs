@@ -144,7 +144,7 @@ impl SteadyWindSearch<'_> {
                 differences.join(" and ")
             )));
         }
-        let observer = self.observed.network.observer(BANDWIDTH_HZ, period_s);
+        let observer = self.observed.network.stable_observer(BANDWIDTH_HZ, period_s);
         let observer = observer.map_err(|error| refuse(error.to_string()))?;
         let network = observer.board(period_s as f32).map_err(|error| refuse(error.to_string()))?;
         Ok(SteadyWindCollector {

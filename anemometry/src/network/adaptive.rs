@@ -6,18 +6,18 @@ use super::gain_schedule::gain_schedule;
 use super::kalman::Plant;
 use super::observer::NetworkObserver;
 use super::parameters::QuiescentNetwork;
-use super::stability::worse_when_quick;
+use super::stability::{quick_sets_settle, worse_when_quick};
 
 impl QuiescentNetwork {
-    /// Configurations as those of [`observer`](Self::observer), with a gain schedule for every
+    /// Configurations as those of [`stable_observer`](Self::stable_observer), with a gain schedule for every
     /// surface, or for none: one wind is estimated from all surfaces, and just after its alarm a
     /// surface that is quicker than the others counts as missing. There are none if one of them
     /// is too noisy or worse beside the other elements ([`stability`](super::stability)).
     ///
     /// # Errors
-    /// As [`observer`](Self::observer).
+    /// As [`stable_observer`](Self::stable_observer).
     pub fn adaptive_observer(&self, bandwidth_hz: f64, sample_period_s: f64) -> Result<NetworkObserver, NetworkError> {
-        let steady = self.observer(bandwidth_hz, sample_period_s)?;
+        let steady = self.stable_observer(bandwidth_hz, sample_period_s)?;
         let mut quick = steady.clone();
         let mut too_noisy = Vec::new();
         for (i, own) in self.own.iter().enumerate().filter(|(_, own)| own.surface.is_some()) {
@@ -33,7 +33,13 @@ impl QuiescentNetwork {
             false => (too_noisy, "nothing quicker is quiet enough"),
             true => {
                 let worse = worse_when_quick(self, &steady, &quick, bandwidth_hz, sample_period_s);
-                (worse, "beside their own network quick gains do worse after a jump")
+                match worse.is_empty() && !quick_sets_settle(self, &quick, sample_period_s) {
+                    false => (worse, "beside their own network quick gains do worse after a jump"),
+                    true => {
+                        let surfaces = self.own.iter().filter(|own| own.surface.is_some());
+                        (surfaces.map(|own| own.name.as_str()).collect(), "beside each other quick gains are unstable")
+                    }
+                }
             }
         };
         if names.is_empty() {

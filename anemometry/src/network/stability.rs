@@ -11,6 +11,9 @@
 //! q_i: 0 → a_i J → 0        E_i = Σ (q̂_i − q_i)²
 //! ```
 //!
+//! Gains that stay as they are must not let the error grow after a jump, whether they are those of the requested bandwidth or one of the sets for
+//! the time after an alarm. A bandwidth for which they do not is refused.
+//!
 //! Where the E of one surface is above that of the steady filters, or not finite, none gets quick
 //! gains. The error of an observer does not depend on the heating that it
 //! knows of, and so there is none. Four dice on a card, which heat each other by a fifth of what
@@ -23,9 +26,11 @@
 use dr_core::model::{ConvectionObserverState, TickInput, mesh};
 use wire::MOST_ELEMENTS;
 
+use super::error::NetworkError;
 use super::gain_schedule::{JUMP_W, LAST_PERIODS};
 use super::observer::NetworkObserver;
 use super::parameters::QuiescentNetwork;
+use recording::text::short;
 
 /// Each jump is followed for so many times as long as the last set of gains lasts.
 const FOLLOWED: f64 = 2.0;
@@ -34,6 +39,97 @@ const FOLLOWED: f64 = 2.0;
 const WORSE: f64 = 1.05;
 /// a_i: of the surfaces in turn.
 const SHARES: [f64; 4] = [1.0, -0.5, 0.75, 0.25];
+/// Fewest ticks of a third.
+const LEAST_TICKS: usize = 30;
+
+/// A set of gains is followed for so many times as long as it lasts.
+const FOLLOWED_SET: f64 = 10.0;
+/// Steps in which a stable bandwidth is sought, and where that ends, Hz.
+const SLOWER: f64 = 1.25;
+const LEAST_BANDWIDTH_HZ: f64 = 0.05;
+/// Growth of E from one third of the time to the next from which it is an instability: filters that
+/// hold have 1.6 at most, as the first readings after a jump still teach them, others 3.7 and more.
+const GROWS: f64 = 2.0;
+/// Error that counts as none, over the jump: roundings of f32 temperatures make it.
+const ROUNDING: f64 = 1e-2;
+
+impl QuiescentNetwork {
+    /// As [`observer`](Self::observer), whose filters must be stable beside each other.
+    ///
+    /// # Errors
+    /// As `observer`, or the greatest bandwidth that is stable.
+    pub fn stable_observer(&self, bandwidth_hz: f64, sample_period_s: f64) -> Result<NetworkObserver, NetworkError> {
+        let stable = |hz: f64| {
+            let observer = self.observer(hz, sample_period_s)?;
+            Ok(settles(self, &observer, hz, sample_period_s).then_some(observer))
+        };
+        if let Some(observer) = stable(bandwidth_hz)? {
+            return Ok(observer);
+        }
+        let mut slower_hz = bandwidth_hz;
+        while slower_hz > LEAST_BANDWIDTH_HZ {
+            slower_hz /= SLOWER;
+            if let Ok(Some(_)) = stable(slower_hz) {
+                let slower = short(slower_hz, 2);
+                return Err(NetworkError::new(format!(
+                    "a bandwidth of {bandwidth_hz} Hz cannot be had: the elements heat each other so much that their filters are unstable \
+                     beside each other; {slower} Hz is stable"
+                )));
+            }
+        }
+        Err(NetworkError::new(
+            "the elements heat each other so much that their filters are unstable beside each other at any bandwidth: is the network right?",
+        ))
+    }
+}
+
+/// Levels at which the elements are read: a reading weighs the more the less noise it has.
+#[derive(Clone, Copy)]
+enum ReadLevels {
+    Low,
+    Turns,
+    High,
+}
+
+impl ReadLevels {
+    const ALL: [Self; 3] = [Self::Low, Self::Turns, Self::High];
+}
+
+/// Whether the error of steady gains dies away after a jump.
+fn settles(network: &QuiescentNetwork, observer: &NetworkObserver, bandwidth_hz: f64, sample_period_s: f64) -> bool {
+    settles_within(network, observer, FOLLOWED_SET * LAST_PERIODS / bandwidth_hz, sample_period_s)
+}
+
+/// Whether it does with each set of quick gains, used by all surfaces at once.
+pub fn quick_sets_settle(network: &QuiescentNetwork, quick: &NetworkObserver, sample_period_s: f64) -> bool {
+    let sets = quick.faster.iter().map(|of| of.set).max().map_or(0, |most| most + 1);
+    (0..sets).all(|set| {
+        let mut held = NetworkObserver { faster: Vec::new(), ..quick.clone() };
+        let mut lasts_s: f64 = 0.0;
+        for of in quick.faster.iter().filter(|of| of.set == set) {
+            if let Some((_, config)) = held.own.iter_mut().find(|(place, _)| *place == usize::from(of.element)) {
+                config.gains = of.gains;
+            }
+            lasts_s = lasts_s.max(f64::from(of.until_s));
+        }
+        held.own.iter_mut().for_each(|(_, config)| config.alarm = None);
+        settles_within(network, &held, FOLLOWED_SET * lasts_s, sample_period_s)
+    })
+}
+
+fn settles_within(network: &QuiescentNetwork, observer: &NetworkObserver, time_s: f64, sample_period_s: f64) -> bool {
+    let ticks = (time_s / sample_period_s).ceil() as usize;
+    let third = ticks.div_ceil(3).max(LEAST_TICKS);
+    let none = (ROUNDING * JUMP_W).powi(2) * third as f64;
+    // In still gas nearly all readings are at the low level, in a storm at the high one.
+    ReadLevels::ALL.into_iter().all(|levels| {
+        let courses = courses(network, observer, &[third; 3], |_| JUMP_W, levels, sample_period_s);
+        let Some([_, before, after]) = courses.map(|of| of.map(|squares| squares.iter().sum::<f64>())) else {
+            return true;
+        };
+        after.is_finite() && (after <= none || after < GROWS * before)
+    })
+}
 
 /// Names of the elements that are unstable or worse with quick gains for all surfaces.
 pub fn worse_when_quick<'a>(
@@ -44,27 +140,35 @@ pub fn worse_when_quick<'a>(
     sample_period_s: f64,
 ) -> Vec<&'a str> {
     let ticks = (FOLLOWED * LAST_PERIODS / bandwidth_hz / sample_period_s).ceil() as usize;
-    let errors = |observer| errors(network, observer, ticks, sample_period_s);
+    let jump_w = |stretch: usize| if stretch == 0 { JUMP_W } else { 0.0 };
+    let errors = |observer| {
+        let [up, back] = courses(network, observer, &[ticks; 2], jump_w, ReadLevels::Turns, sample_period_s)?;
+        Some(std::array::from_fn::<f64, MOST_ELEMENTS, _>(|place| up[place] + back[place]))
+    };
     let (Some(by_steady), Some(by_quick)) = (errors(steady), errors(quick)) else { return Vec::new() };
     let worse = |place: usize| by_quick[place].is_nan() || by_quick[place] > WORSE * by_steady[place];
     let own = network.own.iter().filter(|own| own.surface.is_some() && worse(own.element));
     own.map(|own| own.name.as_str()).collect()
 }
 
-/// E by element of the head; none if the board refuses the observer, which it says itself.
-fn errors(
+/// E by element of the head over stretches of so many ticks, with the J of each; none if the board
+/// refuses the observer, which it says itself.
+fn courses<const S: usize>(
     network: &QuiescentNetwork,
     observer: &NetworkObserver,
-    ticks: usize,
+    stretches: &[usize; S],
+    jump_w: impl Fn(usize) -> f64,
+    levels: ReadLevels,
     sample_period_s: f64,
-) -> Option<[f64; MOST_ELEMENTS]> {
+) -> Option<[[f64; MOST_ELEMENTS]; S]> {
     let board = observer.board(sample_period_s as f32).ok()?;
     let mut truth = SimulatedNetwork::new(network, sample_period_s);
     let mut state = ConvectionObserverState::default();
-    let mut errors = [0.0; MOST_ELEMENTS];
+    let mut errors = [[0.0; MOST_ELEMENTS]; S];
     let valid = observer.own.iter().fold(0, |valid, (place, _)| valid | 1_u16 << place);
-    for tick in 0..2 * ticks {
-        let jump_w = if tick < ticks { JUMP_W } else { 0.0 };
+    let all = stretches.iter().enumerate().flat_map(|(stretch, &ticks)| (0..ticks).map(move |_| stretch));
+    for (tick, stretch) in all.enumerate() {
+        let jump_w = jump_w(stretch);
         let mut shares = SHARES.iter().cycle();
         let mut q_w = [0.0; MOST_ELEMENTS];
         for own in network.own.iter().filter(|own| own.surface.is_some()) {
@@ -73,14 +177,18 @@ fn errors(
         let look = TickInput {
             temperature_c: &truth.temperature_c(),
             valid,
-            read_high: if tick % 2 == 0 { valid } else { 0 },
+            read_high: match levels {
+                ReadLevels::Low => 0,
+                ReadLevels::Turns => valid * u16::from(tick % 2 == 0),
+                ReadLevels::High => valid,
+            },
             power_w: &[0.0; MOST_ELEMENTS],
             standing_w: &[0.0; MOST_ELEMENTS],
         };
         let found = board.step(&mut state, &look);
         for (place, _) in &observer.own {
             let error_w = found.map_or(f64::NAN, |found| f64::from(found.power_w[*place]) - q_w[*place]);
-            errors[*place] += error_w * error_w;
+            errors[stretch][*place] += error_w * error_w;
         }
         truth.step(&q_w);
     }

@@ -10,6 +10,8 @@ use crate::output::Failure;
 
 /// Overheat of the experiments, K.
 pub const OVERHEAT_K: f64 = 20.0;
+/// Usual sample period of a closed loop, s.
+const HELD_PERIOD_S: f64 = 0.002;
 /// Change of a bare element's temperature by one bit, as a share of the overheat.
 const MOST_RIPPLE: f64 = 0.005;
 
@@ -26,9 +28,11 @@ pub struct NewExperiments {
 /// Sample period of a closed loop, s: short enough that a bit changes the temperature of an element
 /// that is itself the surface by a small share of its overheat.
 fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
-    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.layers == 0);
-    let fastest_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]).fold(0.01, f64::min);
-    [0.01, 0.005, 0.002].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
+    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.normal.is_some());
+    let bare = bare.filter(|(_, element)| element.layers == 0);
+    let each_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]);
+    let fastest_s = each_s.fold(HELD_PERIOD_S, f64::min);
+    [HELD_PERIOD_S, 0.001].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
 }
 
 /// A high current at which pseudo-random bits warm an element in quiescent gas by about the

@@ -27,7 +27,7 @@ impl Calibration {
         sample_period_s: f64,
     ) -> Result<(Vec<WindCommand>, NetworkObserver), WindSetupError> {
         let observer = match output.fixed {
-            true => self.network.observer(output.bandwidth_hz, sample_period_s)?,
+            true => self.network.stable_observer(output.bandwidth_hz, sample_period_s)?,
             false => self.network.adaptive_observer(output.bandwidth_hz, sample_period_s)?,
         };
         let mut commands = Vec::new();

@@ -9,10 +9,10 @@ pub const CROSS_ORDER: usize = 4;
 pub const FASTER_SETS: usize = 16;
 
 /// Most elements with such sets: the surfaces of a head.
-pub const FASTER_ELEMENTS: usize = 4;
+pub const FASTER_ELEMENTS: usize = 8;
 
-/// Most pairs of different elements: all pairs of a head of six.
-pub const MOST_PAIRS: usize = 30;
+/// Most pairs of different elements: all pairs of a head of eight.
+pub const MOST_PAIRS: usize = 56;
 
 /// Self-heating of an element in the quiescent-gas network, with the gains of its observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
