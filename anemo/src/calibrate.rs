@@ -91,6 +91,8 @@ pub struct Arguments {
 enum FormName {
     /// Parts of a sphere.
     Sphere,
+    /// Six parts of a sphere, as the faces of a cube.
+    Cube,
     /// Sectors round a cylinder.
     Cylinder,
     /// Wires or films in a plane.
@@ -112,6 +114,7 @@ impl Arguments {
     fn options(&self) -> DrawnOptions {
         let form = self.form.map(|form| match form {
             FormName::Sphere => HeadForm::Sphere,
+            FormName::Cube => HeadForm::Cube,
             FormName::Cylinder => HeadForm::Cylinder,
             FormName::Wires => HeadForm::Wires,
             FormName::Single => HeadForm::Single,

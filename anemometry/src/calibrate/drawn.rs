@@ -75,12 +75,7 @@ pub fn drawn(head: &Head, options: &DrawnOptions, law: LossLaw) -> Result<(Vec<u
     };
     let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
     let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
-    let configs = match form {
-        HeadForm::Sphere => parts_of_sphere(&normals, diameter_m),
-        HeadForm::Cylinder => parts_of_cylinder(&normals, diameter_m, length_m),
-        HeadForm::Wires => wires(&normals, diameter_m, length_m),
-        HeadForm::Single => vec![single(normals[0], diameter_m, length_m)],
-    };
+    let configs = surfaces_of(form, &normals, diameter_m, length_m);
     if form == HeadForm::Single && normals.len() > 1 {
         return Err(refuse(format!("has {} elements with a `normal`, and a single element is one", normals.len())));
     }
@@ -90,6 +85,16 @@ pub fn drawn(head: &Head, options: &DrawnOptions, law: LossLaw) -> Result<(Vec<u
     });
     let surfaces = surfaces.collect();
     Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSurfaces { form, law, diameter_m, surfaces }))
+}
+
+/// Surfaces with these unit normals, of which there is one at least.
+pub fn surfaces_of(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Vec<SurfaceConfig> {
+    match form {
+        HeadForm::Sphere | HeadForm::Cube => parts_of_sphere(form, normals, diameter_m),
+        HeadForm::Cylinder => parts_of_cylinder(normals, diameter_m, length_m),
+        HeadForm::Wires => wires(normals, diameter_m, length_m),
+        HeadForm::Single => vec![single(normals[0], diameter_m, length_m)],
+    }
 }
 
 /// What normals belong to.
@@ -102,6 +107,7 @@ fn form_of(normals: &[[f64; 3]], stated: Option<HeadForm>) -> Result<HeadForm, S
         }
         ([_, _], None, _) => Ok(HeadForm::Wires),
         (_, Some(HeadForm::Cylinder) | None, Some(_)) => Ok(HeadForm::Cylinder),
+        (_, _, None) if is_cube(normals) => Ok(HeadForm::Cube),
         (_, _, None) if normals.len() > 3 => Ok(HeadForm::Sphere),
         _ => Err(format!(
             "has {} surfaces whose normals are those of no head: --form says whether they are of a sphere, round a cylinder or \
@@ -119,6 +125,15 @@ fn plane_of(normals: &[[f64; 3]]) -> Option<[f64; 3]> {
     normals.iter().all(|normal| dot(*normal, plane).abs() < LEAST_SINE).then_some(plane)
 }
 
+/// Whether normals are those of the faces of a cube.
+fn is_cube(normals: &[[f64; 3]]) -> bool {
+    let along = |a: &[f64; 3], b: &[f64; 3]| dot(*a, *b).abs();
+    let square = |cosine: f64| !(LEAST_SINE..1.0 - LEAST_SINE).contains(&cosine);
+    normals.len() == 6
+        && normals.iter().all(|a| normals.iter().all(|b| square(along(a, b))))
+        && normals.iter().all(|a| normals.iter().filter(|b| along(a, b) > 0.5).count() == 2)
+}
+
 /// Any direction across this one.
 fn any_across(normal: [f64; 3]) -> [f64; 3] {
     let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
@@ -130,26 +145,38 @@ fn narrow(v: [f64; 3]) -> [f32; 3] {
 }
 
 /// Four sectors of a tetrahedron, two hemispheres, or of others what is nearest to each normal.
-fn parts_of_sphere(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+fn parts_of_sphere(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+    // A corner of a sector is opposite to the axis of another.
+    let corner = |i: usize| match normals.len() {
+        4 => normals[(i + 1) % 4].map(|x| -x),
+        2 => any_across(normals[i]),
+        _ => {
+            let others = normals.iter().filter(|other| dot(**other, normals[i]).abs() < 1.0 - LEAST_SINE);
+            let nearest = others.max_by(|a, b| dot(**a, normals[i]).total_cmp(&dot(**b, normals[i])));
+            nearest.map_or_else(|| any_across(normals[i]), |nearest| nearest.map(|x| -x))
+        }
+    };
+    let corners: Vec<[f64; 3]> = (0..normals.len()).map(corner).collect();
     let known = match normals.len() {
         4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
         2 => sphere::hemispheres(diameter_m as f32).to_vec(),
-        _ => cells(normals, diameter_m),
+        _ => cells(form, normals, &corners, diameter_m),
     };
-    let corners = (0..normals.len()).map(|i| match normals.len() {
-        // A corner of a sector is opposite to the axis of another.
-        4 => normals[(i + 1) % 4].map(|x| -x),
-        _ => any_across(normals[i]),
-    });
     let placed = normals.iter().zip(corners).zip(known);
     placed.map(|((normal, corner), of)| SurfaceConfig { axis: narrow(*normal), corner: narrow(corner), ..of }).collect()
 }
 
-/// The parts of a sphere that are nearest to each normal: areas, and means of P_n about their own
-/// axes. What is not symmetric about these is left out.
-fn cells(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+/// The parts of a sphere that are nearest to each normal: areas, means of P_n about their own axes,
+/// and their threefold or fourfold parts. What has another symmetry is left out.
+fn cells(form: HeadForm, normals: &[[f64; 3]], corners: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
     let mut count = vec![0.0; normals.len()];
     let mut sums = vec![[0.0; ORDERS - 1]; normals.len()];
+    let mut folds = vec![[0.0; 3]; normals.len()];
+    let across_of = |i: usize| {
+        let corner = unit(across(corners[i], normals[i]));
+        (corner, cross(normals[i], corner))
+    };
+    let frames: Vec<([f64; 3], [f64; 3])> = (0..normals.len()).map(across_of).collect();
     let golden = PI * (3.0 - 5_f64.sqrt());
     for k in 0..POINTS {
         // Points of equal area on a spiral.
@@ -160,6 +187,9 @@ fn cells(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
         let cosines = normals.iter().map(|normal| dot(*normal, point)).enumerate();
         let Some((nearest, x)) = cosines.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         count[nearest] += 1.0;
+        let (corner, third) = frames[nearest];
+        let of_folds = fold_functions(form, [dot(corner, point), dot(third, point), x]);
+        folds[nearest].iter_mut().zip(of_folds).for_each(|(sum, of)| *sum += of);
         let (mut p, mut next) = (1.0, x);
         for (n, sum) in (1..).zip(&mut sums[nearest]) {
             *sum += next;
@@ -168,15 +198,27 @@ fn cells(normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
         }
     }
     let sphere_m2 = PI * diameter_m * diameter_m;
-    let all = count.iter().zip(&sums);
-    all.map(|(count, sums)| SurfaceConfig {
+    let all = count.iter().zip(&sums).zip(&folds);
+    all.map(|((count, sums), folds)| SurfaceConfig {
         axis: [0.0; 3],
         corner: [0.0; 3],
         area_m2: (sphere_m2 * count / POINTS as f64) as f32,
         means: sums.map(|sum| (sum / count) as f32),
-        threefold: [0.0; 3],
+        threefold: folds.map(|sum| (sum / count) as f32),
     })
     .collect()
+}
+
+/// What the mean over a part of gives its d_3, d_4, d_5: 2 (n−m)!/(n+m)! P_n⁽ᵐ⁾(z) Re (x + i y)ᵐ.
+fn fold_functions(form: HeadForm, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if form == HeadForm::Cube {
+        let lobes = x.powi(4) - 6.0 * x * x * y * y + y.powi(4);
+        return [0.0, 2.0 / 40_320.0 * 105.0 * lobes, 2.0 / 362_880.0 * 945.0 * z * lobes];
+    }
+    let lobes = x * (x * x - 3.0 * y * y);
+    let third = [15.0, 105.0 * z, 472.5 * z * z - 52.5];
+    let ratios = [2.0 / 720.0, 2.0 / 5040.0, 2.0 * 2.0 / 40_320.0];
+    std::array::from_fn(|k| ratios[k] * third[k] * lobes)
 }
 
 /// The parts of a circumference that are nearest to each normal.
@@ -220,5 +262,41 @@ fn single(normal: [f64; 3], diameter_m: f64, length_m: f64) -> SurfaceConfig {
         area_m2: (PI * diameter_m * length_m) as f32,
         means: [0.0; ORDERS - 1],
         threefold: [0.0; 3],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_a_tetrahedron_are_its_sectors() {
+        let known = sphere::tetrahedral_sectors(0.01);
+        let normals = known.map(|of| unit(of.axis.map(f64::from)));
+        let corners = known.map(|of| of.corner.map(f64::from));
+        for (cell, known) in cells(HeadForm::Sphere, &normals, &corners, 0.01).iter().zip(known) {
+            assert!((cell.area_m2 / known.area_m2 - 1.0).abs() < 1e-3);
+            let pairs = cell.means.iter().zip(known.means).chain(cell.threefold.iter().zip(known.threefold));
+            assert!(pairs.clone().all(|(found, known)| (found - known).abs() < 1e-3), "{cell:?} {known:?}");
+        }
+    }
+
+    #[test]
+    fn normals_say_what_they_belong_to() {
+        let x = [1.0, 0.0, 0.0];
+        let ring = |count: usize| -> Vec<[f64; 3]> {
+            let angle = |i: usize| 2.0 * PI * i as f64 / count as f64;
+            (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]).collect()
+        };
+        let cube: Vec<[f64; 3]> = (0..6).map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 })).collect();
+        let tetrahedron = sphere::tetrahedral_sectors(0.01).map(|of| unit(of.axis.map(f64::from)));
+        assert_eq!(form_of(&[x], Some(HeadForm::Wires)), Ok(HeadForm::Single));
+        assert_eq!(form_of(&[x, [-1.0, 0.0, 0.0]], None), Ok(HeadForm::Sphere));
+        assert_eq!(form_of(&[x, [0.0, 1.0, 0.0]], None), Ok(HeadForm::Wires));
+        assert_eq!(form_of(&ring(3), None), Ok(HeadForm::Cylinder));
+        assert_eq!(form_of(&ring(5), Some(HeadForm::Wires)), Ok(HeadForm::Wires));
+        assert_eq!(form_of(&tetrahedron, Some(HeadForm::Sphere)), Ok(HeadForm::Sphere));
+        assert_eq!(form_of(&cube, Some(HeadForm::Sphere)), Ok(HeadForm::Cube));
+        assert!(form_of(&tetrahedron[..3], None).is_err());
     }
 }

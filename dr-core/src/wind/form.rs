@@ -4,6 +4,7 @@
 //! | form | surfaces | Nu of a surface | determined |
 //! |---|---|---|---|
 //! | sphere | parts of it, axes outward | Σ a_n h_n P_n(n·w) | all, with axes in all directions |
+//! | cube | the same of fourfold symmetry: six parts, as the faces of a cube | the same | all |
 //! | cylinder | parts of its circumference, axes outward | Σ a_n h_n cos nφ | speed and angle about it |
 //! | wires | wires or films in a plane, axes across them towards the wind | Σ a_n h_n cos 2nφ | speed, and the angle on the side where the axes are |
 //! | single | one element | a_0 | speed |
@@ -27,6 +28,8 @@ pub enum HeadForm {
     Wires,
     /// One element, whatever it is.
     Single,
+    /// Parts of a sphere with fourfold symmetry.
+    Cube,
 }
 
 impl HeadForm {
@@ -34,7 +37,7 @@ impl HeadForm {
     /// 12 (1946) 61) for gases.
     pub const fn nusselt_at_rest(self) -> f32 {
         match self {
-            Self::Sphere => 2.0,
+            Self::Sphere | Self::Cube => 2.0,
             Self::Cylinder | Self::Wires | Self::Single => 0.39,
         }
     }
@@ -43,19 +46,24 @@ impl HeadForm {
     /// axes included.
     pub const fn dimensions(self) -> usize {
         match self {
-            Self::Sphere => 3,
+            Self::Sphere | Self::Cube => 3,
             Self::Cylinder | Self::Wires => 2,
             Self::Single => 1,
         }
+    }
+
+    /// Whether the surfaces are parts of a sphere.
+    pub const fn is_sphere(self) -> bool {
+        self.dimensions() == 3
     }
 
     /// Fewest surfaces.
     pub const fn least_surfaces(self) -> usize {
         match self {
             Self::Single => 1,
-            Self::Sphere | Self::Cylinder | Self::Wires => 2,
+            Self::Sphere | Self::Cube | Self::Cylinder | Self::Wires => 2,
         }
     }
 }
 
-crate::fields::fields!(enum HeadForm { 0 Sphere, 1 Cylinder, 2 Wires, 3 Single });
+crate::fields::fields!(enum HeadForm { 0 Sphere, 1 Cylinder, 2 Wires, 3 Single, 4 Cube });

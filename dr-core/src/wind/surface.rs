@@ -14,6 +14,9 @@
 //! | h_n | mean of P_n over the surface about its own axis, h_0 = 1 |
 //! | d_n | threefold part of that mean, n = 3, 4, 5; zero for a part with rotational symmetry |
 //!
+//! Parts with fourfold symmetry, the faces of a cube, have P_n'''' and x⁴ − 6 x² y² + y⁴, n = 4, 5,
+//! in its place.
+//!
 //! P_n are the Legendre polynomials for a part of a sphere; for one of a cylinder they are
 //! Chebyshev's T_n, for a wire T_n(2 z² − 1), both without threefold part ([`form`](super::form)).
 //!
@@ -50,7 +53,7 @@ pub struct SurfaceConfig {
     pub area_m2: f32,
     /// h_1 … h_5.
     pub means: [f32; ORDERS - 1],
-    /// d_3, d_4, d_5.
+    /// d_3, d_4, d_5; with fourfold symmetry the first is none.
     pub threefold: [f32; 3],
 }
 
@@ -117,7 +120,7 @@ impl NusseltSurface {
 
     /// In a wind from the unit vector `from` at a Reynolds number greater than zero.
     pub fn local(&self, amplitudes: &Amplitudes, reynolds: f32, from: [f32; 3]) -> LocalNusselt {
-        if self.form != HeadForm::Sphere {
+        if !self.form.is_sphere() {
             return self.local_about_an_axis(amplitudes, reynolds, from);
         }
         let (z, x, y) = (dot(from, self.axis), dot(from, self.corner), dot(from, self.third));
@@ -131,11 +134,16 @@ impl NusseltSurface {
             ((7.875 * z2 - 8.75) * z2 + 1.875) * z,
         ];
         let dp = [0.0, 1.0, 3.0 * z, 7.5 * z2 - 1.5, (17.5 * z2 - 7.5) * z, (39.375 * z2 - 26.25) * z2 + 1.875];
-        // P_n''' and its derivative, n = 3, 4, 5.
-        let third = [15.0, 105.0 * z, 472.5 * z2 - 52.5];
-        let dthird = [0.0, 105.0, 945.0 * z];
-        let x2_less_3y2 = x * x - 3.0 * y * y;
-        let lobes = x * x2_less_3y2;
+        // P_n''' and its derivative, n = 3, 4, 5; or P_n''''.
+        let (third, dthird, lobes, of_x, of_y) = if self.form == HeadForm::Cube {
+            let (x2, y2) = (x * x, y * y);
+            let lobes = x2 * x2 - 6.0 * x2 * y2 + y2 * y2;
+            ([0.0, 105.0, 945.0 * z], [0.0, 0.0, 945.0], lobes, 4.0 * x * (x2 - 3.0 * y2), 4.0 * y * (y2 - 3.0 * x2))
+        } else {
+            let x2_less_3y2 = x * x - 3.0 * y * y;
+            let third = [15.0, 105.0 * z, 472.5 * z2 - 52.5];
+            (third, [0.0, 105.0, 945.0 * z], x * x2_less_3y2, 3.0 * (x * x - y * y), -6.0 * x * y)
+        };
 
         let (mut nusselt, mut slope, mut along_axis, mut threefold) = (0.0, 0.0, 0.0, 0.0);
         for n in 0..ORDERS {
@@ -151,8 +159,8 @@ impl NusseltSurface {
             along_axis += amplitudes.value[n] * dq;
         }
         let gradient = scaled(self.axis, along_axis);
-        let gradient = plus(gradient, threefold * 3.0 * (x * x - y * y), self.corner);
-        let gradient = plus(gradient, threefold * -6.0 * x * y, self.third);
+        let gradient = plus(gradient, threefold * of_x, self.corner);
+        let gradient = plus(gradient, threefold * of_y, self.third);
         let gradient = plus(gradient, slope - dot(gradient, from), from);
         LocalNusselt { nusselt, gradient: scaled(gradient, -1.0 / reynolds) }
     }
@@ -194,7 +202,7 @@ impl NusseltSurface {
     /// In quiescent gas, with d a_1 / d Re.
     pub fn local_at_rest(&self, slope_of_first: f32) -> LocalNusselt {
         let along_axis = match self.form {
-            HeadForm::Sphere | HeadForm::Cylinder => -self.first_mean() * slope_of_first,
+            HeadForm::Sphere | HeadForm::Cube | HeadForm::Cylinder => -self.first_mean() * slope_of_first,
             // What has no front loses alike whichever way a wind begins.
             HeadForm::Wires | HeadForm::Single => 0.0,
         };

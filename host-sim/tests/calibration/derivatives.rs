@@ -1,5 +1,6 @@
 //! The equations of the fit: their derivatives, and how winds are left out.
 
+use dr_core::wind::HeadForm;
 use anemometry::calibrate::Scheme;
 use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
 use anemometry::calibrate::surfaces::family::AmplitudeFamily;
@@ -17,7 +18,7 @@ fn derivatives_agree_with_differences() {
     let head = ready(&drawn).unwrap();
     let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
     let reynolds = [15.0, 44.0, 110.0, 199.0];
-    let family = AmplitudeFamily::new(&reynolds, (0..ORDERS).collect(), 200);
+    let family = AmplitudeFamily::new(HeadForm::Sphere, &reynolds, (0..ORDERS).collect(), 200);
     let problem = SurfaceProblem::new(&head, &winds, family);
     let mut place = problem.drawn();
     for (k, c) in place.coefficients.iter_mut().enumerate() {

@@ -2,6 +2,7 @@
 
 mod cards;
 mod derivatives;
+mod other_heads;
 mod refused;
 mod spheres;
 mod tunnel;

@@ -120,7 +120,7 @@ impl SurfaceCalibration {
                 quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
                 quiescent_error_w_k: problem.quiescent_unit_w_k[i]
                     * match head.form {
-                        HeadForm::Sphere => quiescent_errors[i],
+                        HeadForm::Sphere | HeadForm::Cube => quiescent_errors[i],
                         // Only the law says what of it is conduction into the gas.
                         _ => quiescent_errors[i].hypot(QUIESCENT * family.at_rest),
                     },

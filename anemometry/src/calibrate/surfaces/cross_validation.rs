@@ -67,7 +67,7 @@ fn seen(calibration: &SurfaceCalibration, wind_m_s: [f64; 3]) -> [f64; 3] {
         HeadForm::Cylinder | HeadForm::Wires => {
             across(wind_m_s, unit(calibration.surfaces[0].config.corner.map(f64::from)))
         }
-        HeadForm::Sphere | HeadForm::Single => wind_m_s,
+        HeadForm::Sphere | HeadForm::Cube | HeadForm::Single => wind_m_s,
     }
 }
 
@@ -86,10 +86,10 @@ fn direction_deg(calibration: &SurfaceCalibration, estimate: &WindEstimate, wind
     match calibration.form {
         HeadForm::Single => return None,
         HeadForm::Cylinder | HeadForm::Wires => return Some(angle_deg(found, wind_m_s)),
-        HeadForm::Sphere if !estimate.quality.has(QualityFlags::UNDETERMINED) => {
+        HeadForm::Sphere | HeadForm::Cube if !estimate.quality.has(QualityFlags::UNDETERMINED) => {
             return Some(angle_deg(found, wind_m_s));
         }
-        HeadForm::Sphere => {}
+        HeadForm::Sphere | HeadForm::Cube => {}
     }
     // From sine and cosine, so that small angles keep their digits.
     let axis = unit(calibration.surfaces[0].axis);

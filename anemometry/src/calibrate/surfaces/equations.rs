@@ -11,7 +11,6 @@
 //! enters as rows of its own: that of the [`family`](super::family), γ Nu_0 (1 ± `QUIESCENT`), u 0
 //! ± `GAIN`, and for a turn about the only axis of a cylinder or of wires 0 ± `TURN`.
 
-use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::surface::LocalNusselt;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -239,7 +238,7 @@ impl<'a> SurfaceProblem<'a> {
             row[self.first_quiescent() + i] = 1.0 / error;
             sums.add(&row, (self.family.at_rest - still) / error);
         }
-        if self.head.form() != HeadForm::Sphere {
+        if !self.head.form().is_sphere() {
             let turned = Vector3::from(place.mounting.vector());
             for k in 0..place.mounting.turns.ncols() {
                 row.fill(0.0);

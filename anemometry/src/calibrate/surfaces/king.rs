@@ -57,7 +57,7 @@ pub fn king<'a>(
     let problem = |exponent: f64, yaw_factor: f64| {
         let shares = match head.form() {
             HeadForm::Wires => shares(exponent, yaw_factor),
-            HeadForm::Sphere | HeadForm::Cylinder | HeadForm::Single => {
+            _ => {
                 std::array::from_fn(|n| if n == 0 { 1.0 } else { 0.0 })
             }
         };

@@ -30,7 +30,7 @@ impl Mounting {
     pub fn drawn(form: HeadForm, surfaces: &[NusseltSurface]) -> Self {
         let rotation = Rotation3::identity();
         match form {
-            HeadForm::Sphere => {}
+            HeadForm::Sphere | HeadForm::Cube => {}
             HeadForm::Cylinder | HeadForm::Wires => {
                 let corner = surfaces[0].corner();
                 let turns = DMatrix::from_fn(3, 1, |i, _| f64::from(corner[i]));

@@ -63,7 +63,7 @@ pub fn lacking(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String>
             sentences.extend(wires(head, &moving));
             return sentences;
         }
-        HeadForm::Sphere | HeadForm::Cylinder => {}
+        HeadForm::Sphere | HeadForm::Cube | HeadForm::Cylinder => {}
     }
     if has_one_axis(head) {
         sentences.extend(plane(&moving));
@@ -111,7 +111,7 @@ fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
 
 /// Winds in a plane are no loss to a head whose axes span more.
 fn has_one_axis(head: &SurfaceGeometry<'_>) -> bool {
-    head.form() == HeadForm::Sphere && Mounting::drawn(head.form(), &head.surfaces).turns.ncols() < 3
+    head.form().is_sphere() && Mounting::drawn(head.form(), &head.surfaces).turns.ncols() < 3
 }
 
 fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
@@ -189,7 +189,7 @@ fn all_angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<f64> {
 /// How many angles the winds have to the surfaces, which bounds the orders that they determine; no
 /// bound for a sphere.
 pub fn angles_apart(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> usize {
-    if head.form() == HeadForm::Sphere {
+    if head.form().is_sphere() {
         return usize::MAX;
     }
     let (mut apart, mut last) = (0, f64::NEG_INFINITY);

@@ -61,7 +61,7 @@ impl Calibration {
         let first = self.table.surfaces.first()?;
         match self.table.form {
             HeadForm::Cylinder | HeadForm::Wires => Some(first.corner),
-            HeadForm::Sphere | HeadForm::Single => self.table.card.as_ref().map(|_| first.axis),
+            HeadForm::Sphere | HeadForm::Cube | HeadForm::Single => self.table.card.as_ref().map(|_| first.axis),
         }
     }
 }

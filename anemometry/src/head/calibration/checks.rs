@@ -139,7 +139,7 @@ impl Calibration {
         }
         let heading = keys.heading("self_heating");
         let most_m2 = match form {
-            HeadForm::Sphere => PI * self.table.diameter_m * self.table.diameter_m,
+            HeadForm::Sphere | HeadForm::Cube => PI * self.table.diameter_m * self.table.diameter_m,
             HeadForm::Cylinder | HeadForm::Wires | HeadForm::Single => MOST_AREA_M2,
         };
         for (i, (of, element)) in self.table.surfaces.iter().zip(&self.surfaces).enumerate() {

@@ -111,29 +111,30 @@ fn a_state_hands_out_every_number_once_and_in_order() {
 
 #[test]
 fn an_element_set_again_keeps_its_place_for_faster_gains_and_loses_the_gains() {
+    const ELEMENTS: usize = FASTER_ELEMENTS + 1;
     let alarm = AlarmConfig { smoothing_s: PERIOD_S, threshold_k: 0.1 };
     let with_alarm = |r_k_per_w| NetworkSelfHeatingConfig { alarm: Some(alarm), ..own(r_k_per_w) };
     let faster = |element| FasterGainsConfig { element, set: 0, until_s: 1.0, gains: gains(5.0) };
-    let mut network = ConvectionObserver::<6>::default();
-    for element in 0..6 {
+    let mut network = ConvectionObserver::<ELEMENTS>::default();
+    for element in 0..ELEMENTS {
         network.set_self_heating(element, &with_alarm(400.0), PERIOD_S).unwrap();
     }
     for element in 0..FASTER_ELEMENTS as u8 {
         network.set_faster_gains(&faster(element), PERIOD_S).unwrap();
     }
     // There is room for so many elements and no more, and for an element of them again.
-    let full = network.set_faster_gains(&faster(5), PERIOD_S).unwrap_err();
+    let full = network.set_faster_gains(&faster(ELEMENTS as u8 - 1), PERIOD_S).unwrap_err();
     assert_eq!(
         (full.parameter, full.problem),
         (Parameter::Parts, ParameterProblem::OutOfRange { least: 0.0, most: FASTER_ELEMENTS as f32 })
     );
-    let q_after_a_jump = |network: &ConvectionObserver<6>| {
+    let q_after_a_jump = |network: &ConvectionObserver<ELEMENTS>| {
         let mut state = ConvectionObserverState::default();
-        let (power_w, mut temperature_c) = ([0.06; 6], [-30.0; 6]);
+        let (power_w, mut temperature_c) = ([0.06; ELEMENTS], [-30.0; ELEMENTS]);
         for _ in 0..2 {
             let all = TickInput {
                 temperature_c: &temperature_c,
-                valid: 0x3f,
+                valid: (1 << ELEMENTS) - 1,
                 read_high: 0,
                 power_w: &power_w,
                 standing_w: &power_w,
