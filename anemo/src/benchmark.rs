@@ -4,10 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
+use crate::head::new::{self, NewHeadKind};
 use crate::progress::announce;
 use anemometry::head::Head;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use recording::utc;
+use studies::benchmark::heads;
 use studies::benchmark::measured;
 use studies::benchmark::modes;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
@@ -28,6 +30,9 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// `modes`: constant temperature (CTA), current (CCA) and power (CPA) on one head: how fast each
 /// follows a step of the wind, how much creeps after, and what a gas or support 10 K warmer does to
 /// the speed. Numbers that the head's file marks as unknown are varied over their range.
+///
+/// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
+/// calibrated, and judged in winds that they have not seen.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -35,10 +40,11 @@ Examples:
   anemo benchmark wind -o out --heads out/heads --json
   anemo benchmark drift --records 50
   anemo benchmark measured --tables records
-  anemo benchmark modes --head heads/sphere-b.toml -o out")]
+  anemo benchmark modes --head heads/sphere-b.toml -o out
+  anemo benchmark heads --winds 30 -o out")]
 pub struct Arguments {
     /// What is measured.
-    #[arg(value_name = "wind|drift|measured|modes")]
+    #[arg(value_name = "wind|drift|measured|modes|heads")]
     name: BenchmarkName,
     /// Records of each kind of drift.
     #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -61,6 +67,9 @@ pub struct Arguments {
     /// Heads within the ranges of its unknown numbers, where it has any.
     #[arg(long, value_name = "COUNT", default_value_t = 8)]
     draws: usize,
+    /// Winds that each of the new heads is judged in.
+    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    winds: u32,
     /// Also write the calibrated heads into this folder.
     #[arg(long, value_name = "FOLDER")]
     heads: Option<PathBuf>,
@@ -75,6 +84,7 @@ enum BenchmarkName {
     Drift,
     Measured,
     Modes,
+    Heads,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -83,6 +93,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         BenchmarkName::Drift => drift_benchmark(arguments),
         BenchmarkName::Measured => measured_benchmark(arguments),
         BenchmarkName::Modes => modes_benchmark(arguments),
+        BenchmarkName::Heads => heads_benchmark(arguments),
     }
 }
 
@@ -130,6 +141,27 @@ fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         crate::output::print_report(&report, arguments.json)?;
     }
     failed
+}
+
+/// New heads in a folder that goes again.
+fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = tempfile::tempdir().map_err(Failure::work)?;
+    let mut report = heads::HeadsReport { heads: Vec::new() };
+    for (name, kind, sectors) in [
+        ("wire", NewHeadKind::Wire, 1),
+        ("plate", NewHeadKind::Plate, 1),
+        ("crossed-wires", NewHeadKind::CrossedWires, 2),
+        ("tube-3", NewHeadKind::Cylinder, 3),
+        ("tube-6", NewHeadKind::Cylinder, 6),
+        ("sphere-4", NewHeadKind::Sphere, 4),
+        ("sphere-6", NewHeadKind::Sphere, 6),
+    ] {
+        let own = folder.path().join(name);
+        new::write(&own, name, kind, sectors, arguments.winds)?;
+        report.heads.extend(heads::measure(&own, &announce)?);
+    }
+    dated(&arguments.output, "heads.md", &|day| report.page(day))?;
+    crate::output::print_report(&report, arguments.json)
 }
 
 /// Writes a page of results that says the day.

@@ -82,17 +82,18 @@ impl NewHeadKind {
             .replace("COUNT", &sectors.to_string())
             .replace("HALF", &(sectors / 2).to_string())
             .replace("NEXT", &(sectors / 2 + 1).to_string());
-        shared(&text, sectors)
+        let text = each(&text, "SHARE(", |whole| whole / sectors as f64);
+        each(&text, "ROOT(", |whole| whole / (sectors as f64).sqrt())
     }
 }
 
-/// Every `SHARE(x)` as what one of the sectors has of x.
-fn shared(text: &str, sectors: usize) -> String {
-    let mut parts = text.split("SHARE(");
+/// Every number in the brackets of a word as what one of the sectors has of it.
+fn each(text: &str, word: &str, of_one: impl Fn(f64) -> f64) -> String {
+    let mut parts = text.split(word);
     let mut all = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (whole, rest) = part.split_once(')').unwrap_or((part, ""));
-        let share = whole.parse::<f64>().map_or_else(|_| whole.to_owned(), |whole| short(whole / sectors as f64, 3));
+        let share = whole.parse::<f64>().map_or_else(|_| whole.to_owned(), |whole| short(of_one(whole), 3));
         all += &share;
         all += rest;
     }

@@ -14,8 +14,8 @@ use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use recording::{Collector, Metadata, RecordingLayout};
 
-/// Left out of every wind of a tunnel, s.
-const SETTLE_S: f64 = 20.0;
+/// Left out of every wind of a tunnel of the spheres, s.
+pub const SETTLE_S: f64 = 20.0;
 /// Directions that are more uncertain are none, °.
 const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
 
@@ -37,7 +37,8 @@ pub fn network(
             experiment.ticks = (duration_s / experiment.sample_period_s).round() as u32;
         }
         lab.announce(&experiment);
-        records.push(recorded(&experiment)?);
+        let wanted: Vec<String> = elements.iter().map(|&name| name.to_owned()).collect();
+        records.push(recorded(&experiment)?.only(&wanted).map_err(other)?);
     }
     identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {}).map_err(other)
 }
@@ -63,11 +64,9 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
 ///
 /// # Errors
 /// What could not be run, or which winds are missing.
-pub fn calibrated(lab: &StudyLab, model: &Model) -> Result<(Head, String), StudyError> {
-    let tunnel = lab.experiment("tunnel")?;
-    lab.announce(&tunnel);
+pub fn calibrated(tunnel: &Experiment, model: &Model, settle_s: f64) -> Result<(Head, String), StudyError> {
     let calibrator = Calibrator::new(&tunnel.head, model, &DrawnOptions::default(), None).map_err(other)?;
-    let steady = steady(&calibrator, &tunnel, SETTLE_S)?;
+    let steady = steady(&calibrator, tunnel, settle_s)?;
     let made = calibrator.calibrated(&steady, 1, DIRECTION_ERROR_MAX_DEG);
     let made = made.map_err(other)?;
     Ok((made.head, made.text))

@@ -4,6 +4,7 @@ use super::blown::blow;
 use super::sphere::WindMode;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::head::Head;
+use anemometry::head::calibration::checked::Calibration;
 use anemometry::wind::comparison::WindComparison;
 use anemometry::wind::off_line::axes;
 
@@ -45,7 +46,8 @@ pub fn of(
     head: &Head,
     modes: &[WindMode],
 ) -> Result<Vec<WindComparison>, StudyError> {
-    let mut errors = vec![WindComparison::default(); modes.len()];
+    let plane = head.calibration.as_ref().and_then(Calibration::plane_normal);
+    let mut errors = vec![WindComparison::in_plane(plane); modes.len()];
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
     let mut begun = vec![(String::new(), 0.0); modes.len()];
     blow(experiment, head, modes, &mut |place, moment, answer| {

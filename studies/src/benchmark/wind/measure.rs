@@ -44,7 +44,9 @@ pub struct MeasuredSphere {
 pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) -> Result<MeasuredSphere, StudyError> {
     let lab = StudyLab::new(folder.join(sphere.folder), progress);
     let model = chain::network(&lab, sphere.elements, PolesPerPair::default(), None)?;
-    let (head, text) = chain::calibrated(&lab, &model)?;
+    let tunnel = lab.experiment("tunnel")?;
+    lab.announce(&tunnel);
+    let (head, text) = chain::calibrated(&tunnel, &model, chain::SETTLE_S)?;
     let mut drift = steps::drift(&lab, &head)?;
     Ok(MeasuredSphere {
         sphere,
