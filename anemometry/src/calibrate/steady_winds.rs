@@ -183,6 +183,10 @@ impl SteadyWindCollector<'_> {
             power_w: &tick.power_w,
             standing_w: &std::array::from_fn(|i| standing_w(observed.head, i, tick.temperature_c[i])),
         };
+        if moment.state.starts_with("tripped") {
+            let sentence = format!("is in state `{}` from {:.2} s on, during `{}`: cut it there", moment.state, moment.time_s, moment.event);
+            return Err(RecordingError::new(&self.recording, sentence));
+        }
         let convection = self.network.step(&mut self.state, &input);
         self.levels = tick.heaters.0;
         if moment.known == TickOrigin::Missing {

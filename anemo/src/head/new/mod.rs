@@ -107,7 +107,8 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
          anemo run {folder}/tunnel.toml --on sim -o {folder}/tunnel.parquet\n  \
          anemo calibrate {folder}/tunnel.parquet --network {folder}/network.json --settle 5 -o {folder}/calibrated.toml\n  \
          anemo run {folder}/winds.toml --on sim -o {folder}/winds.parquet\n  \
-         anemo wind {folder}/winds.parquet --head {folder}/calibrated.toml --from {still_s} --settle 3 --plot {folder}/winds.svg\n",
+         anemo wind {folder}/winds.parquet --head {folder}/calibrated.toml --from {still_s} --settle 3 --bandwidth 1 --fixed \\\n  \
+         --plot {folder}/winds.svg\n",
     ))
 }
 

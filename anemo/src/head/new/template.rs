@@ -68,10 +68,9 @@ impl NewHeadKind {
 
     /// Its file for a head of this name and number of sectors.
     pub fn text(self, name: &str, sectors: usize) -> String {
-        let number = |x: f64| if x == x.trunc() { format!("{x:.1}") } else { short(x, 6) };
         let element = |(i, normal): (usize, [f64; 3])| {
             let sector = self.sector();
-            let [x, y, z] = normal.map(number);
+            let [x, y, z] = normal.map(|x| if x == x.trunc() { format!("{x:.1}") } else { short(x, 6) });
             format!("[[elements]]\nname = \"{sector}{}\"\nkind = \"{sector}\"\nnormal = [{x}, {y}, {z}] # outward, of any length\n", i + 1)
         };
         let elements: Vec<String> = self.normals(sectors).into_iter().enumerate().map(element).collect();
@@ -87,13 +86,19 @@ impl NewHeadKind {
     }
 }
 
+/// Three digits of a number that is not whole to TOML.
+fn number(x: f64) -> String {
+    let text = short(x, 3);
+    if text.contains(['.', 'e']) { text } else { text + ".0" }
+}
+
 /// Every number in the brackets of a word as what one of the sectors has of it.
 fn each(text: &str, word: &str, of_one: impl Fn(f64) -> f64) -> String {
     let mut parts = text.split(word);
     let mut all = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (whole, rest) = part.split_once(')').unwrap_or((part, ""));
-        let share = whole.parse::<f64>().map_or_else(|_| whole.to_owned(), |whole| short(of_one(whole), 3));
+        let share = whole.parse::<f64>().map_or_else(|_| whole.to_owned(), |whole| number(of_one(whole)));
         all += &share;
         all += rest;
     }

@@ -8,6 +8,7 @@
 //! | directions | all winds, of whatever speed, from one region of directions: those nearest to one of K of them that lie far apart | does it know directions that it has not seen? |
 //! | speeds | all winds, from wherever, of a band of neighbouring speeds; the slowest and the fastest always stay, for beyond them nothing is claimed | does it know speeds that it has not seen? |
 //!
+//! Of a single element, which has no directions, every n-th wind in the order of speeds is left out.
 //! Still gas always stays. Every fold is fitted from nothing.
 
 use super::super::cross_validation::Scheme;
@@ -20,7 +21,10 @@ pub fn folds(winds: &[CheckedWind], scheme: Scheme, count: usize) -> Vec<Vec<usi
     let mut folds = match scheme {
         Scheme::Directions => directions(&moving, count),
         Scheme::Speeds => speeds(&moving, count),
-        Scheme::EveryNth => (0..count).map(|n| (n..winds.len()).step_by(count).collect()).collect(),
+        Scheme::EveryNth => {
+            let nth = |n: usize| moving.iter().skip(n).step_by(count).map(|wind| wind.given).collect();
+            (0..count).map(nth).collect()
+        }
     };
     folds.retain(|fold| !fold.is_empty());
     folds
