@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::output::Failure;
 use crate::head::new::{self, NewHeadKind};
+use crate::output::Failure;
 use crate::progress::announce;
 use anemometry::head::Head;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};

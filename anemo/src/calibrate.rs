@@ -128,9 +128,9 @@ impl Arguments {
             (None, None) => Ok(None),
             (Some(LawName::Spline), None) => Ok(Some(LossLaw::Spline)),
             (Some(LawName::Spline), Some(_)) => Err(Failure::usage("--exponent is of King's law, not of a spline")),
-            (_, Some(exponent)) if !(0.1..=1.5).contains(&exponent) => {
-                Err(Failure::usage(format!("--exponent is {exponent}: King's law has one between 0.1 and 1.5, usually about 0.45")))
-            }
+            (_, Some(exponent)) if !(0.1..=1.5).contains(&exponent) => Err(Failure::usage(format!(
+                "--exponent is {exponent}: King's law has one between 0.1 and 1.5, usually about 0.45"
+            ))),
             (_, exponent) => Ok(Some(LossLaw::King { exponent })),
         }
     }

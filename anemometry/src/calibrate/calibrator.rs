@@ -8,12 +8,12 @@ use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
 use super::drawn::{DrawnOptions, drawn};
 use super::error::{CalibrateError, CalibratorError};
+use super::steady_wind::SteadyWind;
+use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use super::surfaces::calibration::SurfaceCalibration;
 use super::surfaces::cross_validation::cross_validate;
 use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
-use super::steady_wind::SteadyWind;
-use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use crate::gas::Species;
 use crate::head::calibration::table::{CalibrationTable, SurfaceTable};
 use crate::head::file::Head;
@@ -83,7 +83,8 @@ impl<'a> Calibrator<'a> {
     ) -> Result<Self, CalibratorError> {
         let (places, drawn) = drawn(head, options, law.unwrap_or(LossLaw::Spline))?;
         if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
-            let sentence = "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own";
+            let sentence =
+                "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own";
             return Err(CalibratorError::Elements(sentence.to_owned()));
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
@@ -150,10 +151,7 @@ impl<'a> Calibrator<'a> {
         let overall = result.cross_validation().overall();
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
-            made_from: format!(
-                "{winds} of {recordings} recordings; cross-validated: {}",
-                overall.in_words()
-            ),
+            made_from: format!("{winds} of {recordings} recordings; cross-validated: {}", overall.in_words()),
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             form,
@@ -197,7 +195,9 @@ impl<'a> Calibrator<'a> {
         for law in laws {
             let drawn = DrawnSurfaces { law, ..drawn.clone() };
             match surfaces_by(&drawn, steady) {
-                Ok(found) if best.as_ref().is_none_or(|best| found.speed_rms() < best.speed_rms()) => best = Some(found),
+                Ok(found) if best.as_ref().is_none_or(|best| found.speed_rms() < best.speed_rms()) => {
+                    best = Some(found)
+                }
                 Ok(_) => {}
                 Err(error) => refused = Some(error),
             }

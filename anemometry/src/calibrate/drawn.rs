@@ -56,7 +56,11 @@ impl StatedBody {
 ///
 /// # Errors
 /// If they are none, too many, or not those of the form.
-pub fn drawn(head: &Head, options: &DrawnOptions, law: LossLaw) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
+pub fn drawn(
+    head: &Head,
+    options: &DrawnOptions,
+    law: LossLaw,
+) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
     let outward: Vec<(usize, [f64; 3])> =
         head.elements.iter().enumerate().filter_map(|(at, of)| of.normal.map(|normal| (at, normal))).collect();
     let normals: Vec<[f64; 3]> = outward.iter().map(|(_, normal)| *normal).collect();
@@ -79,10 +83,10 @@ pub fn drawn(head: &Head, options: &DrawnOptions, law: LossLaw) -> Result<(Vec<u
     if form == HeadForm::Single && normals.len() > 1 {
         return Err(refuse(format!("has {} elements with a `normal`, and a single element is one", normals.len())));
     }
-    let surfaces = outward.iter().zip(configs).map(|((place, _), config)| DrawnSurface {
-        name: head.elements[*place].name.clone(),
-        config,
-    });
+    let surfaces = outward
+        .iter()
+        .zip(configs)
+        .map(|((place, _), config)| DrawnSurface { name: head.elements[*place].name.clone(), config });
     let surfaces = surfaces.collect();
     Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSurfaces { form, law, diameter_m, surfaces }))
 }
@@ -288,7 +292,9 @@ mod tests {
             let angle = |i: usize| 2.0 * PI * i as f64 / count as f64;
             (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]).collect()
         };
-        let cube: Vec<[f64; 3]> = (0..6).map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 })).collect();
+        let cube: Vec<[f64; 3]> = (0..6)
+            .map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 }))
+            .collect();
         let tetrahedron = sphere::tetrahedral_sectors(0.01).map(|of| unit(of.axis.map(f64::from)));
         assert_eq!(form_of(&[x], Some(HeadForm::Wires)), Ok(HeadForm::Single));
         assert_eq!(form_of(&[x, [-1.0, 0.0, 0.0]], None), Ok(HeadForm::Sphere));

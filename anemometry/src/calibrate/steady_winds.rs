@@ -184,7 +184,10 @@ impl SteadyWindCollector<'_> {
             standing_w: &std::array::from_fn(|i| standing_w(observed.head, i, tick.temperature_c[i])),
         };
         if moment.state.starts_with("tripped") {
-            let sentence = format!("is in state `{}` from {:.2} s on, during `{}`: cut it there", moment.state, moment.time_s, moment.event);
+            let sentence = format!(
+                "is in state `{}` from {:.2} s on, during `{}`: cut it there",
+                moment.state, moment.time_s, moment.event
+            );
             return Err(RecordingError::new(&self.recording, sentence));
         }
         let convection = self.network.step(&mut self.state, &input);

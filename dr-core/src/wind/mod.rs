@@ -60,9 +60,9 @@ pub mod nusselt;
 pub mod quality_flags;
 mod singularity;
 pub mod sphere;
-pub mod surface_inverse;
 mod start;
 pub mod surface;
+pub mod surface_inverse;
 
 pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
@@ -73,8 +73,8 @@ pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};
 pub use quality_flags::QualityFlags;
-pub use surface_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
 pub use surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
+pub use surface_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -87,7 +87,12 @@ impl Linear {
             (measured[k], level[k]) = (0.0, 0.0);
         }
         let factors = Factors::of(&matrix)?;
-        Some(Self { measured: factors.solve(measured), level: factors.solve(level), determined, complete: determined == inverse.frame.unknowns() })
+        Some(Self {
+            measured: factors.solve(measured),
+            level: factors.solve(level),
+            determined,
+            complete: determined == inverse.frame.unknowns(),
+        })
     }
 
     /// w, or the components of it that are determined.
@@ -114,7 +119,9 @@ impl Linear {
     fn wind(&self, inverse: &Inverse, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {
         let mut from = self.from(a0, a1);
         let left = 1.0 - dot(from, from);
-        if !self.complete && let Some(across) = from.get_mut(self.determined) {
+        if !self.complete
+            && let Some(across) = from.get_mut(self.determined)
+        {
             *across = -sqrt(left.max(LEAST_ACROSS * LEAST_ACROSS));
         }
         if inverse.form == HeadForm::Wires {

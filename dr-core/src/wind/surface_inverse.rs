@@ -36,8 +36,8 @@
 
 use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, WeightedNusselt, locals};
 use super::estimate::{LeastSquaresSolution, WindEstimate};
-use super::gas::GasState;
 use super::form::HeadForm;
+use super::gas::GasState;
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
@@ -200,7 +200,9 @@ impl WindVector {
             .with(QualityFlags::AMBIGUOUS, other.is_some())
             .with(QualityFlags::EXTRAPOLATED, self.nusselt.extrapolates(length(found.reynolds)));
         let (mut normal, least_across) = self.normal_off_the_axes(&inverse, &found);
-        if (degraded || wires) && let Some(singularity) = inverse.singularity(&found) {
+        if (degraded || wires)
+            && let Some(singularity) = inverse.singularity(&found)
+        {
             plus(&mut normal, &singularity.information);
         }
         let solution = LeastSquaresSolution {
@@ -268,11 +270,7 @@ fn fits(found: &DescentResult, variance: f32) -> bool {
 /// known (`twins`), all starts are followed, the other side of the fold among them; of solutions
 /// that are as good as each other the one nearest to `last` is taken, or without a last one the
 /// better.
-fn solve(
-    inverse: &Inverse,
-    last: Option<[f32; 3]>,
-    twins: bool,
-) -> Option<(DescentResult, Option<DescentResult>)> {
+fn solve(inverse: &Inverse, last: Option<[f32; 3]>, twins: bool) -> Option<(DescentResult, Option<DescentResult>)> {
     let [first, second] = starts(inverse);
     let mut left = MOST_STEPS_IN_ALL;
     let mut best = inverse.descend(first.or(last)?, &mut left);

@@ -304,7 +304,9 @@ fn anemometer() -> Option<()> {
     send(Command::Arm { window_s: 1.0 })?;
     send(Command::Start)?;
 
-    let vector = WindVector::new(HeadForm::Sphere, &nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5).ok()?;
+    let vector =
+        WindVector::new(HeadForm::Sphere, &nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5)
+            .ok()?;
     let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
     let mut temperature_c = [-30.0_f32; ELEMENTS];
     let mut heaters = Heaters::default();

@@ -1,11 +1,11 @@
 //! The equations of the fit: their derivatives, and how winds are left out.
 
-use dr_core::wind::HeadForm;
 use anemometry::calibrate::Scheme;
 use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
 use anemometry::calibrate::surfaces::family::AmplitudeFamily;
 use anemometry::calibrate::surfaces::folds::folds;
 use anemometry::calibrate::surfaces::readings::{ready, winds};
+use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
 use nalgebra::DVector;
 

@@ -3,7 +3,7 @@
 
 use crate::tunnel::{Tunnel, directions, speeds};
 use anemometry::calibrate::{
-    CalibrateError, ComparisonSummary, DrawnSurfaces, SurfaceCalibration, SteadyWind, calibrate, compare, solve,
+    CalibrateError, ComparisonSummary, DrawnSurfaces, SteadyWind, SurfaceCalibration, calibrate, compare, solve,
 };
 
 fn lacking(head: &DrawnSurfaces, readings: &[SteadyWind]) -> Vec<String> {

@@ -1,5 +1,4 @@
 use super::*;
-use dr_core::wind::HeadForm;
 use dr_core::control::{
     Cause, Drive, ElementConfig, GuardConfig, Limits, PulseResponse, SelfTestFaults, SelfTestFinding,
 };
@@ -7,6 +6,7 @@ use dr_core::model::{
     AlarmConfig, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, SelfHeatingConfig,
 };
 use dr_core::sensor::{Channel, Platinum};
+use dr_core::wind::HeadForm;
 use dr_core::wind::{CardConfig, GasLawConfig, HeadSurface, SurfaceConfig, WindOutputConfig};
 
 extern crate std;

@@ -71,7 +71,10 @@ impl NewHeadKind {
         let element = |(i, normal): (usize, [f64; 3])| {
             let sector = self.sector();
             let [x, y, z] = normal.map(|x| if x == x.trunc() { format!("{x:.1}") } else { short(x, 6) });
-            format!("[[elements]]\nname = \"{sector}{}\"\nkind = \"{sector}\"\nnormal = [{x}, {y}, {z}] # outward, of any length\n", i + 1)
+            format!(
+                "[[elements]]\nname = \"{sector}{}\"\nkind = \"{sector}\"\nnormal = [{x}, {y}, {z}] # outward, of any length\n",
+                i + 1
+            )
         };
         let elements: Vec<String> = self.normals(sectors).into_iter().enumerate().map(element).collect();
         let text = self

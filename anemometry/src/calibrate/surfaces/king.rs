@@ -57,9 +57,7 @@ pub fn king<'a>(
     let problem = |exponent: f64, yaw_factor: f64| {
         let shares = match head.form() {
             HeadForm::Wires => shares(exponent, yaw_factor),
-            _ => {
-                std::array::from_fn(|n| if n == 0 { 1.0 } else { 0.0 })
-            }
+            _ => std::array::from_fn(|n| if n == 0 { 1.0 } else { 0.0 }),
         };
         let shape = AmplitudeShape::King { exponent, shares };
         SurfaceProblem::new(head, winds, AmplitudeFamily { shape, ..family.clone() })

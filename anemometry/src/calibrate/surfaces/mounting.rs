@@ -113,7 +113,8 @@ mod tests {
 
     #[test]
     fn turns_of_sectors_are_about_the_axes_of_the_head() {
-        let mounting = Mounting::drawn(HeadForm::Sphere, &surfaces(&tetrahedral_sectors(0.01))).turned(&[0.0, 0.0, 0.1]);
+        let mounting =
+            Mounting::drawn(HeadForm::Sphere, &surfaces(&tetrahedral_sectors(0.01))).turned(&[0.0, 0.0, 0.1]);
         let inward = mounting.inward([1.0, 0.0, 0.0]);
         assert!((inward - Vector3::new(0.1_f64.cos(), 0.1_f64.sin(), 0.0)).norm() < 1e-15);
     }

@@ -133,9 +133,7 @@ pub fn ready(head: &DrawnSurfaces) -> Result<SurfaceGeometry<'_>, CalibrateError
         .map(|of| NusseltSurface::new(head.form, &of.config).map_err(|error| refuse(format!("{}: {error}", of.name))));
     let orders = match head.form {
         HeadForm::Single => vec![0],
-        _ => {
-            seen_orders(head.surfaces.iter().map(|of| &of.config))
-        }
+        _ => seen_orders(head.surfaces.iter().map(|of| &of.config)),
     };
     Ok(SurfaceGeometry { drawn: head, surfaces: surfaces.collect::<Result<_, _>>()?, orders })
 }

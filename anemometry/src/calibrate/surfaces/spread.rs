@@ -97,7 +97,8 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
 
 fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let n = head.surfaces.len();
-    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
+    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1
+        + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
         return Vec::new();
     }

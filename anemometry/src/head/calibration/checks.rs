@@ -157,7 +157,8 @@ impl Calibration {
             keys.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
             keys.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
             keys.positive_to(&format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
-            NusseltSurface::new(form, &of.surface()).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
+            NusseltSurface::new(form, &of.surface())
+                .map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
             if self.table.nusselt.is_some() && form != HeadForm::Single && of.means[0] <= 0.0 {
                 let sentence = format!("begins with {}: a surface faces its own axis", of.means[0]);
                 return Err(keys.refuse(&format!("{key}.means"), sentence));

@@ -9,8 +9,8 @@ use crate::wind::card_inverse::{Card, CardConfig, DICE};
 use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
-use crate::wind::surface_inverse::WindVector;
 use crate::wind::surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
+use crate::wind::surface_inverse::WindVector;
 
 /// The settings so far.
 #[derive(Debug, Clone, PartialEq, Default, Fields!)]
@@ -108,7 +108,8 @@ impl AnemometerSetup {
             return Err(ConfigError { parameter: Parameter::NusseltPoint, problem: ParameterProblem::Missing });
         }
         let nusselt = NusseltConfig { least_reynolds, most_reynolds, amplitudes: self.points };
-        let first = surfaces[0].ok_or(ConfigError { parameter: Parameter::Parts, problem: ParameterProblem::Missing })?;
+        let first =
+            surfaces[0].ok_or(ConfigError { parameter: Parameter::Parts, problem: ParameterProblem::Missing })?;
         let mut configs = [first; MOST_SURFACES];
         configs.iter_mut().zip(surfaces).for_each(|(config, given)| *config = given.unwrap_or(first));
         let of_head = configs.get(..usize::from(config.surfaces)).unwrap_or_default();

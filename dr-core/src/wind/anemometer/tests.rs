@@ -12,7 +12,7 @@ extern crate std;
 use super::command::WindOutputConfig;
 use super::*;
 use crate::model::{GainsConfig, NetworkSelfHeatingConfig, mesh};
-use crate::wind::{GasLaw, HeadForm, GasLawConfig, NusseltConfig, WindVector, sphere};
+use crate::wind::{GasLaw, GasLawConfig, HeadForm, NusseltConfig, WindVector, sphere};
 
 mod balance;
 mod bit_flips;

@@ -40,12 +40,17 @@ fn measured<const N: usize>(conductances: [f64; N], share: f64) -> [Option<Measu
 #[test]
 fn refuses_a_head_by_the_name_of_what_is_wrong() {
     let (amplitudes, surfaces) = (published(), tetrahedral_sectors(0.01));
-    let refused = |diameter, bound| WindVector::new(HeadForm::Sphere, &amplitudes, &surfaces, diameter, bound).unwrap_err().parameter;
+    let refused = |diameter, bound| {
+        WindVector::new(HeadForm::Sphere, &amplitudes, &surfaces, diameter, bound).unwrap_err().parameter
+    };
     assert_eq!(refused(0.0, 0.5), Parameter::DiameterM);
     assert_eq!(refused(f32::NAN, 0.5), Parameter::DiameterM);
     assert_eq!(refused(0.01, 0.0), Parameter::DirectionErrorMaxRad);
     assert_eq!(refused(0.01, 2.0), Parameter::DirectionErrorMaxRad);
     let mut bad = surfaces;
     bad[3].area_m2 = 0.0;
-    assert_eq!(WindVector::new(HeadForm::Sphere, &amplitudes, &bad, 0.01, 0.5).unwrap_err().parameter, Parameter::AreaM2);
+    assert_eq!(
+        WindVector::new(HeadForm::Sphere, &amplitudes, &bad, 0.01, 0.5).unwrap_err().parameter,
+        Parameter::AreaM2
+    );
 }

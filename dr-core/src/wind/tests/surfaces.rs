@@ -94,7 +94,9 @@ fn still_gas_conducts_and_the_gradient_there_is_that_of_a_breath_from_either_sid
             assert!((slope - difference).abs() < 0.01 * difference.abs() + 1e-8, "{slope} {difference}");
         }
         // Nu 2 k π d / 4
-        assert!(at(rest).iter().take(SECTORS).all(|g| (g.conductance_w_k - 2.0 * 10.84e-3 * FRAC_PI_4 * 0.01).abs() < 1e-9));
+        assert!(
+            at(rest).iter().take(SECTORS).all(|g| (g.conductance_w_k - 2.0 * 10.84e-3 * FRAC_PI_4 * 0.01).abs() < 1e-9)
+        );
     }
     assert!(sphere_a().conductances(&gas, [0.0; 3]).iter().take(2).all(|g| g.conductance_w_k > 0.0));
 }

@@ -43,7 +43,8 @@ impl HeadsReport {
     pub fn page(&self, day: &str) -> String {
         let line = |cells: &[String; 6]| format!("| {} |\n", cells.join(" | "));
         let rows: String = self.heads.iter().map(|of| line(&of.cells())).collect();
-        let made: String = self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
+        let made: String =
+            self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
         format!(
             "# Heads of every form\n\nBy `anemo benchmark heads`, {day}. {}\n\n{}{}{rows}\nTheir calibrations, with errors in winds that \
              were left out:\n\n{made}",

@@ -440,5 +440,8 @@ fn a_power_that_is_none_is_not_smoothed_in() {
     none.power_w[2] = f32::NAN;
     follow(&mut anemometer, &none);
     let told = (51..60).filter_map(|n| follow(&mut anemometer, &tick(n))).last().unwrap();
-    assert!(told.raw_w_k[..SECTORS].iter().chain(&told.conductance_w_k[..SECTORS]).all(|w_k| w_k.is_finite() && *w_k > 0.0), "{told:?}");
+    assert!(
+        told.raw_w_k[..SECTORS].iter().chain(&told.conductance_w_k[..SECTORS]).all(|w_k| w_k.is_finite() && *w_k > 0.0),
+        "{told:?}"
+    );
 }

@@ -114,7 +114,14 @@ fn a_bit_anywhere_is_found_in_one_turn_and_in_one_piece() {
     spoil(&|anemometer| anemometer.pressure_pa = None);
     spoil(&|anemometer| {
         let head = HeadInverse::Surfaces(
-            WindVector::new(HeadForm::Sphere, &nusselt(), &sphere::tetrahedral_sectors(DIAMETER_M), flipped(DIAMETER_M), 0.5).unwrap(),
+            WindVector::new(
+                HeadForm::Sphere,
+                &nusselt(),
+                &sphere::tetrahedral_sectors(DIAMETER_M),
+                flipped(DIAMETER_M),
+                0.5,
+            )
+            .unwrap(),
         );
         anemometer.output.as_mut().unwrap().head = Some(head);
     });
