@@ -14,8 +14,8 @@ const KIB: u64 = 1024;
 /// Budget of the image, of 960 KiB that the settings leave it.
 const FLASH_BUDGET: u64 = 512 * KIB;
 /// Budget of static RAM without the telemetry buffers, of 128 KiB; nearly all of it is one head of
-/// 16 elements: network, amplitudes, elements, a self-test.
-const RAM_BUDGET: u64 = 32 * KIB;
+/// 16 elements and eight surfaces: network, amplitudes, elements, a self-test.
+const RAM_BUDGET: u64 = 40 * KIB;
 const RAM: u64 = 128 * KIB;
 /// A static whose own name contains this, in any case, is a telemetry buffer.
 const TELEMETRY: &str = "telemetry";
@@ -105,7 +105,7 @@ fn judge(image: &Image, usage: &Usage) -> Vec<String> {
 fn compare(image: &Image, usage: &Usage) -> Result<()> {
     let kib = |bytes: u64| bytes as f64 / KIB as f64;
     let measured = [kib(usage.flash), kib(usage.ram - usage.telemetry)];
-    stated::check(NUMBERS, "| ≤ 512 KiB; ≤ 32 KiB | ", &measured)?;
+    stated::check(NUMBERS, "| ≤ 512 KiB; ≤ 40 KiB | ", &measured)?;
     for (name, before) in DMA_BUFFERS {
         let buffers = symbols(image, true);
         let buffer = buffers.iter().find(|symbol| symbol.name.ends_with(name)).with_context(|| format!("no {name}"))?;
