@@ -70,8 +70,8 @@ pub enum CalibrationResult {
 }
 
 impl<'a> Calibrator<'a> {
-    /// For the elements of a head that have a normal; `model` is the quiescent-gas network of `anemo
-    /// head identify`. Without a `law` that one is taken whose held-out speeds are better.
+    /// For the elements of a head that have a normal; `model` is the quiescent-gas network of
+    /// `anemo head identify`. Without a `law` that one is taken whose held-out speeds are better.
     ///
     /// # Errors
     /// If the normals are those of no head, or the network is not one of it.

@@ -75,7 +75,13 @@ pub fn drawn(
     let body = StatedBody::of(head);
     let form = match options.form {
         Some(form) => form,
-        None => form_of(&normals, body.form).map_err(refuse)?,
+        None => form_of(&normals, body.form).ok_or_else(|| {
+            refuse(format!(
+                "has {} surfaces whose normals are those of no head: --form says whether they are of a sphere, round a cylinder or wires \
+                 in a plane",
+                normals.len()
+            ))
+        })?,
     };
     let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
     let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
@@ -101,23 +107,19 @@ pub fn surfaces_of(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64, length
     }
 }
 
-/// What normals belong to.
-fn form_of(normals: &[[f64; 3]], stated: Option<HeadForm>) -> Result<HeadForm, String> {
+/// What normals belong to, if it is clear.
+fn form_of(normals: &[[f64; 3]], stated: Option<HeadForm>) -> Option<HeadForm> {
     match (normals, stated, plane_of(normals)) {
-        ([_], ..) => Ok(HeadForm::Single),
-        (_, Some(HeadForm::Wires), Some(_)) => Ok(HeadForm::Wires),
+        ([_], ..) => Some(HeadForm::Single),
+        (_, Some(HeadForm::Wires), Some(_)) => Some(HeadForm::Wires),
         ([a, b], stated, _) if length(cross(*a, *b)) < LEAST_SINE && dot(*a, *b) < 0.0 => {
-            Ok(stated.filter(|form| *form == HeadForm::Cylinder).unwrap_or(HeadForm::Sphere))
+            Some(stated.filter(|form| *form == HeadForm::Cylinder).unwrap_or(HeadForm::Sphere))
         }
-        ([_, _], None, _) => Ok(HeadForm::Wires),
-        (_, Some(HeadForm::Cylinder) | None, Some(_)) => Ok(HeadForm::Cylinder),
-        (_, _, None) if is_cube(normals) => Ok(HeadForm::Cube),
-        (_, _, None) if normals.len() > 3 => Ok(HeadForm::Sphere),
-        _ => Err(format!(
-            "has {} surfaces whose normals are those of no head: --form says whether they are of a sphere, round a cylinder or \
-             wires in a plane",
-            normals.len()
-        )),
+        ([_, _], None, _) => Some(HeadForm::Wires),
+        (_, Some(HeadForm::Cylinder) | None, Some(_)) => Some(HeadForm::Cylinder),
+        (_, _, None) if is_cube(normals) => Some(HeadForm::Cube),
+        (_, _, None) if normals.len() > 3 => Some(HeadForm::Sphere),
+        _ => None,
     }
 }
 
@@ -296,13 +298,13 @@ mod tests {
             .map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 }))
             .collect();
         let tetrahedron = sphere::tetrahedral_sectors(0.01).map(|of| unit(of.axis.map(f64::from)));
-        assert_eq!(form_of(&[x], Some(HeadForm::Wires)), Ok(HeadForm::Single));
-        assert_eq!(form_of(&[x, [-1.0, 0.0, 0.0]], None), Ok(HeadForm::Sphere));
-        assert_eq!(form_of(&[x, [0.0, 1.0, 0.0]], None), Ok(HeadForm::Wires));
-        assert_eq!(form_of(&ring(3), None), Ok(HeadForm::Cylinder));
-        assert_eq!(form_of(&ring(5), Some(HeadForm::Wires)), Ok(HeadForm::Wires));
-        assert_eq!(form_of(&tetrahedron, Some(HeadForm::Sphere)), Ok(HeadForm::Sphere));
-        assert_eq!(form_of(&cube, Some(HeadForm::Sphere)), Ok(HeadForm::Cube));
-        assert!(form_of(&tetrahedron[..3], None).is_err());
+        assert_eq!(form_of(&[x], Some(HeadForm::Wires)), Some(HeadForm::Single));
+        assert_eq!(form_of(&[x, [-1.0, 0.0, 0.0]], None), Some(HeadForm::Sphere));
+        assert_eq!(form_of(&[x, [0.0, 1.0, 0.0]], None), Some(HeadForm::Wires));
+        assert_eq!(form_of(&ring(3), None), Some(HeadForm::Cylinder));
+        assert_eq!(form_of(&ring(5), Some(HeadForm::Wires)), Some(HeadForm::Wires));
+        assert_eq!(form_of(&tetrahedron, Some(HeadForm::Sphere)), Some(HeadForm::Sphere));
+        assert_eq!(form_of(&cube, Some(HeadForm::Sphere)), Some(HeadForm::Cube));
+        assert_eq!(form_of(&tetrahedron[..3], None), None);
     }
 }

@@ -9,10 +9,10 @@ use super::parameters::QuiescentNetwork;
 use super::stability::{quick_sets_settle, worse_when_quick};
 
 impl QuiescentNetwork {
-    /// Configurations as those of [`stable_observer`](Self::stable_observer), with a gain schedule for every
-    /// surface, or for none: one wind is estimated from all surfaces, and just after its alarm a
-    /// surface that is quicker than the others counts as missing. There are none if one of them
-    /// is too noisy or worse beside the other elements ([`stability`](super::stability)).
+    /// Configurations as those of [`stable_observer`](Self::stable_observer), with a gain schedule
+    /// for every surface, or for none: one wind is estimated from all surfaces, and just after its
+    /// alarm a surface that is quicker than the others counts as missing. There are none if one of
+    /// them is too noisy or worse beside the other elements ([`stability`](super::stability)).
     ///
     /// # Errors
     /// As [`stable_observer`](Self::stable_observer).

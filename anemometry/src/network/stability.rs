@@ -11,8 +11,9 @@
 //! q_i: 0 → a_i J → 0        E_i = Σ (q̂_i − q_i)²
 //! ```
 //!
-//! Gains that stay as they are must not let the error grow after a jump, whether they are those of the requested bandwidth or one of the sets for
-//! the time after an alarm. A bandwidth for which they do not is refused.
+//! Gains that stay as they are must not let the error grow after a jump, whether they are those of
+//! the requested bandwidth or one of the sets for the time after an alarm. A bandwidth for which
+//! they do not is refused.
 //!
 //! Where the E of one surface is above that of the steady filters, or not finite, none gets quick
 //! gains. The error of an observer does not depend on the heating that it

@@ -81,7 +81,8 @@ pub struct DescentEquations {
     right: [f32; 3],
 }
 
-/// The mean Nusselt numbers of surfaces in a wind, with their derivatives; none beyond the surfaces.
+/// The mean Nusselt numbers of surfaces in a wind, with their derivatives; none beyond the
+/// surfaces.
 pub fn locals(
     nusselt: &Nusselt,
     surfaces: &[NusseltSurface],

@@ -34,7 +34,8 @@
 //!     [2.0 + 0.53 * root, 0.55 * root, 0.0, 0.0, 0.0, 0.0]
 //! });
 //! let nusselt = NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes };
-//! let head = WindVector::new(HeadForm::Sphere, &nusselt, &sphere::tetrahedral_sectors(0.01), 0.01, 0.5)?;
+//! let surfaces = sphere::tetrahedral_sectors(0.01);
+//! let head = WindVector::new(HeadForm::Sphere, &nusselt, &surfaces, 0.01, 0.5)?;
 //! let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3)?; // CO2 of 700 Pa at 220 K
 //!
 //! let measured = head.conductances(&gas, [3.0, -4.0, 1.0]).map(|given| {

@@ -73,9 +73,10 @@ pub struct Nusselt {
 impl Nusselt {
     /// # Errors
     /// If the grid does not ascend or lies outside 1e-3 … 1e6; if an amplitude is no finite number
-    /// or beyond 10⁴; if a_0 does not ascend from more than it is at rest, or levels out at the end, because a
-    /// conductance would not determine the speed; if an a_1 is not greater than zero, because front
-    /// and rear could not be distinguished, or a wire along the wind from one across it.
+    /// or beyond 10⁴; if a_0 does not ascend from more than it is at rest, or levels out at the
+    /// end, because a conductance would not determine the speed; if an a_1 is not greater than
+    /// zero, because front and rear could not be distinguished, or a wire along the wind from one
+    /// across it.
     pub fn new(form: HeadForm, config: &NusseltConfig) -> Result<Self, ConfigError> {
         let (least, most) = error::ascending(
             (Parameter::LeastReynolds, config.least_reynolds),

@@ -19,8 +19,8 @@ use dr_core::model::{
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 use dr_core::wind::{
-    self, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES, MeasuredConductance, NusseltConfig, WindCommand,
-    WindEstimate, WindOutputConfig, WindState, WindTick, WindVector,
+    self, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES, MeasuredConductance, NusseltConfig,
+    WindCommand, WindEstimate, WindOutputConfig, WindState, WindTick, WindVector,
 };
 use dr_core::{Command, Instrument};
 // For the table of interrupts, of which none is used.
@@ -319,7 +319,10 @@ fn anemometer() -> Option<()> {
         let sense = if outputs { anemometer_6_elements } else { anemometer_between_outputs };
         black_box(sense(black_box(&mut instrument), black_box(&tick)));
         for (i, (temperature, power_w)) in temperature_c.iter_mut().zip(tick.power_w).enumerate() {
-            let wind_w_k = conductances.get(i).filter(|_| i < wind::sphere::SECTORS).map_or(0.0, |of| of.conductance_w_k - QUIESCENT_W_K);
+            let wind_w_k = conductances
+                .get(i)
+                .filter(|_| i < wind::sphere::SECTORS)
+                .map_or(0.0, |of| of.conductance_w_k - QUIESCENT_W_K);
             *temperature += 1e-3 / CAPACITY_J_K * (power_w - (LOSS_W_K + wind_w_k) * (*temperature - GAS_C));
         }
     }

@@ -76,7 +76,8 @@ impl Bench<'_> {
     }
 }
 
-/// Speeds evenly in their logarithm, directions by a step as good as chance, within a range about −x.
+/// Speeds evenly in their logarithm, directions by a step as good as chance, within a range about
+/// −x.
 fn winds(count: usize, [least, most]: [f64; 2], within_rad: f64, seed: f64) -> Vec<[f64; 3]> {
     (0..count)
         .map(|n| {

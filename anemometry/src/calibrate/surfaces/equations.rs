@@ -19,8 +19,8 @@ use super::family::{AmplitudeFamily, BasisAt, SIZE};
 use super::mounting::Mounting;
 use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
 
-/// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one, and
-/// the areas as drawn, make half of it.
+/// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one,
+/// and the areas as drawn, make half of it.
 pub const QUIESCENT: f64 = 0.3;
 /// Standard error of a gain before any reading.
 const GAIN: f64 = 0.2;

@@ -8,8 +8,8 @@
 //! | directions | all winds, of whatever speed, from one region of directions: those nearest to one of K of them that lie far apart | does it know directions that it has not seen? |
 //! | speeds | all winds, from wherever, of a band of neighbouring speeds; the slowest and the fastest always stay, for beyond them nothing is claimed | does it know speeds that it has not seen? |
 //!
-//! Of a single element, which has no directions, every n-th wind in the order of speeds is left out.
-//! Still gas always stays. Every fold is fitted from nothing.
+//! Of a single element, which has no directions, every n-th wind in the order of speeds is left
+//! out. Still gas always stays. Every fold is fitted from nothing.
 
 use super::super::cross_validation::Scheme;
 use super::readings::CheckedWind;

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Known: winds v, readings q, θ, a (see [`readings`]), the head as drawn (q_n comes from dr-core).
-//! Sought: the amplitudes a_n(Re), as splines in ln Re or by King's law, gains c_i of mean one, zero-wind
-//! conductances G0_i ≥ 0, the mounting R.
+//! Sought: the amplitudes a_n(Re), as splines in ln Re or by King's law, gains c_i of mean one,
+//! zero-wind conductances G0_i ≥ 0, the mounting R.
 //!
 //! | file | what |
 //! |---|---|

@@ -67,7 +67,8 @@ mod tests {
         clear();
         assert!(path.is_dir() && emulator.try_wait().unwrap().is_none());
         drop(lock);
-        // A process that another test starts just now shares the lock until it has become its program.
+        // A process that another test starts just now shares the lock until it has become its
+        // program.
         for _ in 0..100 {
             clear();
             if !path.exists() {
