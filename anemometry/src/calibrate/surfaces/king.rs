@@ -5,7 +5,7 @@
 //! U² = v² (cos² φ + k² sin² φ)        of a wire at the angle φ between the wind and its normal
 //! ```
 //!
-//! For given m and k the law is linear in A and B, which [`fit`](super::fit) finds beside gains and
+//! For given m and k the law is linear in A and B, which [`fit`] finds beside gains and
 //! mounting. m and k are sought by golden section, their standard errors follow from the curvature
 //! of the cost, larger by what readings scatter beyond their own errors.
 
