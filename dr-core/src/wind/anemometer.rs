@@ -180,7 +180,7 @@ impl<const N: usize> Anemometer<N> {
     /// `standing_w` returns the power of an element at its low level and a temperature. It is
     /// called once, for the initial state: a run begins after a long standby.
     pub fn step(&mut self, tick: &Tick<N>, standing_w: impl Fn(usize, f32) -> f32) -> Option<WindTick> {
-        let output = self.output?;
+        let output = self.output.as_ref()?;
         let state = &mut self.state;
         let was_initialised = self.network.is_initialised(&state.network);
         let standing_w = match was_initialised {
@@ -199,23 +199,25 @@ impl<const N: usize> Anemometer<N> {
         if !was_initialised {
             state.ticks = 0;
         }
-        state.smooth(&output, tick, convection.is_some());
+        state.smooth(output, tick, convection.is_some());
         if !was_initialised && let Some(convection) = &convection {
-            self.state.starting_ticks = self.starting_ticks(&output, convection);
+            self.state.starting_ticks = self.starting_ticks(output, convection);
         }
         if !tick.tick.is_multiple_of(u32::from(output.config.output_interval_ticks)) {
             return None;
         }
-        Some(self.report(&output, tick, convection.as_ref()))
+        let (report, wind) = self.report(output, tick, convection.as_ref());
+        self.state.wind = wind;
+        Some(report)
     }
 
-    /// The estimate at a tick.
+    /// The estimate at a tick, and what the next one begins with.
     fn report(
-        &mut self,
+        &self,
         output: &PreparedOutput,
         tick: &Tick<N>,
         convection: Option<&ConvectionEstimate<N>>,
-    ) -> WindTick {
+    ) -> (WindTick, WindState) {
         let gas_c = self.gas_c(output);
         let gas = self.gas(gas_c);
         let mut quality_flags = QualityFlags::default()
@@ -262,11 +264,12 @@ impl<const N: usize> Anemometer<N> {
                 });
             }
         }
+        let mut wind = self.state.wind;
         if let (Some(head), Some(gas)) = (&output.head, gas) {
-            report.wind = head.step(&mut self.state.wind, &gas, &measured);
+            report.wind = head.step(&mut wind, &gas, &measured);
         }
         report.quality_flags = quality_flags.with(report.wind.quality, true);
-        report
+        (report, wind)
     }
 
     /// Ticks for which a network that was just initialised is starting: more if the heat flow of a

@@ -16,7 +16,7 @@
 use super::form::HeadForm;
 use super::head_frame::HeadFrame;
 use super::normal::{Factors, Matrix, plus_outer};
-use super::nusselt::Nusselt;
+use super::nusselt::{Amplitudes, Nusselt};
 use super::surface::{LocalNusselt, MOST_SURFACES, NusseltSurface};
 use crate::arithmetic::{dot, length, plus, scaled};
 
@@ -81,25 +81,34 @@ pub struct DescentEquations {
     right: [f32; 3],
 }
 
-/// The mean Nusselt numbers of surfaces in a wind, with their derivatives; none beyond the
-/// surfaces.
-pub fn locals(
-    nusselt: &Nusselt,
-    surfaces: &[NusseltSurface],
-    reynolds_vector: [f32; 3],
-) -> [LocalNusselt; MOST_SURFACES] {
-    let mut locals = [LocalNusselt::default(); MOST_SURFACES];
-    let reynolds = length(reynolds_vector);
-    let each = locals.iter_mut().zip(surfaces);
-    if reynolds <= REST * nusselt.least_reynolds() {
-        let slope = nusselt.slope_of_first_at_rest();
-        each.for_each(|(local, part)| *local = part.local_at_rest(slope));
-    } else {
-        let amplitudes = nusselt.amplitudes(reynolds);
+/// A wind, as surfaces see it.
+pub enum StreamAround {
+    /// Amplitudes at the Reynolds number, and where it comes from.
+    Wind { amplitudes: Amplitudes, reynolds: f32, from: [f32; 3] },
+    /// None; with d a_1 / d Re.
+    Rest { slope_of_first: f32 },
+}
+
+impl StreamAround {
+    /// At a Reynolds vector.
+    #[inline]
+    pub fn at(nusselt: &Nusselt, reynolds_vector: [f32; 3]) -> Self {
+        let reynolds = length(reynolds_vector);
+        if reynolds <= REST * nusselt.least_reynolds() {
+            return Self::Rest { slope_of_first: nusselt.slope_of_first_at_rest() };
+        }
         let from = scaled(reynolds_vector, -1.0 / reynolds);
-        each.for_each(|(local, part)| *local = part.local(&amplitudes, reynolds, from));
+        Self::Wind { amplitudes: nusselt.amplitudes(reynolds), reynolds, from }
     }
-    locals
+
+    /// The mean Nusselt number of a surface, with its derivative.
+    #[inline]
+    pub fn local(&self, part: &NusseltSurface) -> LocalNusselt {
+        match self {
+            Self::Wind { amplitudes, reynolds, from } => part.local(amplitudes, *reynolds, *from),
+            Self::Rest { slope_of_first } => part.local_at_rest(*slope_of_first),
+        }
+    }
 }
 
 impl Inverse<'_> {
@@ -151,9 +160,10 @@ impl Inverse<'_> {
     pub fn equations(&self, reynolds: [f32; 3]) -> DescentEquations {
         let unknowns = self.frame.unknowns();
         let mut look = DescentEquations { cost: 0.0, normal: [[0.0; 3]; 3], right: [0.0; 3] };
-        let locals = locals(self.nusselt, self.surfaces, reynolds);
-        for (local, observed) in locals.iter().zip(self.observed) {
-            let Some(WeightedNusselt { nusselt, weight }) = observed else { continue };
+        let stream = StreamAround::at(self.nusselt, reynolds);
+        for (part, observed) in self.surfaces.iter().zip(&self.observed) {
+            let Some(WeightedNusselt { nusselt, weight }) = *observed else { continue };
+            let local = stream.local(part);
             let mut slope = self.frame.inward(local.gradient);
             slope.iter_mut().skip(unknowns).for_each(|slope| *slope = 0.0);
             let error = nusselt - local.nusselt;

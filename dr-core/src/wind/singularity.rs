@@ -13,7 +13,7 @@
 //! error of √(2σ/|b|), with σ² the variance of weight one. Its information, ½ σ |b| e eᵀ in the
 //! units of A, is a thousandth of A elsewhere, and all there is on the fold.
 
-use super::descent::{DescentResult, Inverse, WeightedNusselt, locals};
+use super::descent::{DescentResult, Inverse, StreamAround, WeightedNusselt};
 use super::normal::{Factors, Matrix, plus_outer};
 use crate::arithmetic::{dot, length, plus, scaled, sqrt};
 
@@ -38,13 +38,12 @@ impl Inverse<'_> {
         let speed = length(found.reynolds);
         let weakest = weakest(&found.normal)?;
         let along = self.frame.outward(weakest);
-        let here = locals(self.nusselt, self.surfaces, found.reynolds);
-        let there = locals(self.nusselt, self.surfaces, plus(found.reynolds, APART * speed, along));
+        let here = StreamAround::at(self.nusselt, found.reynolds);
+        let there = StreamAround::at(self.nusselt, plus(found.reynolds, APART * speed, along));
         let (mut ab, mut bb) = (0.0, 0.0);
-        for ((here, there), observed) in here.iter().zip(&there).zip(self.observed) {
-            let Some(WeightedNusselt { weight, .. }) = observed else { continue };
-            let a = dot(here.gradient, along);
-            let b = (dot(there.gradient, along) - a) / (APART * speed);
+        for (part, WeightedNusselt { weight, .. }) in self.seen() {
+            let a = dot(here.local(part).gradient, along);
+            let b = (dot(there.local(part).gradient, along) - a) / (APART * speed);
             ab += weight * a * b;
             bb += weight * b * b;
         }

@@ -107,10 +107,14 @@ impl Linear {
 
     fn cost(&self, inverse: &Inverse, a0: f32, a1: f32) -> f32 {
         let from = self.from(a0, a1);
+        // A vector goes out once; the axes of wires are turned in the frame.
+        let wires = inverse.form == HeadForm::Wires;
+        let outside = inverse.frame.outward(from);
         inverse
             .seen()
             .map(|(part, observed)| {
-                let error = observed.nusselt - a0 - a1 * part.first_mean() * dot(inverse.linear_axis(part), from);
+                let along = if wires { dot(inverse.linear_axis(part), from) } else { dot(part.axis(), outside) };
+                let error = observed.nusselt - a0 - a1 * part.first_mean() * along;
                 error * error
             })
             .sum()

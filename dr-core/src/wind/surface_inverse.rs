@@ -34,7 +34,7 @@
 //! *Cost*: see `docs/reference/numbers.md`. No wind and a missing sector cost most; the limit is
 //! `descent::MOST_STEPS_IN_ALL` steps from all starts together.
 
-use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, WeightedNusselt, locals};
+use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, StreamAround, WeightedNusselt};
 use super::estimate::{LeastSquaresSolution, WindEstimate};
 use super::form::HeadForm;
 use super::gas::GasState;
@@ -146,14 +146,17 @@ impl WindVector {
     /// wind of their plane. Beyond the surfaces nothing.
     pub fn conductances(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [Conductance; MOST_SURFACES] {
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
-        let locals = locals(&self.nusselt, self.surfaces(), scaled(wind_m_s, per_speed));
-        core::array::from_fn(|i| {
-            let per_nusselt = gas.conductance_per_nusselt_w_k(self.diameter_m, self.surfaces[i].area_m2());
-            Conductance {
-                conductance_w_k: locals[i].nusselt * per_nusselt,
-                gradient_w_s_k_m: scaled(locals[i].gradient, per_nusselt * per_speed),
-            }
-        })
+        let stream = StreamAround::at(&self.nusselt, scaled(wind_m_s, per_speed));
+        let mut conductances = [Conductance::default(); MOST_SURFACES];
+        for (conductance, part) in conductances.iter_mut().zip(self.surfaces()) {
+            let per_nusselt = gas.conductance_per_nusselt_w_k(self.diameter_m, part.area_m2());
+            let local = stream.local(part);
+            *conductance = Conductance {
+                conductance_w_k: local.nusselt * per_nusselt,
+                gradient_w_s_k_m: scaled(local.gradient, per_nusselt * per_speed),
+            };
+        }
+        conductances
     }
 
     /// The wind from what was measured, surface by surface; those that were not are `None`.
