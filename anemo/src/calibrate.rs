@@ -175,7 +175,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let winds = winds.map_err(Failure::usage)?;
     bar.finish_and_clear();
     let (recordings, most_deg) = (arguments.recordings.len(), arguments.direction_error_max_deg);
-    let calibrated = calibrator.calibrated(&winds.steady, recordings, most_deg).map_err(Failure::work)?;
+    let calibrated = calibrator.calibrated(&winds.steady, recordings, most_deg).map_err(|error| {
+        let (short, settle_s) = (winds.short, arguments.settle);
+        match short {
+            0 => Failure::work(error),
+            _ => Failure::work(format!(
+                "{error}\n{short} winds were not longer than the {settle_s} s of --settle, and left out"
+            )),
+        }
+    })?;
     if let Some(path) = &arguments.output {
         crate::output::write_text(path, &calibrated.text)?;
     }

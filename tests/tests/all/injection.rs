@@ -109,7 +109,7 @@ const HELD: [Held; 3] = [
     },
 ];
 
-/// The next tick, or the turn of a piece of what the anemometer has been told: 53 on a board of 16
+/// The next tick, or the turn of a piece of what the anemometer has been told: 55 on a board of 16
 /// elements.
 const TICKS_TO_SAFE: u32 = 60;
 

@@ -347,16 +347,19 @@ impl<const N: usize> ConvectionObserver<N> {
         }
     }
 
-    /// Number of pieces for the integrity check: elements, pairs, faster gains.
-    pub(crate) const PIECES: usize = N + MOST_PAIRS + FASTER_ELEMENTS;
+    /// Number of pieces for the integrity check: elements, pairs two by two, faster gains.
+    pub(crate) const PIECES: usize = N + MOST_PAIRS.div_ceil(2) + FASTER_ELEMENTS;
 
     /// The checksum of one piece.
     pub(crate) fn piece_checksum(&self, piece: usize) -> Checksum {
         let checksum = |of: &dyn Fn() -> Option<Checksum>| of().unwrap_or_default();
         match piece {
             own if own < N => checksum(&|| Some(Checksum::of(self.self_heating.get(own)?))),
-            cross if cross < N + MOST_PAIRS => checksum(&|| Some(Checksum::of(self.cross_heating.get(cross - N)?))),
-            sets => checksum(&|| Some(Checksum::of(self.sets.get(sets - N - MOST_PAIRS)?))),
+            cross if cross < N + MOST_PAIRS.div_ceil(2) => checksum(&|| {
+                let first = 2 * (cross - N);
+                Some(Checksum::of(&(self.cross_heating.get(first)?, self.cross_heating.get(first + 1))))
+            }),
+            sets => checksum(&|| Some(Checksum::of(self.sets.get(sets - N - MOST_PAIRS.div_ceil(2))?))),
         }
     }
 

@@ -5,7 +5,7 @@
 //!
 //! | piece | number |
 //! |---|---|
-//! | an element of the network, a pair of elements, a set of faster gains | [`ConvectionObserver::PIECES`] |
+//! | an element of the network, two pairs of elements, a set of faster gains | [`ConvectionObserver::PIECES`] |
 //! | Nusselt points, surfaces, gas law, as they were set | 1 |
 //! | output settings, with the prepared inverse of the head | 1 |
 //! | the given pressure and temperature of the gas | 1 |
