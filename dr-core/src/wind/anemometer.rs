@@ -318,7 +318,7 @@ impl<const N: usize> Anemometer<N> {
             // At least four of each, as digests have had since there were no more.
             let count = usize::from(*surfaces).clamp(4, MOST_SURFACES);
             for of_each in [conductance_w_k, raw_w_k] {
-                f32::visit_each(&of_each[..count], digest);
+                f32::visit_each(of_each.get(..count).unwrap_or(of_each), digest);
             }
             (wind.wind_m_s, wind.covariance_m2_s2).visit(digest);
             wind.speed_m_s.visit(digest);

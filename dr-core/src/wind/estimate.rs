@@ -105,7 +105,9 @@ impl LeastSquaresSolution<'_> {
         let mut covariance = Factors::of(&self.normal)?.inverse().map(|row| scaled(row, self.scale_m2_s2));
         (unknowns..3).for_each(|k| decouple(&mut covariance, k, 0.0));
         let mut across_m_s = 0.0;
-        if !self.frame.is_complete() {
+        // The bound is always met; it lets the compiler drop a panic.
+        let leaves_open = !self.frame.is_complete() && determined < 3;
+        if leaves_open {
             across_m_s = components[determined].max(-components[determined]);
             bound_across(&mut covariance, determined, across_m_s.max(self.least_across_m_s));
         }
@@ -125,7 +127,7 @@ impl LeastSquaresSolution<'_> {
         let no_direction = !self.fits || direction_error_rad > direction_error_max_rad;
         quality = quality.with(QualityFlags::NO_DIRECTION, no_direction);
 
-        if !self.frame.is_complete() {
+        if leaves_open {
             let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;
             (determined..3).for_each(|k| decouple(&mut covariance, k, open));
         }

@@ -118,11 +118,13 @@ impl WindVector {
         if !(form.least_surfaces()..=most).contains(&surfaces.len()) {
             return Err(error::out_of_range(Parameter::Parts, form.least_surfaces() as f32, most as f32));
         }
-        let mut checked = [NusseltSurface::new(form, &surfaces[0])?; MOST_SURFACES];
+        let first =
+            surfaces.first().ok_or(ConfigError { parameter: Parameter::Parts, problem: ParameterProblem::Missing })?;
+        let mut checked = [NusseltSurface::new(form, first)?; MOST_SURFACES];
         for (part, config) in checked.iter_mut().zip(surfaces) {
             *part = NusseltSurface::new(form, config)?;
         }
-        let frame = HeadFrame::of(form, &checked[..surfaces.len()]);
+        let frame = HeadFrame::of(form, checked.get(..surfaces.len()).unwrap_or_default());
         if form == HeadForm::Wires && frame.determined() < 2 {
             // Wires side by side tell a speed twice and no angle.
             return Err(ConfigError { parameter: Parameter::Axis, problem: ParameterProblem::NotPositive });
@@ -139,7 +141,7 @@ impl WindVector {
     }
 
     fn surfaces(&self) -> &[NusseltSurface] {
-        &self.surfaces[..usize::from(self.count).min(MOST_SURFACES)]
+        self.surfaces.get(..usize::from(self.count)).unwrap_or(&self.surfaces)
     }
 
     /// What the surfaces lose in a wind, and how that changes with it; of cylinders and wires in a
@@ -234,7 +236,8 @@ impl WindVector {
     /// least a little off its axes: with nothing across them its size has no derivative.
     fn normal_off_the_axes(&self, inverse: &Inverse, found: &DescentResult) -> (Matrix, f32) {
         let determined = self.frame.determined();
-        if self.frame.is_complete() {
+        // The bound is never met; it lets the compiler drop a panic.
+        if self.frame.is_complete() || determined >= 3 {
             return (found.normal, 0.0);
         }
         let least = (LEAST_ACROSS * length(found.reynolds)).max(LEAST_ACROSS * self.nusselt.least_reynolds());
