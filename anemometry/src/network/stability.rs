@@ -73,14 +73,13 @@ impl QuiescentNetwork {
             if let Ok(Some(_)) = stable(slower_hz) {
                 let slower = short(slower_hz, 2);
                 return Err(NetworkError::new(format!(
-                    "a bandwidth of {bandwidth_hz} Hz cannot be had: the elements heat each other so much that their filters are unstable \
-                     beside each other; {slower} Hz is stable"
+                    "a bandwidth of {bandwidth_hz} Hz cannot be had: the filters are unstable at it, because elements heat each other or \
+                     because readings at the high level weigh so much more than at the low one; {slower} Hz is stable, or a lower \
+                     current_high_a"
                 )));
             }
         }
-        Err(NetworkError::new(
-            "the elements heat each other so much that their filters are unstable beside each other at any bandwidth: is the network right?",
-        ))
+        Err(NetworkError::new("the filters of its elements are unstable at any bandwidth: is the network right?"))
     }
 }
 

@@ -91,7 +91,7 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     let sectors = arguments.sectors.unwrap_or(known[0]);
     if !known.contains(&sectors) {
         let counts: Vec<String> = known.iter().map(usize::to_string).collect();
-        return Err(Failure::usage(format!("--sectors is {sectors}: such a head has {}", counts.join(", "))));
+        return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
     }
     let NewFolder { elements, still_s } = written(folder, name, kind, sectors, WINDS)?;
     let (folder, elements) = (Path::display(folder), elements.join(" "));
