@@ -23,6 +23,8 @@ use diffusive::model::Model;
 
 /// Greatest number of folds of the cross-validation.
 const FOLDS: usize = 10;
+/// Held-out directions that are worse, rms, are those of another head, °.
+const MOST_DIRECTION_DEG: f64 = 45.0;
 /// The boom of a card lies along x, with its tip at +x.
 const TIP: [f64; 3] = [1.0, 0.0, 0.0];
 
@@ -232,9 +234,15 @@ fn has_law(form: HeadForm) -> bool {
 /// A calibration by one law, with its errors in winds that were left out.
 fn surfaces_by(drawn: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<CalibrationResult, CalibrateError> {
     let by_direction = if drawn.form == HeadForm::Single { Scheme::EveryNth } else { Scheme::Directions };
+    let calibration = Box::new(calibrate(drawn, steady)?);
+    let directions = cross_validate(drawn, steady, by_direction, FOLDS)?;
+    let rms_deg = directions.overall().direction_rms_deg;
+    if rms_deg > MOST_DIRECTION_DEG {
+        return Err(CalibrateError::Direction { rms_deg });
+    }
     Ok(CalibrationResult::Surfaces {
-        calibration: Box::new(calibrate(drawn, steady)?),
-        directions: cross_validate(drawn, steady, by_direction, FOLDS)?,
+        calibration,
+        directions,
         speeds: cross_validate(drawn, steady, Scheme::Speeds, FOLDS)?,
     })
 }

@@ -35,6 +35,15 @@ pub enum CalibrateError {
         /// The reading that fits least.
         worst: WorstReading,
     },
+    /// What fits tells no direction.
+    #[error(
+        "directions that were left out of the fit come out {rms_deg:.0}° wrong, rms: winds come from behind the normals, or from where they \
+         look like others, as to crossed wires beyond 45° of the middle; turn the normals or the frame of the winds, or leave such winds out"
+    )]
+    Direction {
+        /// Of the cross-validation, °.
+        rms_deg: f64,
+    },
     /// dr-core refuses the curves.
     #[error(
         "the amplitudes that fit best do not tell a wind: {0}; check the order of the surfaces and the signs of the winds"
