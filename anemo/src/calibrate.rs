@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
+use crate::choice::choice;
 use crate::output::{Failure, head_of};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{CalibrationReport, Calibrator, DrawnOptions, LossLaw};
@@ -55,8 +56,14 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     settle: f64,
     /// What the surfaces belong to; by default what the normals and the body of the head say.
-    #[arg(long, value_name = "FORM")]
-    form: Option<FormName>,
+    #[arg(long, value_name = "FORM", value_parser = choice([
+        ("sphere", "parts of a sphere", HeadForm::Sphere),
+        ("cube", "six parts of a sphere, as the faces of a cube", HeadForm::Cube),
+        ("cylinder", "sectors round a cylinder", HeadForm::Cylinder),
+        ("wires", "wires or films in a plane", HeadForm::Wires),
+        ("single", "one element: a speed", HeadForm::Single),
+    ]))]
+    form: Option<HeadForm>,
     /// Diameter of sphere, cylinder or wire, mm; by default that of the head's body, else 10.
     #[arg(long, value_name = "MM")]
     diameter_mm: Option<f64>,
@@ -65,8 +72,11 @@ pub struct Arguments {
     length_mm: Option<f64>,
     /// How the loss of a single element or of wires depends on the speed; by default what is better
     /// at speeds that were left out.
-    #[arg(long, value_name = "LAW")]
-    law: Option<LawName>,
+    #[arg(long, value_name = "LAW", value_parser = choice([
+        ("king", "A + B Uᵐ; of wires with a yaw factor", LossLaw::King { exponent: None }),
+        ("spline", "smooth and rising", LossLaw::Spline),
+    ]))]
+    law: Option<LossLaw>,
     /// Exponent of King's law, if it is known; else it is fitted.
     #[arg(long, value_name = "M")]
     exponent: Option<f64>,
@@ -86,52 +96,20 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Names of forms.
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-enum FormName {
-    /// Parts of a sphere.
-    Sphere,
-    /// Six parts of a sphere, as the faces of a cube.
-    Cube,
-    /// Sectors round a cylinder.
-    Cylinder,
-    /// Wires or films in a plane.
-    Wires,
-    /// One element: a speed.
-    Single,
-}
-
-/// Names of laws.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq)]
-enum LawName {
-    /// A + B Uᵐ; of wires with a yaw factor.
-    King,
-    /// Smooth and rising.
-    Spline,
-}
-
 impl Arguments {
     fn options(&self) -> DrawnOptions {
-        let form = self.form.map(|form| match form {
-            FormName::Sphere => HeadForm::Sphere,
-            FormName::Cube => HeadForm::Cube,
-            FormName::Cylinder => HeadForm::Cylinder,
-            FormName::Wires => HeadForm::Wires,
-            FormName::Single => HeadForm::Single,
-        });
         let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
-        DrawnOptions { form, diameter_m: metres(self.diameter_mm), length_m: metres(self.length_mm) }
+        DrawnOptions { form: self.form, diameter_m: metres(self.diameter_mm), length_m: metres(self.length_mm) }
     }
 
     fn law(&self) -> Result<Option<LossLaw>, Failure> {
         match (self.law, self.exponent) {
-            (None, None) => Ok(None),
-            (Some(LawName::Spline), None) => Ok(Some(LossLaw::Spline)),
-            (Some(LawName::Spline), Some(_)) => Err(Failure::usage("--exponent is of King's law, not of a spline")),
+            (law, None) => Ok(law),
+            (Some(LossLaw::Spline), Some(_)) => Err(Failure::usage("--exponent is of King's law, not of a spline")),
             (_, Some(exponent)) if !(0.1..=1.5).contains(&exponent) => Err(Failure::usage(format!(
                 "--exponent is {exponent}: King's law has one between 0.1 and 1.5, usually about 0.45"
             ))),
-            (_, exponent) => Ok(Some(LossLaw::King { exponent })),
+            (_, exponent @ Some(_)) => Ok(Some(LossLaw::King { exponent })),
         }
     }
 }
@@ -143,8 +121,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("--length-mm", arguments.length_mm),
         ("--die-mm", Some(arguments.die_mm)),
     ];
-    let given = |value: Option<f64>| value.unwrap_or(0.0);
-    if let Some((name, _)) = options.iter().find(|(_, value)| !(given(*value).is_finite() && given(*value) >= 0.0)) {
+    let mut given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
+    if let Some((name, _)) = given.find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
         return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
     }
     let mut read: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
@@ -162,7 +140,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         elements => Calibrator::card(&head, &model, elements, arguments.die_mm * 1e-3),
     };
     let calibrator = calibrator.map_err(|error| match error {
-        CalibratorError::Elements(_) => Failure::usage(error),
+        CalibratorError::Options(_) => Failure::usage(error),
         error => Failure::in_file(&arguments.network, error),
     })?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;

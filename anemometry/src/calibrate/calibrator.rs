@@ -87,7 +87,7 @@ impl<'a> Calibrator<'a> {
         if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
             let sentence =
                 "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own";
-            return Err(CalibratorError::Elements(sentence.to_owned()));
+            return Err(CalibratorError::Options(sentence.to_owned()));
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
         Self::of(head, model, places, reference, (DrawnHead::Surfaces(drawn), law))
@@ -267,7 +267,7 @@ impl CalibrationResult {
 
 /// Places in the head, and the card that they are on.
 fn dice(head: &Head, elements: &[String], side_m: f64) -> Result<(Vec<usize>, DrawnCard), CalibratorError> {
-    let refuse = |sentence: String| CalibratorError::Elements(format!("--elements{sentence}"));
+    let refuse = |sentence: String| CalibratorError::Options(format!("--elements{sentence}"));
     if elements.len() != 4 {
         return Err(refuse(format!(" names {}: four dice of one card belong there", elements.len())));
     }

@@ -1,7 +1,8 @@
 //! A head as drawn: what its surfaces belong to, and which part of it each of them is.
 
+use dr_core::ConfigError;
 use dr_core::wind::nusselt::ORDERS;
-use dr_core::wind::{HeadForm, MOST_SURFACES, SurfaceConfig, sphere};
+use dr_core::wind::{HeadForm, MOST_SURFACES, NusseltSurface, SurfaceConfig, sphere};
 use std::f64::consts::PI;
 
 use super::error::CalibratorError;
@@ -86,6 +87,7 @@ pub fn drawn(
     let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
     let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
     let configs = surfaces_of(form, &normals, diameter_m, length_m);
+    let configs = configs.map_err(|error| refuse(format!("has surfaces that cannot be: {error}")))?;
     if form == HeadForm::Single && normals.len() > 1 {
         return Err(refuse(format!("has {} elements with a `normal`, and a single element is one", normals.len())));
     }
@@ -97,14 +99,22 @@ pub fn drawn(
     Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSurfaces { form, law, diameter_m, surfaces }))
 }
 
-/// Surfaces with these unit normals, of which there is one at least.
-pub fn surfaces_of(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Vec<SurfaceConfig> {
-    match form {
-        HeadForm::Sphere | HeadForm::Cube => parts_of_sphere(form, normals, diameter_m),
+/// Surfaces with these unit normals, one at least.
+///
+/// # Errors
+/// If dr-core refuses one of them.
+pub fn surfaces_of(
+    form: HeadForm,
+    normals: &[[f64; 3]],
+    diameter_m: f64,
+    length_m: f64,
+) -> Result<Vec<SurfaceConfig>, ConfigError> {
+    Ok(match form {
+        HeadForm::Sphere | HeadForm::Cube => parts_of_sphere(form, normals, diameter_m)?,
         HeadForm::Cylinder => parts_of_cylinder(normals, diameter_m, length_m),
         HeadForm::Wires => wires(normals, diameter_m, length_m),
         HeadForm::Single => vec![single(normals[0], diameter_m, length_m)],
-    }
+    })
 }
 
 /// What normals belong to, if it is clear.
@@ -151,7 +161,7 @@ fn narrow(v: [f64; 3]) -> [f32; 3] {
 }
 
 /// Four sectors of a tetrahedron, two hemispheres, or of others what is nearest to each normal.
-fn parts_of_sphere(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
+fn parts_of_sphere(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64) -> Result<Vec<SurfaceConfig>, ConfigError> {
     // A corner of a sector is opposite to the axis of another.
     let corner = |i: usize| match normals.len() {
         4 => normals[(i + 1) % 4].map(|x| -x),
@@ -166,23 +176,38 @@ fn parts_of_sphere(form: HeadForm, normals: &[[f64; 3]], diameter_m: f64) -> Vec
     let known = match normals.len() {
         4 => sphere::tetrahedral_sectors(diameter_m as f32).to_vec(),
         2 => sphere::hemispheres(diameter_m as f32).to_vec(),
-        _ => cells(form, normals, &corners, diameter_m),
+        _ => cells(form, normals, &corners, diameter_m)?,
     };
     let placed = normals.iter().zip(corners).zip(known);
-    placed.map(|((normal, corner), of)| SurfaceConfig { axis: narrow(*normal), corner: narrow(corner), ..of }).collect()
+    let placed =
+        placed.map(|((normal, corner), of)| SurfaceConfig { axis: narrow(*normal), corner: narrow(corner), ..of });
+    Ok(placed.collect())
 }
 
 /// The parts of a sphere that are nearest to each normal: areas, means of P_n about their own axes,
-/// and their threefold or fourfold parts. What has another symmetry is left out.
-fn cells(form: HeadForm, normals: &[[f64; 3]], corners: &[[f64; 3]], diameter_m: f64) -> Vec<SurfaceConfig> {
-    let mut count = vec![0.0; normals.len()];
-    let mut sums = vec![[0.0; ORDERS - 1]; normals.len()];
+/// and their threefold or fourfold parts, by dr-core's own functions. What has another symmetry is
+/// left out.
+fn cells(
+    form: HeadForm,
+    normals: &[[f64; 3]],
+    corners: &[[f64; 3]],
+    diameter_m: f64,
+) -> Result<Vec<SurfaceConfig>, ConfigError> {
+    let placed = normals.iter().zip(corners).map(|(normal, corner)| SurfaceConfig {
+        axis: narrow(*normal),
+        corner: narrow(*corner),
+        area_m2: 1.0,
+        means: [0.0; ORDERS - 1],
+        threefold: [0.0; 3],
+    });
+    // A point whose mean is one, and one whose other part is.
+    let points = placed.clone().map(|of| NusseltSurface::new(form, &SurfaceConfig { means: [1.0; ORDERS - 1], ..of }));
+    let points = points.collect::<Result<Vec<_>, _>>()?;
+    let lobes = placed.clone().map(|of| NusseltSurface::new(form, &SurfaceConfig { threefold: [1.0; 3], ..of }));
+    let lobes = lobes.collect::<Result<Vec<_>, _>>()?;
+    let mut counts = vec![0.0; normals.len()];
+    let mut means = vec![[0.0; ORDERS - 1]; normals.len()];
     let mut folds = vec![[0.0; 3]; normals.len()];
-    let across_of = |i: usize| {
-        let corner = unit(across(corners[i], normals[i]));
-        (corner, cross(normals[i], corner))
-    };
-    let frames: Vec<([f64; 3], [f64; 3])> = (0..normals.len()).map(across_of).collect();
     let golden = PI * (3.0 - 5_f64.sqrt());
     for k in 0..POINTS {
         // Points of equal area on a spiral.
@@ -191,40 +216,24 @@ fn cells(form: HeadForm, normals: &[[f64; 3]], corners: &[[f64; 3]], diameter_m:
         let across = (1.0 - z * z).sqrt();
         let point = [across * cosine, across * sine, z];
         let cosines = normals.iter().map(|normal| dot(*normal, point)).enumerate();
-        let Some((nearest, x)) = cosines.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        count[nearest] += 1.0;
-        let (corner, third) = frames[nearest];
-        let of_folds = fold_functions(form, [dot(corner, point), dot(third, point), x]);
-        folds[nearest].iter_mut().zip(of_folds).for_each(|(sum, of)| *sum += of);
-        let (mut p, mut next) = (1.0, x);
-        for (n, sum) in (1..).zip(&mut sums[nearest]) {
-            *sum += next;
-            let n = f64::from(n);
-            (p, next) = (next, ((2.0 * n + 1.0) * x * next - n * p) / (n + 1.0));
-        }
+        let Some((nearest, _)) = cosines.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        counts[nearest] += 1.0;
+        let of_means = points[nearest].per_amplitude(narrow(point));
+        means[nearest].iter_mut().zip(&of_means[1..]).for_each(|(sum, of)| *sum += f64::from(of.nusselt));
+        let of_folds = lobes[nearest].per_amplitude(narrow(point));
+        folds[nearest].iter_mut().zip(&of_folds[3..]).for_each(|(sum, of)| *sum += f64::from(of.nusselt));
     }
+    // The addition theorem's 2 (n − m)!/(n + m)! for m = 3 or 4, n = 3, 4, 5.
+    let m = if form == HeadForm::Cube { 4 } else { 3 };
+    let ratio = |n: u32| 2.0 / f64::from((n.saturating_sub(m) + 1..=n + m).product::<u32>());
     let sphere_m2 = PI * diameter_m * diameter_m;
-    let all = count.iter().zip(&sums).zip(&folds);
-    all.map(|((count, sums), folds)| SurfaceConfig {
-        axis: [0.0; 3],
-        corner: [0.0; 3],
-        area_m2: (sphere_m2 * count / POINTS as f64) as f32,
-        means: sums.map(|sum| (sum / count) as f32),
-        threefold: folds.map(|sum| (sum / count) as f32),
-    })
-    .collect()
-}
-
-/// What the mean over a part of gives its d_3, d_4, d_5: 2 (n−m)!/(n+m)! P_n⁽ᵐ⁾(z) Re (x + i y)ᵐ.
-fn fold_functions(form: HeadForm, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    if form == HeadForm::Cube {
-        let lobes = x.powi(4) - 6.0 * x * x * y * y + y.powi(4);
-        return [0.0, 2.0 / 40_320.0 * 105.0 * lobes, 2.0 / 362_880.0 * 945.0 * z * lobes];
-    }
-    let lobes = x * (x * x - 3.0 * y * y);
-    let third = [15.0, 105.0 * z, 472.5 * z * z - 52.5];
-    let ratios = [2.0 / 720.0, 2.0 / 5040.0, 2.0 * 2.0 / 40_320.0];
-    std::array::from_fn(|k| ratios[k] * third[k] * lobes)
+    let cell = |(i, of): (usize, SurfaceConfig)| SurfaceConfig {
+        area_m2: (sphere_m2 * counts[i] / POINTS as f64) as f32,
+        means: means[i].map(|sum| (sum / counts[i]) as f32),
+        threefold: std::array::from_fn(|k| (ratio(k as u32 + 3) * folds[i][k] / counts[i]) as f32),
+        ..of
+    };
+    Ok(placed.enumerate().map(cell).collect())
 }
 
 /// The parts of a circumference that are nearest to each normal.
@@ -280,7 +289,7 @@ mod tests {
         let known = sphere::tetrahedral_sectors(0.01);
         let normals = known.map(|of| unit(of.axis.map(f64::from)));
         let corners = known.map(|of| of.corner.map(f64::from));
-        for (cell, known) in cells(HeadForm::Sphere, &normals, &corners, 0.01).iter().zip(known) {
+        for (cell, known) in cells(HeadForm::Sphere, &normals, &corners, 0.01).unwrap().iter().zip(known) {
             assert!((cell.area_m2 / known.area_m2 - 1.0).abs() < 1e-3);
             let pairs = cell.means.iter().zip(known.means).chain(cell.threefold.iter().zip(known.threefold));
             assert!(pairs.clone().all(|(found, known)| (found - known).abs() < 1e-3), "{cell:?} {known:?}");

@@ -71,9 +71,9 @@ pub enum CalibratorError {
     /// The head is no sphere that can be calibrated, or the network lacks its surfaces or its gas.
     #[error("{0}")]
     Head(String),
-    /// The elements of a card are not four dice of it.
+    /// Options that do not fit the head, with the option's name.
     #[error("{0}")]
-    Elements(String),
+    Options(String),
     /// Nothing can be fitted.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),

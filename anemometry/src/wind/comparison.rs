@@ -29,7 +29,7 @@ pub struct WindComparison {
     pub failed: u64,
     /// Estimates of these without a direction.
     pub no_direction: u64,
-    /// Outward normal of a card: only the wind in its plane is compared.
+    /// Normal of the plane in which the wind is compared, of a head that outputs no other.
     plane: Option<[f64; 3]>,
 }
 
@@ -67,8 +67,8 @@ impl ErrorSum {
 }
 
 impl WindComparison {
-    /// For a card that outputs the wind in the plane across `normal` only; for any other head
-    /// without a normal.
+    /// For a head that outputs the wind in the plane across `normal` only; for any other without a
+    /// normal.
     pub fn in_plane(normal: Option<[f64; 3]>) -> Self {
         Self { plane: normal, ..Self::default() }
     }

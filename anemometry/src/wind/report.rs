@@ -21,7 +21,7 @@ pub struct WindReport {
     pub head: String,
     /// Recordings and cross-validation of its calibration, in words.
     pub made_from: String,
-    /// Whether it is a card, which outputs the wind in its plane.
+    /// Whether it outputs the wind in a plane only.
     pub in_plane: bool,
     /// Number of all estimates.
     pub estimates: u64,

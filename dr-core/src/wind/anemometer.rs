@@ -40,10 +40,10 @@ use crate::model::convection_observer::{
     ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
 };
 use crate::wind::estimate::WindEstimate;
+use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::quality_flags::QualityFlags;
-use crate::wind::surface::MOST_SURFACES;
 use crate::wind::surface_inverse::{MeasuredConductance, WindState};
 use command::{HeadSurface, WindCommand};
 use output::PreparedOutput;

@@ -13,11 +13,11 @@
 //!
 //! All of it goes on in the components of the head's frame; those beyond its unknowns stay zero.
 
-use super::form::HeadForm;
+use super::form::{HeadForm, MOST_SURFACES};
 use super::head_frame::HeadFrame;
 use super::normal::{Factors, Matrix, plus_outer};
 use super::nusselt::{Amplitudes, Nusselt};
-use super::surface::{LocalNusselt, MOST_SURFACES, NusseltSurface};
+use super::surface::{LocalNusselt, NusseltSurface};
 use crate::arithmetic::{dot, length, plus, scaled};
 
 /// Most steps from one start, dropped ones included.

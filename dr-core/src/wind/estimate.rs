@@ -130,11 +130,10 @@ impl LeastSquaresSolution<'_> {
         if leaves_open {
             let open = (across_m_s * across_m_s + covariance[determined][determined]) / (3 - determined) as f32;
             (determined..3).for_each(|k| decouple(&mut covariance, k, open));
+        } else {
+            // Across the plane of a cylinder or of wires it may be as fast as within.
+            (determined..3).for_each(|k| decouple(&mut covariance, k, speed_m_s * speed_m_s));
         }
-        // Across the plane of a cylinder or of wires it may be as fast as within.
-        (unknowns..3).filter(|&k| k >= determined && self.frame.is_complete()).for_each(|k| {
-            decouple(&mut covariance, k, speed_m_s * speed_m_s);
-        });
         Some(WindEstimate {
             wind_m_s: self.frame.determined_part(self.wind_m_s),
             speed_m_s,

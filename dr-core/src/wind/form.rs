@@ -15,6 +15,11 @@
 //! The `corner` of a surface of a cylinder is along the axis of the body, that of a wire across the
 //! plane of the wires.
 
+use core::ops::RangeInclusive;
+
+/// Most surfaces of a head.
+pub const MOST_SURFACES: usize = 8;
+
 /// Kind of the body that the surfaces belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
@@ -57,11 +62,11 @@ impl HeadForm {
         self.dimensions() == 3
     }
 
-    /// Fewest surfaces.
-    pub const fn least_surfaces(self) -> usize {
+    /// How many surfaces it has.
+    pub const fn surfaces(self) -> RangeInclusive<usize> {
         match self {
-            Self::Single => 1,
-            Self::Sphere | Self::Cube | Self::Cylinder | Self::Wires => 2,
+            Self::Single => 1..=1,
+            Self::Sphere | Self::Cube | Self::Cylinder | Self::Wires => 2..=MOST_SURFACES,
         }
     }
 }

@@ -30,7 +30,6 @@ impl HeadFrame {
     /// The frame of surfaces that make a head of this form.
     pub fn of(form: HeadForm, surfaces: &[NusseltSurface]) -> Self {
         let axes = surfaces.iter().map(NusseltSurface::axis);
-        let unknowns = |frame: &Self| (frame.determined + 1).min(form.dimensions());
         let frame = match (form, surfaces) {
             (HeadForm::Cylinder | HeadForm::Wires, [first, ..]) => {
                 let plane = [first.axis(), cross(first.corner(), first.axis()), first.corner()];
@@ -40,7 +39,7 @@ impl HeadFrame {
             (HeadForm::Single, _) => Self { determined: 0, ..Self::new(axes) },
             _ => Self::new(axes),
         };
-        Self { unknowns: unknowns(&frame), ..frame }
+        Self { unknowns: (frame.determined + 1).min(form.dimensions()), ..frame }
     }
 
     fn new(axes: impl Iterator<Item = [f32; 3]>) -> Self {

@@ -69,12 +69,12 @@ pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
 pub use card_inverse::{Card, CardConfig};
 pub use estimate::WindEstimate;
-pub use form::HeadForm;
+pub use form::{HeadForm, MOST_SURFACES};
 pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};
 pub use quality_flags::QualityFlags;
-pub use surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
+pub use surface::{NusseltSurface, SurfaceConfig};
 pub use surface_inverse::{Conductance, MeasuredConductance, WindState, WindVector};
 
 #[cfg(test)]

@@ -37,9 +37,6 @@ use super::nusselt::{Amplitudes, ORDERS};
 use crate::arithmetic::{cross, dot, plus, scaled};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
-/// Most surfaces of a head.
-pub const MOST_SURFACES: usize = 8;
-
 /// A part as it travels and is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

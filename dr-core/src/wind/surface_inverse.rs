@@ -36,14 +36,14 @@
 
 use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, StreamAround, WeightedNusselt};
 use super::estimate::{LeastSquaresSolution, WindEstimate};
-use super::form::HeadForm;
+use super::form::{HeadForm, MOST_SURFACES};
 use super::gas::GasState;
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
 use super::quality_flags::QualityFlags;
 use super::start::starts;
-use super::surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
+use super::surface::{NusseltSurface, SurfaceConfig};
 use crate::arithmetic::{length, plus as along, scaled};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
@@ -114,9 +114,9 @@ impl WindVector {
         error::positive(Parameter::DirectionErrorMaxRad, direction_error_max_rad)?;
         error::within(Parameter::DirectionErrorMaxRad, direction_error_max_rad, 0.0, core::f32::consts::FRAC_PI_2)?;
         let nusselt = Nusselt::new(form, nusselt)?;
-        let most = if form == HeadForm::Single { 1 } else { MOST_SURFACES };
-        if !(form.least_surfaces()..=most).contains(&surfaces.len()) {
-            return Err(error::out_of_range(Parameter::Parts, form.least_surfaces() as f32, most as f32));
+        let counts = form.surfaces();
+        if !counts.contains(&surfaces.len()) {
+            return Err(error::out_of_range(Parameter::Parts, *counts.start() as f32, *counts.end() as f32));
         }
         let first =
             surfaces.first().ok_or(ConfigError { parameter: Parameter::Parts, problem: ParameterProblem::Missing })?;

@@ -38,7 +38,7 @@ fn air() -> IdealGas {
 }
 
 fn drawn(form: HeadForm, law: LossLaw, normals: &[[f64; 3]], diameter_m: f64) -> DrawnSurfaces {
-    let surfaces = surfaces_of(form, normals, diameter_m, 0.01).into_iter().enumerate();
+    let surfaces = surfaces_of(form, normals, diameter_m, 0.01).unwrap().into_iter().enumerate();
     let surfaces = surfaces.map(|(i, config)| DrawnSurface { name: format!("surface{}", i + 1), config }).collect();
     DrawnSurfaces { form, law, diameter_m, surfaces }
 }

@@ -1,7 +1,7 @@
 //! The first experiments of a new head: long enough for its slowest and its usual time constants.
 
-use anemometry::head::Head;
 use anemometry::head::body::BodyLink;
+use anemometry::head::{Head, HeadElement};
 use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use recording::text::short;
 
@@ -12,6 +12,8 @@ use crate::output::Failure;
 pub const OVERHEAT_K: f64 = 20.0;
 /// Usual sample period of a closed loop, s.
 const HELD_PERIOD_S: f64 = 0.002;
+/// Shortest sample period, s.
+const SHORTEST_S: f64 = 0.001;
 /// Change of a bare element's temperature by one bit, as a share of the overheat.
 const MOST_RIPPLE: f64 = 0.005;
 
@@ -30,23 +32,22 @@ pub struct NewExperiments {
 fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
     let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.normal.is_some());
     let bare = bare.filter(|(_, element)| element.layers == 0);
-    let each_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]);
-    let fastest_s = each_s.fold(HELD_PERIOD_S, f64::min);
-    [HELD_PERIOD_S, 0.001].into_iter().find(|period_s| *period_s <= fastest_s).unwrap_or(0.001)
+    let mut each_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]);
+    if each_s.any(|fastest_s| fastest_s < HELD_PERIOD_S) { SHORTEST_S } else { HELD_PERIOD_S }
 }
 
-/// A high current at which pseudo-random bits warm an element in quiescent gas by about the
-/// overheat, if its own makes more, A.
-fn gentle_current_a(head: &Head, of: &ElementCheck) -> Option<String> {
-    let element = head.elements.iter().find(|element| element.name == of.name)?;
-    let mean_w = OVERHEAT_K / of.own_gain_k_per_w;
-    let share = 2.0 * mean_w / of.level_w[1];
-    (share < 1.0).then(|| short(element.nominal.current_high_a * share.sqrt(), 2))
-}
-
-fn low_current_a(head: &Head, name: &str) -> String {
-    let element = head.elements.iter().find(|element| element.name == name);
-    element.map_or_else(String::new, |element| short(element.nominal.current_low_a, 4))
+/// Currents at which pseudo-random bits warm an element in quiescent gas by about the overheat, if
+/// its own make more, as a table of an experiment.
+fn gentle_currents(element: &HeadElement, of: &ElementCheck) -> Option<String> {
+    let share = 2.0 * OVERHEAT_K / of.own_gain_k_per_w / of.level_w[1];
+    (share < 1.0).then(|| {
+        format!(
+            "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{} = {{ low_a = {}, high_a = {} }}\n\n",
+            of.name,
+            short(element.nominal.current_low_a, 4),
+            short(element.nominal.current_high_a * share.sqrt(), 2)
+        )
+    })
 }
 
 /// Which winds a head of a kind can tell.
@@ -75,19 +76,21 @@ pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExpe
         format!(
             "title = \"{}: {title}\"\nhead = \"head.toml\"\nsample_period_s = {period_s}\nduration_s = {duration_s:.1}\n\
              seed = {seed} # of noise, and of the specimen where head.toml states tolerances\n\n[gas]\nspecies = \"{}\"\n\
-             pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n[drives]\n",
+             pressure_pa = {:.1}\ntemperature_c = {:.2}\n\n[front_end]\nnoise_v_rms = 4e-6\n\n",
             head.name,
             conditions.species.name(),
             conditions.pressure_pa,
             conditions.temperature_c
         )
     };
+    let mut drives = "[drives]\n".to_owned();
+    held.iter().for_each(|name| drives += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
     let rods = head.body.iter().flat_map(|body| &body.links).any(|link| matches!(link, BodyLink::Rod { .. }));
     let warm_s = (if rods { 2.0 } else { 5.0 } * slowest_s / 60.0).ceil() * 60.0;
     let winds = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
     let each_s = 60.0;
     let mut text = start("held in winds", held_period_s, warm_s + each_s * winds.len() as f64, 1);
-    held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+    text += &drives;
     for (i, speed) in winds.iter().enumerate() {
         let start_s = if i == 0 { 0.0 } else { warm_s + each_s * i as f64 };
         text += &format!(
@@ -101,7 +104,7 @@ pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExpe
         ("winds.toml", "winds to estimate", count, [0.7, 9.0], 10.0, 7),
     ] {
         let mut text = start(title, held_period_s, warm_s + hold_s * f64::from(winds), 41);
-        held.iter().for_each(|name| text += &format!("{name} = {{ temperature_c = {set_point_c} }}\n"));
+        text += &drives;
         text += &format!(
             "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
              {warm_s:.1}\nseed = {seed}\n"
@@ -110,18 +113,13 @@ pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExpe
         all.push((file.to_owned(), text));
     }
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
-    for (i, of) in report.elements.iter().filter(|of| of.held).enumerate() {
+    let checked = head.elements.iter().zip(&report.elements).filter(|(_, of)| of.held);
+    for (i, (element, of)) in checked.enumerate() {
         let name = &of.name;
         let mut text = start(&format!("what {name} heats, in quiescent gas"), 0.01, record_s, 41);
-        if let Some(high_a) = gentle_current_a(head, of) {
-            let currents = format!(
-                "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{name} = {{ low_a = {}, high_a = {high_a} }}\n\n[drives]",
-                low_current_a(head, name)
-            );
-            text = text.replacen("[drives]", &currents, 1);
-        }
+        text += &gentle_currents(element, of).unwrap_or_default();
         text += &format!(
-            "{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
+            "[drives]\n{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
              start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\
              [[wind]]\nstart_s = 0.0\nlabel = \"still\"\nspeed_m_s = 0.0\n",
             5 + i

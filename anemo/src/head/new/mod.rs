@@ -10,8 +10,11 @@ use recording::toml_file::TomlSource;
 
 use crate::choice::choice;
 use crate::output::Failure;
-use experiments::{OVERHEAT_K, experiments};
+use experiments::{NewExperiments, OVERHEAT_K, experiments};
 pub use template::NewHeadKind;
+
+/// Winds to estimate.
+const WINDS: u32 = 30;
 
 /// Begin a head: a folder with a commented head file that can be simulated at once, and its first
 /// experiments.
@@ -45,24 +48,18 @@ pub struct NewArguments {
     sectors: Option<usize>,
 }
 
-/// A folder as [`write`] has left it.
-struct NewFolder {
-    /// Names of the elements that are identified.
-    elements: Vec<String>,
-    /// Quiescent gas before the first wind, s.
-    still_s: f64,
-}
-
 /// Writes head and experiments of a kind into a folder that is not there yet; `winds` is how many
 /// there are to estimate.
 ///
 /// # Errors
 /// If the folder is there, or cannot be written.
-pub fn write(folder: &Path, name: &str, kind: NewHeadKind, sectors: usize, winds: u32) -> Result<(), Failure> {
-    written(folder, name, kind, sectors, winds).map(drop)
-}
-
-fn written(folder: &Path, name: &str, kind: NewHeadKind, sectors: usize, winds: u32) -> Result<NewFolder, Failure> {
+pub fn write(
+    folder: &Path,
+    name: &str,
+    kind: NewHeadKind,
+    sectors: usize,
+    winds: u32,
+) -> Result<NewExperiments, Failure> {
     let text = kind.text(name, sectors);
     let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.clone() })?;
     let experiments = experiments(&head, kind, winds)?;
@@ -75,7 +72,7 @@ fn written(folder: &Path, name: &str, kind: NewHeadKind, sectors: usize, winds: 
     for (file, text) in &experiments.files {
         crate::output::write_text(&folder.join(file), text)?;
     }
-    Ok(NewFolder { elements: experiments.identified, still_s: experiments.still_s })
+    Ok(experiments)
 }
 
 /// Writes the folder.
@@ -93,8 +90,8 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
         let counts: Vec<String> = known.iter().map(usize::to_string).collect();
         return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
     }
-    let NewFolder { elements, still_s } = written(folder, name, kind, sectors, WINDS)?;
-    let (folder, elements) = (Path::display(folder), elements.join(" "));
+    let NewExperiments { identified, still_s, .. } = write(folder, name, kind, sectors, WINDS)?;
+    let (folder, elements) = (Path::display(folder), identified.join(" "));
     crate::output::print(&format!(
         "{folder}/head.toml and its experiments are there. Next, the head and the head in winds:\n  \
          anemo head check {folder}/head.toml --overheat {OVERHEAT_K}\n  \
@@ -111,9 +108,6 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
          --plot {folder}/winds.svg\n",
     ))
 }
-
-/// Winds to estimate.
-const WINDS: u32 = 30;
 
 fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')

@@ -123,7 +123,7 @@ pub fn ready(head: &DrawnSurfaces) -> Result<SurfaceGeometry<'_>, CalibrateError
     if !(head.diameter_m.is_finite() && head.diameter_m > 0.0) {
         return Err(refuse(format!("the diameter is {} m; it must be a positive length", head.diameter_m)));
     }
-    if head.surfaces.len() < head.form.least_surfaces() {
+    if head.surfaces.len() < *head.form.surfaces().start() {
         let given = head.surfaces.len();
         return Err(refuse(format!("{given} surfaces are given; a head that tells a direction has at least two")));
     }

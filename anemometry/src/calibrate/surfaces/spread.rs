@@ -170,7 +170,7 @@ fn angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsR
     of_class.map(|wind| Vector3::from(wind.towards).angle(&-axis).to_degrees()).collect()
 }
 
-/// Angles that are told apart: within so many degrees two are one.
+/// Within so many degrees two angles are one.
 const SAME_ANGLE: f64 = 5.0;
 /// Between the angles of the winds to wires, degrees.
 const LEAST_ANGLES: f64 = 30.0;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
 use dr_core::wind::card_inverse::DICE;
-use dr_core::wind::{HeadForm, MOST_SURFACES, Nusselt, NusseltSurface};
+use dr_core::wind::{HeadForm, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
 use super::keys::CalibrationKeys;
@@ -128,9 +128,9 @@ impl Calibration {
     fn check_surfaces(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
         let count = self.surfaces.len();
         let form = self.table.form;
-        let most = if form == HeadForm::Single { 1 } else { MOST_SURFACES };
-        if !(form.least_surfaces()..=most).contains(&count) {
-            let least = form.least_surfaces();
+        let counts = form.surfaces();
+        if !counts.contains(&count) {
+            let (least, most) = (counts.start(), counts.end());
             let sentence = match form {
                 HeadForm::Single => format!("are {count}: a single element has one"),
                 _ => format!("are {count}: {least} to {most} belong here, and four dice on a card"),

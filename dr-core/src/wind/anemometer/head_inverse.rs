@@ -2,8 +2,8 @@
 
 use crate::wind::card_inverse::Card;
 use crate::wind::estimate::WindEstimate;
+use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
-use crate::wind::surface::MOST_SURFACES;
 use crate::wind::surface_inverse::{MeasuredConductance, WindState, WindVector};
 
 /// A head that is known.

@@ -6,10 +6,10 @@ use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATU
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
 use crate::wind::card_inverse::{Card, CardConfig, DICE};
-use crate::wind::form::HeadForm;
+use crate::wind::form::{HeadForm, MOST_SURFACES};
 use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
-use crate::wind::surface::{MOST_SURFACES, NusseltSurface, SurfaceConfig};
+use crate::wind::surface::{NusseltSurface, SurfaceConfig};
 use crate::wind::surface_inverse::WindVector;
 
 /// The settings so far.
