@@ -293,6 +293,44 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::calibrate::drawn::surfaces_of;
+    use crate::calibrate::steady_wind::SurfaceReading;
+    use crate::calibrate::surfaces::readings::DrawnSurface;
+    use crate::gas::IdealGas;
+    use crate::vector::{dot, unit};
+
+    #[test]
+    fn crossed_wires_that_look_away_from_the_winds_are_refused() {
+        let across = [unit([1.0, 1.0, 0.0]), unit([1.0, -1.0, 0.0])];
+        let gas = IdealGas::new(Species::Air, 101_325.0, 293.15).unwrap();
+        let winds: Vec<SteadyWind> = (0..60)
+            .map(|n| {
+                let share = |by: f64| (f64::from(n + 1) * by).fract();
+                let (speed, angle) = (0.5 * 20_f64.powf(share(0.618)), 1.2 * (share(0.755) - 0.5));
+                let wind_m_s = [-speed * angle.cos(), -speed * angle.sin(), 0.0];
+                let surfaces = across.map(|normal| {
+                    let seen = dot(wind_m_s, normal).hypot(0.2 * speed);
+                    let power_w = 20.0 * 2e-4 * seen.powf(0.45);
+                    SurfaceReading {
+                        power_w,
+                        overheat_k: 20.0,
+                        above_reference_k: 20.0,
+                        variance_w2: (1e-3 * power_w).powi(2),
+                    }
+                });
+                SteadyWind { label: format!("wind {n}"), wind_m_s, gas, surfaces: surfaces.into() }
+            })
+            .collect();
+        let by = |normals: [[f64; 3]; 2]| {
+            let surfaces = surfaces_of(HeadForm::Wires, &normals, 5e-4, 5e-3).unwrap().into_iter();
+            let surfaces = surfaces.map(|config| DrawnSurface { name: "film".to_owned(), config }).collect();
+            let law = LossLaw::King { exponent: Some(0.45) };
+            surfaces_by(&DrawnSurfaces { form: HeadForm::Wires, law, diameter_m: 5e-4, surfaces }, &winds)
+        };
+        assert!(by(across).is_ok());
+        let refused = by(across.map(|normal| normal.map(|x| -x))).err().unwrap();
+        assert!(matches!(refused, CalibrateError::Direction { rms_deg } if rms_deg > 150.0), "{refused}");
+    }
 
     #[test]
     fn a_network_that_lacks_a_surface_of_the_head_is_refused_by_its_name() {
