@@ -6,7 +6,7 @@
 //! has to be removed for that is the convective power:
 //!
 //! ```text
-//! e_i  = s_i (T_i − rest_i − Σ_k R_k^ii x_k^ii − Σ_j Σ_k R_k^ij x_k^ij)
+//! e_i  = f_i s_i (T_i − rest_i − Σ_k R_k^ii x_k^ii − Σ_j Σ_k R_k^ij x_k^ij)
 //! q_i  ← q_i − ℓ_i e_i
 //! x_k^ii ← x_k^ii + g_k (P_i − m_k q_i + c_k e_i − x_k^ii)
 //! x_k^ij ← x_k^ij + g_k (P_j − m_k q_j − x_k^ij)
@@ -17,6 +17,7 @@
 //! |---|---|---|
 //! | q | convective power: convective loss beyond that in quiescent gas | W |
 //! | e | innovation, weighted by s: a reading at the high level has a larger voltage and less noise | K |
+//! | f | scale that keeps the bandwidth at any duty cycle ([`gains`]) | |
 //! | ℓ, c_k, s | gains and weights of a steady-state Kalman filter for which q is a random walk; they set the bandwidth | W/K |
 //! | m_k | share of heat at the surface in relaxation k | |
 //! | Ts | temperature of the surface | °C |
@@ -189,7 +190,7 @@ impl<const N: usize> ConvectionObserver<N> {
             self.self_heating.get_mut(usize::from(config.element)).and_then(Option::as_mut).ok_or(NO_SUCH_ELEMENT)?;
         let place = own.gains.sets.unwrap_or(self.faster_elements);
         let full = error::out_of_range(Parameter::Parts, 0.0, FASTER_ELEMENTS as f32);
-        self.sets.get_mut(usize::from(place)).ok_or(full)?.set(config, sample_period_s)?;
+        self.sets.get_mut(usize::from(place)).ok_or(full)?.set(config, &seen_k_per_w(&own.symbol, &own.relaxations), sample_period_s)?;
         if own.gains.sets.replace(place).is_none() {
             self.faster_elements += 1;
         }
@@ -248,12 +249,15 @@ impl<const N: usize> ConvectionObserver<N> {
             let mut error_k = 0.0;
             if input.valid >> i & 1 == 1 {
                 error_k = input.temperature_c[i] - base_c - own.symbol.output(x);
+                own.gains.weigh(&mut state.monitor[i], level);
             }
             let sets = own.gains.sets.and_then(|place| self.sets.get(usize::from(place)));
             let gains = own.gains.at(sets, &mut state.monitor[i], error_k, level);
-            let innovation_k = gains.weights[level] * error_k;
+            let (scale, variance_w2) = gains.scaled(state.monitor[i].mean_weight);
+            let gains = &gains.of;
+            let innovation_k = scale * gains.weights[level] * error_k;
             let q = state.convection_w[i] - gains.convection_w_per_k * innovation_k;
-            convection.variance_w2[i] = gains.variance_w2;
+            convection.variance_w2[i] = variance_w2;
             state.convection_w[i] = q;
             convection.power_w[i] = q;
             convection.surface_c[i] = base_c + own.surface_k_per_w.output(x);
@@ -367,10 +371,10 @@ impl<const N: usize> ConvectionObserver<N> {
     pub(crate) fn visit_state(&self, state: &ConvectionObserverState<N>, visitor: &mut impl FieldVisitor) {
         let ConvectionObserverState { self_heating, cross_heating, convection_w, monitor, initialised: _ } = state;
         let each = self_heating.iter().zip(convection_w).zip(monitor).zip(&self.self_heating);
-        for (((own, convection_w), InnovationMonitor { smoothed_k, calm_ticks: _ }), config) in each {
+        for (((own, convection_w), InnovationMonitor { smoothed_k, calm_ticks: _, mean_weight }), config) in each {
             if config.is_some() {
                 own.visit(visitor);
-                [*convection_w, *smoothed_k].visit(visitor);
+                [*convection_w, *smoothed_k, *mean_weight].visit(visitor);
             }
         }
         for (cross, _) in cross_heating.iter().zip(&self.cross_heating).filter(|(_, config)| config.is_some()) {
@@ -383,6 +387,11 @@ impl<const N: usize> ConvectionObserver<N> {
 pub(crate) const NO_SUCH_ELEMENT: ConfigError =
     ConfigError { parameter: Parameter::PartElement, problem: ParameterProblem::Missing };
 
+/// What a power of one tick does to the temperature by each relaxation, K/W.
+fn seen_k_per_w(symbol: &Symbol<ORDER>, relaxations: &Relaxations<ORDER>) -> [f32; ORDER] {
+    core::array::from_fn(|k| symbol.r_k_per_w()[k] * relaxations.gain()[k])
+}
+
 impl NetworkSelfHeating {
     fn new(config: &NetworkSelfHeatingConfig, sample_period_s: f32) -> Result<Self, ConfigError> {
         for share in config.surface {
@@ -391,13 +400,15 @@ impl NetworkSelfHeating {
         let symbol = Symbol::new(config.r_k_per_w)?;
         let surface_k_per_w = Symbol::new(core::array::from_fn(|k| config.r_k_per_w[k] * config.surface[k]))?;
         error::positive(Parameter::ResistanceKPerW, surface_k_per_w.steady_gain_k_per_w())?;
+        let relaxations = Relaxations::new(&config.mesh_rad_s, sample_period_s)?;
+        let seen_k_per_w = seen_k_per_w(&symbol, &relaxations);
         Ok(Self {
-            relaxations: Relaxations::new(&config.mesh_rad_s, sample_period_s)?,
+            relaxations,
             surface_k_per_w,
             symbol,
             surface: config.surface,
             rest_c: error::finite(Parameter::ReferenceC, config.rest_c)?,
-            gains: AdaptiveGains::new(&config.gains, config.alarm.as_ref(), sample_period_s)?,
+            gains: AdaptiveGains::new(&config.gains, config.alarm.as_ref(), &seen_k_per_w, sample_period_s)?,
         })
     }
 }
