@@ -29,9 +29,9 @@
 //! the tests (0.6 s behind ceramic, 1 kHz, 0.5 mK): 31 µW at 0.5 Hz, 0.16 mW at 1 Hz, 9 mW at 5 Hz;
 //! without layers 5 µW at 5 Hz.
 //!
-//! Limits: elements are designed one by one; what others do to them is taken for known. Duty cycles
-//! other than the nominal one change bandwidth and noise a little: fewer high readings, slower and
-//! noisier.
+//! Limits: elements are designed one by one; what others do to them is taken for known. At
+//! other duty cycles than the nominal one the board keeps the bandwidth, and the noise differs: with
+//! fewer readings at the high level there is more of it.
 
 use dr_core::model::mesh;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -98,8 +98,10 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
             "noise of readings is {low_k} K at the low and {high_k} K at the high level: both must be above 0"
         )));
     }
-    // In units of what one step does to the temperature against the noise.
-    let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
+    // In units of what one step does to the temperature against the noise; without a surface it does
+    // so at once.
+    let of_a_step = |g: f64| if plant.own.surface.is_some() { g } else { 1.0 };
+    let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * of_a_step(g)).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
     let (mut slow, mut fast) = ((1e-10 * unit_w).ln(), (1e6 * unit_w).ln());
     let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);

@@ -272,6 +272,49 @@ mod tests {
         QuiescentNetwork { own: own.collect(), cross }
     }
 
+    /// Three films on a tube, in thin CO₂.
+    fn tube() -> QuiescentNetwork {
+        let name = |element: usize| format!("film{}", element + 1);
+        let own = (0..3).map(|element| SelfHeatingParameters {
+            element,
+            name: name(element),
+            rest_c: 20.0,
+            noise: ReadingNoise { low_k: 1e-3, high_k: 1.5e-4 },
+            mesh_rad_s: vec![2.67e-3, 0.029, 0.1223, 3.42],
+            r_k_per_w: vec![697.2, 40.0, 160.0, 66.4],
+            layers: Vec::new(),
+            surface: Some(vec![0.999, 0.991, 0.961, -0.096]),
+        });
+        let pairs = (0..3).flat_map(|from| (0..3).map(move |to| (from, to))).filter(|(from, to)| from != to);
+        let cross = pairs.map(|(from, to)| CrossHeatingParameters {
+            from,
+            to,
+            from_name: name(from),
+            to_name: name(to),
+            mesh_rad_s: vec![2.67e-3, 5.96e-3, 0.027, 0.1054],
+            r_k_per_w: vec![700.7, -4.9, 40.3, -29.9],
+            surface: vec![0.999, 0.998, 0.991, 0.966],
+        });
+        QuiescentNetwork { own: own.collect(), cross: cross.collect() }
+    }
+
+    #[test]
+    fn what_a_surface_is_late_after_a_jump_does_not_stay_in_the_others() {
+        const TICKS: usize = 300;
+        let (network, sample_period_s) = (tube(), 0.01);
+        for bandwidth_hz in [1.0, 2.0] {
+            let observer = network.stable_observer(bandwidth_hz, sample_period_s).unwrap();
+            for levels in ReadLevels::ALL {
+                let courses =
+                    courses(&network, &observer, &[TICKS; 2], |_| JUMP_W, levels, sample_period_s).unwrap();
+                for squares in &courses[1][..3] {
+                    let left_w = (squares / TICKS as f64).sqrt();
+                    assert!(left_w < 1e-3 * JUMP_W, "{bandwidth_hz} Hz: {left_w} W from 3 s to 6 s");
+                }
+            }
+        }
+    }
+
     #[test]
     fn quick_gains_of_dice_that_share_a_card_do_not_hold_and_are_left_out() {
         let network = card();

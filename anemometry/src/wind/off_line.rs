@@ -92,12 +92,23 @@ mod tests {
     }
 
     #[test]
+    fn a_sphere_has_filters_at_any_rate() {
+        let calibration = sphere_b().calibration.unwrap();
+        for sample_period_s in [1e-3, 2e-3, 4e-3, 5e-3, 1e-2, 2e-2] {
+            for bandwidth_hz in [0.25, 0.5, 1.0, 2.0, 5.0] {
+                let observer = calibration.network.stable_observer(bandwidth_hz, sample_period_s);
+                assert!(observer.is_ok(), "{sample_period_s} s, {bandwidth_hz} Hz: {:?}", observer.err());
+            }
+        }
+    }
+
+    #[test]
     fn a_sphere_of_which_one_sector_must_stay_slow_is_slow_altogether() {
-        // At 10 ms three sectors do worse with quick gains. The fourth alone would count as missing
-        // after each of its alarms, and the wind of three sectors is ambiguous.
+        // At 10 ms a small jump of one sector is noticed too late. Without it the wind of the three
+        // others, which would be ahead of it after each of their alarms, is ambiguous.
         let calibration = sphere_b().calibration.unwrap();
         let observer = calibration.network.adaptive_observer(2.0, 1e-2).unwrap();
-        assert!(observer.fixed.unwrap_or_default().starts_with("sector2, sector3, sector4: "));
+        assert!(observer.fixed.unwrap_or_default().starts_with("sector4: "));
         assert!(observer.faster.is_empty() && observer.own.iter().all(|(_, config)| config.alarm.is_none()));
     }
 

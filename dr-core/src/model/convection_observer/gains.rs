@@ -8,8 +8,8 @@
 //!
 //! ```text
 //! s̄ ← s̄ + (s − s̄)/64
-//! e = f s (T − T̂),    f = 1/s̄, at most 1/(s_most Σ R_k g_k c_k)    so that no reading is overdone
-//! σ² = f² s̄ σ²_turns
+//! e = (T − T̂) s/s̄    at most (T − T̂)/Σ R_k g_k c_k, which is all that a reading can correct
+//! σ² = σ²_turns/s̄
 //! ```
 
 use super::config::{AlarmConfig, FASTER_SETS, FasterGainsConfig, GainsConfig};
@@ -32,14 +32,14 @@ pub struct InnovationMonitor {
     pub smoothed_k: f32,
     /// Ticks since the last alarm.
     pub calm_ticks: u32,
-    /// s̄: mean weight of the last readings.
+    /// s̄: mean weight of the last readings; 0 before the first.
     pub mean_weight: f32,
 }
 
 impl Default for InnovationMonitor {
     /// No alarm yet.
     fn default() -> Self {
-        Self { smoothed_k: 0.0, calm_ticks: u32::MAX, mean_weight: 1.0 }
+        Self { smoothed_k: 0.0, calm_ticks: u32::MAX, mean_weight: 0.0 }
     }
 }
 
@@ -82,7 +82,7 @@ impl GainSets {
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 pub struct Gains {
     pub of: GainsConfig,
-    /// f at which a reading of the greater weight would be corrected in full.
+    /// Weight of a reading that corrects the temperature in full.
     most: f32,
 }
 
@@ -98,16 +98,15 @@ impl Gains {
         error::within(Parameter::ConvectionWPerK, gains.convection_w_per_k, 0.0, 1e6)?;
         error::within(Parameter::VarianceW2, gains.variance_w2, 0.0, 1e6)?;
         let corrected: f32 = gains.correction_w_per_k.iter().zip(seen_k_per_w).map(|(c, seen)| c * seen).sum();
-        let most = 1.0 / (gains.weights[0].max(gains.weights[1]) * corrected);
-        // Gains that alone are too much are not made smaller than they are.
-        Ok(Self { of: *gains, most: if most > 0.0 { most.max(1.0) } else { f32::MAX } })
+        // Gains that alone are more than that are not made smaller.
+        let full = if corrected > 0.0 { 1.0 / corrected } else { f32::MAX };
+        Ok(Self { of: *gains, most: full.max(gains.weights[0]).max(gains.weights[1]) })
     }
 
-    /// f, and the variance of q with it, W².
+    /// Weight of a reading beside the mean weight of the last ones.
     #[inline]
-    pub fn scaled(&self, mean_weight: f32) -> (f32, f32) {
-        let scale = (1.0 / mean_weight).min(self.most);
-        (scale, scale * scale * mean_weight * self.of.variance_w2)
+    pub fn weight(&self, mean_weight: f32, level: usize) -> f32 {
+        (self.of.weights[level] / mean_weight).min(self.most)
     }
 }
 
@@ -149,7 +148,9 @@ impl AdaptiveGains {
     /// A reading at a level has come.
     #[inline]
     pub fn weigh(&self, monitor: &mut InnovationMonitor, level: usize) {
-        monitor.mean_weight += WEIGHT_SHARE * (self.steady.of.weights[level] - monitor.mean_weight);
+        let weight = self.steady.of.weights[level];
+        let share = if monitor.mean_weight > 0.0 { WEIGHT_SHARE } else { 1.0 };
+        monitor.mean_weight += share * (weight - monitor.mean_weight);
     }
 
     /// The gains for an innovation, before its weight, at a level.
@@ -207,6 +208,23 @@ mod tests {
     }
 
     extern crate std;
+
+    #[test]
+    fn no_reading_is_overdone() {
+        let of = |correction: f32| {
+            let mut gains = gains(0.1);
+            gains.correction_w_per_k[2] = correction;
+            let mut seen_k_per_w = [0.0; ORDER];
+            seen_k_per_w[2] = 4.0;
+            let gains = Gains::new(&gains, &seen_k_per_w).unwrap();
+            [0, 1].map(|level| gains.weight(0.5, level))
+        };
+        // Three times 4 K/W × 0.05 W/K are 0.6 of the temperature.
+        assert_eq!(of(0.05), [1.0, 3.0]);
+        assert_eq!(of(0.1), [1.0, 2.5]);
+        assert_eq!(of(10.0), [1.0, 1.5], "nor is it less than it was");
+        assert_eq!(of(-10.0), [1.0, 3.0]);
+    }
 
     #[test]
     fn sets_come_in_the_order_of_their_times() {

@@ -179,7 +179,8 @@ fn the_wind_is_the_one_that_took_the_powers() {
     let measured: [_; SECTORS] = core::array::from_fn(|part| {
         let (surface_c, conductance_w_k) = by_hand(part);
         let share = f64::from(GAIN[part]) / (surface_c - f64::from(GAS_C));
-        let variance = share * share * f64::from(VARIANCE_W2 * (1 + part) as f32);
+        // All readings are at the low level.
+        let variance = share * share * f64::from(VARIANCE_W2 * (1 + part) as f32 / PATIENT[0]);
         Some(MeasuredConductance { conductance_w_k: conductance_w_k as f32, variance_w2_k2: variance as f32 })
     });
     let wind = vector().step(&mut WindState::default(), &gas_there(), &measured);
@@ -218,7 +219,9 @@ fn a_reading_counts_by_the_level_at_which_it_was_read() {
         let told = follow(&mut anemometer, &warmer).unwrap();
         let (surface_c, still_w_k) = by_hand(1);
         let per_k = f64::from(GAIN[1]) / (surface_c - f64::from(GAS_C));
-        let truth = still_w_k - per_k * f64::from(FORWARD_W_K * weight * rise_k);
+        // The first reading was at the low level.
+        let mean_weight = f64::from(PATIENT[0]) + f64::from(weight - PATIENT[0]) / 64.0;
+        let truth = still_w_k - per_k * f64::from(FORWARD_W_K * weight * rise_k) / mean_weight;
         // As above; the other weight would be off by a tenth.
         assert!(near(told.conductance_w_k[1], truth, 5e-4), "{heaters:b}: {} for {truth}", told.conductance_w_k[1]);
         assert!(near(told.conductance_w_k[0], by_hand(0).1, 2e-4));
