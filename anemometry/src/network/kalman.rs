@@ -49,6 +49,10 @@ pub const NOMINAL_DUTY: f64 = 0.5;
 const POWER_NOISE: f64 = 1e-6;
 /// Frequencies at which a bandwidth is looked for, a decade.
 const A_DECADE: usize = 40;
+/// Least and greatest step that is tried, in units, and the factor from one to the next.
+const SLOWEST: f64 = 1e-10;
+const FASTEST: f64 = 1e6;
+const OUTWARDS: f64 = 10.0;
 /// Greatest correction that the board takes, W/K.
 const GREATEST_W_PER_K: f64 = 1e6;
 
@@ -103,16 +107,25 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
     let of_a_step = |g: f64| if plant.own.surface.is_some() { g } else { 1.0 };
     let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * of_a_step(g)).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
-    let (mut slow, mut fast) = ((1e-10 * unit_w).ln(), (1e6 * unit_w).ln());
     let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);
-    for (edge, is_slow, reach) in [(slow, true, "down to"), (fast, false, "up to")] {
-        let edge_hz = at(edge)?.bandwidth_hz;
-        if (edge_hz > bandwidth_hz) == is_slow {
+    // From a middling step outwards: far beyond what is needed the equations are ill conditioned.
+    let mut edge = unit_w.ln();
+    let mut edge_hz = at(edge)?.bandwidth_hz;
+    let is_slow = edge_hz < bandwidth_hz;
+    let (mut slow, mut fast) = (edge, edge);
+    while (edge_hz < bandwidth_hz) == is_slow {
+        let limit = unit_w.ln() + if is_slow { FASTEST.ln() } else { SLOWEST.ln() };
+        if edge == limit {
+            let reach = if is_slow { "up to" } else { "down to" };
             return Err(NetworkError::new(format!(
                 "a bandwidth of {bandwidth_hz} Hz cannot be had of this element: its filters reach {reach} {edge_hz:.3} Hz"
             )));
         }
+        (slow, fast) = (edge, edge);
+        edge = if is_slow { (edge + OUTWARDS.ln()).min(limit) } else { (edge - OUTWARDS.ln()).max(limit) };
+        edge_hz = at(edge)?.bandwidth_hz;
     }
+    if is_slow { fast = edge } else { slow = edge }
     while fast - slow > 1e-6 {
         let middle = 0.5 * (slow + fast);
         if at(middle)?.bandwidth_hz < bandwidth_hz { slow = middle } else { fast = middle }
