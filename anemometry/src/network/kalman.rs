@@ -29,9 +29,9 @@
 //! the tests (0.6 s behind ceramic, 1 kHz, 0.5 mK): 31 µW at 0.5 Hz, 0.16 mW at 1 Hz, 9 mW at 5 Hz;
 //! without layers 5 µW at 5 Hz.
 //!
-//! Limits: elements are designed one by one; what others do to them is taken for known. At
-//! other duty cycles than the nominal one the board keeps the bandwidth, and the noise differs: with
-//! fewer readings at the high level there is more of it.
+//! Limits: elements are designed one by one; what others do to them is taken for known. At other
+//! duty cycles than the nominal one the board keeps the bandwidth, and the noise differs: there is
+//! more of it with fewer readings at the high level.
 
 use dr_core::model::mesh;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -102,8 +102,8 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
             "noise of readings is {low_k} K at the low and {high_k} K at the high level: both must be above 0"
         )));
     }
-    // In units of what one step does to the temperature against the noise; without a surface it does
-    // so at once.
+    // In units of what one step does to the temperature against the noise; without a surface it
+    // does so at once.
     let of_a_step = |g: f64| if plant.own.surface.is_some() { g } else { 1.0 };
     let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * of_a_step(g)).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
@@ -125,7 +125,11 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
         edge = if is_slow { (edge + OUTWARDS.ln()).min(limit) } else { (edge - OUTWARDS.ln()).max(limit) };
         edge_hz = at(edge)?.bandwidth_hz;
     }
-    if is_slow { fast = edge } else { slow = edge }
+    if is_slow {
+        fast = edge
+    } else {
+        slow = edge
+    }
     while fast - slow > 1e-6 {
         let middle = 0.5 * (slow + fast);
         if at(middle)?.bandwidth_hz < bandwidth_hz { slow = middle } else { fast = middle }

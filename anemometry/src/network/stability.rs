@@ -305,8 +305,7 @@ mod tests {
         for bandwidth_hz in [1.0, 2.0] {
             let observer = network.stable_observer(bandwidth_hz, sample_period_s).unwrap();
             for levels in ReadLevels::ALL {
-                let courses =
-                    courses(&network, &observer, &[TICKS; 2], |_| JUMP_W, levels, sample_period_s).unwrap();
+                let courses = courses(&network, &observer, &[TICKS; 2], |_| JUMP_W, levels, sample_period_s).unwrap();
                 for squares in &courses[1][..3] {
                     let left_w = (squares / TICKS as f64).sqrt();
                     assert!(left_w < 1e-3 * JUMP_W, "{bandwidth_hz} Hz: {left_w} W from 3 s to 6 s");

@@ -239,6 +239,8 @@ mod tests {
         sets.set(&config(0, 0.5), &[0.0; ORDER], 0.001).unwrap();
         assert_eq!(sets.in_order.iter().flatten().count(), 1);
         assert!(sets.set(&config(1, 0.6), &[0.0; ORDER], 0.001).is_ok());
-        assert!(AdaptiveGains::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, &[0.0; ORDER], 0.001).is_err());
+        assert!(
+            AdaptiveGains::new(&GainsConfig { weights: [0.0, 1.0], ..gains(0.1) }, None, &[0.0; ORDER], 0.001).is_err()
+        );
     }
 }

@@ -31,9 +31,9 @@
 //!
 //! A correction c e_j is heat that the model of element j has missed, and so it warms the others,
 //! too. Without it, what q_j was late after a jump stays in their models until it has left the
-//! structure, and in q: of a jump 0.6 % for minutes, for three films on a tube at 1 Hz; with it 10⁻⁵
-//! after 3 s. Elements without a surface are corrected by state and not by heat, and so this is not
-//! done for theirs.
+//! structure, and in q: of a jump 0.6 % for minutes, for three films on a tube at 1 Hz; with it
+//! 10⁻⁵ after 3 s. Elements without a surface are corrected by state and not by heat, and so this
+//! is not done for theirs.
 //!
 //! **Alarm.** A fixed bandwidth is a compromise between noise and delay. The smoothed innovation is
 //! small while the wind changes as the filter assumes. Beyond a threshold the wind has changed
@@ -200,7 +200,8 @@ impl<const N: usize> ConvectionObserver<N> {
             self.self_heating.get_mut(usize::from(config.element)).and_then(Option::as_mut).ok_or(NO_SUCH_ELEMENT)?;
         let place = own.gains.sets.unwrap_or(self.faster_elements);
         let full = error::out_of_range(Parameter::Parts, 0.0, FASTER_ELEMENTS as f32);
-        self.sets.get_mut(usize::from(place)).ok_or(full)?.set(config, &seen_k_per_w(&own.symbol, &own.relaxations), sample_period_s)?;
+        let seen_k_per_w = seen_k_per_w(&own.symbol, &own.relaxations);
+        self.sets.get_mut(usize::from(place)).ok_or(full)?.set(config, &seen_k_per_w, sample_period_s)?;
         if own.gains.sets.replace(place).is_none() {
             self.faster_elements += 1;
         }
