@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | q | convective power: convective loss beyond that in quiescent gas | W |
 //! | e | innovation, weighted by s: a reading at the high level has a larger voltage and less noise | K |
-//! | s̄ | mean weight of the last readings: it keeps the bandwidth at any duty cycle ([`gains`]) | |
+//! | s̄ | mean weight of the last readings: it keeps the bandwidth at any duty cycle (`gains`) | |
 //! | ℓ, c_k, s | gains and weights of a steady-state Kalman filter for which q is a random walk; they set the bandwidth | W/K |
 //! | m_k | share of heat at the surface in relaxation k | |
 //! | Ts | temperature of the surface | °C |
