@@ -429,9 +429,7 @@ impl NetworkSelfHeating {
             gains: AdaptiveGains::new(&config.gains, config.alarm.as_ref(), &seen_k_per_w, sample_period_s)?,
         })
     }
-}
 
-impl NetworkSelfHeating {
     /// By relaxation of a pair, the one of this element whose rate is nearest; those without a
     /// resistance only fill places.
     fn nearest(&self, of_pair: &Relaxations<CROSS_ORDER>) -> [u8; CROSS_ORDER] {
