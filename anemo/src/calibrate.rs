@@ -7,7 +7,10 @@ use indicatif::ProgressBar;
 use crate::choice::choice;
 use crate::output::{Failure, head_of};
 use anemometry::calibrate::error::CalibratorError;
-use anemometry::calibrate::{CalibrationReport, Calibrator, DrawnOptions, LossLaw};
+use anemometry::calibrate::{
+    CalibrationReport, Calibrator, DrawnOptions, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
+};
+use anemometry::head::Head;
 use anemometry::wind::given_winds;
 use diffusive::model::Model;
 use dr_core::wind::HeadForm;
@@ -21,6 +24,10 @@ use dr_core::wind::HeadForm;
 /// tunnel. A single element gives King's law and the speed, wires in a plane and sectors round a
 /// cylinder the wind in their plane, surfaces on a sphere all of it. Errors are cross-validated.
 /// Winds that do not determine all of this are refused, and the missing ones named.
+///
+/// In place of recordings, tables of steady winds will do, a row each. Such a table knows the
+/// network of surfaces that do not warm each other; without --network it takes it from its stillest
+/// row and --time-constant.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -33,14 +40,30 @@ Examples:
   anemo calibrate card-tunnel.parquet --network card1.json -o card1.toml \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4
 
-A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.")]
+  anemo calibrate speeds.csv --head wire.toml --time-constant 0.2 -o hot-wire.toml
+
+A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.
+
+A table of steady winds has no time_s, but for every row
+
+  wind_x_m_s, wind_y_m_s, wind_z_m_s    where the gas goes to; or
+  speed_m_s, angle_deg                  from where it comes, from x towards y of
+                                        the head (a single element: speed_m_s)
+  power_w_NAME, temperature_c_NAME      of each element NAME (a single element:
+                                        power_w, temperature_c)
+  gas_temperature_c, gas_pressure_pa, gas_species (air or co2)
+  event                                 a label, if you like")]
 pub struct Arguments {
-    /// The recordings: .parquet or .csv files.
+    /// The recordings, or tables of steady winds: .parquet or .csv files.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
     /// The quiescent-gas network: a .json file of `anemo head identify`.
-    #[arg(long, value_name = "MODEL")]
-    network: PathBuf,
+    #[arg(long, value_name = "MODEL", required_unless_present = "time_constant")]
+    network: Option<PathBuf>,
+    /// Of tables without a network: in what time the temperature of a surface follows a step of its
+    /// power in still gas, s.
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["network", "elements"])]
+    time_constant: Option<f64>,
     /// The head; by default the one that the first recording carries. Elements with a `normal` are
     /// its surfaces: outward of a sphere or a cylinder, of a wire across it towards the wind.
     #[arg(long, value_name = "FILE")]
@@ -120,13 +143,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("--diameter-mm", arguments.diameter_mm),
         ("--length-mm", arguments.length_mm),
         ("--die-mm", Some(arguments.die_mm)),
+        ("--time-constant", arguments.time_constant),
     ];
     let mut given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
     if let Some((name, _)) = given.find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
         return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
     }
+    if arguments.time_constant == Some(0.0) {
+        return Err(Failure::usage(
+            "--time-constant is 0 s: how long a surface takes to follow its power belongs there",
+        ));
+    }
     let mut read: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
-    read.extend([arguments.network.as_path()]);
+    read.extend(arguments.network.as_deref());
     read.extend(arguments.winds.as_deref());
     crate::output::keep(&read, &[arguments.output.as_deref()])?;
     if let Some(path) = &arguments.output {
@@ -134,15 +163,68 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref())?;
-    let model = Model::read(&arguments.network).map_err(Failure::usage)?;
-    let calibrator = match &arguments.elements[..] {
-        [] => Calibrator::new(&head, &model, &arguments.options(), arguments.law()?),
-        elements => Calibrator::card(&head, &model, elements, arguments.die_mm * 1e-3),
+    let tables = tables(arguments)?;
+    let calibrator = calibrator(arguments, &head, &tables)?;
+    let (steady, short) = match tables.is_empty() {
+        false => (calibrator.winds_of(&tables).map_err(Failure::usage)?, 0),
+        true => recorded_winds(arguments, &calibrator)?,
     };
-    let calibrator = calibrator.map_err(|error| match error {
-        CalibratorError::Options(_) => Failure::usage(error),
-        error => Failure::in_file(&arguments.network, error),
+    let files =
+        recording::text::counted(arguments.recordings.len(), if tables.is_empty() { "recording" } else { "table" });
+    let calibrated = calibrator.calibrated(&steady, &files, arguments.direction_error_max_deg);
+    let calibrated = calibrated.map_err(|error| match (short, arguments.settle) {
+        (0, _) => Failure::work(error),
+        (short, settle_s) => Failure::work(format!(
+            "{error}\n{short} winds were not longer than the {settle_s} s of --settle, and left out"
+        )),
     })?;
+    if let Some(path) = &arguments.output {
+        crate::output::write_text(path, &calibrated.text)?;
+    }
+    let mut report = CalibrationReport::new(calibrated, short, arguments.settle);
+    report.written.clone_from(&arguments.output);
+    crate::output::print_report(&report, arguments.json)
+}
+
+/// The tables of steady winds, if the files are such.
+fn tables(arguments: &Arguments) -> Result<Vec<SteadyTable>, Failure> {
+    let mut tables = Vec::new();
+    for path in &arguments.recordings {
+        if steady_table::is_table(path).map_err(Failure::usage)? {
+            tables.push(SteadyTable::read(path).map_err(Failure::usage)?);
+        }
+    }
+    match (tables.len(), arguments.time_constant) {
+        (0, Some(_)) => Err(Failure::usage("--time-constant is of a table of steady winds: recordings need --network")),
+        (some, _) if some > 0 && some < arguments.recordings.len() => {
+            Err(Failure::usage("recordings and tables of steady winds cannot be calibrated together"))
+        }
+        (some, _) if some > 0 && arguments.winds.is_some() => {
+            Err(Failure::usage("--winds is of recordings: a table of steady winds has its winds"))
+        }
+        _ => Ok(tables),
+    }
+}
+
+fn calibrator<'a>(arguments: &Arguments, head: &'a Head, tables: &[SteadyTable]) -> Result<Calibrator<'a>, Failure> {
+    let model = arguments.network.as_deref().map(Model::read).transpose().map_err(Failure::usage)?;
+    let network = match (&model, tables, arguments.time_constant) {
+        (Some(model), ..) => NetworkSource::Identified(model),
+        (None, [table, ..], Some(time_constant_s)) => NetworkSource::Table { table, time_constant_s },
+        (None, ..) => return Err(Failure::usage("--network is missing: recordings need it")),
+    };
+    let calibrator = match &arguments.elements[..] {
+        [] => Calibrator::new(head, network, &arguments.options(), arguments.law()?),
+        elements => Calibrator::card(head, network, elements, arguments.die_mm * 1e-3),
+    };
+    calibrator.map_err(|error| match (error, &arguments.network) {
+        (error @ CalibratorError::Options(_), _) | (error, None) => Failure::usage(error),
+        (error, Some(path)) => Failure::in_file(path, error),
+    })
+}
+
+/// The steady winds of recordings, and how many were too short.
+fn recorded_winds(arguments: &Arguments, calibrator: &Calibrator<'_>) -> Result<(Vec<SteadyWind>, usize), Failure> {
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
     let bar = progress_bar_of(arguments.recordings.len());
     let search = calibrator.search(arguments.settle, table.as_ref());
@@ -152,22 +234,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     });
     let winds = winds.map_err(Failure::usage)?;
     bar.finish_and_clear();
-    let (recordings, most_deg) = (arguments.recordings.len(), arguments.direction_error_max_deg);
-    let calibrated = calibrator.calibrated(&winds.steady, recordings, most_deg).map_err(|error| {
-        let (short, settle_s) = (winds.short, arguments.settle);
-        match short {
-            0 => Failure::work(error),
-            _ => Failure::work(format!(
-                "{error}\n{short} winds were not longer than the {settle_s} s of --settle, and left out"
-            )),
-        }
-    })?;
-    if let Some(path) = &arguments.output {
-        crate::output::write_text(path, &calibrated.text)?;
-    }
-    let mut report = CalibrationReport::new(calibrated, winds.short, arguments.settle);
-    report.written.clone_from(&arguments.output);
-    crate::output::print_report(&report, arguments.json)
+    Ok((winds.steady, winds.short))
 }
 
 fn progress_bar_of(recordings: usize) -> ProgressBar {

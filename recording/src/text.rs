@@ -46,6 +46,11 @@ pub fn tidy(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 
+/// A number of things: `1 recording`, `2 recordings`.
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A sentence that quotes a file may hold anything; what is shown is one line.
 pub fn one_line(sentence: String) -> String {
     if sentence.contains(char::is_control) { sentence.replace(char::is_control, " ") } else { sentence }

@@ -28,9 +28,10 @@ const FIRST: [&str; 13] = [
     "wind",
 ];
 
-/// What is only parsed: a board and its log, the emulator, a program that was killed, and studies
+/// What is only parsed: a user's own table, a board and its log, the emulator, a killed program, studies
 /// of minutes.
-const PARSED: [&str; 8] = [
+const PARSED: [&str; 9] = [
+    "calibrate speeds.csv",
     " mast/",
     "serial:",
     "--on qemu",

@@ -1,6 +1,7 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
 use dr_core::wind::{HeadForm, SurfaceConfig};
+use recording::RecordingError;
 use recording::text::suggest;
 
 use super::card::drawn::DrawnCard;
@@ -8,6 +9,7 @@ use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
 use super::drawn::{DrawnOptions, drawn};
 use super::error::{CalibrateError, CalibratorError};
+use super::steady_table::SteadyTable;
 use super::steady_wind::SteadyWind;
 use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use super::surfaces::calibration::SurfaceCalibration;
@@ -27,6 +29,20 @@ const FOLDS: usize = 10;
 const MOST_DIRECTION_DEG: f64 = 45.0;
 /// The boom of a card lies along x, with its tip at +x.
 const TIP: [f64; 3] = [1.0, 0.0, 0.0];
+
+/// Where the quiescent-gas network of a head comes from.
+#[derive(Clone, Copy)]
+pub enum NetworkSource<'a> {
+    /// Identified from recordings, by `anemo head identify`.
+    Identified(&'a Model),
+    /// A table of steady winds by itself.
+    Table {
+        /// The table.
+        table: &'a SteadyTable,
+        /// In which every surface follows a step of its power in still gas, s.
+        time_constant_s: f64,
+    },
+}
 
 /// A head that is going to be calibrated.
 pub struct Calibrator<'a> {
@@ -72,14 +88,14 @@ pub enum CalibrationResult {
 }
 
 impl<'a> Calibrator<'a> {
-    /// For the elements of a head that have a normal; `model` is the quiescent-gas network of
-    /// `anemo head identify`. Without a `law` that one is taken whose held-out speeds are better.
+    /// For the elements of a head that have a normal. Without a `law` that one is taken whose
+    /// held-out speeds are better.
     ///
     /// # Errors
     /// If the normals are those of no head, or the network is not one of it.
     pub fn new(
         head: &'a Head,
-        model: &Model,
+        network: NetworkSource<'_>,
         options: &DrawnOptions,
         law: Option<LossLaw>,
     ) -> Result<Self, CalibratorError> {
@@ -90,7 +106,7 @@ impl<'a> Calibrator<'a> {
             return Err(CalibratorError::Options(sentence.to_owned()));
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
-        Self::of(head, model, places, reference, (DrawnHead::Surfaces(drawn), law))
+        Self::of(head, network, places, reference, (DrawnHead::Surfaces(drawn), law))
     }
 
     /// For the card of four dice: the two at the tip, the second of them around the boom from the
@@ -98,30 +114,51 @@ impl<'a> Calibrator<'a> {
     ///
     /// # Errors
     /// If the elements are not the dice of one card, or the network is not one of the head.
-    pub fn card(head: &'a Head, model: &Model, elements: &[String], side_m: f64) -> Result<Self, CalibratorError> {
+    pub fn card(
+        head: &'a Head,
+        network: NetworkSource<'_>,
+        elements: &[String],
+        side_m: f64,
+    ) -> Result<Self, CalibratorError> {
         let (places, drawn) = dice(head, elements, side_m)?;
-        Self::of(head, model, places, None, (DrawnHead::Card(drawn), None))
+        Self::of(head, network, places, None, (DrawnHead::Card(drawn), None))
     }
 
     fn of(
         head: &'a Head,
-        model: &Model,
+        network: NetworkSource<'_>,
         surfaces: Vec<usize>,
         reference: Option<usize>,
         (drawn, law): (DrawnHead, Option<LossLaw>),
     ) -> Result<Self, CalibratorError> {
-        let network = QuiescentNetwork::of(model, head)?;
+        let (network, quiescent) = match network {
+            NetworkSource::Identified(model) => {
+                (QuiescentNetwork::of(model, head)?, model.provenance.conditions.clone())
+            }
+            NetworkSource::Table { table, time_constant_s } => {
+                let (network, conditions) = table.network(head, &surfaces, time_constant_s)?;
+                (network, Some(conditions))
+            }
+        };
         if let Some(&missing) = surfaces.iter().find(|&&place| network.own.iter().all(|own| own.element != place)) {
             let (element, head) = (&head.elements[missing].name, &head.name);
             return Err(CalibratorError::Head(format!(
                 "network has no `{element}`, which is a surface of head `{head}`: is it of another head?"
             )));
         }
-        let quiescent = model.provenance.conditions.clone();
         let quiescent = quiescent.ok_or_else(|| CalibratorError::Head("does not tell its gas".to_owned()))?;
         let species = Species::named(&quiescent.species)
             .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
         Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn, law })
+    }
+
+    /// The steady winds of a user's own tables.
+    ///
+    /// # Errors
+    /// If a column is missing, or a row cannot be meant.
+    pub fn winds_of(&self, tables: &[SteadyTable]) -> Result<Vec<SteadyWind>, RecordingError> {
+        let each = tables.iter().map(|table| table.winds(&self.observed));
+        Ok(each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     }
 
     /// Search for steady winds in recordings; `settle_s` is left out at the beginning of every
@@ -130,14 +167,15 @@ impl<'a> Calibrator<'a> {
         SteadyWindSearch { observed: &self.observed, settle_s, winds }
     }
 
-    /// The calibrated head, with its errors in winds that were left out.
+    /// The calibrated head, with its errors in winds that were left out; `recordings` says where the
+    /// winds are from.
     ///
     /// # Errors
     /// If winds are missing, or nothing can be fitted.
     pub fn calibrated(
         &self,
         steady: &[SteadyWind],
-        recordings: usize,
+        recordings: &str,
         direction_error_max_deg: f64,
     ) -> Result<CalibratedHead, CalibratorError> {
         let result = self.result(steady)?;
@@ -153,7 +191,7 @@ impl<'a> Calibrator<'a> {
         let overall = result.cross_validation().overall();
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
-            made_from: format!("{winds} of {recordings} recordings; cross-validated: {}", overall.in_words()),
+            made_from: format!("{winds} of {recordings}; cross-validated: {}", overall.in_words()),
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             form,
@@ -337,7 +375,10 @@ mod tests {
         // It has hemisphere 1 and a core.
         let model = crate::network::from_model::tests::model();
         let head = Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-a.toml")).unwrap();
-        let refused = Calibrator::new(&head, &model, &DrawnOptions::default(), None).err().unwrap().to_string();
+        let refused = Calibrator::new(&head, NetworkSource::Identified(&model), &DrawnOptions::default(), None)
+            .err()
+            .unwrap()
+            .to_string();
         assert_eq!(
             refused,
             "network has no `hemisphere2`, which is a surface of head `sphere-a`: is it of another head?"

@@ -1,6 +1,7 @@
 //! Why a head cannot be calibrated: a sentence each.
 
 use dr_core::ConfigError;
+use recording::RecordingError;
 use recording::toml_file::FileError;
 
 use crate::network::error::NetworkError;
@@ -77,6 +78,9 @@ pub enum CalibratorError {
     /// Nothing can be fitted.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),
+    /// A table of steady winds cannot be used.
+    #[error(transparent)]
+    Table(#[from] RecordingError),
     /// The calibration makes no head.
     #[error(transparent)]
     File(#[from] FileError),

@@ -4,6 +4,7 @@
 //! | file | what |
 //! |---|---|
 //! | [`steady_winds`] | steady winds found in recordings |
+//! | [`steady_table`] | steady winds of a user's own table |
 //! | [`steady_wind`] | mean readings in one of them |
 //! | [`drawn`] | what the surfaces of a head belong to, and which part of it each is |
 //! | [`surfaces`] | the calibration of surfaces on a sphere, round a cylinder, of wires or of one element |
@@ -20,17 +21,19 @@ pub mod cross_validation;
 pub mod drawn;
 pub mod error;
 pub mod report;
+pub mod steady_table;
 pub mod steady_wind;
 pub mod steady_winds;
 pub mod surfaces;
 
-pub use calibrator::Calibrator;
+pub use calibrator::{Calibrator, NetworkSource};
 pub use card::drawn::DrawnCard;
 pub use compared::ComparisonSummary;
 pub use cross_validation::Scheme;
 pub use drawn::DrawnOptions;
 pub use error::CalibrateError;
 pub use report::CalibrationReport;
+pub use steady_table::SteadyTable;
 pub use steady_wind::{SteadyWind, SurfaceReading};
 pub use surfaces::calibration::SurfaceCalibration;
 pub use surfaces::cross_validation::{compare, cross_validate};

@@ -6,7 +6,7 @@
 
 use anemo_tests::{changed, file};
 use anemometry::calibrate::SteadyWind;
-use anemometry::calibrate::calibrator::Calibrator;
+use anemometry::calibrate::calibrator::{Calibrator, NetworkSource};
 use anemometry::calibrate::drawn::DrawnOptions;
 use anemometry::network::identify::PolesPerPair;
 use studies::benchmark::wind::{SPHERE_B, WindMode, chain, directions, swing};
@@ -22,10 +22,11 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
 
     let fewer = [("winds = 120", "winds = 60"), ("hold_s = 30.0", "hold_s = 20.0"), ("3900.0", "1500.0")];
     let tunnel = changed("wind/sphere-b/tunnel.toml", &fewer);
-    let calibrator = Calibrator::new(&tunnel.head, &model, &DrawnOptions::default(), None).unwrap();
+    let calibrator =
+        Calibrator::new(&tunnel.head, NetworkSource::Identified(&model), &DrawnOptions::default(), None).unwrap();
     let steady = chain::steady(&calibrator, &tunnel, SETTLE_S).unwrap();
     assert_eq!(steady.len(), 61);
-    let calibrated = |steady: &[SteadyWind]| calibrator.calibrated(steady, 1, 20.0);
+    let calibrated = |steady: &[SteadyWind]| calibrator.calibrated(steady, "1 recording", 20.0);
 
     let speed = |of: &SteadyWind| of.wind_m_s.iter().map(|v| v * v).sum::<f64>().sqrt();
     // Sector 1, which looks to (1, 1, 1), has never been in front of the wind: within 60° would be

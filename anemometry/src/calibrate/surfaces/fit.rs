@@ -75,7 +75,8 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
         let next = sane.then(|| problem.equations(&there, stage)).filter(|next| next.cost < here.cost);
         // Of readings that scatter by more than they say, a standard error is larger.
         let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
-        let done = damping <= DAMPING && promised < SMALL * scatter;
+        // Tenfold and a tenth of it do not bring a damping back to the bit.
+        let done = damping < 2.0 * DAMPING && promised < SMALL * scatter;
         match next {
             Some(next) => {
                 (place, here) = (there, next);

@@ -4,7 +4,7 @@
 use crate::thesis::record::rows;
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
-use anemometry::calibrate::calibrator::Calibrator;
+use anemometry::calibrate::calibrator::{Calibrator, NetworkSource};
 use anemometry::calibrate::drawn::DrawnOptions;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
@@ -65,9 +65,10 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
 /// # Errors
 /// What could not be run, or which winds are missing.
 pub fn calibrated(tunnel: &Experiment, model: &Model, settle_s: f64) -> Result<(Head, String), StudyError> {
-    let calibrator = Calibrator::new(&tunnel.head, model, &DrawnOptions::default(), None).map_err(other)?;
+    let calibrator = Calibrator::new(&tunnel.head, NetworkSource::Identified(model), &DrawnOptions::default(), None)
+        .map_err(other)?;
     let steady = steady(&calibrator, tunnel, settle_s)?;
-    let made = calibrator.calibrated(&steady, 1, DIRECTION_ERROR_MAX_DEG);
+    let made = calibrator.calibrated(&steady, "1 recording", DIRECTION_ERROR_MAX_DEG);
     let made = made.map_err(other)?;
     Ok((made.head, made.text))
 }
