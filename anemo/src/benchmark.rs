@@ -32,7 +32,8 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// the speed. Numbers that the head's file marks as unknown are varied over their range.
 ///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
-/// calibrated, and judged in winds that they have not seen.
+/// calibrated, and judged in winds that they have not seen; or in their place those of --head, in
+/// every mode.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -41,7 +42,8 @@ Examples:
   anemo benchmark drift --records 50
   anemo benchmark measured --tables records
   anemo benchmark modes --head heads/sphere-b.toml -o out
-  anemo benchmark heads --winds 30 -o out")]
+  anemo benchmark heads --winds 30 -o out
+  anemo benchmark heads --head heads/metwind.toml --overheat 20 -o out")]
 pub struct Arguments {
     /// What is measured.
     #[arg(value_name = "wind|drift|measured|modes|heads")]
@@ -58,7 +60,7 @@ pub struct Arguments {
     /// The folder with measured records as CSV tables, the time first and the output last.
     #[arg(long, value_name = "FOLDER", required_if_eq("name", "measured"))]
     tables: Option<PathBuf>,
-    /// A head whose modes are compared, as often as there are heads.
+    /// A head for modes or heads, as often as there are heads.
     #[arg(long, value_name = "FILE", required_if_eq("name", "modes"))]
     head: Vec<PathBuf>,
     /// Their elements over the gas, K.
@@ -146,7 +148,17 @@ fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
 /// New heads in a folder that goes again.
 fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     let folder = tempfile::tempdir().map_err(Failure::work)?;
-    let mut report = heads::HeadsReport { heads: Vec::new() };
+    let mut report = heads::HeadsReport::default();
+    for (n, path) in arguments.head.iter().enumerate() {
+        let own = folder.path().join(n.to_string());
+        new::write(&own, &Head::read(path)?.source.text, arguments.overheat, arguments.winds)?;
+        report.extend(heads::measure(&own, true, &announce)?);
+    }
+    if !arguments.head.is_empty() {
+        let command = "anemo benchmark heads --head …";
+        dated(&arguments.output, "own-heads.md", &|day| report.page("Heads from their files", command, day))?;
+        return crate::output::print_report(&report, arguments.json);
+    }
     for (name, kind, sectors) in [
         ("wire", NewHeadKind::Wire, 1),
         ("plate", NewHeadKind::Plate, 1),
@@ -157,10 +169,10 @@ fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         ("sphere-6", NewHeadKind::Sphere, 6),
     ] {
         let own = folder.path().join(name);
-        new::write(&own, name, kind, sectors, arguments.winds)?;
-        report.heads.extend(heads::measure(&own, &announce)?);
+        new::write(&own, &kind.text(name, sectors), new::OVERHEAT_K, arguments.winds)?;
+        report.extend(heads::measure(&own, false, &announce)?);
     }
-    dated(&arguments.output, "heads.md", &|day| report.page(day))?;
+    dated(&arguments.output, "heads.md", &|day| report.page("Heads of every form", "anemo benchmark heads", day))?;
     crate::output::print_report(&report, arguments.json)
 }
 

@@ -43,8 +43,8 @@ pub struct IdentifyArguments {
     /// records.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Elements of the network, with commas between them; by default all but `reference`. The
-    /// others, which only measure, are part of the structure.
+    /// Elements of the network, with commas between them; by default all but `reference`
+    /// and those that only sense. The others, which only measure, are part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Most free rates of the self-heating of an element, 1 to 8.
@@ -65,13 +65,22 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
         crate::output::writable(path, "a network", "json")?;
     }
     let poles = PolesPerPair { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
+    let head = head(arguments)?;
+    let senses: Vec<String> = head
+        .iter()
+        .flat_map(|head| &head.elements)
+        .filter(|of| of.only_senses)
+        .map(|of| recording::in_columns(&of.name))
+        .chain([recording::REFERENCE.to_owned()])
+        .collect();
     let open = |n: usize| {
         let record = QuiescentRecord::read(&arguments.records[n])?;
-        let of_head = || record.elements.iter().filter(|name| *name != recording::REFERENCE).cloned().collect();
-        let wanted: Vec<String> = if arguments.elements.is_empty() { of_head() } else { arguments.elements.clone() };
+        let wanted: Vec<String> = match &arguments.elements[..] {
+            [] => record.elements.iter().filter(|name| !senses.contains(name)).cloned().collect(),
+            named => named.to_vec(),
+        };
         record.only(&wanted)
     };
-    let head = head(arguments)?;
     let mut model = identify(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;
     let network = checked(&mut model, head.as_ref());
     if let Some(path) = &arguments.output {

@@ -62,7 +62,15 @@ impl CrossValidation {
         for fold in folds {
             let (out, stay): (Vec<_>, Vec<_>) = steady.iter().enumerate().partition(|(at, _)| fold.contains(at));
             let stay: Vec<SteadyWind> = stay.into_iter().map(|(_, steady)| steady.clone()).collect();
-            let calibration = fit(&stay)?;
+            let calibration = match fit(&stay) {
+                Ok(calibration) => calibration,
+                // What the others determine only just, they do not without these.
+                Err(CalibrateError::Amplitudes(_) | CalibrateError::NoMinimum) => {
+                    result.failed.extend(out.into_iter().map(|(_, steady)| steady.label.clone()));
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
             for (_, steady) in out {
                 match compare(&calibration, steady)? {
                     Some(compared) => result.compared.push(compared),

@@ -53,7 +53,7 @@ impl StatedBody {
     }
 }
 
-/// Places in the head and geometry of its surfaces: the elements with an outward normal.
+/// Places in the head and geometry of its surfaces: the driven elements with an outward normal.
 ///
 /// # Errors
 /// If they are none, too many, or not those of the form.
@@ -62,8 +62,13 @@ pub fn drawn(
     options: &DrawnOptions,
     law: LossLaw,
 ) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
-    let outward: Vec<(usize, [f64; 3])> =
-        head.elements.iter().enumerate().filter_map(|(at, of)| of.normal.map(|normal| (at, normal))).collect();
+    let outward: Vec<(usize, [f64; 3])> = head
+        .elements
+        .iter()
+        .enumerate()
+        .filter(|(_, of)| of.is_surface())
+        .filter_map(|(at, of)| Some((at, of.normal?)))
+        .collect();
     let normals: Vec<[f64; 3]> = outward.iter().map(|(_, normal)| *normal).collect();
     let refuse = |sentence: String| CalibratorError::Head(format!("head `{}` {sentence}", head.name));
     if normals.is_empty() || normals.len() > MOST_SURFACES {

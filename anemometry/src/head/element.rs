@@ -27,6 +27,9 @@ pub struct HeadElement {
     /// Layers between it and the surface of the sensor, each of some capacity and a resistance
     /// towards the next; 0 where it is the surface.
     pub layers: usize,
+    /// Whether it is never driven: a thermocouple, or the reading that stands for one. It has a
+    /// `normal` only to be simulated.
+    pub only_senses: bool,
     /// Resistor and currents in f64, for the simulation.
     pub nominal: NominalElement,
     /// The same for the controller, with the limits.
@@ -34,6 +37,11 @@ pub struct HeadElement {
 }
 
 impl HeadElement {
+    /// Whether it is a surface that the wind cools, and that a calibration is of.
+    pub fn is_surface(&self) -> bool {
+        self.normal.is_some() && !self.only_senses
+    }
+
     /// Heating power in W at a temperature in °C with the current at a level: I²R.
     pub fn power_w(&self, temperature_c: f64, level: Level) -> f64 {
         f64::from(self.config.channel.power_at_w(temperature_c as f32, level))
@@ -87,6 +95,10 @@ impl ElementKeys<'_> {
                 .refuse(&key, format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}")));
         }
         Ok(usize::from(layers))
+    }
+
+    fn only_senses(&self) -> bool {
+        self.get("only_senses", |table| table.only_senses).is_ok_and(|(only, _)| only)
     }
 
     /// What the element bears, if it or its kind says so.
@@ -162,7 +174,7 @@ pub(super) fn element(
         code_max: adc.code_max,
         energy: keys.energy()?,
     };
-    let layers = keys.layers()?;
+    let (layers, only_senses) = (keys.layers()?, keys.only_senses());
     let platinum = characteristic(platinum_kind).map_err(|error| keys.refuse(&platinum_key, &error))?;
     let channel = Channel::new(platinum, adc.volt_per_code as f32, current_low_a as f32, current_high_a as f32)
         .map_err(|error| keys.refuse_named(&error))?;
@@ -172,6 +184,7 @@ pub(super) fn element(
         kind: own.kind.clone(),
         normal,
         layers,
+        only_senses,
         nominal: NominalElement { platinum: platinum_kind, current_low_a, current_high_a },
         config: ElementConfig { channel, limits },
     })

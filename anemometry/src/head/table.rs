@@ -62,4 +62,5 @@ pub(super) struct ElementTable {
     pub sustained_power_w: Option<f64>,
     pub energy_j: Option<f64>,
     pub layers: Option<u8>,
+    pub only_senses: Option<bool>,
 }

@@ -93,7 +93,7 @@ fn self_heating(
         name: of.name.clone(),
         rest_c: known.offset_c,
         noise: noise(known.residual_rms, of),
-        surface: of.normal.map(|_| shares()),
+        surface: of.is_surface().then(shares),
         mesh_rad_s: pair.mesh_rad_s.clone(),
         r_k_per_w,
         layers,

@@ -19,6 +19,7 @@
 //! | initial state | settled: a record begins with half a minute or so of all elements at their low level |
 //! | mesh for the start | 20 rates from 2π/T to 2π/Ts |
 //! | rates a pair | the most, up to 4, of which each is known within its half and stands apart from the next by two standard errors; self-heating with no negative resistance, as its ladder needs |
+//! | no heating | an element that the driven one moves by less than the noise of a reading, at a rate that cannot be known |
 //! | noise of readings | residuals of an element in the records of the others, in which it is at its low level |
 
 use std::path::Path;
@@ -224,6 +225,17 @@ fn free(
                 model.supported = true;
                 return Ok(model);
             }
+            (Ok(mut model), Some(_))
+                if count == 1 && !is_own && swing_k(record, &model) < model.outputs[0].residual_rms =>
+            {
+                let pair = &mut model.pairs[0];
+                pair.classes.values_mut().for_each(|class| class.r_k_per_w.fill(0.0));
+                model.chosen.reasons =
+                    vec![format!("{} → {}: none, as it is less than the noise of a reading", pair.input, pair.output)];
+                model.warnings.clear();
+                model.supported = true;
+                return Ok(model);
+            }
             (_, Some(sentence)) => why = format!("not {count}: {sentence}"),
             (Err(error), None) => why = error.to_string(),
         }
@@ -231,6 +243,14 @@ fn free(
     let (from, to) = (record.driven_name(), &record.elements[output]);
     let sentence = format!("how `{from}` heats `{to}` cannot be identified: {why}");
     Err(RecordingError::new(Path::new(&record.name), sentence).into())
+}
+
+/// By how much the driven element moves a temperature at most, K.
+fn swing_k(record: &QuiescentRecord, model: &Model) -> f64 {
+    let powers_w = record.power_w[record.driven].iter();
+    let (least_w, most_w) = powers_w.fold((f64::MAX, f64::MIN), |(least, most), w| (least.min(*w), most.max(*w)));
+    let resistances = model.pairs[0].classes.values().flat_map(|class| &class.r_k_per_w);
+    (most_w - least_w) * resistances.map(|r| r.abs()).sum::<f64>()
 }
 
 /// Why the rates of a pair are not resolved; `None` if they are.

@@ -113,6 +113,10 @@ impl DriveReader<'_> {
     /// One drive, whose key in the file is `key`.
     fn drive(&self, key: &str, table: &DriveTable, element: &HeadElement) -> Result<Drive, FileError> {
         let (grid, source, gas) = (self.grid, self.grid.source, self.gas);
+        if element.only_senses && !matches!(table, DriveTable::Passive | DriveTable::Level(Level::Low)) {
+            let sentence = format!("drives `{}`, which only senses (`only_senses` of the head)", element.name);
+            return Err(source.refuse(key, sentence));
+        }
         Ok(match *table {
             DriveTable::Passive => Drive::Passive,
             DriveTable::Level(level) => Drive::Level(level),

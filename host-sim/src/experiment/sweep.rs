@@ -11,7 +11,8 @@
 //! | `still_s` | s | still gas before the first; 0 if not given |
 //! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
 //! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it |
-//! | `facing_deg` | ° | with `plane`: only winds that come from within this angle of +x; 180 if not given |
+//! | `facing_deg` | ° | with `plane`: only winds that come from within this angle of `facing_azimuth_deg`; 180 if not given |
+//! | `facing_azimuth_deg` | ° | from x towards y; 0 if not given |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
 //!
 //! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the
@@ -42,6 +43,8 @@ pub(super) struct SweepTable {
     stem_cone_deg: f64,
     plane: Option<SweepPlane>,
     facing_deg: Option<f64>,
+    #[serde(default)]
+    facing_azimuth_deg: f64,
     seed: Option<u64>,
 }
 
@@ -65,6 +68,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
             return Err(source.refuse("sweep.facing_deg", "is of winds in a plane: `plane = \"level\"` belongs to it"));
         }
     }
+    source.within("sweep.facing_azimuth_deg", table.facing_azimuth_deg, -360.0..=360.0, "°")?;
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
     let still = grid.pause_ticks("sweep.still_s", table.still_s)?;
     let wanted = u64::from(still) + u64::from(table.winds) * u64::from(hold);
@@ -101,7 +105,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
             speed_m_s,
             azimuth_deg: match table.facing_deg {
                 // What comes from +x goes to 180°.
-                Some(facing_deg) => 180.0 + facing_deg * (2.0 * share() - 1.0),
+                Some(facing_deg) => 180.0 + table.facing_azimuth_deg + facing_deg * (2.0 * share() - 1.0),
                 None => 360.0 * share(),
             },
             elevation_deg: upwards.asin().to_degrees(),

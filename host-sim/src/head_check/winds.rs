@@ -77,7 +77,7 @@ impl WindRange {
         let set_point_c = conditions.set_point_c();
         let high_w: Vec<f64> = elements.iter().map(|of| of.power_w(set_point_c, Level::High)).collect();
         // Whoever cannot be held in quiescent gas only senses; the others then need a little more.
-        let mut held = vec![true; elements.len()];
+        let mut held: Vec<bool> = elements.iter().map(|of| !of.only_senses).collect();
         let mut at_rest_w = Vec::new();
         for _ in 0..=elements.len() {
             let held_c: Vec<Option<f64>> = held.iter().map(|held| held.then_some(set_point_c)).collect();

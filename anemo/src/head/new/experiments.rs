@@ -1,14 +1,16 @@
 //! The first experiments of a new head: long enough for its slowest and its usual time constants.
 
+use anemometry::calibrate::drawn::drawn;
+use anemometry::calibrate::{DrawnOptions, LossLaw};
 use anemometry::head::body::BodyLink;
 use anemometry::head::{Head, HeadElement};
+use dr_core::wind::HeadForm;
 use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use recording::text::short;
 
-use super::template::NewHeadKind;
 use crate::output::Failure;
 
-/// Overheat of the experiments, K.
+/// Usual overheat of the experiments, K.
 pub const OVERHEAT_K: f64 = 20.0;
 /// Usual sample period of a closed loop, s.
 const HELD_PERIOD_S: f64 = 0.002;
@@ -16,6 +18,9 @@ const HELD_PERIOD_S: f64 = 0.002;
 const SHORTEST_S: f64 = 0.001;
 /// Change of a bare element's temperature by one bit, as a share of the overheat.
 const MOST_RIPPLE: f64 = 0.005;
+
+/// For winds across a head.
+const LEVEL: &str = "plane = \"level\" # of x and y: along its axis such a head tells nothing\n";
 
 /// Experiments of a new head.
 pub struct NewExperiments {
@@ -30,19 +35,20 @@ pub struct NewExperiments {
 /// Sample period of a closed loop, s: short enough that a bit changes the temperature of an element
 /// that is itself the surface by a small share of its overheat.
 fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
-    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.normal.is_some());
+    let overheat_k = report.conditions.overheat_k;
+    let bare = report.elements.iter().zip(&head.elements).filter(|(of, element)| of.held && element.is_surface());
     let bare = bare.filter(|(_, element)| element.layers == 0);
-    let mut each_s = bare.map(|(of, _)| MOST_RIPPLE * OVERHEAT_K * of.capacity_j_k / of.level_w[1]);
+    let mut each_s = bare.map(|(of, _)| MOST_RIPPLE * overheat_k * of.capacity_j_k / of.level_w[1]);
     if each_s.any(|fastest_s| fastest_s < HELD_PERIOD_S) { SHORTEST_S } else { HELD_PERIOD_S }
 }
 
 /// Currents at which pseudo-random bits warm an element in quiescent gas by about the overheat, if
 /// its own make more, as a table of an experiment.
-fn gentle_currents(element: &HeadElement, of: &ElementCheck) -> Option<String> {
-    let share = 2.0 * OVERHEAT_K / of.own_gain_k_per_w / of.level_w[1];
+fn gentle_currents(element: &HeadElement, of: &ElementCheck, overheat_k: f64) -> Option<String> {
+    let share = 2.0 * overheat_k / of.own_gain_k_per_w / of.level_w[1];
     (share < 1.0).then(|| {
         format!(
-            "[currents] # so that half of the time at high makes about {OVERHEAT_K} K\n{} = {{ low_a = {}, high_a = {} }}\n\n",
+            "[currents] # so that half of the time at high makes about {overheat_k} K\n{} = {{ low_a = {}, high_a = {} }}\n\n",
             of.name,
             short(element.nominal.current_low_a, 4),
             short(element.nominal.current_high_a * share.sqrt(), 2)
@@ -50,23 +56,32 @@ fn gentle_currents(element: &HeadElement, of: &ElementCheck) -> Option<String> {
     })
 }
 
-/// Which winds a head of a kind can tell.
-fn plane(kind: NewHeadKind) -> &'static str {
-    match kind {
-        NewHeadKind::Sphere => "",
-        NewHeadKind::CrossedWires => "plane = \"level\" # of the wires\nfacing_deg = 40.0 # in front of them\n",
-        NewHeadKind::Wire | NewHeadKind::Cylinder | NewHeadKind::Plate => {
-            "plane = \"level\" # of x and y: along its axis such a head tells nothing\n"
+/// Which winds a head can tell, by what its surfaces belong to.
+fn plane(head: &Head) -> String {
+    let options = DrawnOptions::default();
+    let Ok((_, drawn)) = drawn(head, &options, LossLaw::Spline) else { return LEVEL.to_owned() };
+    match drawn.form {
+        HeadForm::Sphere | HeadForm::Cube => String::new(),
+        HeadForm::Wires => {
+            let middle = drawn.surfaces.iter().fold([0.0; 2], |[x, y], of| {
+                let [nx, ny, _] = of.config.axis.map(f64::from);
+                [x + nx, y + ny]
+            });
+            let middle_deg = short(middle[1].atan2(middle[0]).to_degrees(), 4);
+            format!(
+                "plane = \"level\" # of the wires\nfacing_deg = 40.0 # of the middle of their normals\nfacing_azimuth_deg = {middle_deg}\n"
+            )
         }
+        HeadForm::Cylinder | HeadForm::Single => LEVEL.to_owned(),
     }
 }
 
-/// The experiments of a head, with so many winds to estimate.
+/// The experiments of a head at an overheat, with so many winds to estimate.
 ///
 /// # Errors
 /// If the head cannot be simulated.
-pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExperiments, Failure> {
-    let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = OVERHEAT_K)?;
+pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperiments, Failure> {
+    let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
     let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
     let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
     let conditions = report.conditions;
@@ -109,7 +124,7 @@ pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExpe
             "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
              {warm_s:.1}\nseed = {seed}\n"
         );
-        text += plane(kind);
+        text += &plane(head);
         all.push((file.to_owned(), text));
     }
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
@@ -117,7 +132,7 @@ pub fn experiments(head: &Head, kind: NewHeadKind, count: u32) -> Result<NewExpe
     for (i, (element, of)) in checked.enumerate() {
         let name = &of.name;
         let mut text = start(&format!("what {name} heats, in quiescent gas"), 0.01, record_s, 41);
-        text += &gentle_currents(element, of).unwrap_or_default();
+        text += &gentle_currents(element, of, conditions.overheat_k).unwrap_or_default();
         text += &format!(
             "[drives]\n{name} = {{ level = \"low\" }}\n\n# Half a minute of rest: the record begins in a steady state.\n[[changes]]\n\
              start_s = 30.0\ndrives = {{ {name} = {{ prbs = {{ order = 18, bit_time_s = 0.02, seed = {} }} }} }}\n\n\

@@ -1,4 +1,4 @@
-//! `anemo head new`: a folder to begin with, a head file of some kind and its first experiments.
+//! `anemo head new`: a folder to begin with, a head file and its first experiments.
 
 mod experiments;
 mod template;
@@ -10,7 +10,8 @@ use recording::toml_file::TomlSource;
 
 use crate::choice::choice;
 use crate::output::Failure;
-use experiments::{NewExperiments, OVERHEAT_K, experiments};
+pub use experiments::OVERHEAT_K;
+use experiments::{NewExperiments, experiments};
 pub use template::NewHeadKind;
 
 /// Winds to estimate.
@@ -22,53 +23,54 @@ const WINDS: u32 = 30;
 /// `head.toml` has the elements, their limits, and the body that simulates them; `held.toml` holds
 /// all elements in winds; an `identify-….toml` for every element is a record for `anemo head
 /// identify`, `tunnel.toml` one for `anemo calibrate`, and `winds.toml` one to estimate. Change the
-/// numbers to those of the head at hand, then check it. What comes next is printed.
+/// numbers to those of the head at hand, then check it. With --from the head is one that there is,
+/// or a changed one, whose experiments are to follow. What comes next is printed.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   anemo head new tube --kind cylinder
   anemo head new ball --kind sphere --sectors 6
+  anemo head new pathfinder --from heads/pathfinder.toml --overheat 10
   anemo head check tube/head.toml --overheat 20
   anemo run tube/held.toml --on sim -o held.parquet --plot held.svg")]
 pub struct NewArguments {
-    /// The folder, which must not be there yet; its name becomes the head's.
+    /// The folder, which must not be there yet; its name becomes that of a new head.
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     /// What is heated in the stream.
-    #[arg(long, value_parser = choice([
+    #[arg(long, required_unless_present = "from", value_parser = choice([
         ("wire", "one hot film needle and a reference: speed", NewHeadKind::Wire),
         ("crossed-wires", "two hot film needles across each other: speed and direction in front of them", NewHeadKind::CrossedWires),
         ("cylinder", "three sectors around a tube, or as many as --sectors says: the wind across it", NewHeadKind::Cylinder),
         ("sphere", "four, six or eight sectors of a sphere on two cores: the wind vector", NewHeadKind::Sphere),
         ("plate", "one film on a plate and a reference: speed", NewHeadKind::Plate),
     ]))]
-    kind: NewHeadKind,
+    kind: Option<NewHeadKind>,
     /// Number of sectors: 3 to 8 of a cylinder, 4, 6 or 8 of a sphere; without it the least.
     #[arg(long, value_name = "COUNT")]
     sectors: Option<usize>,
+    /// A head file, with a [body] or a `sensor`, that the folder begins with in place of a kind.
+    #[arg(long, value_name = "HEAD", conflicts_with_all = ["kind", "sectors"])]
+    from: Option<PathBuf>,
+    /// Elements over the gas in all experiments, K.
+    #[arg(long, value_name = "K", default_value_t = OVERHEAT_K)]
+    overheat: f64,
 }
 
-/// Writes head and experiments of a kind into a folder that is not there yet; `winds` is how many
+/// Writes a head's text and experiments into a folder that is not there yet; `winds` is how many
 /// there are to estimate.
 ///
 /// # Errors
 /// If the folder is there, or cannot be written.
-pub fn write(
-    folder: &Path,
-    name: &str,
-    kind: NewHeadKind,
-    sectors: usize,
-    winds: u32,
-) -> Result<NewExperiments, Failure> {
-    let text = kind.text(name, sectors);
-    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.clone() })?;
-    let experiments = experiments(&head, kind, winds)?;
+pub fn write(folder: &Path, text: &str, overheat_k: f64, winds: u32) -> Result<NewExperiments, Failure> {
+    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.to_owned() })?;
+    let experiments = experiments(&head, overheat_k, winds)?;
     if folder.exists() {
         let sentence = format!("{}: is there already; nothing was written", folder.display());
         return Err(Failure::usage(sentence));
     }
     std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
-    crate::output::write_text(&folder.join("head.toml"), &text)?;
+    crate::output::write_text(&folder.join("head.toml"), text)?;
     for (file, text) in &experiments.files {
         crate::output::write_text(&folder.join(file), text)?;
     }
@@ -84,17 +86,16 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
             folder.display()
         ))
     })?;
-    let (kind, known) = (arguments.kind, arguments.kind.sectors());
-    let sectors = arguments.sectors.unwrap_or(known[0]);
-    if !known.contains(&sectors) {
-        let counts: Vec<String> = known.iter().map(usize::to_string).collect();
-        return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
+    let overheat_k = arguments.overheat;
+    if !(overheat_k.is_finite() && overheat_k > 0.0) {
+        return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
     }
-    let NewExperiments { identified, still_s, .. } = write(folder, name, kind, sectors, WINDS)?;
+    let text = text(arguments, name)?;
+    let NewExperiments { identified, still_s, .. } = write(folder, &text, overheat_k, WINDS)?;
     let (folder, elements) = (Path::display(folder), identified.join(" "));
     crate::output::print(&format!(
         "{folder}/head.toml and its experiments are there. Next, the head and the head in winds:\n  \
-         anemo head check {folder}/head.toml --overheat {OVERHEAT_K}\n  \
+         anemo head check {folder}/head.toml --overheat {overheat_k}\n  \
          anemo run {folder}/held.toml --on sim -o {folder}/held.parquet --plot {folder}/held.svg\n\
          its network in quiescent gas:\n  \
          for e in {elements}\n  \
@@ -107,6 +108,21 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
          anemo wind {folder}/winds.parquet --head {folder}/calibrated.toml --from {still_s} --settle 3 --bandwidth 1 --fixed \\\n  \
          --plot {folder}/winds.svg\n",
     ))
+}
+
+/// The head's text: of a kind, or of a file.
+fn text(arguments: &NewArguments, name: &str) -> Result<String, Failure> {
+    let Some(kind) = arguments.kind else {
+        let path = arguments.from.as_deref().unwrap_or(Path::new(""));
+        return Ok(Head::read(path)?.source.text);
+    };
+    let known = kind.sectors();
+    let sectors = arguments.sectors.unwrap_or(known[0]);
+    if !known.contains(&sectors) {
+        let counts: Vec<String> = known.iter().map(usize::to_string).collect();
+        return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
+    }
+    Ok(kind.text(name, sectors))
 }
 
 fn is_name(name: &str) -> bool {

@@ -5,7 +5,8 @@ use super::super::steady_wind::SteadyWind;
 use super::calibration::SurfaceCalibration;
 use super::equations::SurfaceProblem;
 use super::family::AmplitudeFamily;
-use super::readings::{self, DrawnSurfaces, LossLaw};
+use super::grade::CalibrationGrade;
+use super::readings::{self, CheckedWind, DrawnSurfaces, LossLaw, SurfaceGeometry};
 use super::{fit, king, speeds, spread};
 
 /// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much
@@ -55,20 +56,45 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
 
     let orders = ready.orders.iter().copied().take(spread::angles_apart(&ready, &moving)).collect();
     let family = AmplitudeFamily::new(head.form, &reynolds, orders, moving.len() * head.surfaces.len());
-    let calibration = match head.law {
-        LossLaw::Spline => {
-            let problem = SurfaceProblem::new(&ready, &winds, family);
-            SurfaceCalibration::of(&problem, &fit::fit(&problem)?, None)
-        }
-        LossLaw::King { exponent } => {
-            let (problem, fitted, law) = king::king(&ready, &winds, &family, exponent)?;
-            SurfaceCalibration::of(&problem, &fitted, Some(law))
-        }
-    };
+    let mut calibration = by_law(head.law, &ready, &winds, &family)?;
+    if calibration.grade() == CalibrationGrade::Poor {
+        // What the model cannot follow is no reason to bend it from wind to wind: readings that
+        // count for no more than the model is true leave it smooth.
+        let coarse = by_law(head.law, &ready, &coarser(&winds, calibration.misfit_rms), &family)?;
+        let SurfaceCalibration { chi_square, reading_rms, misfit_rms, .. } = calibration;
+        calibration = SurfaceCalibration { chi_square, reading_rms, misfit_rms, ..coarse };
+    }
     if calibration.residual_rms > MOST_RESIDUAL_RMS {
         let SurfaceCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
     dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
     Ok(calibration)
+}
+
+fn by_law(
+    law: LossLaw,
+    ready: &SurfaceGeometry<'_>,
+    winds: &[CheckedWind],
+    family: &AmplitudeFamily,
+) -> Result<SurfaceCalibration, CalibrateError> {
+    Ok(match law {
+        LossLaw::Spline => {
+            let problem = SurfaceProblem::new(ready, winds, family.clone());
+            SurfaceCalibration::of(&problem, &fit::fit(&problem)?, None)
+        }
+        LossLaw::King { exponent } => {
+            let (problem, fitted, law) = king::king(ready, winds, family, exponent)?;
+            SurfaceCalibration::of(&problem, &fitted, Some(law))
+        }
+    })
+}
+
+/// Winds whose readings are uncertain by a share of their power, too.
+fn coarser(winds: &[CheckedWind], share: f64) -> Vec<CheckedWind> {
+    let mut winds = winds.to_vec();
+    for of in winds.iter_mut().filter(|wind| !wind.is_quiescent()).flat_map(|wind| &mut wind.rows) {
+        of.reading.variance_w2 += (share * of.reading.power_w).powi(2);
+    }
+    winds
 }

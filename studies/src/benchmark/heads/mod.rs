@@ -55,32 +55,38 @@ pub struct HeadFigures {
     pub speed_mean: f64,
 }
 
-/// The figures of the head in a folder, in every mode that is compared.
+/// The figures of the head in a folder: at constant temperature, and where it has one surface, or
+/// `all_modes`, in the two other modes; what cannot be calibrated in a mode goes into `refused`.
 ///
 /// # Errors
-/// What could not be read, run, identified or calibrated.
-pub fn measure(folder: &Path, progress: &dyn Fn(&str)) -> Result<Vec<HeadFigures>, StudyError> {
+/// What could not be read, run or identified.
+pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Result<HeadsReport, StudyError> {
     let lab = StudyLab::new(folder, progress);
     let head = lab.experiment("tunnel")?.head;
     let names = head.names();
     let identified = names.iter().filter(|name| folder.join(format!("identify-{name}.toml")).is_file());
     let identified: Vec<&str> = identified.copied().collect();
     let model = chain::network(&lab, &identified, PolesPerPair::default(), None)?;
-    let modes: &[OperatingMode] = match head.elements.iter().filter(|element| element.normal.is_some()).count() {
-        1 => &OperatingMode::ALL,
+    let modes: &[OperatingMode] = match head.elements.iter().filter(|element| element.is_surface()).count() {
+        surfaces if surfaces == 1 || all_modes => &OperatingMode::ALL,
         _ => &[OperatingMode::Cta],
     };
-    modes
-        .iter()
-        .map(|&mode| {
+    let mut report = HeadsReport::default();
+    for &mode in modes {
+        let measured = || {
             let tunnel = operation::experiment(&lab, "tunnel", &identified, mode)?;
             lab.announce(&tunnel);
             let (head, _) = chain::calibrated(&tunnel, &model, SETTLE_S)?;
             let winds = operation::experiment(&lab, "winds", &identified, mode)?;
             lab.announce(&winds);
             figures(&head, &winds, mode)
-        })
-        .collect()
+        };
+        match measured() {
+            Ok(figures) => report.heads.push(figures),
+            Err(error) => report.refused.push(format!("{}, {}: {error}", head.name, mode.name())),
+        }
+    }
+    Ok(report)
 }
 
 fn figures(

@@ -33,8 +33,9 @@ pub fn experiment(
         let mean_w = 0.5 * SHARE * of.power_w(known.gas_temperature_c, Level::High);
         let high_a = of.nominal.current_high_a * (0.5 * SHARE).sqrt();
         if mode == OperatingMode::Cca {
-            currents +=
-                &format!("{element} = {{ low_a = {}, high_a = {} }}\n", of.nominal.current_low_a, short(high_a, 4));
+            // Constant current has no use for its low level, but the two must differ.
+            let low_a = of.nominal.current_low_a.min(0.5 * high_a);
+            currents += &format!("{element} = {{ low_a = {}, high_a = {} }}\n", short(low_a, 4), short(high_a, 4));
             drives += &format!("{element} = {{ level = \"high\" }}\n");
         } else {
             drives += &format!("{element} = {{ power_w = {} }}\n", short(mean_w, 4));

@@ -8,10 +8,12 @@ use serde::Serialize;
 use super::{BANDWIDTH, HeadFigures};
 
 /// What `anemo benchmark heads` reports.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct HeadsReport {
     /// Head by head, and mode by mode.
     pub heads: Vec<HeadFigures>,
+    /// What could not be calibrated in a mode, and why.
+    pub refused: Vec<String>,
 }
 
 const TITLES: [&str; 6] = ["head", "surfaces", "mode", "unseen winds", "direction rms", "speed rms (mean)"];
@@ -39,15 +41,23 @@ fn legend() -> String {
 }
 
 impl HeadsReport {
-    /// The page of a day.
-    pub fn page(&self, day: &str) -> String {
+    /// Adds the figures of another head.
+    pub fn extend(&mut self, other: Self) {
+        self.heads.extend(other.heads);
+        self.refused.extend(other.refused);
+    }
+
+    /// The page of a day under a title, by a command.
+    pub fn page(&self, title: &str, command: &str, day: &str) -> String {
         let line = |cells: &[String; 6]| format!("| {} |\n", cells.join(" | "));
         let rows: String = self.heads.iter().map(|of| line(&of.cells())).collect();
         let made: String =
             self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
+        let refused: String = self.refused.iter().map(|sentence| format!("- {sentence}\n")).collect();
+        let refused = if refused.is_empty() { refused } else { format!("\nNot calibrated:\n\n{refused}") };
         format!(
-            "# Heads of every form\n\nBy `anemo benchmark heads`, {day}. {}\n\n{}{}{rows}\nTheir calibrations, with errors in winds that \
-             were left out:\n\n{made}",
+            "# {title}\n\nBy `{command}`, {day}. {}\n\n{}{}{rows}\nTheir calibrations, with errors in winds that were left \
+             out:\n\n{made}{refused}",
             legend(),
             line(&TITLES.map(str::to_owned)),
             "|---".repeat(TITLES.len()) + "|\n"
@@ -62,6 +72,7 @@ impl fmt::Display for HeadsReport {
             let [head, surfaces, mode, winds, direction, speed] = cells;
             writeln!(f, "{head:<14} {surfaces:<20} {mode:<4} {winds:>12} {direction:>14} {speed:>20}")?;
         }
+        self.refused.iter().try_for_each(|sentence| writeln!(f, "{sentence}"))?;
         writeln!(f, "\n{}", legend())
     }
 }
