@@ -1,7 +1,7 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
 use dr_core::wind::{HeadForm, SurfaceConfig};
-use recording::text::suggest;
+use recording::text::{count, suggest};
 
 use super::card::drawn::DrawnCard;
 use super::card::{self, calibration::CardCalibration};
@@ -143,7 +143,7 @@ impl<'a> Calibrator<'a> {
         let result = self.result(steady)?;
         let (winds, form, diameter_m, nusselt, card) = match &result {
             CalibrationResult::Surfaces { calibration: of, .. } => {
-                (format!("{} winds", of.winds), of.form, of.diameter_m, Some(of.curves.clone()), None)
+                (count(of.winds, "wind"), of.form, of.diameter_m, Some(of.curves.clone()), None)
             }
             CalibrationResult::Card { calibration: of, .. } => {
                 let winds = format!("{} winds in the plane of a card,", of.winds);
@@ -153,7 +153,11 @@ impl<'a> Calibrator<'a> {
         let overall = result.cross_validation().overall();
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
-            made_from: format!("{winds} of {recordings} recordings; cross-validated: {}", overall.in_words()),
+            made_from: format!(
+                "{winds} of {}; cross-validated: {}",
+                count(recordings, "recording"),
+                overall.in_words()
+            ),
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             form,
