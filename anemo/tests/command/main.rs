@@ -8,3 +8,4 @@ mod head;
 mod long_record;
 mod losses;
 mod report;
+mod wind;
