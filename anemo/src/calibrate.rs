@@ -8,9 +8,11 @@ use crate::choice::choice;
 use crate::output::{Failure, head_of};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{CalibrationReport, Calibrator, DrawnOptions, LossLaw};
+use anemometry::head::calibration::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};
 use anemometry::wind::given_winds;
 use diffusive::model::Model;
 use dr_core::wind::HeadForm;
+use recording::text::{brief, count};
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
 ///
@@ -115,16 +117,7 @@ impl Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options = [
-        ("--settle", Some(arguments.settle)),
-        ("--diameter-mm", arguments.diameter_mm),
-        ("--length-mm", arguments.length_mm),
-        ("--die-mm", Some(arguments.die_mm)),
-    ];
-    let mut given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
-    if let Some((name, _)) = given.find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-        return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
-    }
+    check(arguments)?;
     let mut read: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
     read.extend([arguments.network.as_path()]);
     read.extend(arguments.winds.as_deref());
@@ -158,7 +151,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         match short {
             0 => Failure::work(error),
             _ => Failure::work(format!(
-                "{error}\n{short} winds were not longer than the {settle_s} s of --settle, and left out"
+                "{error}\nleft out, for not being longer than the {settle_s} s of --settle: {}",
+                count(short, "wind")
             )),
         }
     })?;
@@ -168,6 +162,27 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut report = CalibrationReport::new(calibrated, winds.short, arguments.settle);
     report.written.clone_from(&arguments.output);
     crate::output::print_report(&report, arguments.json)
+}
+
+/// Checks the numbers of options by what a head file may have, before such a file is blamed.
+fn check(arguments: &Arguments) -> Result<(), Failure> {
+    let settle_s = arguments.settle;
+    if !(settle_s.is_finite() && settle_s >= 0.0) {
+        return Err(Failure::usage("--settle must be a finite number, and not negative"));
+    }
+    let sizes_mm = 1e3 * DIAMETER_M.start()..=1e3 * DIAMETER_M.end();
+    for (name, value, range, unit) in [
+        ("--diameter-mm", arguments.diameter_mm, sizes_mm.clone(), "mm"),
+        ("--length-mm", arguments.length_mm, sizes_mm.clone(), "mm"),
+        ("--die-mm", Some(arguments.die_mm), sizes_mm, "mm"),
+        ("--direction-error-max-deg", Some(arguments.direction_error_max_deg), DIRECTION_ERROR_MAX_DEG, "°"),
+    ] {
+        if let Some(value) = value.filter(|value| !range.contains(value)) {
+            let (least, most) = (brief(*range.start()), brief(*range.end()));
+            return Err(Failure::usage(format!("{name} is {value}: it must lie between {least} and {most} {unit}")));
+        }
+    }
+    Ok(())
 }
 
 fn progress_bar_of(recordings: usize) -> ProgressBar {
