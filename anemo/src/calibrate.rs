@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use crate::choice::choice;
-use crate::output::{Failure, head_of};
+use crate::output::{Failure, head_of, warn};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{CalibrationReport, Calibrator, DrawnOptions, LossLaw};
 use anemometry::head::calibration::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};
@@ -161,6 +161,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut report = CalibrationReport::new(calibrated, winds.short, arguments.settle);
     report.written.clone_from(&arguments.output);
+    report.warning().iter().for_each(|warning| warn(warning));
     crate::output::print_report(&report, arguments.json)
 }
 
