@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use crate::choice::choice;
-use crate::output::{Failure, head_of};
+use crate::output::{Failure, head_of, warn};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{
     CalibrationReport, Calibrator, DrawnOptions, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
 };
 use anemometry::head::Head;
+use anemometry::head::calibration::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};
 use anemometry::wind::given_winds;
 use diffusive::model::Model;
 use dr_core::wind::HeadForm;
+use recording::text::{brief, count};
 
 /// Calibrate a head in known winds, so that it outputs wind instead of power.
 ///
@@ -138,22 +140,7 @@ impl Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let options = [
-        ("--settle", Some(arguments.settle)),
-        ("--diameter-mm", arguments.diameter_mm),
-        ("--length-mm", arguments.length_mm),
-        ("--die-mm", Some(arguments.die_mm)),
-        ("--time-constant", arguments.time_constant),
-    ];
-    let mut given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
-    if let Some((name, _)) = given.find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-        return Err(Failure::usage(format!("{name} must be a finite number, and not negative")));
-    }
-    if arguments.time_constant == Some(0.0) {
-        return Err(Failure::usage(
-            "--time-constant is 0 s: how long a surface takes to follow its power belongs there",
-        ));
-    }
+    check(arguments)?;
     let mut read: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
     read.extend(arguments.network.as_deref());
     read.extend(arguments.winds.as_deref());
@@ -169,13 +156,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         false => (calibrator.winds_of(&tables).map_err(Failure::usage)?, 0),
         true => recorded_winds(arguments, &calibrator)?,
     };
-    let files =
-        recording::text::counted(arguments.recordings.len(), if tables.is_empty() { "recording" } else { "table" });
+    let files = count(arguments.recordings.len(), if tables.is_empty() { "recording" } else { "table" });
     let calibrated = calibrator.calibrated(&steady, &files, arguments.direction_error_max_deg);
     let calibrated = calibrated.map_err(|error| match (short, arguments.settle) {
         (0, _) => Failure::work(error),
         (short, settle_s) => Failure::work(format!(
-            "{error}\n{short} winds were not longer than the {settle_s} s of --settle, and left out"
+            "{error}\nleft out, for not being longer than the {settle_s} s of --settle: {}",
+            count(short, "wind")
         )),
     })?;
     if let Some(path) = &arguments.output {
@@ -183,6 +170,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut report = CalibrationReport::new(calibrated, short, arguments.settle);
     report.written.clone_from(&arguments.output);
+    report.warning().iter().for_each(|warning| warn(warning));
     crate::output::print_report(&report, arguments.json)
 }
 
@@ -235,6 +223,31 @@ fn recorded_winds(arguments: &Arguments, calibrator: &Calibrator<'_>) -> Result<
     let winds = winds.map_err(Failure::usage)?;
     bar.finish_and_clear();
     Ok((winds.steady, winds.short))
+}
+
+/// Checks the numbers of options by what a head file may have, before such a file is blamed.
+fn check(arguments: &Arguments) -> Result<(), Failure> {
+    let settle_s = arguments.settle;
+    if !(settle_s.is_finite() && settle_s >= 0.0) {
+        return Err(Failure::usage("--settle must be a finite number, and not negative"));
+    }
+    if let Some(bad_s) = arguments.time_constant.filter(|of| !(of.is_finite() && *of > 0.0)) {
+        let sentence = "in what time a surface follows its power belongs there";
+        return Err(Failure::usage(format!("--time-constant is {bad_s} s: {sentence}")));
+    }
+    let sizes_mm = 1e3 * DIAMETER_M.start()..=1e3 * DIAMETER_M.end();
+    for (name, value, range, unit) in [
+        ("--diameter-mm", arguments.diameter_mm, sizes_mm.clone(), "mm"),
+        ("--length-mm", arguments.length_mm, sizes_mm.clone(), "mm"),
+        ("--die-mm", Some(arguments.die_mm), sizes_mm, "mm"),
+        ("--direction-error-max-deg", Some(arguments.direction_error_max_deg), DIRECTION_ERROR_MAX_DEG, "°"),
+    ] {
+        if let Some(value) = value.filter(|value| !range.contains(value)) {
+            let (least, most) = (brief(*range.start()), brief(*range.end()));
+            return Err(Failure::usage(format!("{name} is {value}: it must lie between {least} and {most} {unit}")));
+        }
+    }
+    Ok(())
 }
 
 fn progress_bar_of(recordings: usize) -> ProgressBar {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use crate::output::{Failure, finite, is_head};
+use anemometry::gas::PRESSURE_RANGE_PA;
 use anemometry::head::Head;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::hold;
@@ -61,8 +62,8 @@ impl PressureSource {
             }
         };
         pressure_pa
-            .filter(|pressure_pa: &f64| pressure_pa.is_finite() && *pressure_pa > 0.0)
-            .ok_or_else(|| Failure::usage(format!("{place}: a pressure in Pa belongs there")))
+            .filter(|pressure_pa: &f64| PRESSURE_RANGE_PA.contains(pressure_pa))
+            .ok_or_else(|| Failure::usage(format!("{place}: a pressure of 1 to 200000 Pa belongs there")))
     }
 }
 

@@ -85,6 +85,11 @@ pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "anemo: {}", sentence(text));
 }
 
+/// Warns people of a result that stands.
+pub fn warn(text: &str) {
+    let _ = writeln!(std::io::stderr(), "warning: {}", sentence(text));
+}
+
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();

@@ -10,7 +10,7 @@ use diffusive::model::{ALL, Model};
 use diffusive::predict::arrival::at_set_point;
 use diffusive::predict::closed::{PredictedElement, Prediction};
 use host_sim::experiment::Experiment;
-use recording::text::four_digits as brief;
+use recording::text::{count, four_digits as brief};
 use recording::{self, ColumnValues, GAS_TEMPERATURE, RecordingReader, STATE};
 
 /// A median further than this from the predicted one is another set-point's, K.
@@ -203,8 +203,8 @@ fn of_another_experiment(its: &str, own: &str) -> Vec<String> {
         let word = |value: Option<&toml::Value>| value.map_or("none".to_owned(), toml::Value::to_string);
         Some(format!("`wind[{at}].{key}` is {} there, and {} here", word(its.get(key)), word(own.get(key))))
     });
-    let count =
-        (its.len() != own.len()).then(|| format!("it has {} winds, and this experiment {}", its.len(), own.len()));
+    let count = (its.len() != own.len())
+        .then(|| format!("it has {}, and this experiment {}", count(its.len(), "wind"), own.len()));
     notes.extend(difference.or(count).map(|what| format!("was recorded in other winds: {what}")));
     notes
 }
@@ -230,6 +230,6 @@ mod tests {
         assert_eq!(notes[0], "was recorded of the experiment `a`, and this is `b`");
         assert_eq!(notes[1], "was recorded in other winds: `wind[0].speed_m_s` is 2 there, and 5 here");
         let more = of_another_experiment(calm, &format!("{calm}[[wind]]\nlabel = 'x'\n"));
-        assert_eq!(more, ["was recorded in other winds: it has 1 winds, and this experiment 2"]);
+        assert_eq!(more, ["was recorded in other winds: it has 1 wind, and this experiment 2"]);
     }
 }

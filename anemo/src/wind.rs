@@ -58,10 +58,10 @@ pub struct Arguments {
     /// True winds by label, a .csv or .parquet file as of `anemo calibrate`, for the errors.
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
-    /// The summary counts estimates from this time on, s; file and picture have all.
+    /// Summary and histograms count estimates from this time on, s; the file has all.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     from: f64,
-    /// The summary leaves out so much at the beginning of every label, s.
+    /// They leave out so much at the beginning of every label, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Write the estimates to this .parquet or .csv file.
@@ -155,6 +155,8 @@ fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>)
         ("bandwidth_hz", estimation.output.bandwidth_hz.to_string()),
         ("fixed", estimation.output.fixed.to_string()),
         ("output_interval_s", estimation.output.interval_s.to_string()),
+        ("counted_from_s", arguments.from.to_string()),
+        ("settle_s", arguments.settle.to_string()),
         ("recording", recording),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{name}` is {value}; it must be {expected}")]
 pub struct GasError {
-    /// The experiment's key.
+    /// The experiment's key, or an option.
     pub name: &'static str,
     /// Its value.
     pub value: f64,
@@ -41,7 +41,8 @@ pub const ZERO_CELSIUS_K: f64 = 273.15;
 
 /// Temperatures at which the properties are known, K.
 pub const TEMPERATURE_RANGE_K: std::ops::RangeInclusive<f64> = 150.0..=400.0;
-const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
+/// Pressures at which they are, Pa.
+pub const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 1.0..=200_000.0;
 
 /// Lowest temperature at which the conductivity of Vesovic 1990 holds, K.
 const VESOVIC_LOWEST_K: f64 = 200.0;
@@ -95,23 +96,8 @@ impl IdealGas {
     /// Properties of `species`; refuses what lies outside 150–400 K and 1 Pa–200 kPa
     /// (`gas.temperature_c`, `gas.pressure_pa`).
     pub fn new(species: Species, pressure_pa: f64, temperature_k: f64) -> Result<IdealGas, GasError> {
-        // −123.15 °C is 150 K but for its last digits.
-        let (coldest_k, hottest_k) = (TEMPERATURE_RANGE_K.start() - 1e-3, TEMPERATURE_RANGE_K.end() + 1e-3);
-        if !(coldest_k..=hottest_k).contains(&temperature_k) {
-            return Err(GasError {
-                name: "gas.temperature_c",
-                // Without the tail of digits that the difference has.
-                value: ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9,
-                expected: "-123.15 to 126.85 °C, where the gas properties are known",
-            });
-        }
-        if !PRESSURE_RANGE_PA.contains(&pressure_pa) {
-            return Err(GasError {
-                name: "gas.pressure_pa",
-                value: pressure_pa,
-                expected: "1 to 200000 Pa, where the gas properties are known",
-            });
-        }
+        check_temperature("gas.temperature_c", temperature_k)?;
+        check_pressure("gas.pressure_pa", pressure_pa)?;
         Ok(IdealGas::of(species, pressure_pa, temperature_k))
     }
 
@@ -149,6 +135,26 @@ impl IdealGas {
         let thermal = (std::f64::consts::FRAC_PI_2 * specific * self.temperature_k).sqrt();
         self.viscosity_pa_s / self.pressure_pa * thermal / diameter_m
     }
+}
+
+/// Refuses a temperature at which the properties are not known; `name` is its key or option.
+pub fn check_temperature(name: &'static str, temperature_k: f64) -> Result<(), GasError> {
+    // −123.15 °C is 150 K but for its last digits.
+    let (coldest_k, hottest_k) = (TEMPERATURE_RANGE_K.start() - 1e-3, TEMPERATURE_RANGE_K.end() + 1e-3);
+    if (coldest_k..=hottest_k).contains(&temperature_k) {
+        return Ok(());
+    }
+    // Without the tail of digits that the difference has.
+    let value = ((temperature_k - ZERO_CELSIUS_K) * 1e9).round() / 1e9;
+    Err(GasError { name, value, expected: "-123.15 to 126.85 °C, where the gas properties are known" })
+}
+
+/// Refuses a pressure at which they are not known.
+pub fn check_pressure(name: &'static str, pressure_pa: f64) -> Result<(), GasError> {
+    if PRESSURE_RANGE_PA.contains(&pressure_pa) {
+        return Ok(());
+    }
+    Err(GasError { name, value: pressure_pa, expected: "1 to 200000 Pa, where the gas properties are known" })
 }
 
 fn molar_mass(species: Species) -> f64 {

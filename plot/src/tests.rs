@@ -253,6 +253,47 @@ fn a_head_of_two_hemispheres_has_one_angle() {
 }
 
 #[test]
+fn a_head_of_a_plane_has_an_azimuth_in_it_and_an_error_of_direction() {
+    let surface = "[[calibration.surfaces]]\\naxis = [1.0, 0.0, 0.0]\\ncorner = [0.0, 0.0, 1.0]\\n";
+    for form in ["cylinder", "wires"] {
+        let head = format!("[calibration]\\nform = \"{form}\"\\n{}", surface.repeat(2));
+        // All of its estimates are undetermined: that is no reason for a gap.
+        let figure = run::figure(&estimates(&["wire1", "wire2"], &format!("# head: {head}\n"), |_| 16)).unwrap();
+        let azimuth = bins(&figure, "Azimuth", "estimate");
+        assert!((azimuth[50].mean - 45.0).abs() < 1e-9);
+        assert_eq!(azimuth.iter().filter(|bin| bin.mean.is_finite()).count(), 400);
+        // The wind across the plane is no part of what it could output: 3 of 5 m/s are in it.
+        assert!(bins(&figure, "Wind speed", "true wind").iter().all(|bin| (bin.mean - 3.0).abs() < 1e-9));
+        let error = bins(&figure, "Direction error", "error");
+        // The estimates have 4 m/s across the plane: they are 53° off what lies in it.
+        assert!(error.iter().all(|bin| (bin.mean - 53.130_102).abs() < 1e-5));
+        assert!(!figure.charts().any(|chart| chart.caption() == "Elevation"));
+    }
+}
+
+#[test]
+fn estimates_without_any_direction_have_no_panels_of_it() {
+    let head = "[calibration]\\nform = \"single\"\\n[[calibration.surfaces]]\\naxis = [1.0, 0.0, 0.0]\\n";
+    // Undetermined and without a direction.
+    let figure = run::figure(&estimates(&["wire"], &format!("# head: {head}\n"), |_| 16 + 32)).unwrap();
+    let captions: Vec<&str> = figure.charts().map(Chart::caption).collect();
+    assert!(captions.contains(&"Wind speed") && captions.contains(&"Speed error"), "{captions:?}");
+    for caption in ["Azimuth", "Elevation", "Direction error", "Direction errors"] {
+        assert!(!captions.contains(&caption), "{captions:?}");
+    }
+}
+
+#[test]
+fn histograms_have_the_estimates_that_count() {
+    let dots = |metadata: &str| {
+        let figure = run::figure(&estimates(&SECTORS, metadata, |_| 0)).unwrap();
+        let chart = figure.charts().find(|chart| chart.caption() == "Estimate over truth").unwrap();
+        chart.traces.iter().map(|trace| trace.points.len()).max().unwrap()
+    };
+    assert_eq!([dots(""), dots("# counted_from_s: 300\n")], [200, 100]);
+}
+
+#[test]
 fn a_run_with_wind_estimates_shows_them_over_the_true_wind() {
     let mut recording = estimates(&SECTORS, "", |_| 0);
     let temperature = recording::ColumnValues::Numbers(vec![-23.0; 400]);

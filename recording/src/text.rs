@@ -46,9 +46,9 @@ pub fn tidy(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 
-/// A number of things: `1 recording`, `2 recordings`.
-pub fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+/// How many things there are: `1 record`, `2 records`.
+pub fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// A sentence that quotes a file may hold anything; what is shown is one line.
@@ -102,6 +102,11 @@ pub fn columns(lines: &[Vec<String>], right: &[usize]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_thing_is_no_plural() {
+        assert_eq!([0, 1, 2].map(|number| count(number, "record")), ["0 records", "1 record", "2 records"]);
+    }
 
     #[test]
     fn values_show_the_digits_that_their_errors_leave() {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::identify::progress_bar;
 use crate::output::Failure;
+use crate::progress::progress;
 use anemometry::head::Head;
 use anemometry::network::NetworkReport;
 use anemometry::network::from_model::checked;
@@ -81,7 +81,16 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
         };
         record.only(&wanted)
     };
-    let mut model = identify(arguments.records.len(), &open, poles, &mut progress_bar()).map_err(Failure::usage)?;
+    // The first round of many elements takes minutes before its first pair.
+    let bar = progress("reading", Some(1));
+    let mut show = |what, done, all| {
+        bar.set_message(what);
+        bar.set_length(all);
+        bar.set_position(done);
+    };
+    let found = identify(arguments.records.len(), &open, poles, &mut show);
+    bar.finish_and_clear();
+    let mut model = found.map_err(Failure::usage)?;
     let network = checked(&mut model, head.as_ref());
     if let Some(path) = &arguments.output {
         model.write(path).map_err(Failure::work)?;

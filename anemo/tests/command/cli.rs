@@ -224,6 +224,14 @@ fn wrong_usage_is_code_2_and_one_sentence() {
             vec!["run", &gusts, "--on", "sim", "-o", "a.csv", "--plot", "a.gif"],
             "a.gif: a picture's name ends in .svg, .pdf or .png",
         ),
+        (
+            vec!["calibrate", "no.parquet", "--network", "no.json", "--diameter-mm", "0"],
+            "--diameter-mm is 0: it must lie between 0.001 and 1000 mm",
+        ),
+        (
+            vec!["calibrate", "no.parquet", "--network", "no.json", "--die-mm", "nan"],
+            "--die-mm is NaN: it must lie between 0.001 and 1000 mm",
+        ),
         (vec!["plot", "no.parquet", "-o", "a.svg"], "no.parquet: there is no such file"),
         (vec!["recover", "no.parquet"], "no.parquet: there is no such recording, and no journal of one"),
         (vec!["run", &gusts, "--on", "silicon", "--link", "usart"], "--link: only qemu has a choice of links"),

@@ -9,3 +9,4 @@ mod long_record;
 mod losses;
 mod report;
 mod steady_table;
+mod wind;

@@ -2,7 +2,7 @@
 
 use dr_core::wind::{HeadForm, SurfaceConfig};
 use recording::RecordingError;
-use recording::text::suggest;
+use recording::text::{count, suggest};
 
 use super::card::drawn::DrawnCard;
 use super::card::{self, calibration::CardCalibration};
@@ -181,7 +181,7 @@ impl<'a> Calibrator<'a> {
         let result = self.result(steady)?;
         let (winds, form, diameter_m, nusselt, card) = match &result {
             CalibrationResult::Surfaces { calibration: of, .. } => {
-                (format!("{} winds", of.winds), of.form, of.diameter_m, Some(of.curves.clone()), None)
+                (count(of.winds, "wind"), of.form, of.diameter_m, Some(of.curves.clone()), None)
             }
             CalibrationResult::Card { calibration: of, .. } => {
                 let winds = format!("{} winds in the plane of a card,", of.winds);

@@ -11,7 +11,7 @@ use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
 use super::surfaces::calibration::SurfaceCalibration;
 use crate::head::file::Head;
-use recording::text::short;
+use recording::text::{count, short};
 
 /// Bandwidths whose noise is given, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
@@ -62,6 +62,14 @@ impl CalibrationReport {
             CalibrationResult::Card { .. } => Vec::new(),
         };
         Self { result: calibrated.result, short, settle_s, noise, written: None }
+    }
+
+    /// What is poor about it, if anything is.
+    pub fn warning(&self) -> Option<String> {
+        match &self.result {
+            CalibrationResult::Surfaces { calibration, .. } => calibration.warning(),
+            CalibrationResult::Card { .. } => None,
+        }
     }
 }
 
@@ -124,8 +132,9 @@ impl fmt::Display for CalibrationReport {
             CalibrationResult::Card { calibration, winds } => write!(f, "{calibration}\n{winds}")?,
         }
         if self.short > 0 {
-            let (short, settle_s) = (self.short, self.settle_s);
-            writeln!(f, "\n{short} winds were shorter than the {settle_s} s that are left out of each")?;
+            let (winds, settle_s) = (count(self.short, "wind"), self.settle_s);
+            let were = if self.short == 1 { "was" } else { "were" };
+            writeln!(f, "\n{winds} {were} shorter than the {settle_s} s that are left out of each")?;
         }
         if matches!(self.result, CalibrationResult::Surfaces { .. }) {
             writeln!(f, "\nbandwidth  noise of a surface's conductance, at 30 K, 1 kHz")?;

@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use diffusive::model::{Model, Pair};
+use recording::text::count;
 use recording::{POWER, TEMPERATURE};
 use serde::Serialize;
 
@@ -164,7 +165,7 @@ impl OutputReport {
 impl fmt::Display for NetworkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (records, rows, duration_s) = self.data;
-        writeln!(f, "{records} records, {rows} rows, {duration_s:.0} s in all")?;
+        writeln!(f, "{}, {rows} rows, {duration_s:.0} s in all", count(records, "record"))?;
         for element in &self.elements {
             element.fmt(f)?;
         }

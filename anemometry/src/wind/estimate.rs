@@ -11,6 +11,7 @@ use super::comparison::WindComparison;
 use super::error::WindError;
 use super::gas_input::{GasInput, temperature_column};
 use super::given_winds::GivenWinds;
+use super::level_record::LevelRecord;
 use super::moment::{Moment, TickOrigin};
 use super::off_line::{OffLineAnemometer, axes};
 use super::replay::Replay;
@@ -74,13 +75,17 @@ pub struct WindEstimation<'a> {
     tally: EstimateTally,
     comparison: WindComparison,
     has_truth: bool,
+    levels: LevelRecord,
+    /// Of the gas, and of labels that do not match.
+    warnings: Vec<String>,
 }
 
 impl<'a> WindEstimation<'a> {
     /// Opens a recording of `head`; `winds` are the true winds where the recording has none.
     ///
     /// # Errors
-    /// If the recording cannot be read, the head has no calibration, or an option cannot be met.
+    /// If the recording cannot be read, the head has no calibration, an option cannot be met, or no
+    /// given wind has a label of the recording.
     pub fn new(
         recording: &Path,
         head: &'a Head,
@@ -93,6 +98,10 @@ impl<'a> WindEstimation<'a> {
         let anemometer = OffLineAnemometer::new(head, calibration, &output, replay.sample_period_s)?;
         let given = (options.pressure_pa, options.gas_temperature.as_deref());
         let gas = GasInput::new(given, head, calibration, recording, &replay)?;
+        let mut warnings = gas.warnings.clone();
+        if let Some(winds) = winds {
+            warnings.extend(winds.compare_labels(recording)?);
+        }
         Ok(Self {
             recording: recording.to_owned(),
             head,
@@ -109,6 +118,8 @@ impl<'a> WindEstimation<'a> {
             tally: EstimateTally::default(),
             comparison: WindComparison::in_plane(calibration.plane_normal()),
             has_truth: false,
+            levels: LevelRecord::default(),
+            warnings,
         })
     }
 
@@ -141,6 +152,9 @@ impl<'a> WindEstimation<'a> {
                 self.label = Some((moment.event.clone(), begun_s));
             }
             self.gas.set(&mut self.anemometer, &moment)?;
+            if moment.known != TickOrigin::Missing {
+                self.levels.add(&moment.tick);
+            }
             let Some(mut sample) = self.anemometer.step(&moment.tick) else { continue };
             match moment.known {
                 TickOrigin::Recorded => {}
@@ -167,7 +181,11 @@ impl<'a> WindEstimation<'a> {
     /// Statistics of the estimates so far.
     pub fn report(self) -> WindReport {
         let (gaps, missing_s) = self.replay.gaps;
+        let heated = self.calibration.network.own.iter();
+        let at_one_level = heated.filter(|own| self.levels.is_constant(own.element)).map(|own| own.name.clone());
         WindReport {
+            at_one_level: at_one_level.collect(),
+            warnings: self.warnings,
             recording: self.recording,
             head: self.head.name.clone(),
             made_from: self.calibration.table.made_from.clone(),

@@ -12,6 +12,7 @@ use super::error::GasInputError;
 use super::moment::Moment;
 use super::off_line::OffLineAnemometer;
 use super::replay::Replay;
+use crate::gas::{GasError, ZERO_CELSIUS_K, check_pressure, check_temperature};
 use crate::head::calibration::checked::Calibration;
 use crate::head::file::Head;
 
@@ -48,7 +49,7 @@ impl GasInput {
     /// recording's own.
     ///
     /// # Errors
-    /// If a number is missing, or the head is calibrated for another gas.
+    /// If a number is missing or no gas has it, or the head is calibrated for another gas.
     pub fn new(
         (pressure_pa, temperature): (Option<f64>, Option<&str>),
         head: &Head,
@@ -67,8 +68,20 @@ impl GasInput {
                 head.name
             ));
         }
-        let Some(pressure_pa) = pressure_pa.or(conditions.map(|of| of.pressure_pa)) else {
-            return refuse("the recording does not tell the pressure of its gas: give --pressure, in Pa");
+        let of_option = |error: GasError| GasInputError(error.to_string());
+        let of_recording = |error: GasError| GasInputError(format!("{}: {error}", recording.display()));
+        let pressure_pa = match (pressure_pa, conditions) {
+            (Some(pressure_pa), _) => {
+                check_pressure("--pressure", pressure_pa).map_err(of_option)?;
+                pressure_pa
+            }
+            (None, Some(of)) => {
+                check_pressure("gas_pressure_pa", of.pressure_pa).map_err(of_recording)?;
+                of.pressure_pa
+            }
+            (None, None) => {
+                return refuse("the recording does not tell the pressure of its gas: give --pressure, in Pa");
+            }
         };
         let temperature = match (calibration.reference, temperature) {
             (Some(_), Some(_)) => {
@@ -78,11 +91,18 @@ impl GasInput {
             }
             (Some(element), None) => TemperatureSource::Element(head.elements[element].name.clone()),
             (None, Some(word)) => match word.parse() {
-                Ok(celsius) => TemperatureSource::Constant(celsius),
+                Ok(celsius) => {
+                    check_temperature("--gas-temperature", celsius + ZERO_CELSIUS_K).map_err(of_option)?;
+                    TemperatureSource::Constant(celsius)
+                }
                 Err(_) => TemperatureSource::Column(word.to_owned()),
             },
             (None, None) => match conditions {
-                Some(of) => TemperatureSource::Constant(of.gas_temperature_c),
+                Some(of) => {
+                    let temperature_k = of.gas_temperature_c + ZERO_CELSIUS_K;
+                    check_temperature("gas_temperature_c", temperature_k).map_err(of_recording)?;
+                    TemperatureSource::Constant(of.gas_temperature_c)
+                }
                 None => {
                     return refuse(
                         "nothing tells the temperature of the gas: give --gas-temperature, a number in °C or a column",

@@ -7,6 +7,7 @@
 //! | [`moment`] | a tick with its conditions |
 //! | [`replay`] | a recording as the ticks that made it |
 //! | [`live`] | rows of a run while it goes on, as ticks |
+//! | `level_record` | elements that no loop holds |
 //! | [`gas_input`] | pressure and temperature of the gas |
 //! | [`given_winds`] | a table of true winds |
 //! | [`comparison`] | errors against the true wind |
@@ -19,6 +20,7 @@ pub mod error;
 pub mod estimate;
 pub mod gas_input;
 pub mod given_winds;
+mod level_record;
 pub mod live;
 pub mod median;
 pub mod moment;

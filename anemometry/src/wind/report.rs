@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use recording::text::tidy;
+use recording::text::{count, tidy};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -31,6 +31,10 @@ pub struct WindReport {
     pub fixed_because: Option<String>,
     /// The gas, with its source.
     pub gas: GasInput,
+    /// What does not fit the recording: gas, labels of winds.
+    pub warnings: Vec<String>,
+    /// Elements of the network that stayed at one level, as no loop does.
+    pub at_one_level: Vec<String>,
     /// Number of gaps of the recording.
     pub gaps: u64,
     /// How long the gaps are in all, s.
@@ -58,7 +62,7 @@ impl Serialize for WindReport {
         map.serialize_entry("fixed", &self.output.fixed)?;
         map.serialize_entry("output_interval_s", &self.output.interval_s)?;
         map.serialize_entry("gas", &self.gas)?;
-        map.serialize_entry("warnings", &self.gas.warnings)?;
+        map.serialize_entry("warnings", &self.warnings)?;
         map.serialize_entry("gaps", &self.gaps)?;
         map.serialize_entry("missing_s", &self.missing_s)?;
         map.serialize_entry("counted", &counted.estimates)?;
@@ -86,18 +90,19 @@ impl fmt::Display for WindReport {
         writeln!(f, "{} · head {} · {}", self.recording.display(), self.head, self.made_from)?;
         writeln!(f, "gas: {}", self.gas)?;
         let fixed = if fixed { ", fixed" } else { "" };
-        writeln!(f, "{} wind estimates, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}", self.estimates)?;
+        let estimates = count(self.estimates as usize, "wind estimate");
+        writeln!(f, "{estimates}, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}")?;
         if let Some(why) = &self.fixed_because {
             writeln!(f, "the bandwidth stays fixed for {why}")?;
         }
-        for warning in &self.gas.warnings {
+        for warning in &self.warnings {
             writeln!(f, "warning: {warning}")?;
         }
         if self.gaps > 0 {
             writeln!(
                 f,
-                "{} gaps in the recording, {} s in all: for ten times as long after each, estimates are flagged `starting`",
-                self.gaps,
+                "{} in the recording, {} s in all: for ten times as long after each, estimates are flagged `starting`",
+                count(self.gaps as usize, "gap"),
                 tidy(self.missing_s)
             )?;
         }
@@ -126,7 +131,8 @@ impl WindReport {
         match self.counted.estimates {
             _ if which.is_empty() => {}
             0 => writeln!(f, "none of them counts: {}", which.join(", "))?,
-            count => writeln!(f, "{count} of them count: {}", which.join(", "))?,
+            1 => writeln!(f, "1 of them counts: {}", which.join(", "))?,
+            number => writeln!(f, "{number} of them count: {}", which.join(", "))?,
         }
         if let Some(error) = self.counted.speed_standard_error {
             write!(f, "standard error by the noise of the readings, median: speed {:.2} %", 100.0 * error)?;
@@ -143,8 +149,19 @@ impl WindReport {
         if *estimates > 0 && quality_flags.is_empty() {
             writeln!(f, "no quality flags")?;
         }
-        for (name, count) in quality_flags {
-            writeln!(f, "{name:<13} {count} estimates, {:.1} %", 100.0 * *count as f64 / *estimates as f64)?;
+        for (name, number) in quality_flags {
+            let share = *number as f64 / *estimates as f64;
+            writeln!(f, "{name:<13} {}, {:.1} %", count(*number as usize, "estimate"), 100.0 * share)?;
+        }
+        if quality_flags.contains_key("saturated") && !self.at_one_level.is_empty() {
+            let (names, stay, hold) = match &self.at_one_level[..] {
+                [one] => (format!("`{one}`"), "stays", "it"),
+                several => (format!("`{}`", several.join("`, `")), "stay", "them"),
+            };
+            writeln!(
+                f,
+                "{names} {stay} at one level, as at constant current: no loop holds {hold}, hence `saturated`"
+            )?;
         }
         Ok(())
     }
@@ -155,7 +172,7 @@ fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, in_plane: bool)
     if errors.count == 0 {
         return writeln!(f, "\ncompared with the true wind: no estimates to compare");
     }
-    write!(f, "\ncompared with the true wind, {} estimates", errors.count)?;
+    write!(f, "\ncompared with the true wind, {}", count(errors.count as usize, "estimate"))?;
     if errors.failed > 0 {
         write!(f, ", {} of them without a wind", errors.failed)?;
     }
@@ -199,11 +216,11 @@ mod tests {
         errors.add(&estimate, &[[0.0, 1.0, 0.0]; 2], [0.0, 2.0, 0.0]);
         assert_eq!(
             text(&errors),
-            "\ncompared with the true wind, 1 estimates\n  speed      10.00 % rms, 10.00 % mean, 10.00 % at worst\n"
+            "\ncompared with the true wind, 1 estimate\n  speed      10.00 % rms, 10.00 % mean, 10.00 % at worst\n"
         );
         let mut failed = WindComparison::default();
         estimate.quality_flags = dr_core::wind::QualityFlags::FAILED;
         failed.add(&estimate, &[], [0.0, 2.0, 0.0]);
-        assert!(text(&failed).ends_with("1 estimates, 1 of them without a wind\n"));
+        assert!(text(&failed).ends_with("1 estimate, 1 of them without a wind\n"));
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use dr_core::wind::QualityFlags;
+use recording::text::count;
 use serde::Serialize;
 use wire::WindSample;
 
@@ -80,15 +81,15 @@ impl EstimateTally {
 
 impl fmt::Display for EstimateSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} wind estimates", self.estimates)?;
+        write!(f, "{}", count(self.estimates as usize, "wind estimate"))?;
         if let (Some(speed_m_s), Some(error_m_s)) = (self.mean_speed_m_s, self.speed_error_m_s) {
             write!(f, ", mean speed {speed_m_s:.2} m/s, each with a standard error of about {error_m_s:.2} m/s")?;
         } else {
             write!(f, ", none with a wind")?;
         }
         writeln!(f)?;
-        for (name, count) in &self.quality_flags {
-            writeln!(f, "  {name:<13} {:.1} %", 100.0 * *count as f64 / self.estimates.max(1) as f64)?;
+        for (name, number) in &self.quality_flags {
+            writeln!(f, "  {name:<13} {:.1} %", 100.0 * *number as f64 / self.estimates.max(1) as f64)?;
         }
         Ok(())
     }
@@ -134,6 +135,6 @@ mod tests {
         let mut none = EstimateTally::default();
         none.add(&estimate(0.0, QualityFlags::FAILED));
         assert_eq!(none.summary().mean_speed_m_s, None);
-        assert!(none.summary().to_string().starts_with("1 wind estimates, none with a wind\n"));
+        assert!(none.summary().to_string().starts_with("1 wind estimate, none with a wind\n"));
     }
 }

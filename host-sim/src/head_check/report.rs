@@ -100,13 +100,14 @@ pub fn check(
         capacity_j_k: capacities_j_k[i],
         level_w: [Level::Low, Level::High].map(|level| of.power_w(conditions.set_point_c(), level)),
     };
+    let elements: Vec<ElementCheck> = head.elements.iter().enumerate().map(element).collect();
     Ok(HeadCheckReport {
         head: head.name.clone(),
         network: size(construction.bodies()),
         time_constants_s: survey.time_constants_s([0.0; 3]),
         time_constants_in_wind_s: survey.time_constants_s(USUAL_M_S),
-        elements: head.elements.iter().enumerate().map(element).collect(),
-        warnings: warnings(head, &conditions, &range),
+        warnings: warnings(head, &conditions, &elements, &range),
+        elements,
         conditions,
         range,
     })

@@ -95,6 +95,12 @@ fn what_would_go_wrong_is_named_with_its_numbers() {
             "temperature_max_c = 45.0",
             "its `temperature_max_c` of 45 °C is below the set-point of 50 °C",
         ),
+        (
+            "capacity_j_k = 0.01",
+            "capacity_j_k = 1.3e-4",
+            // 108 − 1.08 mW for 10 ms.
+            "film: a single tick of 10 ms at the high level heats it by 8.2 K",
+        ),
         ("current_low_a = 0.003", "current_low_a = 0.025", "needs less in quiescent gas than its low level gives"),
         ("current_high_a = 0.03", "current_high_a = 0.012", "no element can be held 30 K above this gas"),
         (

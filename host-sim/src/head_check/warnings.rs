@@ -4,14 +4,19 @@ use anemometry::head::{Head, HeadElement};
 use dr_core::sensor::Level;
 
 use super::conditions::HeadConditions;
+use super::report::ElementCheck;
 use super::winds::WindRange;
 use recording::text::{brief, short};
+
+/// A tick at the high level that heats by more is coarse, K, and as a share of the overheat.
+const COARSE_K: f64 = 3.0;
+const COARSE_SHARE: f64 = 0.2;
 
 /// The same sentence about several elements, with their names.
 type Sentences = Vec<(String, Vec<String>)>;
 
 /// All of it.
-pub fn warnings(head: &Head, conditions: &HeadConditions, range: &WindRange) -> Vec<String> {
+pub fn warnings(head: &Head, conditions: &HeadConditions, checks: &[ElementCheck], range: &WindRange) -> Vec<String> {
     let mut sentences: Sentences = Vec::new();
     for (i, element) in head.elements.iter().enumerate() {
         of_element(head, element, range.held[i], conditions, &mut sentences);
@@ -19,6 +24,14 @@ pub fn warnings(head: &Head, conditions: &HeadConditions, range: &WindRange) -> 
         if range.held[i] && range.at_rest_w[i] < low_w {
             let what = "needs less in quiescent gas than its low level gives: it stays above the set-point there";
             add(&mut sentences, element, what.to_owned());
+        }
+        let rise_k = rise_k(&checks[i], conditions.sample_period_s);
+        if range.held[i] && rise_k > COARSE_K.min(COARSE_SHARE * conditions.overheat_k) {
+            let (rise, tick_ms) = (short(rise_k, 2), brief(1e3 * conditions.sample_period_s));
+            let what = format!(
+                "a single tick of {tick_ms} ms at the high level heats it by {rise} K, too coarse for its loop: a shorter `sample_period_s` or less `current_high_a`"
+            );
+            add(&mut sentences, element, what);
         }
     }
     if let Some(strongest) = range.winds.last() {
@@ -43,6 +56,13 @@ pub fn warnings(head: &Head, conditions: &HeadConditions, range: &WindRange) -> 
         all.push(format!("no element can be held {overheat_k} K above this gas: more current, or less overheat"));
     }
     all
+}
+
+/// By how much a tick at the high level, in place of the low one, heats an element: what its node
+/// stores of it, but no more than the whole structure would rise, K.
+fn rise_k(of: &ElementCheck, sample_period_s: f64) -> f64 {
+    let step_w = of.level_w[1] - of.level_w[0];
+    step_w * (sample_period_s / of.capacity_j_k).min(of.own_gain_k_per_w)
 }
 
 /// Adds an element to the sentence about it.

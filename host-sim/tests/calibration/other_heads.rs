@@ -106,11 +106,29 @@ fn a_hot_wire_that_obeys_kings_law_gives_its_exponent_and_the_speed() {
         assert!((king.exponent - exponent).abs() < 4.0 * king.se_exponent, "{king:?} for {exponent}");
         let errors = bench.unseen(&found, &winds(100, [0.5, 12.0], 0.0, 0.3));
         assert!(errors.speed_rms < 5e-3 && errors.direction_rms_deg.is_nan(), "{errors:?}");
+        // Nothing says what of the loss at rest is conduction into the gas.
+        assert!(found.to_string().contains(" taken ") && found.warning().is_none(), "{found}");
         // The spline knows the law as well, a little less surely.
         let spline = DrawnSurfaces { law: LossLaw::Spline, ..bench.drawn.clone() };
         let found = calibrate(&spline, &bench.readings(&known, 2e-3, seed)).unwrap();
         assert!(bench.unseen(&found, &winds(100, [0.5, 12.0], 0.0, 0.3)).speed_rms < 5e-3);
     }
+}
+
+#[test]
+fn a_poor_calibration_warns_of_its_worst_wind() {
+    let bench = Bench {
+        drawn: drawn(HeadForm::Single, KING, &[[1.0, 0.0, 0.0]], 5e-6),
+        gas: air(),
+        losses: Box::new(|wind| vec![1e-4 + 1e-4 * wind[0].abs().sqrt()]),
+        noise: 1e-4,
+    };
+    let known: Vec<[f64; 3]> = (0..20).map(|n| [-0.5 * 24_f64.powf(f64::from(n) / 19.0), 0.0, 0.0]).collect();
+    // Speeds that are known to a tenth only: 3 to 5 % of the loss.
+    let found = calibrate(&bench.drawn, &bench.readings(&known, 0.1, 1)).unwrap();
+    let warning = found.warning().unwrap();
+    let worst = format!("most in {} at surface1", found.worst.label);
+    assert!(warning.starts_with("the calibration is poor: ") && warning.contains(&worst), "{warning}");
 }
 
 #[test]

@@ -200,6 +200,8 @@ fn quiescent_gas_settles_the_zero_wind_conductances() {
         }
     }
     assert!(without.surfaces[0].quiescent_error_w_k > 10.0 * with.surfaces[0].quiescent_error_w_k);
+    // What rests on conductivity and area alone is not shown as a fit.
+    assert!(without.to_string().contains(" taken 0.") && !with.to_string().contains("taken"), "{without}");
 }
 
 #[test]

@@ -24,8 +24,8 @@ const HISTOGRAM: usize = 30;
 const OVER_TIME: f64 = 22.0;
 const OTHERS: f64 = 38.0;
 
-/// Errors over time.
-pub fn over_time(times_s: &[f64], all: &[Option<WindBesideTruth>]) -> [Chart; 2] {
+/// Errors over time; of a head without a direction of the speed alone.
+pub fn over_time(times_s: &[f64], all: &[Option<WindBesideTruth>], has_direction: bool) -> Vec<Chart> {
     let reduced = |value: fn(&WindBesideTruth) -> f64| bins(times_s, |i| all[i].as_ref().map_or(f64::NAN, value), BINS);
     let (speed, speed_u) = (reduced(WindBesideTruth::error_m_s), reduced(|of| of.speed_u_m_s));
     let (angle, angle_u) = (reduced(|of| of.angle_deg), reduced(|of| of.angle_u_deg));
@@ -40,10 +40,10 @@ pub fn over_time(times_s: &[f64], all: &[Option<WindBesideTruth>]) -> [Chart; 2]
     };
     let around = |bin: Bin| Bin { least: -bin.mean, most: bin.mean, ..bin };
     let above = |bin: Bin| Bin { least: 0.0, most: bin.mean, ..bin };
-    [
-        chart("Speed error", "m/s", speed, speed_u.into_iter().map(around).collect()),
-        chart("Direction error", "°", angle, angle_u.into_iter().map(above).collect()),
-    ]
+    let speed = chart("Speed error", "m/s", speed, speed_u.into_iter().map(around).collect());
+    let direction =
+        has_direction.then(|| chart("Direction error", "°", angle, angle_u.into_iter().map(above).collect()));
+    [speed].into_iter().chain(direction).collect()
 }
 
 /// Estimate over truth, and histograms of the errors; of single estimates with what their stated
@@ -110,8 +110,9 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
     Some(chart.traces(is_expected.then(|| Trace::dashed("as stated", curve).painted(INK))))
 }
 
-/// Errors of winds over their true speed and azimuth, in rows.
-pub fn sweep(winds: &[WindBesideTruth]) -> [[Chart; 2]; 2] {
+/// Errors of winds over their true speed and azimuth, in rows; of a head without a direction one row
+/// of speeds.
+pub fn sweep(winds: &[WindBesideTruth], has_direction: bool) -> Vec<Vec<Chart>> {
     let chart = |of: &str, unit: &str, over: [&str; 2], points: Vec<(f64, f64, f64)>| {
         let ends = points.iter().flat_map(|(_, y, u)| [y - u, y + u]);
         let (low, high) = extent_of_most(ends.chain([0.0])).unwrap_or((0.0, 1.0));
@@ -130,7 +131,7 @@ pub fn sweep(winds: &[WindBesideTruth]) -> [[Chart; 2]; 2] {
     };
     let percent = |of: &WindBesideTruth| (100.0 * of.error_m_s() / of.truth_m_s, 100.0 * of.speed_u_m_s / of.truth_m_s);
     let angle = |of: &WindBesideTruth| (of.angle_deg, of.angle_u_deg);
-    [("True speed", "m/s"), ("True azimuth", "°")].map(|(over, unit)| {
+    let rows = [("True speed", "m/s"), ("True azimuth", "°")].map(|(over, unit)| {
         let at = |of: &WindBesideTruth| if unit == "°" { of.azimuth_deg } else { of.truth_m_s };
         let points = |value: &dyn Fn(&WindBesideTruth) -> (f64, f64)| -> Vec<(f64, f64, f64)> {
             let mut points: Vec<_> = winds.iter().map(|of| (at(of), value(of).0, value(of).1)).collect();
@@ -139,9 +140,11 @@ pub fn sweep(winds: &[WindBesideTruth]) -> [[Chart; 2]; 2] {
             points
         };
         let speed = chart("Speed", "%", [over, unit], points(&percent));
-        let direction = chart("Direction", "°", [over, unit], points(&angle));
-        [speed.note("of the true speed; bars: standard deviation of single estimates"), direction]
-    })
+        let direction = has_direction.then(|| chart("Direction", "°", [over, unit], points(&angle)));
+        let speed = speed.note("of the true speed; bars: standard deviation of single estimates");
+        [speed].into_iter().chain(direction).collect::<Vec<Chart>>()
+    });
+    if has_direction { rows.into() } else { vec![rows.into_iter().flatten().collect()] }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod azimuth;
 mod columns;
+mod counted;
 mod error_charts;
 mod figure;
 mod quantity;

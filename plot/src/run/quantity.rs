@@ -25,8 +25,9 @@ impl Quantity {
         chart.first_on_top([estimate, band].into_iter().chain(truth))
     }
 
-    /// The azimuth, turned into the range of an axis that is cut where nothing is.
-    pub fn azimuth_chart(&self) -> Chart {
+    /// The azimuth, turned into the range of an axis that is cut where nothing is; `is_tilted` in a
+    /// plane other than that of x and y.
+    pub fn azimuth_chart(&self, is_tilted: bool) -> Chart {
         let ends = azimuth::range(&[&self.estimate, self.truth.as_deref().unwrap_or_default()], 0.6 * self.typical());
         let turn = |bins: &[Bin]| azimuth::turned(bins, ends.0);
         let turned = Self {
@@ -34,8 +35,12 @@ impl Quantity {
             uncertainty: self.uncertainty.clone(),
             truth: self.truth.as_deref().map(turn),
         };
-        let chart = Chart::new("Azimuth", "°").note("from x towards y, where the wind goes to").height(25.0);
-        turned.chart(chart.degrees(ends))
+        let note = if is_tilted {
+            "in the head's plane, where the wind goes to"
+        } else {
+            "from x towards y, where the wind goes to"
+        };
+        turned.chart(Chart::new("Azimuth", "°").note(note).height(25.0).degrees(ends))
     }
 
     /// One standard uncertainty either way of the mean.

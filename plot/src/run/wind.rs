@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | speed | mean, band of ± one standard uncertainty of a single estimate | wide and pale behind it |
 //! | azimuth, elevation | the same of where the wind goes to; gaps where there is no direction | the same |
+//! | azimuth in the plane | in place of both, for heads that output the wind in a plane | the same |
 //! | angle to the axis | in place of both, for heads with one axis | the same |
 //! | conductances | of the surfaces | raw ones pale behind them |
 //! | gas | temperature as the anemometer knows it, where it changes | wide and pale |
@@ -15,6 +16,7 @@ use dr_core::wind::QualityFlags;
 
 use super::azimuth;
 use super::columns::{VectorColumns, stretches};
+use super::counted::counted;
 use super::error_charts::{over_time, summary, sweep};
 use super::quantity::Quantity;
 use super::wind_error::{Comparison, WindBesideTruth, by_wind};
@@ -52,6 +54,10 @@ pub struct WindEstimates<'r> {
     truth: Option<VectorColumns<'r>>,
     /// What the head resolves of a wind.
     comparison: Comparison,
+    /// Whether any of them has a direction; those of a single element have none.
+    has_direction: bool,
+    /// Whether each counts in histograms.
+    counted: Vec<bool>,
     /// Every estimate beside its truth, where that is known and it counts.
     compared: Vec<Option<WindBesideTruth>>,
     /// The means of winds, where there are many.
@@ -68,8 +74,23 @@ impl<'r> WindEstimates<'r> {
         let truth = VectorColumns::of(recording, TRUE_WIND);
         let truth = truth.filter(|truth| rows.iter().any(|&row| truth.at(row)[0].is_finite()));
         let times_s = rows.iter().map(|&row| time_s[row]).collect();
-        let (comparison, compared, winds) = (Comparison::of_head(recording), Vec::new(), Vec::new());
-        let estimates = Self { recording, rows, times_s, flags, speed_m_s, vector, truth, comparison, compared, winds };
+        let of_row = counted(recording, time_s);
+        let counted = rows.iter().map(|&row| of_row[row]).collect();
+        let mut estimates = Self {
+            recording,
+            rows,
+            times_s,
+            flags,
+            speed_m_s,
+            vector,
+            truth,
+            comparison: Comparison::of_head(recording),
+            has_direction: false,
+            counted,
+            compared: Vec::new(),
+            winds: Vec::new(),
+        };
+        estimates.has_direction = estimates.rows.iter().any(|&row| estimates.estimated(row).is_some());
         (!estimates.rows.is_empty()).then(|| estimates.compared())
     }
 
@@ -81,7 +102,7 @@ impl<'r> WindEstimates<'r> {
             let truth = self.truth?.at(row);
             let estimate = (self.vector.at(row), self.speed_m_s[row]);
             let of = uncertainties.map(|of| of.map_or(f64::NAN, |of| of[row]));
-            let has_direction = self.estimated(row).is_some() || self.comparison.normal.is_some();
+            let has_direction = self.estimated(row).is_some();
             let counts = self.flags[row] as u16 & unusable == 0;
             counts.then(|| self.comparison.of(time_s, estimate, truth, has_direction, of)).flatten()
         };
@@ -89,8 +110,13 @@ impl<'r> WindEstimates<'r> {
         let events = stretches(self.recording.events()).into_iter().filter(|(.., word)| !word.is_empty());
         let place = |row: usize| self.rows.partition_point(|of| *of < row);
         let winds: Vec<(usize, usize)> = events.map(|(from, to, _)| (place(from), place(to))).collect();
-        self.winds = by_wind(&self.compared, &winds, self.comparison);
+        self.winds = by_wind(&self.that_count(), &winds, self.comparison);
         self
+    }
+
+    /// Estimates beside their truth, without those that do not count.
+    fn that_count(&self) -> Vec<Option<WindBesideTruth>> {
+        self.compared.iter().zip(&self.counted).map(|(of, counts)| of.filter(|_| *counts)).collect()
     }
 
     /// How many winds there are, if they are drawn one by one.
@@ -100,19 +126,20 @@ impl<'r> WindEstimates<'r> {
 
     /// Rows of charts that have no time axis: errors by wind, estimate over truth, histograms.
     pub fn errors(&self) -> Vec<Vec<Chart>> {
-        let all: Vec<WindBesideTruth> = self.compared.iter().flatten().copied().collect();
+        let all: Vec<WindBesideTruth> = self.that_count().into_iter().flatten().collect();
         match (self.winds.as_slice(), all.as_slice()) {
             (_, []) => Vec::new(),
             ([], all) => vec![summary(all, true)],
-            (winds, _) => sweep(winds).map(Vec::from).into_iter().chain([summary(winds, false)]).collect(),
+            (winds, _) => sweep(winds, self.has_direction).into_iter().chain([summary(winds, false)]).collect(),
         }
     }
 
-    /// The vector and its speed; of a head with one axis the speed alone.
+    /// The vector and its speed; of a head with one axis, or without a direction, the speed alone.
     pub fn components(&self) -> Vec<(&'static str, Colour, Vec<Bin>)> {
         let VectorColumns([x, y, z]) = self.vector;
         let all = [("x", PALETTE[0], x), ("y", PALETTE[1], y), ("z", PALETTE[2], z), ("speed", INK, self.speed_m_s)];
-        let all = all.into_iter().skip(if self.comparison.axis.is_some() { 3 } else { 0 });
+        let speed_alone = self.comparison.axis.is_some() || !self.has_direction;
+        let all = all.into_iter().skip(if speed_alone { 3 } else { 0 });
         all.map(|(label, colour, of)| (label, colour, self.reduced(|row| of[row]))).collect()
     }
 
@@ -123,19 +150,26 @@ impl<'r> WindEstimates<'r> {
         }
         let mut charts = Vec::new();
         charts.extend(alone.then(|| self.speed_chart()));
-        if let Some(axis) = self.comparison.axis {
+        if let Some(axis) = self.comparison.axis.filter(|_| self.has_direction) {
             let angle = |wind: [f64; 3], speed: f64| (dot(wind, axis) / speed).clamp(-1.0, 1.0).acos().to_degrees();
             let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
             charts.push(self.direction(angle).narrow_chart(chart.height(25.0), 0.0, 180.0));
-        } else if alone {
+        } else if alone && self.has_direction && self.comparison.normal.is_some() {
+            charts
+                .push(self.azimuth(self.uncertainty(DIRECTION_UNCERTAINTY)).azimuth_chart(self.comparison.is_tilted()));
+        } else if alone && self.has_direction {
             let elevation = self.direction(|wind, _| (wind[2] / length(wind)).clamp(-1.0, 1.0).asin().to_degrees());
-            charts.push(self.azimuth(&elevation).azimuth_chart());
+            // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
+            let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
+            let uncertainty = elevation.estimate.iter().zip(&elevation.uncertainty).map(widen).collect();
+            charts.push(self.azimuth(uncertainty).azimuth_chart(false));
             let chart = Chart::new("Elevation", "°").note("above the xy plane").height(22.0);
             charts.push(elevation.narrow_chart(chart, -90.0, 90.0));
         }
         if alone {
             let is_compared = self.compared.iter().any(Option::is_some);
-            charts.extend(is_compared.then(|| over_time(&self.times_s, &self.compared)).into_iter().flatten());
+            let errors = is_compared.then(|| over_time(&self.times_s, &self.compared, self.has_direction));
+            charts.extend(errors.into_iter().flatten());
             charts.extend(self.conductance_chart());
             charts.extend(self.gas_chart());
         }
@@ -163,15 +197,17 @@ impl<'r> WindEstimates<'r> {
 
     /// Where the estimate has a direction.
     fn estimated(&self, row: usize) -> Option<[f64; 3]> {
-        let undetermined = if self.comparison.axis.is_none() { QualityFlags::UNDETERMINED.0 } else { 0 };
+        // What such heads do not determine is no part of their direction.
+        let is_partial = self.comparison.axis.is_some() || self.comparison.normal.is_some();
+        let undetermined = if is_partial { 0 } else { QualityFlags::UNDETERMINED.0 };
         let lacking = QualityFlags::FAILED.0 | QualityFlags::NO_DIRECTION.0 | undetermined;
         let has_direction = self.flags[row] as u16 & lacking == 0 && self.speed_m_s[row] > 0.0;
         has_direction.then(|| self.vector.at(row))
     }
 
-    /// Where it is known and has a direction.
+    /// What is visible of it, where it is known and has a direction.
     fn true_wind(&self, row: usize) -> Option<[f64; 3]> {
-        self.truth.map(|truth| truth.at(row)).filter(|wind| length(*wind) > STILL_M_S)
+        self.truth.map(|truth| self.comparison.visible(truth.at(row))).filter(|wind| length(*wind) > STILL_M_S)
     }
 
     /// An angle of a wind with some speed, estimated and true.
@@ -185,13 +221,13 @@ impl<'r> WindEstimates<'r> {
         }
     }
 
-    fn azimuth(&self, elevation: &Quantity) -> Quantity {
-        // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
-        let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
+    fn azimuth(&self, uncertainty: Vec<f64>) -> Quantity {
+        let frame = |wind: Option<[f64; 3]>| wind.map(|wind| self.comparison.in_frame(wind));
+        let truth = |i: usize| frame(self.true_wind(self.rows[i]));
         Quantity {
-            estimate: azimuth::azimuths(&self.times_s, |i| self.estimated(self.rows[i]), BINS),
-            uncertainty: elevation.estimate.iter().zip(&elevation.uncertainty).map(widen).collect(),
-            truth: self.truth.map(|_| azimuth::azimuths(&self.times_s, |i| self.true_wind(self.rows[i]), BINS)),
+            estimate: azimuth::azimuths(&self.times_s, |i| frame(self.estimated(self.rows[i])), BINS),
+            uncertainty,
+            truth: self.truth.map(|_| azimuth::azimuths(&self.times_s, truth, BINS)),
         }
     }
 
@@ -201,7 +237,7 @@ impl<'r> WindEstimates<'r> {
         let speed = Quantity {
             estimate: self.reduced(|row| self.speed_m_s[row]),
             uncertainty: self.uncertainty(SPEED_UNCERTAINTY),
-            truth: self.truth.map(|truth| self.reduced(|row| length(truth.at(row)))),
+            truth: self.truth.map(|truth| self.reduced(|row| length(self.comparison.visible(truth.at(row))))),
         };
         let (low, high) = speed.ends().unwrap_or((0.0, 0.0));
         let low = if low < 0.7 * high { 0.0 } else { low };

@@ -1,9 +1,11 @@
 //! Wind estimates beside the true wind, one by one and as means of winds.
 //!
 //! The direction error is the angle between two vectors; of a head that reports one angle only, the
-//! difference of these angles. Of a card only the wind in its plane counts.
+//! difference of these angles. Of a card, a cylinder or wires only the wind in their plane counts.
 
-use anemometry::vector::{across, angle_deg, length, unit};
+use anemometry::head::calibration::checked::plane_normal;
+use anemometry::vector::{across, angle_deg, cross, dot, length, unit};
+use dr_core::wind::HeadForm;
 use recording::Recording;
 
 use super::set_points::number;
@@ -14,6 +16,11 @@ const SLOWEST_M_S: f64 = 0.3;
 const MANY_WINDS: usize = 40;
 /// Share of a wind's time, from its end, over which it is averaged.
 const SETTLED: f64 = 0.5;
+/// A plane is that of x and y where its normal is z but for rounding.
+const IS_Z: f64 = 1.0 - 1e-9;
+/// Closer normals to the x axis leave no direction of it in their plane.
+const NEARLY_X: f64 = 0.9;
+
 /// An estimate beside its truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindBesideTruth {
@@ -22,7 +29,7 @@ pub struct WindBesideTruth {
     pub speed_m_s: f64,
     pub speed_u_m_s: f64,
     pub truth_m_s: f64,
-    /// Where the true wind goes to, from x towards y, °.
+    /// Where the true wind goes to, from x towards y, or in the plane of the head, °.
     pub azimuth_deg: f64,
     /// Angle between estimate and truth, and its standard uncertainty, °; NaN without a direction.
     /// Of a wind's mean, uncertainties are the standard deviations of its single estimates.
@@ -43,7 +50,7 @@ impl WindBesideTruth {
 pub struct Comparison {
     /// Of a head that reports the angle to it only.
     pub axis: Option<[f64; 3]>,
-    /// Normal of a card.
+    /// Of a head that outputs the wind in a plane only.
     pub normal: Option<[f64; 3]>,
 }
 
@@ -52,13 +59,38 @@ impl Comparison {
     pub fn of_head(recording: &Recording) -> Self {
         let head: Option<toml::Table> = recording.metadata("head").and_then(|text| text.parse().ok());
         let Some(calibration) = head.as_ref().and_then(|head| head.get("calibration")) else { return Self::default() };
-        let surfaces = calibration.get("parts").and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
-        let first = surfaces.first().and_then(outward);
+        // Files from before version 0.2 call the surfaces parts.
+        let surfaces = ["surfaces", "parts"].into_iter().find_map(|key| calibration.get(key)?.as_array());
+        let surfaces = surfaces.map_or(&[][..], Vec::as_slice);
+        let Some(axis) = surfaces.first().and_then(|first| direction(first, "axis")) else { return Self::default() };
+        let corner = direction(&surfaces[0], "corner").unwrap_or_default();
+        let form = calibration.get("form").and_then(|form| form.clone().try_into().ok()).unwrap_or_default();
+        let normal = plane_normal(form, calibration.get("card").is_some(), axis, corner);
+        let is_two_hemispheres = form == HeadForm::Sphere && surfaces.len() == 2;
         Self {
-            // Of two hemispheres.
-            axis: first.filter(|axis| surfaces.len() == 2 && length(*axis) > 0.0).map(unit),
-            normal: first.filter(|_| calibration.get("card").is_some()),
+            axis: (is_two_hemispheres && length(axis) > 0.0).then(|| unit(axis)),
+            normal: normal.filter(|normal| length(*normal) > 0.0).map(unit),
         }
+    }
+
+    /// What the head can output of a wind: of a plane the wind in it.
+    pub fn visible(self, wind_m_s: [f64; 3]) -> [f64; 3] {
+        self.normal.map_or(wind_m_s, |normal| across(wind_m_s, normal))
+    }
+
+    /// Components of a wind along the two directions between which azimuths are counted, and the
+    /// third: x, y and z, or in a tilted plane the direction of x (or y) in it, the one a quarter
+    /// of a turn further, and its normal.
+    pub fn in_frame(self, wind_m_s: [f64; 3]) -> [f64; 3] {
+        let Some(normal) = self.normal.filter(|_| self.is_tilted()) else { return wind_m_s };
+        let begin = if normal[0].abs() < NEARLY_X { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let first = unit(across(begin, normal));
+        [first, cross(normal, first), normal].map(|axis| dot(wind_m_s, axis))
+    }
+
+    /// Whether it is in a plane other than that of x and y.
+    pub fn is_tilted(self) -> bool {
+        self.normal.is_some_and(|normal| normal[2].abs() < IS_Z)
     }
 
     /// None of a wind that is too slow, or where nothing was estimated. `has_direction` says
@@ -71,13 +103,14 @@ impl Comparison {
         has_direction: bool,
         [speed_u_m_s, angle_u_deg]: [f64; 2],
     ) -> Option<WindBesideTruth> {
-        let true_wind_m_s = self.normal.map_or(true_wind_m_s, |normal| across(true_wind_m_s, normal));
+        let true_wind_m_s = self.visible(true_wind_m_s);
         let truth_m_s = length(true_wind_m_s);
         if !(truth_m_s >= SLOWEST_M_S && speed_m_s.is_finite()) {
             return None;
         }
         let angle_deg = if has_direction { self.angle_deg(wind_m_s, true_wind_m_s) } else { f64::NAN };
-        let azimuth_deg = true_wind_m_s[1].atan2(true_wind_m_s[0]).to_degrees();
+        let [x, y, _] = self.in_frame(true_wind_m_s);
+        let azimuth_deg = y.atan2(x).to_degrees();
         Some(WindBesideTruth {
             time_s,
             speed_m_s,
@@ -99,10 +132,10 @@ impl Comparison {
     }
 }
 
-/// The outward axis of a surface.
-fn outward(surface: &toml::Value) -> Option<[f64; 3]> {
-    let axis: Option<Vec<f64>> = surface.get("axis")?.as_array()?.iter().map(number).collect();
-    axis?.try_into().ok()
+/// The axis or the corner of a surface.
+fn direction(surface: &toml::Value, key: &str) -> Option<[f64; 3]> {
+    let components: Option<Vec<f64>> = surface.get(key)?.as_array()?.iter().map(number).collect();
+    components?.try_into().ok()
 }
 
 /// The means of winds, if there are many: `stretches` are (from, to) as indices into `all`.
@@ -156,6 +189,20 @@ pub(super) mod tests {
         let of_card = compared(card, [2.0, 0.0, 0.0], [2.0, 0.0, 5.0]).unwrap();
         assert!(of_card.error_m_s().abs() < 1e-12 && of_card.angle_deg.abs() < 1e-9);
         assert_eq!(compared(card, [2.0, 0.0, 0.0], [0.0, 0.0, 5.0]), None);
+    }
+
+    #[test]
+    fn azimuths_in_a_tilted_plane_begin_at_x_or_at_y() {
+        let azimuth = |normal: [f64; 3], wind_m_s: [f64; 3]| {
+            let [x, y, across] = Comparison { axis: None, normal: Some(normal) }.in_frame(wind_m_s);
+            (y.atan2(x).to_degrees(), across)
+        };
+        // The plane of x and y whichever way its normal points.
+        assert_eq!(azimuth([0.0, 0.0, -1.0], [0.0, 2.0, 5.0]), (90.0, 5.0));
+        // y is normal: from x on, a quarter of a turn about y leads to −z.
+        assert_eq!(azimuth([0.0, 1.0, 0.0], [2.0, 5.0, 0.0]), (0.0, 5.0));
+        assert_eq!(azimuth([0.0, 1.0, 0.0], [0.0, 5.0, -2.0]), (90.0, 5.0));
+        assert_eq!(azimuth([1.0, 0.0, 0.0], [5.0, 0.0, 2.0]), (90.0, 5.0));
     }
 
     #[test]

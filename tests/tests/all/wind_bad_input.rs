@@ -236,7 +236,7 @@ fn rows_that_are_missing_are_gone_through_and_doubted_after() {
     assert!(told.all_have(200.0 + back_s, 200.0 + back_s + 29.9, &[QualityFlags::STARTING]));
     assert!(told.none_has(200.0 + back_s + 30.0, 400.0, QualityFlags::STARTING));
     let text = String::from_utf8(desk.anemo(&["wind", "gap.parquet"], &[]).stdout).unwrap();
-    assert!(text.contains("1 gaps in the recording, 3 s in all"), "{text}");
+    assert!(text.contains("1 gap in the recording, 3 s in all"), "{text}");
 
     rewritten(&desk, "back.parquet", "temperature_c_sector1", none, &|time_s| {
         Some(if time_s < 1.0 { 0.0 } else { -0.5 })

@@ -19,7 +19,10 @@ use super::grade::CalibrationGrade;
 use super::king::FittedKing;
 use crate::head::calibration::table::NusseltTable;
 use crate::vector::length;
-use recording::text::estimate;
+use recording::text::{count, estimate, short};
+
+/// Readings that leave a greater part of what is known of G0 before any of them have not fitted it.
+const FITTED: f64 = 0.5;
 
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,6 +88,10 @@ pub struct CalibratedSurface {
     /// Standard uncertainty of G0, W/K.
     #[serde(rename = "se_quiescent_w_k")]
     pub quiescent_error_w_k: f64,
+    /// Whether the readings determine G0; else it is k̄ A / d times the Nusselt number at rest, taken
+    /// with its 30 %.
+    #[serde(skip)]
+    pub is_quiescent_fitted: bool,
 }
 
 impl SurfaceCalibration {
@@ -118,6 +125,8 @@ impl SurfaceCalibration {
                 gain: place.gains[i],
                 gain_error: gain_errors[i],
                 quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
+                // Of other forms the Nusselt number at rest is no better known than G0 itself.
+                is_quiescent_fitted: head.form.is_sphere() && quiescent_errors[i] < FITTED * QUIESCENT * family.at_rest,
                 quiescent_error_w_k: problem.quiescent_unit_w_k[i]
                     * match head.form {
                         HeadForm::Sphere | HeadForm::Cube => quiescent_errors[i],
@@ -165,6 +174,18 @@ impl SurfaceCalibration {
         CalibrationGrade::of(self.misfit_rms)
     }
 
+    /// What is poor about it, if it is graded so.
+    pub fn warning(&self) -> Option<String> {
+        (self.grade() == CalibrationGrade::Poor).then(|| {
+            let (percent, worst) = (100.0 * self.misfit_rms, &self.worst);
+            format!(
+                "the calibration is poor: the model misses the convective power by {percent:.1} % rms, most in {} at {}; \
+                 check labels and frame of the winds, the order of the surfaces, and what stands in the stream",
+                worst.label, worst.surface
+            )
+        })
+    }
+
     /// c (q + G0 a) / θ of a reading of surface `i`, as
     /// [`WindVector::step`](dr_core::wind::WindVector::step) takes it.
     pub fn measured(&self, i: usize, reading: &SurfaceReading) -> MeasuredConductance {
@@ -182,8 +203,11 @@ impl fmt::Display for SurfaceCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} winds ({} of quiescent gas), Re {:.1} to {:.1}, ",
-            self.winds, self.quiescent, self.curves.least_reynolds, self.curves.most_reynolds
+            "{} ({} of quiescent gas), Re {:.1} to {:.1}, ",
+            count(self.winds, "wind"),
+            self.quiescent,
+            self.curves.least_reynolds,
+            self.curves.most_reynolds
         )?;
         if let Some(coefficients) = self.coefficients {
             writeln!(f, "{coefficients} coefficients an amplitude")?;
@@ -222,8 +246,12 @@ impl fmt::Display for SurfaceCalibration {
                 "{:<12} {:>23} {:>23}",
                 surface.name,
                 estimate(surface.gain, surface.gain_error),
-                estimate(1e3 * surface.quiescent_w_k, 1e3 * surface.quiescent_error_w_k)
+                surface.quiescent()
             )?;
+        }
+        if self.surfaces.iter().any(|surface| !surface.is_quiescent_fitted) {
+            let percent = 100.0 * QUIESCENT;
+            writeln!(f, "G0 taken: no reading fits it; by conductivity and area, known to {percent:.0} %")?;
         }
         Ok(())
     }
@@ -241,6 +269,16 @@ impl SurfaceCalibration {
             estimate(y, ey),
             estimate(z, ez)
         )
+    }
+}
+
+impl CalibratedSurface {
+    /// G0 in mW/K, with its standard uncertainty if it was fitted.
+    fn quiescent(&self) -> String {
+        match self.is_quiescent_fitted {
+            true => estimate(1e3 * self.quiescent_w_k, 1e3 * self.quiescent_error_w_k),
+            false => format!("taken {}", short(1e3 * self.quiescent_w_k, 2)),
+        }
     }
 }
 

@@ -59,9 +59,14 @@ impl Calibration {
     /// cylinder, or of wires.
     pub fn plane_normal(&self) -> Option<[f64; 3]> {
         let first = self.table.surfaces.first()?;
-        match self.table.form {
-            HeadForm::Cylinder | HeadForm::Wires => Some(first.corner),
-            HeadForm::Sphere | HeadForm::Cube | HeadForm::Single => self.table.card.as_ref().map(|_| first.axis),
-        }
+        plane_normal(self.table.form, self.table.card.is_some(), first.axis, first.corner)
+    }
+}
+
+/// The same from form, card, and the axis and corner of the first surface.
+pub fn plane_normal(form: HeadForm, is_card: bool, axis: [f64; 3], corner: [f64; 3]) -> Option<[f64; 3]> {
+    match form {
+        HeadForm::Cylinder | HeadForm::Wires => Some(corner),
+        HeadForm::Sphere | HeadForm::Cube | HeadForm::Single => is_card.then_some(axis),
     }
 }

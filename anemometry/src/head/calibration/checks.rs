@@ -26,9 +26,10 @@ const REST_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;
 const MOST_NOISE_K: f64 = 100.0;
 /// Rates in rad/s and resistances in K/W are not greater than this.
 const GREATEST: f64 = 1e6;
-/// As the board takes them.
-const DIAMETER_M: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
-const DIRECTION_ERROR_MAX_DEG: std::ops::RangeInclusive<f64> = 0.01..=90.0;
+/// Diameters as the board takes them, m.
+pub const DIAMETER_M: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
+/// Uncertainties of directions beyond which there is none, as the board takes them, °.
+pub const DIRECTION_ERROR_MAX_DEG: std::ops::RangeInclusive<f64> = 0.01..=90.0;
 const GAIN: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 const QUIESCENT_W_K: std::ops::RangeInclusive<f64> = 0.0..=1e3;
 const MOST_AREA_M2: f64 = 1.0;

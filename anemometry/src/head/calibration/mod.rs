@@ -34,3 +34,5 @@ pub mod commands;
 pub(super) mod keys;
 mod new;
 pub mod table;
+
+pub use checks::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};

@@ -25,6 +25,7 @@ use serde::Serialize;
 use super::error::{EarlyEnd, RunError};
 use crate::instrument::{InstrumentPort, Observation};
 use recording::RecordingRow;
+use recording::text::count;
 
 pub use overheat::set as hold;
 pub use refusal::LogRefusal;
@@ -183,7 +184,9 @@ impl fmt::Display for LogSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} · head {} · {}", self.title, self.head, self.firmware)?;
         let Self { rows, duration_s, lost, gaps, resets, trips, .. } = self;
-        writeln!(f, "{rows} rows, {duration_s:.3} s; {lost} lost, {gaps} gaps, {resets} resets, {trips} trips")?;
+        let (rows, gaps) = (count(*rows as usize, "row"), count(*gaps as usize, "gap"));
+        let (resets, trips) = (count(*resets as usize, "reset"), count(*trips as usize, "trip"));
+        writeln!(f, "{rows}, {duration_s:.3} s; {lost} lost, {gaps}, {resets}, {trips}")?;
         self.last_trip.iter().try_for_each(|trip| writeln!(f, "last trip: {trip}"))
     }
 }

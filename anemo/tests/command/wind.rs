@@ -1,0 +1,88 @@
+//! `anemo wind` beside tables of winds, gases and operating modes that do not fit, from outside.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn anemo(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Three seconds of a calibrated sphere in the winds `a` and `b`, `r.parquet`; `drive` of each
+/// element.
+fn recorded(drive: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let head = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
+    let drives: String =
+        ["sector1", "sector2", "sector3", "sector4", "core1", "core2"].map(|of| format!("{of} = {drive}\n")).concat();
+    let wind = |start_s: f64, label: &str| {
+        format!("[[wind]]\nstart_s = {start_s:.1}\nlabel = \"{label}\"\nspeed_m_s = 5.0\nazimuth_deg = 225.0\n")
+    };
+    let text = format!(
+        "title = \"three seconds\"\nhead = {:?}\nsample_period_s = 0.01\nduration_s = 3.0\n\
+         [gas]\nspecies = \"co2\"\npressure_pa = 1000.0\ntemperature_c = -53.15\n[support]\ntemperature_c = -43.15\n\
+         [drives]\n{drives}{}{}",
+        head.canonicalize().unwrap().display().to_string(),
+        wind(0.0, "a"),
+        wind(1.0, "b")
+    );
+    std::fs::write(folder.path().join("e.toml"), text).unwrap();
+    stdout(&anemo(folder.path(), &["run", "e.toml", "--on", "sim", "-o", "r.parquet"]));
+    folder
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = anemo(folder, arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), stderr.lines().count()), (Some(2), 1), "{arguments:?}: {stderr}");
+    stderr
+}
+
+#[test]
+fn labels_of_a_table_that_do_not_match_are_named() {
+    let folder = recorded("{ temperature_c = -23.15 }");
+    let folder = folder.path();
+    let table = |labels: &[&str]| {
+        let rows: String = labels.iter().map(|label| format!("{label},-3.5,-3.5,0\n")).collect();
+        std::fs::write(folder.join("winds.csv"), format!("event,wind_x_m_s,wind_y_m_s,wind_z_m_s\n{rows}")).unwrap();
+    };
+    let wind = ["wind", "r.parquet", "--winds", "winds.csv"];
+    table(&["A", "B"]);
+    let sentence = refused(folder, &wind);
+    let expected = "winds.csv: has winds for `A`, `B`, but r.parquet has `a`, `b`: no wind has its label";
+    assert!(sentence.contains(expected), "{sentence}");
+    table(&["a", "c"]);
+    let text = stdout(&anemo(folder, &wind));
+    assert!(text.contains("warning: winds.csv: `c` is no label of r.parquet"), "{text}");
+    assert!(text.contains("warning: winds.csv: lacks `b`, which is in r.parquet"), "{text}");
+    table(&["a", "b"]);
+    assert!(!stdout(&anemo(folder, &wind)).contains("warning"));
+}
+
+#[test]
+fn a_pressure_that_no_gas_is_known_at_is_refused() {
+    let folder = recorded("{ temperature_c = -23.15 }");
+    for pressure in ["1e-3", "0", "-700", "1e7"] {
+        let sentence = refused(folder.path(), &["wind", "r.parquet", &format!("--pressure={pressure}")]);
+        assert!(sentence.contains("`--pressure` is ") && sentence.contains("it must be 1 to 200000 Pa"), "{sentence}");
+    }
+    assert!(anemo(folder.path(), &["wind", "r.parquet", "--pressure", "900"]).status.success());
+}
+
+#[test]
+fn elements_that_no_loop_holds_are_named_once() {
+    let said = |drive: &str| {
+        let text = stdout(&anemo(recorded(drive).path(), &["wind", "r.parquet"]));
+        assert!(text.contains("saturated "), "{text}");
+        text.contains(
+            "`sector1`, `sector2`, `sector3`, `sector4`, `core1`, `core2` stay at one level, as at constant current",
+        )
+    };
+    assert!(said("{ level = \"high\" }"));
+}
