@@ -42,6 +42,33 @@ fn every_kind_is_a_head_that_is_checked_and_held_in_winds_at_once() {
 }
 
 #[test]
+fn experiments_follow_a_head_that_there_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let heads = Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads");
+    for (name, overheat, expected) in [
+        ("viking", "100", "facing_azimuth_deg = 45"),
+        ("meda", "20", "plane = \"upright\""),
+        ("metwind", "20", "plane = \"level\""),
+    ] {
+        let file = heads.join(format!("{name}.toml")).display().to_string();
+        stdout(&anemo(folder, &["head", "new", name, "--from", &file, "--overheat", overheat]));
+        let tunnel = std::fs::read_to_string(folder.join(name).join("tunnel.toml")).unwrap();
+        assert!(tunnel.contains(expected), "{tunnel}");
+        let known = |element: &str| folder.join(name).join(format!("identify-{element}.toml")).exists();
+        assert!(!known("junction1") && !known("reference") && !known("cold1") && !known("boom"), "{name}");
+        stdout(&anemo(folder, &["check", &format!("{name}/tunnel.toml")]));
+    }
+    // What only senses is not driven.
+    let path = folder.join("viking/held.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replacen("[drives]\n", "[drives]\njunction1 = { level = \"high\" }\n", 1)).unwrap();
+    let output = anemo(folder, &["check", "viking/held.toml"]);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && stderr.contains("drives `junction1`, which only senses"), "{stderr}");
+}
+
+#[test]
 fn what_is_there_stays_and_what_cannot_be_a_name_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

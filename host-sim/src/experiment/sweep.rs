@@ -10,7 +10,7 @@
 //! | `hold_s` | s | each wind |
 //! | `still_s` | s | still gas before the first; 0 if not given |
 //! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
-//! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it |
+//! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it; `upright`: in that of y and z, across a boom along x |
 //! | `facing_deg` | ° | with `plane`: only winds that come from within this angle of `facing_azimuth_deg`; 180 if not given |
 //! | `facing_azimuth_deg` | ° | from x towards y; 0 if not given |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
@@ -53,6 +53,7 @@ pub(super) struct SweepTable {
 #[serde(rename_all = "lowercase")]
 enum SweepPlane {
     Level,
+    Upright,
 }
 
 /// The entries of an experiment; `seed` is that of the experiment.
@@ -65,7 +66,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
     if let Some(facing_deg) = table.facing_deg {
         source.within("sweep.facing_deg", facing_deg, 1.0..=180.0, "°")?;
         if table.plane.is_none() {
-            return Err(source.refuse("sweep.facing_deg", "is of winds in a plane: `plane = \"level\"` belongs to it"));
+            return Err(source.refuse("sweep.facing_deg", "is of winds in a plane: `plane` belongs to it"));
         }
     }
     source.within("sweep.facing_azimuth_deg", table.facing_azimuth_deg, -360.0..=360.0, "°")?;
@@ -91,7 +92,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
         let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
-            if table.plane == Some(SweepPlane::Level) {
+            if table.plane.is_some() {
                 break 0.0;
             }
             let z = 2.0 * share() - 1.0;
@@ -99,16 +100,24 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
                 break z;
             }
         };
+        // What comes from +x goes to 180°.
+        let angle_deg = match table.facing_deg {
+            Some(facing_deg) => 180.0 + table.facing_azimuth_deg + facing_deg * (2.0 * share() - 1.0),
+            None => 360.0 * share(),
+        };
+        let (azimuth_deg, elevation_deg) = match table.plane {
+            Some(SweepPlane::Upright) => {
+                let (up, along_y) = angle_deg.to_radians().sin_cos();
+                (if along_y < 0.0 { 270.0 } else { 90.0 }, up.asin().to_degrees())
+            }
+            _ => (angle_deg, upwards.asin().to_degrees()),
+        };
         entries.push(WindEntry {
             start_s: grid.time_s(still + n * hold),
             label: format!("wind {}", n + 1),
             speed_m_s,
-            azimuth_deg: match table.facing_deg {
-                // What comes from +x goes to 180°.
-                Some(facing_deg) => 180.0 + table.facing_azimuth_deg + facing_deg * (2.0 * share() - 1.0),
-                None => 360.0 * share(),
-            },
-            elevation_deg: upwards.asin().to_degrees(),
+            azimuth_deg,
+            elevation_deg,
             ..WindEntry::default()
         });
     }
@@ -186,6 +195,29 @@ mod tests {
         ] {
             let error = with(&good.replace(from, to)).unwrap_err();
             assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_upright_plane_is_that_of_y_and_z() {
+        let sweep = "winds = 200\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = \"upright\"";
+        let winds = with(sweep).unwrap().wind;
+        assert!(winds.iter().all(|wind| wind.mean_m_s()[0].abs() < 1e-12));
+        let quarter =
+            |y: f64, z: f64| winds.iter().filter(|of| of.mean_m_s()[1] * y > 0.0 && of.mean_m_s()[2] * z > 0.0);
+        for (y, z) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            // Three standard errors of a quarter of 200.
+            assert!((32..=68).contains(&quarter(y, z).count()), "{y} {z}");
+        }
+    }
+
+    #[test]
+    fn winds_face_where_they_are_said_to() {
+        let sweep = "winds = 50\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = \"level\"\nfacing_deg = 20.0\nfacing_azimuth_deg = 45.0";
+        for wind in with(sweep).unwrap().wind {
+            let [x, y, _] = wind.mean_m_s();
+            // From +x and +y it goes to -x and -y.
+            assert!(((-y).atan2(-x).to_degrees() - 45.0).abs() < 20.0 + 1e-9);
         }
     }
 }

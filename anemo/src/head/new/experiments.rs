@@ -72,6 +72,9 @@ fn plane(head: &Head) -> String {
                 "plane = \"level\" # of the wires\nfacing_deg = 40.0 # of the middle of their normals\nfacing_azimuth_deg = {middle_deg}\n"
             )
         }
+        HeadForm::Cylinder if drawn.surfaces.iter().all(|of| of.config.corner[0].abs() > 0.5) => {
+            "plane = \"upright\" # of y and z: along x such a head tells nothing\n".to_owned()
+        }
         HeadForm::Cylinder | HeadForm::Single => LEVEL.to_owned(),
     }
 }
