@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Summary and histograms count estimates from this time on, s; the file has all.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     from: f64,
-    /// They leave out so much at the beginning of every label, s.
+    /// So much at the beginning of every label does not count, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Write the estimates to this .parquet or .csv file.

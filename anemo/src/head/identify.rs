@@ -81,7 +81,7 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
         };
         record.only(&wanted)
     };
-    // The first round of many elements takes minutes before its first pair.
+    // Shown before the first pair, which follows a fit of all pairs of its record.
     let bar = progress("reading", Some(1));
     let mut show = |what, done, all| {
         bar.set_message(what);

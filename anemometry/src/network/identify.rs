@@ -66,8 +66,8 @@ struct IdentificationRound {
 }
 
 /// Identifies all records and merges their models. `read` reads record number n; it is called
-/// several times for each, so that only one record is in memory. `progress` counts the pairs of both
-/// rounds in place of rows.
+/// several times for each, so that only one record is in memory. `progress` counts the pairs of
+/// both rounds in place of rows.
 ///
 /// # Errors
 /// Which record or pair has no model, and why.

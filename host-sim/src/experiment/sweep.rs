@@ -204,7 +204,7 @@ mod tests {
         let winds = with(sweep).unwrap().wind;
         assert!(winds.iter().all(|wind| wind.mean_m_s()[0].abs() < 1e-12));
         let quarter =
-            |y: f64, z: f64| winds.iter().filter(|of| of.mean_m_s()[1] * y > 0.0 && of.mean_m_s()[2] * z > 0.0);
+            |y: f64, z: f64| winds.iter().filter(move |of| of.mean_m_s()[1] * y > 0.0 && of.mean_m_s()[2] * z > 0.0);
         for (y, z) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             // Three standard errors of a quarter of 200.
             assert!((32..=68).contains(&quarter(y, z).count()), "{y} {z}");

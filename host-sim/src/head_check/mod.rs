@@ -3,17 +3,20 @@
 //! | file | what |
 //! |---|---|
 //! | [`conditions`] | gas, overheat, sample period and noise that it is judged in |
+//! | `element` | what each element comes to |
 //! | [`winds`] | needed powers by wind speed, the range of winds, the resolution |
 //! | [`warnings`] | what would go wrong |
 //! | [`report`] | all of it as text and as JSON |
 
 pub mod conditions;
+mod element;
 pub mod report;
 pub mod warnings;
 pub mod winds;
 
 pub use conditions::{GivenConditions, HeadConditions};
-pub use report::{ElementCheck, HeadCheckReport, check};
+pub use element::ElementCheck;
+pub use report::{HeadCheckReport, check};
 pub use winds::WindNeeds;
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use recording::toml_file::FileError;
 use serde::Serialize;
 
 use super::conditions::{GivenConditions, HeadConditions};
+use super::element::ElementCheck;
 use super::warnings::warnings;
 use super::winds::WindRange;
 use crate::sensor::{Construction, construction_of};
@@ -51,23 +52,6 @@ pub struct NetworkSize {
     pub links: usize,
     /// Surfaces in the wind.
     pub surfaces: usize,
-}
-
-/// One element.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ElementCheck {
-    /// Its name.
-    pub name: String,
-    /// Whether it is held at the set-point; else it only senses.
-    pub held: bool,
-    /// Rise by a watt of its own in quiescent gas, K/W.
-    pub own_gain_k_per_w: f64,
-    /// The same at 3 m/s, K/W.
-    pub own_gain_in_wind_k_per_w: f64,
-    /// Heat capacity of the node that it heats, J/K.
-    pub capacity_j_k: f64,
-    /// Power of either level at the set-point, W.
-    pub level_w: [f64; 2],
 }
 
 /// Judges a head under conditions, after `refine` has changed those that it wants otherwise.

@@ -4,7 +4,7 @@ use anemometry::head::{Head, HeadElement};
 use dr_core::sensor::Level;
 
 use super::conditions::HeadConditions;
-use super::report::ElementCheck;
+use super::element::ElementCheck;
 use super::winds::WindRange;
 use recording::text::{brief, short};
 
@@ -25,7 +25,7 @@ pub fn warnings(head: &Head, conditions: &HeadConditions, checks: &[ElementCheck
             let what = "needs less in quiescent gas than its low level gives: it stays above the set-point there";
             add(&mut sentences, element, what.to_owned());
         }
-        let rise_k = rise_k(&checks[i], conditions.sample_period_s);
+        let rise_k = checks[i].tick_rise_k(conditions.sample_period_s);
         if range.held[i] && rise_k > COARSE_K.min(COARSE_SHARE * conditions.overheat_k) {
             let (rise, tick_ms) = (short(rise_k, 2), brief(1e3 * conditions.sample_period_s));
             let what = format!(
@@ -56,13 +56,6 @@ pub fn warnings(head: &Head, conditions: &HeadConditions, checks: &[ElementCheck
         all.push(format!("no element can be held {overheat_k} K above this gas: more current, or less overheat"));
     }
     all
-}
-
-/// By how much a tick at the high level, in place of the low one, heats an element: what its node
-/// stores of it, but no more than the whole structure would rise, K.
-fn rise_k(of: &ElementCheck, sample_period_s: f64) -> f64 {
-    let step_w = of.level_w[1] - of.level_w[0];
-    step_w * (sample_period_s / of.capacity_j_k).min(of.own_gain_k_per_w)
 }
 
 /// Adds an element to the sentence about it.

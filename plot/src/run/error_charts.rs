@@ -110,8 +110,8 @@ fn histogram(caption: &str, unit: &str, values: &[f64], expected: impl Fn(f64) -
     Some(chart.traces(is_expected.then(|| Trace::dashed("as stated", curve).painted(INK))))
 }
 
-/// Errors of winds over their true speed and azimuth, in rows; of a head without a direction one row
-/// of speeds.
+/// Errors of winds over their true speed and azimuth, in rows; of a head without a direction one
+/// row of speeds.
 pub fn sweep(winds: &[WindBesideTruth], has_direction: bool) -> Vec<Vec<Chart>> {
     let chart = |of: &str, unit: &str, over: [&str; 2], points: Vec<(f64, f64, f64)>| {
         let ends = points.iter().flat_map(|(_, y, u)| [y - u, y + u]);

@@ -88,8 +88,8 @@ pub struct CalibratedSurface {
     /// Standard uncertainty of G0, W/K.
     #[serde(rename = "se_quiescent_w_k")]
     pub quiescent_error_w_k: f64,
-    /// Whether the readings determine G0; else it is k̄ A / d times the Nusselt number at rest, taken
-    /// with its 30 %.
+    /// Whether the readings determine G0; else it is k̄ A / d times the Nusselt number at rest,
+    /// taken with its 30 %.
     #[serde(skip)]
     pub is_quiescent_fitted: bool,
 }
