@@ -28,8 +28,8 @@ const FIRST: [&str; 13] = [
     "wind",
 ];
 
-/// What is only parsed: a user's own table, a board and its log, the emulator, a killed program, studies
-/// of minutes.
+/// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
+/// studies of minutes.
 const PARSED: [&str; 9] = [
     "calibrate speeds.csv",
     " mast/",

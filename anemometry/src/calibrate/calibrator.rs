@@ -167,8 +167,8 @@ impl<'a> Calibrator<'a> {
         SteadyWindSearch { observed: &self.observed, settle_s, winds }
     }
 
-    /// The calibrated head, with its errors in winds that were left out; `recordings` says where the
-    /// winds are from.
+    /// The calibrated head, with its errors in winds that were left out; `recordings` says where
+    /// the winds are from.
     ///
     /// # Errors
     /// If winds are missing, or nothing can be fitted.

@@ -370,4 +370,68 @@ mod tests {
         // 3700 rows of 0.6 mK around 0.5 K.
         assert!((gain - 1.0).abs() < 1e-3, "{gain}");
     }
+
+    const PERIOD_S: f64 = 0.1;
+    const ROWS: usize = 20_000;
+
+    /// Record of two elements, one driven by bits of four rows: it has 100 K/W at 0.1 rad/s, and
+    /// warms the other by `cross_k_per_w` at 0.05 rad/s. Readings have 2 mK of noise.
+    fn record_of_two(driven: usize, cross_k_per_w: f64) -> QuiescentRecord {
+        let mut bits = dr_core::signal::Prbs::new(11, 77).unwrap();
+        let (mut random, mut bit) = (1_u64, false);
+        let mut noise_k = || {
+            let sum: f64 = (0..12)
+                .map(|_| {
+                    random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    (random >> 11) as f64 / (1_u64 << 53) as f64
+                })
+                .sum();
+            2e-3 * (sum - 6.0)
+        };
+        let (mut own, mut cross) = (0.0, 0.0);
+        let (mut power_w, mut temperature_c) = (vec![Vec::new(); 2], vec![Vec::new(); 2]);
+        for row in 0..ROWS {
+            if row % 4 == 0 {
+                bit = row >= 300 && bits.step();
+            }
+            let w = if bit { 0.1 } else { 1e-3 };
+            if row == 0 {
+                (own, cross) = (w, w);
+            }
+            temperature_c[driven].push(20.0 + 100.0 * own + noise_k());
+            temperature_c[1 - driven].push(20.0 + 100.0 * 1e-3 + cross_k_per_w * cross + noise_k());
+            power_w[driven].push(w);
+            power_w[1 - driven].push(1e-3);
+            own += mesh::gain(0.1, PERIOD_S) * (w - own);
+            cross += mesh::gain(0.05, PERIOD_S) * (w - cross);
+        }
+        QuiescentRecord {
+            name: format!("record of {driven}"),
+            head: None,
+            conditions: None,
+            sample_period_s: PERIOD_S,
+            elements: vec!["film1".to_owned(), "film2".to_owned()],
+            driven,
+            power_w,
+            temperature_c,
+        }
+    }
+
+    #[test]
+    fn elements_that_do_not_warm_each_other_have_no_cross_heating() {
+        let model = |cross_k_per_w: f64| {
+            let read = |n: usize| Ok(record_of_two(n, cross_k_per_w));
+            identify(2, &read, PolesPerPair { own: 2, cross: 2 }, &mut |_, _, _| {}).unwrap()
+        };
+        let r = |model: &Model, from: &str, to: &str| {
+            let pair = model.pair(&format!("power_w_{from}"), &format!("temperature_c_{to}")).unwrap();
+            pair.classes.values().flat_map(|class| &class.r_k_per_w).sum::<f64>()
+        };
+        let apart = model(0.0);
+        assert_eq!((r(&apart, "film1", "film2"), r(&apart, "film2", "film1")), (0.0, 0.0));
+        assert!((r(&apart, "film1", "film1") / 100.0 - 1.0).abs() < 1e-3);
+        // What is far below a reading's noise, but there, is found.
+        let near = model(0.05);
+        assert!((r(&near, "film1", "film2") / 0.05 - 1.0).abs() < 0.1, "{}", r(&near, "film1", "film2"));
+    }
 }

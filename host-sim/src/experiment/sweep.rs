@@ -191,7 +191,7 @@ mod tests {
             ("most_m_s = 13.0", "most_m_s = 0.5", "`sweep.most_m_s` is 0.5 m/s: it must lie between 1 and 100 m/s"),
             ("hold_s = 1.0", "hold_s = 0.0001", "`sweep.hold_s`"),
             ("hold_s = 1.0", "hold_s = 1.0\nstem = 1.0", "unknown key `stem`"),
-            ("hold_s = 1.0", "hold_s = 1.0\nplane = \"upright\"", "upright"),
+            ("hold_s = 1.0", "hold_s = 1.0\nplane = \"slanted\"", "slanted"),
         ] {
             let error = with(&good.replace(from, to)).unwrap_err();
             assert!(error.contains(expected), "{error}");

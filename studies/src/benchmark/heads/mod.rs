@@ -55,12 +55,21 @@ pub struct HeadFigures {
     pub speed_mean: f64,
 }
 
+/// One head in the modes that are compared.
+#[derive(Debug, Default)]
+pub struct MeasuredHead {
+    /// Mode by mode.
+    pub figures: Vec<HeadFigures>,
+    /// What could not be calibrated in a mode, and why.
+    pub refused: Vec<String>,
+}
+
 /// The figures of the head in a folder: at constant temperature, and where it has one surface, or
 /// `all_modes`, in the two other modes; what cannot be calibrated in a mode goes into `refused`.
 ///
 /// # Errors
 /// What could not be read, run or identified.
-pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Result<HeadsReport, StudyError> {
+pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Result<MeasuredHead, StudyError> {
     let lab = StudyLab::new(folder, progress);
     let head = lab.experiment("tunnel")?.head;
     let names = head.names();
@@ -71,7 +80,7 @@ pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Resul
         surfaces if surfaces == 1 || all_modes => &OperatingMode::ALL,
         _ => &[OperatingMode::Cta],
     };
-    let mut report = HeadsReport::default();
+    let mut head_measured = MeasuredHead::default();
     for &mode in modes {
         let measured = || {
             let tunnel = operation::experiment(&lab, "tunnel", &identified, mode)?;
@@ -82,11 +91,11 @@ pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Resul
             figures(&head, &winds, mode)
         };
         match measured() {
-            Ok(figures) => report.heads.push(figures),
-            Err(error) => report.refused.push(format!("{}, {}: {error}", head.name, mode.name())),
+            Ok(figures) => head_measured.figures.push(figures),
+            Err(error) => head_measured.refused.push(format!("{}, {}: {error}", head.name, mode.name())),
         }
     }
-    Ok(report)
+    Ok(head_measured)
 }
 
 fn figures(

@@ -5,7 +5,7 @@ use std::fmt;
 use dr_core::wind::HeadForm;
 use serde::Serialize;
 
-use super::{BANDWIDTH, HeadFigures};
+use super::{BANDWIDTH, HeadFigures, MeasuredHead};
 
 /// What `anemo benchmark heads` reports.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -42,8 +42,8 @@ fn legend() -> String {
 
 impl HeadsReport {
     /// Adds the figures of another head.
-    pub fn extend(&mut self, other: Self) {
-        self.heads.extend(other.heads);
+    pub fn extend(&mut self, other: MeasuredHead) {
+        self.heads.extend(other.figures);
         self.refused.extend(other.refused);
     }
 
