@@ -60,7 +60,8 @@ impl NewHeadKind {
             _ => (0..sectors)
                 .map(|n| {
                     let (sine, cosine) = (TAU * n as f64 / sectors as f64).sin_cos();
-                    [cosine, sine, 0.0]
+                    // A sine of half a turn is not quite 0.
+                    [cosine, sine, 0.0].map(|x| (1e9 * x).round() / 1e9)
                 })
                 .collect(),
         }
